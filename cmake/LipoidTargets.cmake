@@ -1,0 +1,41 @@
+# How every lipoid target is compiled. Nothing here is a global flag.
+add_library(lipoid_options INTERFACE)
+target_compile_features(lipoid_options INTERFACE cxx_std_20)
+target_compile_options(
+  lipoid_options
+  INTERFACE
+    -Wall -Wextra
+    -Wshadow             # a hidden name in a long numerical function is a bug waiting
+    -Wconversion         # silent narrowing loses digits or rows
+    -Wno-sign-conversion # indices of vectors, everywhere
+    -Wnon-virtual-dtor
+    -Wold-style-cast
+    -ffp-contract=off    # the same bits with and without fused multiply-add
+    $<$<BOOL:${LIPOID_WARNINGS_AS_ERRORS}>:-Werror>)
+if(LIPOID_SANITIZE)
+  target_compile_options(lipoid_options INTERFACE -fsanitize=${LIPOID_SANITIZE} -fno-omit-frame-pointer
+                                                  -fno-sanitize-recover=all)
+  target_link_options(lipoid_options INTERFACE -fsanitize=${LIPOID_SANITIZE})
+endif()
+
+# lipoid_library(model SOURCES a.cc ... HEADERS a.h ... LINKS target ...): one exported library.
+function(lipoid_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS" ${ARGN})
+  add_library(lipoid_${name} STATIC ${ARG_SOURCES})
+  add_library(lipoid::${name} ALIAS lipoid_${name})
+  set_target_properties(lipoid_${name} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
+                                                  POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(lipoid_${name} PUBLIC cxx_std_20)
+  target_link_libraries(lipoid_${name} PRIVATE $<BUILD_INTERFACE:lipoid_options>)
+  target_link_libraries(lipoid_${name} PUBLIC ${ARG_LINKS})
+  target_sources(
+    lipoid_${name}
+    PUBLIC FILE_SET HEADERS
+           BASE_DIRS "${PROJECT_SOURCE_DIR}"
+           FILES ${ARG_HEADERS})
+  install(
+    TARGETS lipoid_${name}
+    EXPORT lipoid-targets
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lipoid")
+endfunction()

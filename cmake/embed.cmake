@@ -1,0 +1,23 @@
+# cmake -DOUTPUT=x.h -DNAME=kShippedCells "-DFILES=a.json;b.json" -P embed.cmake
+# Writes the files into a header as a sorted table of {name, text}, so that names resolve from anywhere.
+list(SORT FILES)
+list(LENGTH FILES count)
+set(rows "")
+foreach(file IN LISTS FILES)
+  get_filename_component(name "${file}" NAME_WLE)
+  file(READ "${file}" text)
+  string(APPEND rows "    {\"${name}\", R\"lipoid(${text})lipoid\"},\n")
+endforeach()
+file(WRITE "${OUTPUT}.new" "#pragma once
+#include <array>
+#include <string_view>
+namespace lipoid {
+struct ${NAME}Entry {
+  std::string_view name;
+  std::string_view text;
+};
+inline constexpr std::array<${NAME}Entry, ${count}> ${NAME}{{
+${rows}}};
+}  // namespace lipoid
+")
+file(COPY_FILE "${OUTPUT}.new" "${OUTPUT}" ONLY_IF_DIFFERENT)

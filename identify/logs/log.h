@@ -1,0 +1,72 @@
+#pragma once
+
+/// @file
+/// Reading a log of any known format into a Record, with a report of what was found and done.
+///
+/// The format is recognised from the content. The sign of the current is found from the physics or from the
+/// cycler's state column. What is dropped is counted. Anything else that is wrong is a LoadError with
+/// file:line:column. Formats: identify/logs/formats/formats.h. Tests: tests/identify/logs/.
+
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/logs/record.h"
+
+namespace lipoid {
+
+/// What the user says about a file instead of leaving it to be found.
+struct ReadOptions {
+  /// Keys time_s, current_A, voltage_V, temperature_degC: the header's name for that column.
+  std::map<std::string, std::string> columns;
+  /// Units of time, current and voltage, for headers that state none: {"s", "A", "V"}. Empty: as the header
+  /// says. An entry that contradicts the header is an error.
+  std::vector<std::string> units;
+  /// "" or "auto": found from the data; "discharge-positive"; "discharge-negative".
+  std::string current_sign;
+  Hold hold = Hold::kBackward;
+  /// Only rows of these steps / cycles of a vendor file; empty: all.
+  std::vector<int> steps;
+  std::vector<int> cycles;
+  /// Only rows with start_s <= time <= end_s, in the time of the file; time then restarts at 0.
+  double start_s = -std::numeric_limits<double>::infinity();
+  double end_s = std::numeric_limits<double>::infinity();
+  /// Added drop of the leads: v_true = v + R i.
+  double lead_resistance_Ohm = 0.0;
+};
+
+/// A stretch of time without rows that is far longer than the sampling around it.
+struct Gap {
+  std::size_t row = 0;  ///< the row that ends the gap
+  double start_s = 0.0;
+  double length_s = 0.0;
+};
+
+/// What reading found and did; shown by `lipoid inspect`.
+struct LogReport {
+  std::string format;                      ///< name in the format table
+  std::size_t rows = 0;                    ///< rows kept
+  std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
+  std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
+  std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
+  std::string current_sign;                ///< "discharge-positive", "discharge-negative", "unsigned"
+  std::string current_sign_reason;         ///< one sentence
+  std::vector<Gap> gaps;
+  std::vector<std::string> notes;          ///< byte order mark, trailing comma, decimal comma, ...
+
+  [[nodiscard]] std::size_t dropped_rows() const {
+    return dropped_repeated_times + dropped_unselected + dropped_cut_last_line;
+  }
+};
+
+struct Log {
+  Record record;
+  LogReport report;
+};
+
+[[nodiscard]] Log ReadLog(const std::string& file, const ReadOptions& options = {});
+
+}  // namespace lipoid

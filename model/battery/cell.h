@@ -1,0 +1,53 @@
+#pragma once
+
+/// @file
+/// An identified cell as data: what a cell file holds and what simulations start from.
+///
+/// The numbers are those of one cell; series and parallel say how many make the pack that is used.
+/// Tests: tests/model/battery/cell_file_test.cc.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/battery/cell_model.h"
+#include "model/battery/open_circuit_voltage.h"
+#include "model/battery/resistance.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+struct Cell {
+  struct Diffusion {
+    double alpha_C = 0.0;           ///< charge from A = 1 to A = 0 at vanishing rate, > 0
+    double beta_per_sqrt_s = 0.0;   ///< in (0, 1]
+    int terms = 10;                 ///< M in (4.46), 0 .. 1000
+    bool tail = true;               ///< quasi-static share of the modes beyond M
+  };
+  struct Branch {
+    Resistance<double> resistance_Ohm;
+    double time_constant_s = 0.0;   ///< tau = r c
+    /// Set where the branch is written by its capacitance (only with a constant resistance).
+    std::optional<double> capacitance_F;
+  };
+
+  std::string name;
+  int series = 1;
+  int parallel = 1;
+  double capacity_Ah = 0.0;  ///< nominal; the charge of A = 1 -> 0 where there is no diffusion
+  double cutoff_V = 0.0;     ///< end of discharge of one cell
+  std::optional<Diffusion> diffusion;  ///< none: beta is infinite, A follows the charge alone
+  OpenCircuitVoltage open_circuit_voltage;
+  bool open_circuit_voltage_assumed = false;  ///< a typical curve, not a measured one
+  Resistance<double> series_resistance_Ohm;
+  std::vector<Branch> branches;
+  Json run = Json::object();  ///< how it was made; see RunRecord
+
+  /// Charge from A = 1 to A = 0 at vanishing rate.
+  [[nodiscard]] double alpha_C() const {
+    return diffusion ? diffusion->alpha_C : 3600.0 * capacity_Ah;
+  }
+  [[nodiscard]] CellParameters<double> Parameters() const;
+};
+
+}  // namespace lipoid

@@ -1,0 +1,227 @@
+#include "model/battery/cell_file.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "generated/shipped_cells.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string MethodName(OcvMethod method) {
+  for (const auto& [value, name] : OptionNames(OcvMethod{})) {
+    if (value == method) return std::string(name);
+  }
+  return "?";
+}
+
+// Strictly increasing numbers; a table that is not sorted is refused at its first offender.
+std::vector<double> Increasing(const JsonReader& list) {
+  auto numbers = list.Numbers(-kInfinity, kInfinity);
+  for (std::size_t k = 1; k < numbers.size(); ++k) {
+    if (!(numbers[k] > numbers[k - 1])) list.Item(k).Fail("a number greater than the one before");
+  }
+  return numbers;
+}
+
+OpenCircuitVoltage ReadCurve(const JsonReader& json) {
+  const auto method = json.At("method").Text();
+  if (method == "linear" || method == "monotone-cubic") {
+    json.OnlyKeys({"method", "assumed", "soc", "voltage_V"});
+    const std::size_t least = method == "linear" ? 2 : 4;
+    auto soc = Increasing(json.At("soc"));
+    auto voltage = json.At("voltage_V").Numbers(-kInfinity, kInfinity);
+    if (soc.size() < least) json.At("soc").Fail(fmt::format("at least {} states of charge", least));
+    if (voltage.size() != soc.size()) json.At("voltage_V").Fail(fmt::format("{} voltages", soc.size()));
+    return method == "linear" ? OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage))
+                              : OpenCircuitVoltage::MonotoneCubic(std::move(soc), std::move(voltage));
+  }
+  if (method != "polynomial" && method != "fourier") {
+    json.At("method").Fail("linear, polynomial, fourier or monotone-cubic");
+  }
+  const auto range = Increasing(json.At("soc_range"));
+  if (range.size() != 2) json.At("soc_range").Fail("two states of charge");
+  if (method == "polynomial") {
+    json.OnlyKeys({"method", "assumed", "soc_range", "basis", "coefficients_V"});
+    if (json.At("basis").Text() != "chebyshev") json.At("basis").Fail("chebyshev");
+    auto coefficients = json.At("coefficients_V").Numbers(-kInfinity, kInfinity);
+    if (coefficients.empty()) json.At("coefficients_V").Fail("at least one coefficient");
+    return OpenCircuitVoltage::Polynomial(range[0], range[1], std::move(coefficients));
+  }
+  json.OnlyKeys({"method", "assumed", "soc_range", "frequency_rad", "cosine_V", "sine_V"});
+  auto cosine = json.At("cosine_V").Numbers(-kInfinity, kInfinity);
+  auto sine = json.At("sine_V").Numbers(-kInfinity, kInfinity);
+  if (cosine.size() != sine.size() + 1) {
+    json.At("sine_V").Fail("one coefficient less than cosine_V");
+  }
+  return OpenCircuitVoltage::Fourier(range[0],
+                                     range[1],
+                                     json.At("frequency_rad").Number(0.0, kInfinity),
+                                     std::move(cosine),
+                                     std::move(sine));
+}
+
+Json CurveToJson(const OpenCircuitVoltage& curve) {
+  Json json = {{"method", MethodName(curve.method())}};
+  switch (curve.method()) {
+    case OcvMethod::kLinear:
+    case OcvMethod::kMonotoneCubic:
+      json["soc"] = curve.soc();
+      json["voltage_V"] = curve.voltage_V();
+      break;
+    case OcvMethod::kPolynomial:
+      json["soc_range"] = {curve.soc_lo(), curve.soc_hi()};
+      json["basis"] = "chebyshev";
+      json["coefficients_V"] = curve.coefficients_V();
+      break;
+    case OcvMethod::kFourier:
+      json["soc_range"] = {curve.soc_lo(), curve.soc_hi()};
+      json["frequency_rad"] = curve.frequency_rad();
+      json["cosine_V"] = curve.coefficients_V();
+      json["sine_V"] = curve.sine_V();
+      break;
+  }
+  return json;
+}
+
+Resistance<double> ReadResistance(const JsonReader& json) {
+  if (json.IsNumber()) return {json.Number(0.0, kInfinity)};
+  if (!json.IsObject()) json.Fail("a number or a table of soc and resistance_Ohm");
+  json.OnlyKeys({"soc", "resistance_Ohm"});
+  auto soc = Increasing(json.At("soc"));
+  auto values = json.At("resistance_Ohm").Numbers(0.0, kInfinity);
+  if (soc.empty()) json.At("soc").Fail("at least one state of charge");
+  if (values.size() != soc.size()) json.At("resistance_Ohm").Fail(fmt::format("{} resistances", soc.size()));
+  return {std::move(soc), std::move(values)};
+}
+
+Json ResistanceToJson(const Resistance<double>& resistance) {
+  if (resistance.constant()) return resistance.resistance_Ohm[0];
+  return {{"soc", resistance.soc}, {"resistance_Ohm", resistance.resistance_Ohm}};
+}
+
+Cell::Branch ReadBranch(const JsonReader& json) {
+  json.OnlyKeys({"resistance_Ohm", "capacitance_F", "time_constant_s"});
+  Cell::Branch branch;
+  branch.resistance_Ohm = ReadResistance(json.At("resistance_Ohm"));
+  const auto capacitance = json.Find("capacitance_F");
+  const auto time_constant = json.Find("time_constant_s");
+  if (capacitance.has_value() == time_constant.has_value()) {
+    json.Fail("either capacitance_F or time_constant_s");
+  }
+  if (time_constant) {
+    branch.time_constant_s = time_constant->Number(0.0, kInfinity);
+  } else {
+    if (!branch.resistance_Ohm.constant()) {
+      capacitance->FailWith("expected time_constant_s, found capacitance_F beside a table of resistances");
+    }
+    branch.capacitance_F = capacitance->Number(0.0, kInfinity);
+    branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
+  }
+  return branch;
+}
+
+}  // namespace
+
+Cell ParseCell(const std::string& text, const std::string& file) {
+  const Json document = ParseJson(text, file);
+  const JsonReader json(document, file, text);
+  if (!json.IsObject()) json.Fail(fmt::format("a cell file, \"schema\": \"{}\"", kCellSchema));
+  const auto schema = json.At("schema");
+  if (schema.Text() != kCellSchema) schema.Fail(fmt::format("schema \"{}\"", kCellSchema));
+  json.OnlyKeys({"schema", "name", "series", "parallel", "capacity_Ah", "cutoff_V", "diffusion",
+                 "open_circuit_voltage", "series_resistance_Ohm", "branches", "run"});
+  Cell cell;
+  cell.name = json.At("name").Text();
+  if (const auto series = json.Find("series")) cell.series = series->Integer(1, 100000);
+  if (const auto parallel = json.Find("parallel")) cell.parallel = parallel->Integer(1, 100000);
+  const double least = std::numeric_limits<double>::min();
+  cell.capacity_Ah = json.At("capacity_Ah").Number(least, kInfinity);
+  cell.cutoff_V = json.At("cutoff_V").Number(0.0, kInfinity);
+  if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
+    diffusion.OnlyKeys({"alpha_C", "beta_per_sqrt_s", "terms", "tail"});
+    cell.diffusion = Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(least, kInfinity),
+                                     .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(least, 1.0),
+                                     .terms = diffusion.At("terms").Integer(0, 1000),
+                                     .tail = diffusion.At("tail").Boolean()};
+  }
+  const auto curve = json.At("open_circuit_voltage");
+  cell.open_circuit_voltage = ReadCurve(curve);
+  if (const auto assumed = curve.Find("assumed")) cell.open_circuit_voltage_assumed = assumed->Boolean();
+  cell.series_resistance_Ohm = ReadResistance(json.At("series_resistance_Ohm"));
+  const auto branches = json.At("branches");
+  for (std::size_t j = 0; j < branches.Size(); ++j) cell.branches.push_back(ReadBranch(branches.Item(j)));
+  if (const auto run = json.Find("run")) {
+    if (!run->IsObject()) run->Fail("an object");
+    cell.run = document.at("run");
+  }
+  return cell;
+}
+
+Cell ReadCellFile(const std::string& file) { return ParseCell(ReadTextFile(file), file); }
+
+Json CellToJson(const Cell& cell) {
+  Json diffusion = nullptr;
+  if (cell.diffusion) {
+    diffusion = {{"alpha_C", cell.diffusion->alpha_C},
+                 {"beta_per_sqrt_s", cell.diffusion->beta_per_sqrt_s},
+                 {"terms", cell.diffusion->terms},
+                 {"tail", cell.diffusion->tail}};
+  }
+  Json branches = Json::array();
+  for (const auto& branch : cell.branches) {
+    Json one = {{"resistance_Ohm", ResistanceToJson(branch.resistance_Ohm)}};
+    if (branch.capacitance_F) {
+      one["capacitance_F"] = *branch.capacitance_F;
+    } else {
+      one["time_constant_s"] = branch.time_constant_s;
+    }
+    branches.push_back(std::move(one));
+  }
+  Json curve = CurveToJson(cell.open_circuit_voltage);
+  if (cell.open_circuit_voltage_assumed) curve["assumed"] = true;
+  return {{"schema", kCellSchema},
+          {"name", cell.name},
+          {"series", cell.series},
+          {"parallel", cell.parallel},
+          {"capacity_Ah", cell.capacity_Ah},
+          {"cutoff_V", cell.cutoff_V},
+          {"diffusion", diffusion},
+          {"open_circuit_voltage", curve},
+          {"series_resistance_Ohm", ResistanceToJson(cell.series_resistance_Ohm)},
+          {"branches", branches},
+          {"run", cell.run}};
+}
+
+void WriteCellFile(const Cell& cell, const std::string& file) {
+  WriteFileAtomically(file, CellToJson(cell).dump(2) + "\n");
+}
+
+std::vector<std::string> ShippedCellNames() {
+  std::vector<std::string> names;
+  for (const auto& shipped : kShippedCells) names.emplace_back(shipped.name);
+  return names;
+}
+
+Cell LoadCell(const std::string& name_or_file) {
+  for (const auto& shipped : kShippedCells) {
+    if (shipped.name == name_or_file) return ParseCell(std::string(shipped.text), std::string(shipped.name));
+  }
+  const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
+  try {
+    return ReadCellFile(name_or_file);
+  } catch (const LoadError& error) {
+    if (looks_like_file || error.diagnostics().front().message.find("found none") == std::string::npos) throw;
+    std::string names;
+    for (const auto& name : ShippedCellNames()) names += (names.empty() ? "" : ", ") + name;
+    throw LoadError({name_or_file},
+                    fmt::format("expected a cell file or one of the shipped cells ({}), found neither", names));
+  }
+}
+
+}  // namespace lipoid

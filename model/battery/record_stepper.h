@@ -1,0 +1,101 @@
+#pragma once
+
+/// @file
+/// Walks a cell along the rows of a log, whatever their sampling.
+///
+///   backward   the current of row k flowed over (t[k-1], t[k]], as cyclers log; row 0 moves no charge
+///   forward    the current of row k flows until row k+1, the thesis' (4.46)
+///
+/// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current of row k.
+/// Rows may come in any number of pieces: the stepper remembers the last one.
+/// Tests: tests/model/battery/cell_model_test.cc.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/battery/cell_model.h"
+
+namespace lipoid {
+
+enum class Hold { kBackward, kForward };
+
+constexpr std::array<std::pair<Hold, std::string_view>, 2> OptionNames(Hold) {
+  return {{{Hold::kBackward, "backward"}, {Hold::kForward, "forward"}}};
+}
+
+/// Remembers what was computed for an interval length. Time stamps are rounded, so that "every 10 ms" comes
+/// as many neighbouring doubles: lengths that agree within the rounding of the stamps share one value.
+template <class Value>
+class IntervalCache {
+ public:
+  /// The value for dt_s at time_s; make(dt_s, value) fills it when it is new.
+  template <class Make>
+  Value& Get(double dt_s, double time_s, Make&& make) {
+    const double tolerance = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(time_s);
+    if (std::abs(dt_s - last_->dt_s) <= tolerance) return last_->value;
+    // Neighbouring lengths fall into one slot, or at worst into two.
+    const auto key = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30));
+    last_ = &slots_[((key + 1) * 0x9E3779B97F4A7C15ULL) >> (64 - kBits)];
+    if (!(std::abs(dt_s - last_->dt_s) <= tolerance)) {
+      make(dt_s, last_->value);
+      last_->dt_s = dt_s;
+    }
+    return last_->value;
+  }
+
+  IntervalCache() : slots_(std::size_t{1} << kBits), last_(&slots_[0]) {}
+  IntervalCache(const IntervalCache&) = delete;
+  IntervalCache& operator=(const IntervalCache&) = delete;
+
+ private:
+  static constexpr int kBits = 8;
+  struct Slot {
+    double dt_s = std::numeric_limits<double>::quiet_NaN();
+    Value value{};
+  };
+  std::vector<Slot> slots_;
+  Slot* last_;
+};
+
+template <class T>
+class RecordStepper {
+ public:
+  using State = typename CellModel<T>::State;
+
+  RecordStepper(const CellModel<T>& model, Hold hold, State initial)
+      : model_(model), hold_(hold), state_(std::move(initial)) {}
+
+  /// Moves to the next row; time_s must exceed that of the row before.
+  void Row(double time_s, const T& current_A) {
+    if (started_) {
+      const double dt_s = time_s - time_s_;
+      auto& step = cache_.Get(
+          dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) { model_.MakeStep(dt, made); });
+      step.dt_s = dt_s;  // the charge is counted with the stamps themselves
+      model_.Advance(state_, hold_ == Hold::kBackward ? current_A : current_A_, step);
+    }
+    started_ = true;
+    time_s_ = time_s;
+    current_A_ = current_A;
+  }
+
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] T Soc() const { return model_.Soc(state_, current_A_); }
+  [[nodiscard]] T Voltage() const { return model_.Voltage(state_, current_A_); }
+
+ private:
+  const CellModel<T>& model_;
+  Hold hold_;
+  State state_;
+  IntervalCache<typename CellModel<T>::Step> cache_;
+  bool started_ = false;
+  double time_s_ = 0.0;
+  T current_A_ = T(0.0);
+};
+
+}  // namespace lipoid

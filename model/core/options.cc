@@ -1,0 +1,66 @@
+#include "model/core/options.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "model/core/errors.h"
+
+namespace lipoid::options_internal {
+namespace {
+
+std::string Join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+std::string FormatDouble(double value) { return fmt::format("{}", value); }
+
+std::string FormatRange(const Range& range, bool integral) {
+  const bool lower = std::isfinite(range.lo);
+  const bool upper = std::isfinite(range.hi);
+  if (lower && upper) return fmt::format("{} .. {}", range.lo, range.hi);
+  if (lower) return fmt::format("at least {}", range.lo);
+  if (upper) return fmt::format("at most {}", range.hi);
+  return integral ? "a whole number" : "a number";
+}
+
+double ParseDouble(std::string_view name, std::string_view text, const Range& range) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !range.Contains(value)) {
+    throw OptionError(
+        fmt::format("option {}: expected {}, found '{}'", name, FormatRange(range, false), text));
+  }
+  return value;
+}
+
+int ParseInt(std::string_view name, std::string_view text, const Range& range) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !range.Contains(value)) {
+    throw OptionError(fmt::format(
+        "option {}: expected a whole number, {}, found '{}'", name, FormatRange(range, true), text));
+  }
+  return value;
+}
+
+bool ParseBool(std::string_view name, std::string_view text) {
+  if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
+  if (text == "false" || text == "off" || text == "no" || text == "0") return false;
+  throw OptionError(fmt::format("option {}: expected true or false, found '{}'", name, text));
+}
+
+void ThrowUnknownChoice(std::string_view name,
+                        std::string_view text,
+                        const std::vector<std::string>& choices) {
+  throw OptionError(fmt::format("option {}: expected one of {}, found '{}'", name, Join(choices), text));
+}
+
+void ThrowUnknownOption(std::string_view name, const std::vector<std::string>& known) {
+  throw OptionError(fmt::format("unknown option '{}'; known are {}", name, Join(known)));
+}
+
+}  // namespace lipoid::options_internal

@@ -1,0 +1,67 @@
+#include "model/core/run_record.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "generated/version.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  void Update(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
+  std::string Hex() {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest, &size);
+    std::string hex;
+    for (unsigned int k = 0; k < size; ++k) hex += fmt::format("{:02x}", digest[k]);
+    return hex;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
+
+}  // namespace
+
+const char* Version() { return LIPOID_VERSION; }
+const char* GitCommit() { return LIPOID_GIT_COMMIT; }
+
+std::string Sha256OfFile(const std::string& file) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream) {
+    throw LoadError({file}, fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
+  }
+  Sha256 hash;
+  std::vector<char> buffer(1 << 20);
+  for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) > 0;) {
+    hash.Update(buffer.data(), got);
+  }
+  return hash.Hex();
+}
+
+std::string Sha256OfBytes(const std::string& bytes) {
+  Sha256 hash;
+  hash.Update(bytes.data(), bytes.size());
+  return hash.Hex();
+}
+
+Json RunRecord::ToJson() const {
+  Json files = Json::array();
+  for (const auto& file : inputs) files.push_back({{"file", file}, {"sha256", Sha256OfFile(file)}});
+  return {{"command", command}, {"options", options}, {"seed", seed},   {"version", Version()},
+          {"commit", GitCommit()}, {"inputs", files},  {"metrics", metrics}};
+}
+
+}  // namespace lipoid
