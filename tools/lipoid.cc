@@ -1,1 +1,9 @@
-int main() { return 0; }
+#include <string>
+#include <vector>
+
+#include "tools/cli/run.h"
+#include "tools/commands.h"
+
+int main(int argc, char** argv) {
+  return lipoid::cli::Run(lipoid::kCommands, std::vector<std::string>(argv + 1, argv + argc));
+}

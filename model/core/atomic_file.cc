@@ -7,12 +7,23 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "model/core/errors.h"
 
 namespace lipoid {
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
+  if (path_ == "/dev/stdout") {
+    // By its descriptor: where it leads to a regular file, that file is the shell's and is not replaced.
+    const int descriptor = ::dup(STDOUT_FILENO);
+    if (descriptor >= 0) file_ = ::fdopen(descriptor, "wb");
+    if (file_ == nullptr) Fail(std::strerror(errno));
+    return;
+  }
+  // A link stays a link; what it points to is replaced.
+  std::error_code dangling;
+  if (const auto target = std::filesystem::canonical(path_, dangling); !dangling) path_ = target.string();
   struct stat status {};
   const bool exists = ::stat(path_.c_str(), &status) == 0;
   if (path_.empty() || (exists && S_ISDIR(status.st_mode))) {

@@ -12,8 +12,8 @@ namespace lipoid {
 
 /// A file that appears under its name at Commit() and not before; a destroyed, uncommitted one leaves
 /// nothing behind. Throws OptionError where the folder is missing or cannot be written, the disk is full,
-/// or the target is a folder. A target that is not a regular file (/dev/stdout, a pipe) is written to
-/// directly.
+/// or the target is a folder. A target that is not a regular file (a pipe) is written to directly, and so is
+/// /dev/stdout, whatever it leads to; behind a link the file it points to is replaced, not the link.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path);

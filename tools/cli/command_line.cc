@@ -1,0 +1,409 @@
+#include "tools/cli/command_line.h"
+
+#include <sys/stat.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <boost/program_options.hpp>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "tools/cli/suggest.h"
+#include "tools/cli/text_table.h"
+
+namespace po = boost::program_options;
+
+namespace lipoid::cli {
+namespace {
+
+constexpr int kMaxThreads = 4096;
+
+std::uint64_t ParseSeed(const std::string& shown, const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw OptionError(
+        fmt::format("option {}: expected a whole number of at least 0, found '{}'", shown, text));
+  }
+  return seed;
+}
+
+bool SameFile(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b || std::filesystem::equivalent(a, b, ignored);
+}
+
+// Words of `text` in lines of at most `width`, each but the first indented.
+std::string Wrap(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string wrapped;
+  std::size_t column = indent;
+  for (std::size_t from = 0; from < text.size();) {
+    const auto to = std::min(text.find(' ', from), text.size());
+    const auto word = text.substr(from, to - from);
+    if (column > indent && column + 1 + word.size() > width) {
+      wrapped += '\n' + std::string(indent, ' ');
+      column = indent;
+    }
+    if (column > indent) {
+      wrapped += ' ';
+      ++column;
+    }
+    wrapped += word;
+    column += word.size();
+    from = to + 1;
+  }
+  return wrapped;
+}
+
+// "  --name VALUE    help", the help wrapped beside it.
+void AddHelpLine(std::string& text, const std::string& left, const std::string& help) {
+  constexpr std::size_t kColumn = 30;
+  text += "  " + left;
+  if (left.size() + 4 > kColumn) {
+    text += '\n' + std::string(kColumn, ' ');
+  } else {
+    text += std::string(kColumn - 2 - left.size(), ' ');
+  }
+  text += Wrap(help, kColumn, 100) + '\n';
+}
+
+}  // namespace
+
+struct CommandLine::Threads {
+  explicit Threads(int count)
+      : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)) {}
+  tbb::global_control control;
+};
+
+CommandLine::CommandLine(const Command& command, std::vector<std::string> arguments)
+    : command_(command),
+      arguments_(std::move(arguments)),
+      progress_(std::make_unique<Progress>(false)) {
+  Text("summary", summary_file_, "FILE", "write the results as JSON, also when the command fails");
+  Declare("seed", "a whole number", "0", "seed of everything random").set =
+      [this](const std::string& shown, const std::string& text) { seed_ = ParseSeed(shown, text); };
+  Declare("threads", fmt::format("1 .. {}", kMaxThreads), "all cores", "how many threads may run")
+      .set = [this](const std::string& shown, const std::string& text) {
+    options_internal::FromText(shown, text, Range{1, kMaxThreads}, threads_);
+  };
+  Flag("quiet", quiet_, "no messages and no progress bar, only data and errors");
+  Texts("set", assignments_, "OPTION=VALUE", "set one of the options listed below");
+  options_.back()->several = false;  // one word each: the next may be an argument
+  Flag("help,h", help_, "this text");
+  for (auto& option : options_) option->common = true;
+}
+
+CommandLine::~CommandLine() = default;
+
+void CommandLine::Describe(std::string_view what, std::string_view example) {
+  what_ = what;
+  Example(example);
+}
+
+void CommandLine::Argument(std::string_view name, std::string& value, std::string_view help) {
+  positionals_.push_back({.name = std::string(name), .help = std::string(help), .one = &value});
+}
+
+void CommandLine::Arguments(std::string_view name,
+                            std::vector<std::string>& values,
+                            std::string_view help,
+                            std::size_t at_least) {
+  positionals_.push_back({.name = std::string(name),
+                          .help = std::string(help),
+                          .rest = &values,
+                          .at_least = at_least});
+}
+
+void CommandLine::Text(std::string_view name,
+                       std::string& value,
+                       std::string_view word,
+                       std::string_view help) {
+  Declare(name, word, value, help).set = [&value](const std::string&, const std::string& text) {
+    value = text;
+  };
+}
+
+void CommandLine::Texts(std::string_view name,
+                        std::vector<std::string>& values,
+                        std::string_view word,
+                        std::string_view help) {
+  auto& option = Declare(name, word, "", help);
+  option.several = true;
+  option.set = [&values](const std::string&, const std::string& text) { values.push_back(text); };
+}
+
+void CommandLine::Flag(std::string_view name, bool& value, std::string_view help) {
+  Declare(name, "", "", help).set = [&value](const std::string&, const std::string&) {
+    value = true;
+  };
+}
+
+void CommandLine::Output(std::string& value, std::string_view word, std::string_view help) {
+  OutputOption("output,o", value, word, help);
+  options_.back()->required = true;
+}
+
+void CommandLine::OutputOption(std::string_view name,
+                               std::string& value,
+                               std::string_view word,
+                               std::string_view help) {
+  auto& option = Declare(name, word, "", help);
+  option.output = true;
+  option.set = [this, &value, &option](const std::string&, const std::string& text) {
+    value = OutputPath(text);
+    output_paths_[option.Shown()] = value;
+  };
+}
+
+CommandLine::Declared& CommandLine::Declare(std::string_view name,
+                                            std::string_view word,
+                                            std::string_view default_text,
+                                            std::string_view help) {
+  auto option = std::make_unique<Declared>();
+  const auto comma = name.find(',');
+  option->name = name.substr(0, comma);
+  if (comma != std::string_view::npos) option->letter = name[comma + 1];
+  option->word = word;
+  option->default_text = default_text;
+  option->help = help;
+  options_.push_back(std::move(option));
+  return *options_.back();
+}
+
+void CommandLine::AddGroup(std::string prefix,
+                           std::vector<OptionDescription> options,
+                           std::function<void(std::string_view, std::string_view)> set) {
+  groups_.push_back({std::move(prefix), std::move(options), std::move(set), false});
+}
+
+void CommandLine::AddFlags(std::vector<OptionDescription> options,
+                           std::function<void(std::string_view, std::string_view)> set) {
+  for (const auto& option : options) {
+    std::string name = option.name;
+    std::replace(name.begin(), name.end(), '_', '-');
+    Declare(name, option.valid, option.default_text, option.help).set =
+        [set, member = option.name](const std::string&, const std::string& text) {
+          set(member, text);
+        };
+  }
+  groups_.push_back({"", std::move(options), std::move(set), true});
+}
+
+std::string CommandLine::Declared::Shown() const {
+  return letter == '\0' ? "--" + name : fmt::format("-{}, --{}", letter, name);
+}
+
+bool CommandLine::Parse() {
+  po::options_description all;
+  for (const auto& option : options_) {
+    const auto name =
+        option->letter == '\0' ? option->name : fmt::format("{},{}", option->name, option->letter);
+    if (option->word.empty()) {
+      all.add_options()(name.c_str(), "");
+    } else if (option->several) {
+      all.add_options()(name.c_str(), po::value<std::vector<std::string>>()->multitoken());
+    } else {
+      all.add_options()(name.c_str(), po::value<std::string>());
+    }
+  }
+  // No guessing: an option added later must not change what an abbreviation means.
+  constexpr int kStyle =
+      po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+  std::vector<po::option> parsed;
+  try {
+    parsed = po::command_line_parser(arguments_).options(all).style(kStyle).run().options;
+  } catch (const po::unknown_option& error) {
+    std::vector<std::string> known;
+    for (const auto& option : options_) known.push_back("--" + option->name);
+    throw OptionError(UnknownName("option", error.get_option_name(), known));
+  } catch (const po::invalid_command_line_syntax& error) {
+    throw OptionError(
+        fmt::format("option {}: expected a value, found none", error.get_option_name()));
+  } catch (const po::error& error) {
+    throw OptionError(error.what());
+  }
+
+  std::vector<std::string> words;
+  for (const auto& [key, position, values, tokens, unregistered, insensitive] : parsed) {
+    if (key.empty()) {
+      words.insert(words.end(), values.begin(), values.end());
+      continue;
+    }
+    for (auto& option : options_) {
+      if (key != option->name && key != fmt::format("-{}", option->letter)) continue;
+      const bool repeatable = option->several || option->word.empty() || option->name == "set";
+      if (option->given && !repeatable) {
+        throw OptionError(fmt::format("option --{} is given twice; give it once", option->name));
+      }
+      option->given = true;
+      const std::string shown = "--" + option->name;
+      if (option->word.empty()) option->set(shown, "");
+      for (const auto& value : values) option->set(shown, value);
+    }
+  }
+  if (help_) {
+    output_ = Help();
+    return false;
+  }
+  for (const auto& assignment : assignments_) SetOne(assignment);
+  AssignArguments(words);
+  for (const auto& option : options_) {
+    if (option->required && !option->given) {
+      throw OptionError(
+          fmt::format("option {} {} is missing: {}", option->Shown(), option->word, option->help));
+    }
+  }
+  CheckOutputs(words);
+  if (threads_ > 0) threads_limit_ = std::make_unique<Threads>(threads_);
+  progress_ = std::make_unique<Progress>(!quiet_);
+  return true;
+}
+
+void CommandLine::SetOne(const std::string& assignment) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string::npos) {
+    throw OptionError(fmt::format("option --set: expected OPTION=VALUE, found '{}'", assignment));
+  }
+  const auto name = assignment.substr(0, equals);
+  std::vector<std::string> known;
+  for (const auto& group : groups_) {
+    for (const auto& option : group.options) {
+      known.push_back(group.FullName(option));
+      if (known.back() == name) return group.set(option.name, assignment.substr(equals + 1));
+    }
+  }
+  throw OptionError("option --set: " + UnknownName("option", name, known));
+}
+
+void CommandLine::AssignArguments(const std::vector<std::string>& words) {
+  std::size_t next = 0;
+  for (const auto& positional : positionals_) {
+    const auto left = words.size() - next;
+    if (left < positional.at_least) {
+      throw OptionError(fmt::format("{} is missing: {}", positional.name, positional.help));
+    }
+    if (positional.one != nullptr) {
+      *positional.one = words[next++];
+    } else {
+      positional.rest->assign(words.begin() + static_cast<std::ptrdiff_t>(next), words.end());
+      next = words.size();
+    }
+  }
+  if (next < words.size()) {
+    throw OptionError(fmt::format("'{}' is one argument too many", words[next]));
+  }
+}
+
+void CommandLine::CheckOutputs(const std::vector<std::string>& words) const {
+  auto outputs = output_paths_;
+  if (!summary_file_.empty()) outputs["--summary"] = OutputPath(summary_file_);
+  for (const auto& [shown, path] : outputs) {
+    CheckWritable(path);
+    struct stat status {};
+    const bool exists = ::stat(path.c_str(), &status) == 0;
+    if (path == "/dev/stdout" || (exists && !S_ISREG(status.st_mode))) continue;
+    for (const auto& word : words) {
+      if (SameFile(path, word)) {
+        throw OptionError(
+            fmt::format("option {}: '{}' is also an input; name another file", shown, path));
+      }
+    }
+    for (const auto& [other, other_path] : outputs) {
+      if (other != shown && SameFile(path, other_path)) {
+        throw OptionError(fmt::format(
+            "options {} and {}: '{}' is named twice; name two files", other, shown, path));
+      }
+    }
+  }
+}
+
+std::string CommandLine::CommandText() const {
+  std::string text = fmt::format("lipoid {}", command_.name);
+  for (const auto& argument : arguments_) {
+    const bool plain = argument.find_first_of(" \t\n'\"\\$*?&|;<>()") == std::string::npos;
+    text += plain && !argument.empty() ? " " + argument : " '" + argument + "'";
+  }
+  return text;
+}
+
+bool CommandLine::Given(std::string_view name) const {
+  const auto option = std::find_if(options_.begin(), options_.end(), [&](const auto& candidate) {
+    return candidate->name == name;
+  });
+  Require(option != options_.end(), "a declared option");
+  return (*option)->given;
+}
+
+void CommandLine::WriteMessage(std::string text) {
+  progress_->Wipe();
+  text += '\n';
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
+std::string CommandLine::Help() const {
+  std::string usage = fmt::format("lipoid {}", command_.name);
+  for (const auto& positional : positionals_) {
+    usage +=
+        positional.at_least == 0 ? fmt::format(" [{}]", positional.name) : " " + positional.name;
+    if (positional.rest != nullptr) usage += "...";
+  }
+  for (const auto& option : options_) {
+    if (!option->required) continue;
+    usage += option->letter == '\0' ? fmt::format(" --{} {}", option->name, option->word)
+                                    : fmt::format(" -{} {}", option->letter, option->word);
+  }
+  std::string text = fmt::format("Usage: {} [options]\n\n{}\n", usage, Wrap(what_, 0, 100));
+  text += examples_.size() > 1 ? "\nExamples:\n" : "\nExample:\n";
+  for (const auto& example : examples_) text += "  " + example + "\n";
+
+  if (!positionals_.empty()) {
+    text += "\nArguments:\n";
+    for (const auto& positional : positionals_) AddHelpLine(text, positional.name, positional.help);
+  }
+  const auto add_options = [&](std::string_view title, bool common) {
+    bool first = true;
+    for (const auto& option : options_) {
+      if (option->common != common) continue;
+      if (first) text += fmt::format("\n{}:\n", title);
+      first = false;
+      // A short word stands beside the name; a list of choices or a range beside the help.
+      const bool short_word = option->word.find(' ') == std::string::npos;
+      std::string left = option->Shown();
+      std::string help = option->help;
+      if (!option->word.empty()) left += " " + (short_word ? option->word : "VALUE");
+      if (option->several) left += "...";
+      if (!short_word) help += "; " + option->word;
+      if (!option->default_text.empty()) help += fmt::format(" (default {})", option->default_text);
+      AddHelpLine(text, left, help);
+    }
+  };
+  add_options("Options", false);
+  add_options("Common options", true);
+  bool first = true;
+  for (const auto& group : groups_) {
+    if (group.flags) continue;
+    if (first) text += "\nOptions for --set OPTION=VALUE:\n";
+    first = false;
+    for (const auto& option : group.options) {
+      AddHelpLine(
+          text,
+          group.FullName(option),
+          fmt::format("{}; {} (default {})", option.help, option.valid, option.default_text));
+    }
+  }
+  return text;
+}
+
+void CheckWritable(const std::string& file) {
+  struct stat status {};
+  const bool exists = ::stat(file.c_str(), &status) == 0;
+  const bool special = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
+}
+
+std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }
+
+}  // namespace lipoid::cli

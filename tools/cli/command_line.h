@@ -1,0 +1,244 @@
+#pragma once
+
+/// @file
+/// What a command sees of the command line: it declares its arguments and options, parses, and has
+/// places for its results.
+///
+///   ExitCode Validate(CommandLine& line) {
+///     std::string cell;
+///     double initial_soc = 1.0;
+///     line.Describe("Predicts the voltage of logs and compares.", "lipoid validate gifi-600mAh-1
+///     cc_1C.csv"); line.Argument("CELL", cell, "a cell file, or the name of a shipped cell");
+///     line.Option("initial-soc", initial_soc, Range{-0.1, 1.1}, "state of charge of the first
+///     row"); line.Group("pulses", pulse_options);  // --set pulses.branches=2, all of them in
+///     --help if (!line.Parse()) return ExitCode::kDone;  // --help was printed
+///     ...
+///     line.summary()["logs"] = ...;
+///     line.Print("{}", table.Text());
+///     return ExitCode::kDone;
+///   }
+///
+/// Wrong input is thrown as LoadError, wrong options as OptionError; Run() turns them into exit
+/// codes and messages. Common to all commands: --summary, --seed, --threads, --quiet, --set,
+/// --help. Tests: tests/tools/.
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/core/json.h"
+#include "model/core/options.h"
+#include "tools/cli/progress.h"
+
+namespace lipoid::cli {
+
+enum class ExitCode {
+  kDone = 0,
+  kIncomplete = 1,  ///< not converged, or not completed
+  kUsage = 2,
+  kBadInput = 3,
+};
+
+class CommandLine;
+
+struct Command {
+  std::string_view name;
+  std::string_view summary;  ///< one line for `lipoid --help`
+  ExitCode (*run)(CommandLine&);
+};
+
+class CommandLine {
+ public:
+  CommandLine(const Command& command, std::vector<std::string> arguments);
+  ~CommandLine();
+
+  // Declaration: all before Parse().
+
+  /// What the command does, and an example to type; more examples by further calls of Example().
+  void Describe(std::string_view what, std::string_view example);
+  void Example(std::string_view example) { examples_.emplace_back(example); }
+
+  /// A word that must be there; in the order of declaration.
+  void Argument(std::string_view name, std::string& value, std::string_view help);
+  /// The words that remain, at least so many.
+  void Arguments(std::string_view name,
+                 std::vector<std::string>& values,
+                 std::string_view help,
+                 std::size_t at_least = 1);
+
+  /// --name VALUE, checked as in model/core/options.h. `name` may end in a letter: "output,o".
+  template <class T, class Valid>
+  void Option(std::string_view name, T& value, const Valid& valid, std::string_view help) {
+    Declare(name, options_internal::DescribeValid<T>(valid), options_internal::ToText(value), help)
+        .set = [&value, valid](const std::string& shown, const std::string& text) {
+      options_internal::FromText(shown, text, valid, value);
+    };
+  }
+  /// The same, where not giving it means something.
+  template <class T, class Valid>
+  void Option(std::string_view name,
+              std::optional<T>& value,
+              const Valid& valid,
+              std::string_view help) {
+    Declare(name, options_internal::DescribeValid<T>(valid), "", help).set =
+        [&value, valid](const std::string& shown, const std::string& text) {
+          options_internal::FromText(shown, text, valid, value.emplace());
+        };
+  }
+  /// --name WORD, free text; `word` says in help what is expected: "FILE".
+  void Text(std::string_view name,
+            std::string& value,
+            std::string_view word,
+            std::string_view help);
+  /// --name WORD..., several words at once or the option several times.
+  void Texts(std::string_view name,
+             std::vector<std::string>& values,
+             std::string_view word,
+             std::string_view help);
+  /// --name, without a value.
+  void Flag(std::string_view name, bool& value, std::string_view help);
+  /// -o FILE: required; Parse() checks that it can be written and is not one of the arguments. "-"
+  /// is standard output.
+  void Output(std::string& value, std::string_view word, std::string_view help);
+  /// A further file to write, not required, with the same checks: --residuals CSV.
+  void OutputOption(std::string_view name,
+                    std::string& value,
+                    std::string_view word,
+                    std::string_view help);
+
+  /// Options of a struct (model/core/options.h) for --set prefix.name=value; no dot where prefix is
+  /// empty.
+  template <class Options>
+  void Group(std::string_view prefix, Options& options) {
+    AddGroup(std::string(prefix),
+             DescribeOptions<Options>(),
+             [&options](std::string_view name, std::string_view text) {
+               SetOption(options, name, text);
+             });
+  }
+  /// Options of a struct as --name-of-it VALUE each, and for --set name_of_it=value too.
+  template <class Options>
+  void Flags(Options& options) {
+    AddFlags(DescribeOptions<Options>(), [&options](std::string_view name, std::string_view text) {
+      SetOption(options, name, text);
+    });
+  }
+
+  /// Reads the command line into the declared variables. False: --help was asked for and is
+  /// printed. OptionError where it is not right.
+  [[nodiscard]] bool Parse();
+
+  // After Parse().
+
+  [[nodiscard]] const Command& command() const { return command_; }
+  /// The command as typed, for run records.
+  [[nodiscard]] std::string CommandText() const;
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  [[nodiscard]] bool quiet() const { return quiet_; }
+  /// Whether the option was given ("initial-soc").
+  [[nodiscard]] bool Given(std::string_view name) const;
+
+  /// Results for --summary; the keys of design.md.
+  [[nodiscard]] Json& summary() { return summary_; }
+
+  /// Data for standard output. Kept until the command is done: a command that fails prints nothing.
+  template <class... Args>
+  void Print(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(output_), format, std::forward<Args>(args)...);
+  }
+  [[nodiscard]] const std::string& output() const { return output_; }
+
+  /// A message on standard error, silenced by --quiet.
+  template <class... Args>
+  void Message(fmt::format_string<Args...> format, Args&&... args) {
+    if (!quiet_) WriteMessage(fmt::format(format, std::forward<Args>(args)...));
+  }
+  [[nodiscard]] Progress& progress() { return *progress_; }
+
+ private:
+  struct Declared {
+    std::string name;  // without dashes
+    char letter = '\0';
+    std::string word;  // what stands for the value in help; empty: takes none
+    std::string default_text;
+    std::string help;
+    bool several = false;
+    bool required = false;
+    bool output = false;  // a file to be written
+    bool common = false;
+    bool given = false;
+    std::function<void(const std::string& shown, const std::string& text)> set;
+
+    [[nodiscard]] std::string Shown() const;
+  };
+  struct Positional {
+    std::string name;
+    std::string help;
+    std::string* one = nullptr;
+    std::vector<std::string>* rest = nullptr;
+    std::size_t at_least = 1;
+  };
+  struct OptionGroup {
+    std::string prefix;
+    std::vector<OptionDescription> options;
+    std::function<void(std::string_view, std::string_view)> set;
+    bool flags = false;  // shown among the options, not under --set
+
+    [[nodiscard]] std::string FullName(const OptionDescription& option) const {
+      return prefix.empty() ? option.name : prefix + "." + option.name;
+    }
+  };
+
+  Declared& Declare(std::string_view name,
+                    std::string_view word,
+                    std::string_view default_text,
+                    std::string_view help);
+  void AddGroup(std::string prefix,
+                std::vector<OptionDescription> options,
+                std::function<void(std::string_view, std::string_view)> set);
+  void AddFlags(std::vector<OptionDescription> options,
+                std::function<void(std::string_view, std::string_view)> set);
+  void SetOne(const std::string& assignment);
+  void AssignArguments(const std::vector<std::string>& words);
+  void CheckOutputs(const std::vector<std::string>& words) const;
+  void WriteMessage(std::string text);
+  [[nodiscard]] std::string Help() const;
+
+  const Command& command_;
+  std::vector<std::string> arguments_;
+  std::string what_;
+  std::vector<std::string> examples_;
+  std::vector<std::unique_ptr<Declared>> options_;
+  std::vector<Positional> positionals_;
+  std::vector<OptionGroup> groups_;
+
+  std::string summary_file_;
+  std::uint64_t seed_ = 0;
+  int threads_ = 0;
+  bool quiet_ = false;
+  bool help_ = false;
+  std::vector<std::string> assignments_;
+  std::map<std::string, std::string> output_paths_;
+
+  Json summary_ = Json::object();
+  std::string output_;
+  std::unique_ptr<Progress> progress_;
+  struct Threads;
+  std::unique_ptr<Threads> threads_limit_;
+};
+
+/// OptionError unless the file can be written: its folder is there and takes files. Leaves no
+/// trace.
+void CheckWritable(const std::string& file);
+
+/// "-" means standard output.
+[[nodiscard]] std::string OutputPath(const std::string& text);
+
+}  // namespace lipoid::cli

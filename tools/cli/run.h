@@ -1,0 +1,19 @@
+#pragma once
+
+/// @file
+/// Dispatch: finds the command, runs it, and turns whatever happens into one exit code, a message
+/// on standard error and, where --summary asks for it, a JSON file. Tests: tests/tools/.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/cli/command_line.h"
+
+namespace lipoid::cli {
+
+/// The exit code of `lipoid arguments...`. Never throws.
+[[nodiscard]] int Run(std::span<const Command> commands,
+                      std::vector<std::string> arguments) noexcept;
+
+}  // namespace lipoid::cli

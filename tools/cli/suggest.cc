@@ -1,0 +1,55 @@
+#include "tools/cli/suggest.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace lipoid::cli {
+namespace {
+
+// Optimal string alignment distance.
+std::size_t Edits(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> edits(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) edits[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) edits[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = a[i - 1] == b[j - 1];
+      edits[i][j] = std::min(
+          {edits[i - 1][j] + 1, edits[i][j - 1] + 1, edits[i - 1][j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return edits[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string Nearest(std::string_view typed, const std::vector<std::string>& known) {
+  // More than a third of the letters wrong is another word.
+  std::size_t fewest = std::max<std::size_t>(1, typed.size() / 3) + 1;
+  std::string nearest;
+  for (const auto& name : known) {
+    const auto edits = Edits(typed, name);
+    if (edits < fewest) {
+      fewest = edits;
+      nearest = name;
+    }
+  }
+  return nearest;
+}
+
+std::string UnknownName(std::string_view what,
+                        std::string_view typed,
+                        const std::vector<std::string>& known) {
+  if (known.empty()) return fmt::format("unknown {} '{}'; there are none", what, typed);
+  const auto nearest = Nearest(typed, known);
+  const auto question =
+      nearest.empty() ? std::string() : fmt::format(" Did you mean '{}'?", nearest);
+  return fmt::format("unknown {} '{}'.{} Known: {}", what, typed, question, fmt::join(known, ", "));
+}
+
+}  // namespace lipoid::cli

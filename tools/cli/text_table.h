@@ -1,0 +1,40 @@
+#pragma once
+
+/// @file
+/// Tables for people: numbers to the right, words to the left, units in the header.
+///
+///   TextTable table({{"log", kLeft}, {"mean / %"}});
+///   table.Row({"cc_1C.csv", Significant(0.2234)});
+///
+/// Tests: tests/tools/cli_test.cc.
+
+#include <string>
+#include <vector>
+
+namespace lipoid::cli {
+
+enum class Align { kRight, kLeft };
+
+class TextTable {
+ public:
+  struct Column {
+    std::string header;
+    Align align = Align::kRight;
+  };
+
+  explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+  /// As many cells as there are columns.
+  void Row(std::vector<std::string> cells);
+  [[nodiscard]] std::string Text() const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A number with so many significant digits, trailing zeros kept: "0.2234", "1354", "2.400e-05".
+/// "-" where it is not a number.
+[[nodiscard]] std::string Significant(double value, int digits = 4);
+
+}  // namespace lipoid::cli
