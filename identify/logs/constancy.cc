@@ -1,0 +1,112 @@
+#include "identify/logs/constancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// Current and duration of consecutive groups of rows.
+struct Stretch {
+  double current_A = 0.0;
+  double duration_s = 0.0;
+};
+
+template <class Visit>
+void ForEachStretch(
+    const Record& record, std::size_t first, std::size_t last, std::size_t rows, Visit visit) {
+  for (std::size_t k = first; k <= last;) {
+    const std::size_t end = std::min(last - k < rows ? last + 1 : k + rows, last + 1);
+    double charge_C = 0.0;
+    double duration_s = 0.0;
+    for (; k < end; ++k) {
+      const double dt_s = RowDuration(record, k);
+      charge_C += record.current_A[k] * dt_s;
+      duration_s += dt_s;
+    }
+    if (duration_s > 0.0) visit(Stretch{charge_C / duration_s, duration_s});
+  }
+}
+
+// The median over time to kBins parts of the range, without sorting.
+double MedianOverTime(const Record& record, std::size_t first, std::size_t last, std::size_t rows) {
+  constexpr std::size_t kBins = 4096;
+  double lo = INFINITY;
+  double hi = -INFINITY;
+  double total_s = 0.0;
+  ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
+    lo = std::min(lo, s.current_A);
+    hi = std::max(hi, s.current_A);
+    total_s += s.duration_s;
+  });
+  if (!(total_s > 0.0)) return record.current_A[last];
+  if (!(hi > lo)) return lo;
+  std::vector<Stretch> bins(kBins);  // in each the charge, for now, and the time
+  ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
+    const double share = (s.current_A - lo) / (hi - lo);
+    Stretch& bin = bins[std::min(static_cast<std::size_t>(share * kBins), kBins - 1)];
+    bin.current_A += s.current_A * s.duration_s;
+    bin.duration_s += s.duration_s;
+  });
+  double before_s = 0.0;
+  for (const Stretch& bin : bins) {
+    before_s += bin.duration_s;
+    if (before_s >= 0.5 * total_s) return bin.current_A / bin.duration_s;
+  }
+  return hi;
+}
+
+}  // namespace
+
+double RowNoise(const std::vector<double>& values, std::size_t first, std::size_t last) {
+  // The quantile that sees a coarse instrument's last digit, and what it is for normal noise of
+  // deviation 1 (by simulation: 1.555).
+  constexpr double kQuantile = 0.9;
+  constexpr double kOfNormalNoise = 1.555;
+  constexpr std::size_t kSamples = 1 << 16;
+  if (last < first + 2) return 0.0;
+  const std::size_t stride = (last - first) / kSamples + 1;
+  std::vector<double> distances;
+  distances.reserve((last - first) / stride + 1);
+  for (std::size_t k = first + 1; k < last; k += stride) {
+    const double a = values[k - 1];
+    const double b = values[k + 1];
+    distances.push_back(
+        std::abs(values[k] - std::clamp(values[k], std::min(a, b), std::max(a, b))));
+  }
+  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(
+                                          kQuantile * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), at, distances.end());
+  return *at / kOfNormalNoise;
+}
+
+Constancy MeasureConstancy(const Record& record, std::size_t first, std::size_t last) {
+  Require(first <= last && last < record.size(),
+          "first <= last < size",
+          {{"first", static_cast<double>(first)}, {"last", static_cast<double>(last)}});
+  constexpr double kVisibleNoise =
+      kOffMedian / 4.0;               // four deviations fit into the distance that counts
+  constexpr double kMostNoise = 0.5;  // more is no noise but a drive
+  Constancy result{.median_A = MedianOverTime(record, first, last, 1)};
+  const double noise = RowNoise(record.current_A, first, last) / std::abs(result.median_A);
+  std::size_t rows = 1;
+  if (noise > kVisibleNoise && noise <= kMostNoise) {
+    rows = static_cast<std::size_t>(std::ceil(std::pow(noise / kVisibleNoise, 2)));
+    result.median_A = MedianOverTime(record, first, last, rows);
+  }
+  double off_C = 0.0;
+  double all_C = 0.0;
+  ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
+    const double charge_C = std::abs(s.current_A) * s.duration_s;
+    all_C += charge_C;
+    const bool off =
+        std::abs(s.current_A - result.median_A) > kOffMedian * std::abs(result.median_A);
+    if (off) off_C += charge_C;
+  });
+  if (all_C > 0.0) result.charge_off_median = off_C / all_C;
+  return result;
+}
+
+}  // namespace lipoid
