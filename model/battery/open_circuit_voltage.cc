@@ -3,11 +3,14 @@
 #include <math.h>  // boost 1.74's pchip.hpp calls isnan without std:: (NOLINT: the C header is meant)
 
 #include <boost/math/interpolators/pchip.hpp>
+#include <limits>
 
 #include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void RequireNodes(const std::vector<double>& soc, const std::vector<double>& voltage_V, std::size_t least) {
   Require(soc.size() == voltage_V.size() && soc.size() >= least,
@@ -21,6 +24,15 @@ void RequireNodes(const std::vector<double>& soc, const std::vector<double>& vol
             {{"soc", soc[k]}, {"voltage_V", voltage_V[k]}});
     Require(k == 0 || soc[k] > soc[k - 1], "soc strictly increasing", {{"soc", soc[k]}});
   }
+}
+
+// Slope at an end node by the parabola through the first three nodes, kept from turning the curve around:
+// what pchip of MATLAB and SciPy do. Boost's own default is the first chord, which is only first order.
+double EndSlope(double h0, double h1, double chord0, double chord1) {
+  const double slope = ((2.0 * h0 + h1) * chord0 - h0 * chord1) / (h0 + h1);
+  if (!(slope * chord0 > 0.0)) return 0.0;
+  const bool turns = !(chord0 * chord1 > 0.0) && std::abs(slope) > 3.0 * std::abs(chord0);
+  return turns ? 3.0 * chord0 : slope;
 }
 
 }  // namespace
@@ -44,16 +56,23 @@ OpenCircuitVoltage OpenCircuitVoltage::MonotoneCubic(std::vector<double> soc,
   RequireNodes(soc, voltage_V, 4);
   OpenCircuitVoltage curve;
   curve.method_ = OcvMethod::kMonotoneCubic;
+  const auto h = [&](std::size_t k) { return soc[k + 1] - soc[k]; };
+  const auto chord = [&](std::size_t k) { return (voltage_V[k + 1] - voltage_V[k]) / h(k); };
+  const std::size_t last = soc.size() - 2;
   const auto library = boost::math::interpolators::pchip<std::vector<double>>(
-      std::vector<double>(soc), std::vector<double>(voltage_V));
+      std::vector<double>(soc),
+      std::vector<double>(voltage_V),
+      EndSlope(h(0), h(1), chord(0), chord(1)),
+      EndSlope(h(last), h(last - 1), chord(last), chord(last - 1)));
   std::vector<Piece> pieces(soc.size() - 1);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const double h = soc[k + 1] - soc[k];
-    const double chord = (voltage_V[k + 1] - voltage_V[k]) / h;
     const double s0 = library.prime(soc[k]);
     const double s1 = library.prime(soc[k + 1]);
     // Hermite's cubic between the nodes with the library's slopes.
-    pieces[k] = {voltage_V[k], s0, (3.0 * chord - 2.0 * s0 - s1) / h, (s0 + s1 - 2.0 * chord) / (h * h)};
+    pieces[k] = {voltage_V[k],
+                 s0,
+                 (3.0 * chord(k) - 2.0 * s0 - s1) / h(k),
+                 (s0 + s1 - 2.0 * chord(k)) / (h(k) * h(k))};
   }
   curve.soc_ = std::move(soc);
   curve.voltage_V_ = std::move(voltage_V);
@@ -118,6 +137,7 @@ void OpenCircuitVoltage::SetPieces(std::vector<Piece> pieces) {
 }
 
 OpenCircuitVoltage::ValueAndSlope OpenCircuitVoltage::SeriesInRange(double soc) const {
+  if (coefficients_V_.empty()) return {kNaN, kNaN};  // default-constructed: no curve yet
   if (method_ == OcvMethod::kPolynomial) {
     // Clenshaw's recurrence for sum c_k T_k(x) and, differentiated, for its slope.
     const double scale = 2.0 / (hi_ - lo_);

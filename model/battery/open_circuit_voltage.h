@@ -4,7 +4,8 @@
 /// Open-circuit voltage of a cell against its state of charge, v_oc = f(A), (4.49).
 ///
 ///   linear          straight lines between nodes (the thesis' choice)
-///   monotone-cubic  cubic pieces through nodes that rise where the nodes rise (Fritsch-Carlson)
+///   monotone-cubic  cubic pieces through nodes that rise where the nodes rise (the pchip of
+///                   MATLAB and SciPy)
 ///   polynomial      sum_k c_k T_k(x), Chebyshev polynomials of x = (2 A - lo - hi)/(hi - lo)
 ///   fourier         a_0 + sum_k a_k cos(k w A) + b_k sin(k w A)
 ///
@@ -33,6 +34,7 @@ constexpr std::array<std::pair<OcvMethod, std::string_view>, 4> OptionNames(OcvM
            {OcvMethod::kMonotoneCubic, "monotone-cubic"}}};
 }
 
+/// Default-constructed there is no curve yet: its voltages are NaN.
 class OpenCircuitVoltage {
  public:
   struct ValueAndSlope {
@@ -69,7 +71,7 @@ class OpenCircuitVoltage {
   [[nodiscard]] ValueAndSlope Evaluate(double soc) const {
     if (pieces_.empty()) return EvaluateSeries(soc);
     if (!(soc >= lo_)) return {first_.value_V + first_.slope_V * (soc - lo_), first_.slope_V};
-    if (soc > hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
+    if (soc >= hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
     const auto bucket = static_cast<std::size_t>((soc - lo_) * buckets_per_soc_);
     std::size_t k = bucket_[std::min(bucket, bucket_.size() - 1)];
     while (k + 1 < pieces_.size() && soc >= soc_[k + 1]) ++k;
