@@ -30,8 +30,8 @@ class ErrorAccumulator {
   void Add(double measured, double predicted, double weight = 1.0) {
     const double error = measured - predicted;
     const double percent = 100.0 * std::abs(error / measured);  // (4.56)
-    // Not std::max: a NaN must not vanish.
-    if (!(percent <= largest_)) largest_ = percent;
+    // Not std::max: a NaN must not vanish, not even behind later rows.
+    if (percent > largest_ || std::isnan(percent)) largest_ = percent;
     percent_ += weight * percent;
     squares_ += weight * error * error;
     weight_ += weight;
