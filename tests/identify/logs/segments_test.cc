@@ -56,15 +56,15 @@ void ExpectCovers(const std::vector<Segment>& segments, const Record& record) {
   EXPECT_NEAR(charge_C, moved_C, 1e-9 * (1.0 + std::abs(moved_C)));  // rounding of the sums
 }
 
-class Holds : public testing::TestWithParam<Hold> {};
+class SegmentsHolds : public testing::TestWithParam<Hold> {};
 INSTANTIATE_TEST_SUITE_P(Both,
-                         Holds,
+                         SegmentsHolds,
                          testing::Values(Hold::kBackward, Hold::kForward),
                          [](const auto& each) {
                            return each.param == Hold::kBackward ? "Backward" : "Forward";
                          });
 
-TEST_P(Holds, StartEndAndChargeOfEveryStepAreThoseOfTheSchedule) {
+TEST_P(SegmentsHolds, StartEndAndChargeOfEveryStepAreThoseOfTheSchedule) {
   // Rest, discharge, rest, charge, rest at 0.25 s to 60 s.
   const std::vector<CurrentStep> steps = {{600.0, 0.0, 60.0},
                                           {30.0, 3.0, 0.25},
@@ -217,10 +217,10 @@ TEST(Segments, RareFlickerOfTheZeroDoesNotCutRests) {
   EXPECT_EQ(Kinds(FindSegments(record)), (std::vector{kRest, kPulse, kRest}));
 }
 
-class Noise : public testing::TestWithParam<unsigned> {};
-INSTANTIATE_TEST_SUITE_P(Seeds, Noise, testing::Range(1U, 11U));
+class SegmentsNoise : public testing::TestWithParam<unsigned> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, SegmentsNoise, testing::Range(1U, 11U));
 
-TEST_P(Noise, OfATwentiethOfTheCurrentMovesNoEdge) {
+TEST_P(SegmentsNoise, OfATwentiethOfTheCurrentMovesNoEdge) {
   const auto record = RecordOfSteps(
       {{60.0, 0.0, 0.1}, {30.0, 0.6, 0.1}, {600.0, 0.0, 0.1}, {30.0, 0.6, 0.1}, {600.0, 0.0, 0.1}},
       Hold::kBackward,
@@ -235,7 +235,7 @@ TEST_P(Noise, OfATwentiethOfTheCurrentMovesNoEdge) {
   EXPECT_EQ(segments[3].last, 7200U);
 }
 
-TEST_P(Noise, NearlyAsLargeAsTheCurrentStillLeavesTheDischarge) {
+TEST_P(SegmentsNoise, NearlyAsLargeAsTheCurrentStillLeavesTheDischarge) {
   // A low-rate test of 50 mA with 20 mA of noise in every row.
   const auto record = RecordOfSteps(
       {{300.0, 0.0}, {40000.0, 0.05}, {3000.0, 0.0}}, Hold::kBackward, 0.02, GetParam());
@@ -273,7 +273,7 @@ TEST(RestThreshold, LiesBetweenTheNoiseOfZeroAndTheLoad) {
   EXPECT_LT(RestThreshold(record), 0.05 * 4.0);
 }
 
-TEST(RealLogs, PulsesOfDmegcAreEleven) {
+TEST(SegmentsOfRealLogs, PulsesOfDmegcAreEleven) {
   const auto file = test::LabDataPath("dmegc_inr18650_26_r1/pulse.csv");
   LIPOID_SKIP_WITHOUT(file);
   const auto record = test::ReadPlainCsv(file);
@@ -287,7 +287,7 @@ TEST(RealLogs, PulsesOfDmegcAreEleven) {
   }
 }
 
-TEST(RealLogs, PulsesOfNissanAreTheSequenceOfItsReadme) {
+TEST(SegmentsOfRealLogs, PulsesOfNissanAreTheSequenceOfItsReadme) {
   const auto file = test::LabDataPath("nissan_leaf_33ah/pulse.csv");
   LIPOID_SKIP_WITHOUT(file);
   const auto record = test::ReadPlainCsv(file);
@@ -303,7 +303,7 @@ TEST(RealLogs, PulsesOfNissanAreTheSequenceOfItsReadme) {
   EXPECT_EQ(segments.size(), 52U);
 }
 
-TEST(RealLogs, RandomWalkOfDmegcIsTwentySteps) {
+TEST(SegmentsOfRealLogs, RandomWalkOfDmegcIsTwentySteps) {
   const auto file = test::LabDataPath("dmegc_inr18650_26_r1/random_walk_01.csv");
   LIPOID_SKIP_WITHOUT(file);
   const auto segments = FindSegments(test::ReadPlainCsv(file));
@@ -317,7 +317,7 @@ TEST(RealLogs, RandomWalkOfDmegcIsTwentySteps) {
   }
 }
 
-TEST(RealLogs, DischargesAreARestRowAndOneLevel) {
+TEST(SegmentsOfRealLogs, DischargesAreARestRowAndOneLevel) {
   for (const char* name : {"nissan_leaf_33ah/cc_1c.csv",
                            "nissan_leaf_33ah/cc_3c.csv",
                            "nissan_leaf_33ah/low_rate.csv",

@@ -1,0 +1,247 @@
+#include "identify/logs/discharge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/logs/constancy.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kMinorShare =
+    0.01;  // of the charge: a load that moves less is a check, no discharge
+constexpr double kMaxRestShare = 0.05;  // of the time from switch-on to the end
+constexpr std::size_t kRestRows = 2;    // fewer show no relaxation
+
+[[noreturn]] void Refuse(const Record& record, const std::string& message) {
+  throw LoadError({.file = record.file}, message);
+}
+
+bool IsRest(const Segment& segment) { return segment.kind == SegmentKind::kRest; }
+
+// The one discharge of a record: its loaded rows, without anything about its end.
+Discharge OneDischarge(const Record& record, const std::string& expected) {
+  const auto segments = FindSegments(record);
+  double out_C = 0.0;
+  double in_C = 0.0;
+  for (const Segment& segment : segments) {
+    if (!IsRest(segment)) (segment.charge_C > 0.0 ? out_C : in_C) += std::abs(segment.charge_C);
+  }
+  if (out_C == 0.0 && in_C == 0.0) {
+    Refuse(record,
+           fmt::format(
+               "expected {}, found no current but rest over {} rows", expected, record.size()));
+  }
+  if (in_C > kMaxRestShare * out_C) {
+    Refuse(
+        record,
+        fmt::format(
+            "expected {}, found {:.4g} Ah of charging beside {:.4g} Ah of discharging; choose the "
+            "part of the log with steps, cycles or start_s and end_s, or settle the sign with "
+            "current_sign",
+            expected,
+            in_C / 3600.0,
+            out_C / 3600.0));
+  }
+  const auto major = [&](const Segment& segment) {
+    return !IsRest(segment) && segment.charge_C > kMinorShare * out_C;
+  };
+  const auto begin = std::find_if(segments.begin(), segments.end(), major);
+  const auto end = std::find_if(segments.rbegin(), segments.rend(), major).base();
+  if (begin == segments.end()) {
+    Refuse(record, fmt::format("expected {}, found a current that changes all the time", expected));
+  }
+  // An edge too slow to belong to its level is part of the discharge all the same.
+  auto first = begin;
+  while (first != segments.begin() && !IsRest(*(first - 1))) --first;
+  double rest_s = 0.0;
+  std::size_t rests = 0;
+  for (auto segment = first; segment != end; ++segment) {
+    if (!IsRest(*segment)) continue;
+    rest_s += segment->duration_s();
+    ++rests;
+  }
+  const Segment& last = *(end - 1);
+  if (rest_s > kMaxRestShare * (last.end_s - first->start_s)) {
+    Refuse(
+        record,
+        fmt::format(
+            "expected {}, found {} rest{} inside it, {:.6g} s of {:.6g} s; a log of pulses is of "
+            "kind \"pulses\"",
+            expected,
+            rests,
+            rests == 1 ? "" : "s",
+            rest_s,
+            last.end_s - first->start_s));
+  }
+  const Constancy constancy = MeasureConstancy(record, first->first, last.last);
+  if (!constancy.constant()) {
+    const auto [least, most] =
+        std::minmax_element(record.current_A.begin() + static_cast<std::ptrdiff_t>(first->first),
+                            record.current_A.begin() + static_cast<std::ptrdiff_t>(last.last + 1));
+    Refuse(record,
+           fmt::format("expected {}, found {:.0f} % of the charge at over {:.0f} % from the median "
+                       "of {:.4g} A "
+                       "(rows from {:.4g} A to {:.4g} A)",
+                       expected,
+                       100.0 * constancy.charge_off_median,
+                       100.0 * kOffMedian,
+                       constancy.median_A,
+                       *least,
+                       *most));
+  }
+  Discharge discharge{
+      .first = first->first, .last = last.last, .start_s = first->start_s, .end_s = last.end_s};
+  discharge.voltage_noise_V = RowNoise(record.voltage_V, discharge.first, discharge.last);
+  discharge.end_voltage_V = record.voltage_V[discharge.last];
+  return discharge;
+}
+
+// Charge and mean current between start_s and end_s, exact for either hold.
+void CountCharge(const Record& record, Discharge& discharge) {
+  discharge.charge_C = 0.0;
+  for (std::size_t k = 1; k < record.size() && record.time_s[k - 1] < discharge.end_s; ++k) {
+    const double from_s = std::max(record.time_s[k - 1], discharge.start_s);
+    const double to_s = std::min(record.time_s[k], discharge.end_s);
+    if (to_s <= from_s) continue;
+    discharge.charge_C +=
+        record.current_A[record.hold == Hold::kBackward ? k : k - 1] * (to_s - from_s);
+  }
+  discharge.current_A = discharge.charge_C / discharge.time_s();
+}
+
+// A voltage under load and when it was there.
+struct Point {
+  double time_s = 0.0;
+  double voltage_V = 0.0;
+  std::size_t row = 0;  // the latest row that took part
+};
+
+// The voltages under load: the rows, or averages over as many of them as it takes to see through
+// the noise.
+std::vector<Point> LoadedVoltages(const Record& record, const Discharge& discharge) {
+  constexpr double kSharp_V = 0.0005;
+  constexpr double kMaxTimeShare = 0.005;  // the knee before cut-off must not be smoothed away
+  const std::size_t rows = discharge.last - discharge.first + 1;
+  const double wanted = std::pow(discharge.voltage_noise_V / kSharp_V, 2);
+  const auto average = static_cast<std::size_t>(
+      std::clamp(std::min(wanted, kMaxTimeShare * static_cast<double>(rows)), 1.0, 1e9));
+  std::vector<Point> points;
+  points.reserve(rows / average + 1);
+  // Groups are counted from the end, where it matters.
+  for (std::size_t end = discharge.first + rows % average; end <= discharge.last + 1;
+       end += average) {
+    if (end < discharge.first + average) continue;
+    Point point{.row = end - 1};
+    for (std::size_t k = end - average; k < end; ++k) {
+      point.time_s += record.time_s[k] / static_cast<double>(average);
+      point.voltage_V += record.voltage_V[k] / static_cast<double>(average);
+    }
+    points.push_back(point);
+  }
+  // The current flows on after the last stamp that carries its voltage: after the middle of the
+  // last group, and with forward hold after the last row.
+  if (points.size() >= 2 && points.back().time_s < discharge.end_s) {
+    const Point& a = points[points.size() - 2];
+    const Point& b = points.back();
+    const double slope = (b.voltage_V - a.voltage_V) / (b.time_s - a.time_s);
+    points.push_back({.time_s = discharge.end_s,
+                      .voltage_V = b.voltage_V + slope * (discharge.end_s - b.time_s),
+                      .row = discharge.last});
+  }
+  return points;
+}
+
+}  // namespace
+
+Discharge FindDischarge(const Record& record, double cutoff_V) {
+  Discharge discharge = OneDischarge(record, "one discharge at constant current");
+  const auto points = LoadedVoltages(record, discharge);
+  const double tolerance_V = std::max(kCutoffTolerance_V, 3.0 * discharge.voltage_noise_V);
+  const auto crossing = std::find_if(points.begin(), points.end(), [&](const Point& point) {
+    return point.voltage_V <= cutoff_V;
+  });
+  if (crossing == points.begin()) {
+    Refuse(
+        record,
+        fmt::format(
+            "expected a discharge that starts above the cut-off of {:.4g} V, found {:.4g} V in the "
+            "first row under load",
+            cutoff_V,
+            crossing->voltage_V));
+  }
+  if (crossing != points.end()) {
+    const Point& above = *(crossing - 1);
+    const double share = (above.voltage_V - cutoff_V) / (above.voltage_V - crossing->voltage_V);
+    discharge.end_s = above.time_s + share * (crossing->time_s - above.time_s);
+    discharge.end_voltage_V = cutoff_V;
+    discharge.last = crossing->row;
+  } else {
+    const auto lowest =
+        std::min_element(points.begin(), points.end(), [](const Point& a, const Point& b) {
+          return a.voltage_V < b.voltage_V;
+        });
+    if (lowest->voltage_V > cutoff_V + tolerance_V) {
+      Refuse(record,
+             fmt::format("expected the voltage to reach the cut-off of {:.4g} V within {:.2g} mV, "
+                         "found {:.4f} V as "
+                         "the lowest under load, at {:.6g} s; log the discharge to its end, or set "
+                         "cutoff_V to "
+                         "the voltage at which it was stopped",
+                         cutoff_V,
+                         1000.0 * tolerance_V,
+                         lowest->voltage_V,
+                         lowest->time_s));
+    }
+    discharge.end_s = lowest->time_s;
+    discharge.end_voltage_V = lowest->voltage_V;
+    discharge.last = lowest->row;
+  }
+  CountCharge(record, discharge);
+  return discharge;
+}
+
+Discharge FindLowRateDischarge(const Record& record, double capacity_Ah) {
+  Discharge discharge = OneDischarge(record, "one slow discharge at constant current");
+  CountCharge(record, discharge);
+  const bool nominal = capacity_Ah > 0.0;
+  const double rate_per_h =
+      discharge.current_A / (nominal ? capacity_Ah : discharge.charge_C / 3600.0);
+  if (rate_per_h > kMaxLowRate_per_h) {
+    Refuse(record,
+           fmt::format("expected a low rate, at most {:.2g} C, found {:.3g} C ({:.4g} A for a {} "
+                       "of {:.4g} Ah)",
+                       kMaxLowRate_per_h,
+                       rate_per_h,
+                       discharge.current_A,
+                       nominal ? "capacity" : "charge",
+                       nominal ? capacity_Ah : discharge.charge_C / 3600.0));
+  }
+  return discharge;
+}
+
+std::vector<Segment> FindPulses(const Record& record) {
+  auto segments = FindSegments(record);
+  std::size_t loads = 0;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (IsRest(segments[k])) continue;
+    ++loads;
+    const bool relaxes =
+        k + 1 < segments.size() && IsRest(segments[k + 1]) && segments[k + 1].rows() >= kRestRows;
+    if (relaxes) return segments;
+  }
+  if (loads == 0)
+    Refuse(record,
+           fmt::format("expected pulses, found no current but rest over {} rows", record.size()));
+  Refuse(record,
+         fmt::format("expected pulses with rests between them, found {} load{} and no rest after "
+                     "any; a discharge "
+                     "is of kind \"constant-current\", any other load of kind \"validation\"",
+                     loads,
+                     loads == 1 ? "" : "s"));
+}
+
+}  // namespace lipoid
