@@ -10,10 +10,14 @@
 
 namespace lipoid {
 
-cli::ExitCode List(cli::CommandLine& line);
+cli::ExitCode ListCommand(cli::CommandLine& line);
+cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
-    {"list", "what lipoid knows by name: cells", &List},
+    {"list", "what lipoid knows by name: cells", &ListCommand},
+    {"synthesize",
+     "the lab's logs of a known cell, with the truth beside them",
+     &SynthesizeCommand},
 };
 static_assert(std::is_sorted(std::begin(kCommands),
                              std::end(kCommands),

@@ -90,7 +90,8 @@ CommandLine::CommandLine(const Command& command, std::vector<std::string> argume
     options_internal::FromText(shown, text, Range{1, kMaxThreads}, threads_);
   };
   Flag("quiet", quiet_, "no messages and no progress bar, only data and errors");
-  Texts("set", assignments_, "OPTION=VALUE", "set one of the options listed below");
+  Texts(
+      "set", assignments_, "OPTION=VALUE", "set one option by its name, several times if need be");
   options_.back()->several = false;  // one word each: the next may be an argument
   Flag("help,h", help_, "this text");
   for (auto& option : options_) option->common = true;
@@ -124,6 +125,14 @@ void CommandLine::Text(std::string_view name,
   Declare(name, word, value, help).set = [&value](const std::string&, const std::string& text) {
     value = text;
   };
+}
+
+void CommandLine::RequiredText(std::string_view name,
+                               std::string& value,
+                               std::string_view word,
+                               std::string_view help) {
+  Text(name, value, word, help);
+  options_.back()->required = true;
 }
 
 void CommandLine::Texts(std::string_view name,
@@ -184,10 +193,10 @@ void CommandLine::AddFlags(std::vector<OptionDescription> options,
   for (const auto& option : options) {
     std::string name = option.name;
     std::replace(name.begin(), name.end(), '_', '-');
-    Declare(name, option.valid, option.default_text, option.help).set =
-        [set, member = option.name](const std::string&, const std::string& text) {
-          set(member, text);
-        };
+    Declare(name, option.valid == "text" ? "TEXT" : option.valid, option.default_text, option.help)
+        .set = [set, member = option.name](const std::string&, const std::string& text) {
+      set(member, text);
+    };
   }
   groups_.push_back({"", std::move(options), std::move(set), true});
 }
@@ -374,7 +383,7 @@ std::string CommandLine::Help() const {
       std::string left = option->Shown();
       std::string help = option->help;
       if (!option->word.empty()) left += " " + (short_word ? option->word : "VALUE");
-      if (option->several) left += "...";
+      if (option->several) left += " ...";
       if (!short_word) help += "; " + option->word;
       if (!option->default_text.empty()) help += fmt::format(" (default {})", option->default_text);
       AddHelpLine(text, left, help);

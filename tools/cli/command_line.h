@@ -97,6 +97,11 @@ class CommandLine {
             std::string& value,
             std::string_view word,
             std::string_view help);
+  /// The same, and it must be given.
+  void RequiredText(std::string_view name,
+                    std::string& value,
+                    std::string_view word,
+                    std::string_view help);
   /// --name WORD..., several words at once or the option several times.
   void Texts(std::string_view name,
              std::vector<std::string>& values,

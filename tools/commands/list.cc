@@ -47,7 +47,7 @@ constexpr Topic kTopics[] = {{"cells", &ListCells}};
 
 }  // namespace
 
-cli::ExitCode List(cli::CommandLine& line) {
+cli::ExitCode ListCommand(cli::CommandLine& line) {
   std::string what;
   std::vector<std::string> known;
   for (const auto& topic : kTopics) known.emplace_back(topic.name);

@@ -1,0 +1,294 @@
+#include "identify/synthesis/synthesize.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <boost/random/mersenne_twister.hpp>
+#include <boost/random/normal_distribution.hpp>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <random>
+
+#include "identify/synthesis/decimal_step.h"
+#include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxRows = 100'000'000;
+
+// Makes a folder, and unmakes it unless Keep() was called.
+class NewFolder {
+ public:
+  explicit NewFolder(const fs::path& folder) {
+    for (fs::path path = fs::absolute(folder).lexically_normal();
+         !path.empty() && !fs::exists(path);) {
+      if (path.has_filename()) made_.push_back(path);
+      path = path.parent_path();
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+      const auto reason = error.message();
+      Remove();
+      throw OptionError(fmt::format("cannot make the folder '{}': {}", folder.string(), reason));
+    }
+  }
+  ~NewFolder() { Remove(); }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+  void Keep() { made_.clear(); }
+
+ private:
+  void Remove() {
+    std::error_code ignored;
+    for (const auto& path : made_) fs::remove(path, ignored);  // deepest first, only where empty
+  }
+  std::vector<fs::path> made_;
+};
+
+// Independent normal numbers for each log and quantity, the same on every platform with this Boost.
+class Noise {
+ public:
+  Noise(std::uint64_t seed, std::size_t log, unsigned quantity, double sigma) : sigma_(sigma) {
+    std::seed_seq sequence{static_cast<std::uint32_t>(seed),
+                           static_cast<std::uint32_t>(seed >> 32),
+                           static_cast<std::uint32_t>(log),
+                           static_cast<std::uint32_t>(quantity)};
+    engine_.seed(sequence);
+  }
+  double operator()() { return sigma_ > 0.0 ? sigma_ * normal_(engine_) : 0.0; }
+
+ private:
+  double sigma_;
+  boost::random::mt19937_64 engine_;
+  boost::random::normal_distribution<double> normal_;
+};
+
+// Rows as text, handed to the file in large pieces.
+class RowWriter {
+ public:
+  explicit RowWriter(AtomicFile& file) : file_(file) { Append("time_s,current_A,voltage_V\n"); }
+
+  void Row(double time_s, double current_A, double voltage_V) {
+    Number(time_s, ',');
+    Number(current_A, ',');
+    Number(voltage_V, '\n');
+    ++rows_;
+    if (buffer_.size() > kPiece) Flush();
+  }
+  void Flush() {
+    file_.Write(buffer_);
+    bytes_ += buffer_.size();
+    buffer_.clear();
+  }
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  static constexpr std::size_t kPiece = 1 << 20;
+
+  void Append(std::string_view text) { buffer_.append(text); }
+  // Shortest digits that read back to the same double, never an exponent.
+  void Number(double value, char end) {
+    char digits[400];
+    const auto result =
+        std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed);
+    buffer_.append(digits, result.ptr);
+    buffer_.push_back(end);
+  }
+
+  AtomicFile& file_;
+  std::string buffer_;
+  std::size_t rows_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+std::int64_t RowsOf(const TestStage& stage, const DecimalStep& sampling) {
+  return std::isinf(stage.length_s) ? kMaxRows + 1 : sampling.Count(stage.length_s);
+}
+
+void CheckPlan(const TestPlan& plan, const DecimalStep& sampling) {
+  for (const auto& stage : plan.stages) {
+    const auto rows = RowsOf(stage, sampling);
+    const bool whole =
+        std::isinf(stage.length_s) || std::abs(sampling.Times(rows) - stage.length_s) <= 1e-9;
+    if (!whole || (rows < 1 && stage.length_s > 0.0)) {
+      throw OptionError(fmt::format(
+          "{}: expected stages that are multiples of sampling_s, {} s; found one of {} s",
+          plan.file,
+          sampling.Times(1),
+          stage.length_s));
+    }
+  }
+  Require(!plan.stages.empty() && plan.stages[0].length_s > 0.0, "a first stage that takes time");
+}
+
+struct Signals {
+  const Cell& cell;
+  const SynthesisOptions& options;
+  DecimalStep sampling;
+  std::optional<DecimalStep> resolution;
+  std::uint64_t seed;
+};
+
+// Charge delivered so far over all logs, for the progress bar.
+class SharedProgress {
+ public:
+  SharedProgress(double total_C, const std::function<void(double)>& report)
+      : total_C_(total_C), report_(report) {}
+  void Add(double charge_C) {
+    if (!report_) return;
+    double sum_C = done_C_.load();
+    while (!done_C_.compare_exchange_weak(sum_C, sum_C + charge_C)) {
+    }
+    report_((sum_C + charge_C) / total_C_);
+  }
+
+ private:
+  double total_C_;
+  const std::function<void(double)>& report_;
+  std::atomic<double> done_C_{0.0};
+};
+
+SynthesizedFile WriteLog(const TestPlan& plan,
+                         std::size_t index,
+                         const Signals& signals,
+                         AtomicFile& file,
+                         SharedProgress& progress) {
+  constexpr std::int64_t kRowsPerReport = 100'000;
+  const Cell& cell = signals.cell;
+  const CellModel<double> model(cell.Parameters());
+  RecordStepper<double> stepper(model, signals.options.hold, model.Relaxed(1.0));
+  Noise voltage_noise(signals.seed, index, 0, signals.options.voltage_noise_V);
+  Noise current_noise(signals.seed, index, 1, signals.options.current_noise_A);
+  RowWriter writer(file);
+
+  std::size_t stage = 0;
+  std::int64_t rows_left = RowsOf(plan.stages[0], signals.sampling);
+  double reported_C = 0.0;
+  for (std::int64_t row = 0;; ++row) {
+    const double time_s = signals.sampling.Times(row);
+    const double current_A = row == 0 ? 0.0 : plan.stages[stage].current_A * cell.parallel;
+    stepper.Row(time_s, current_A / cell.parallel);
+    const double true_V = cell.series * stepper.Voltage();
+    double voltage_V = true_V + voltage_noise();
+    if (signals.resolution)
+      voltage_V = signals.resolution->Times(signals.resolution->Count(voltage_V));
+    writer.Row(time_s, current_A + current_noise(), voltage_V);
+
+    if (true_V <= cell.series * cell.cutoff_V) {
+      if (row > 1) break;
+      throw OptionError(fmt::format(
+          "{}: the full cell is at its cut-off of {} V at once, at {} A; take a lower rate",
+          plan.file,
+          cell.cutoff_V,
+          current_A));
+    }
+    const double delivered_C = stepper.state().delivered_C;
+    if (row % kRowsPerReport == 0) {
+      progress.Add(delivered_C - reported_C);
+      reported_C = delivered_C;
+    }
+    if (delivered_C > 3.0 * cell.alpha_C()) {
+      throw OptionError(fmt::format(
+          "{}: the cell never reaches its cut-off of {} V; give it another v_oc(A) or cut-off",
+          plan.file,
+          cell.cutoff_V));
+    }
+    if (row == kMaxRows) {
+      throw OptionError(
+          fmt::format("{}: more than {} rows; take a longer sampling_s", plan.file, kMaxRows));
+    }
+    if (row == 0 || --rows_left > 0) continue;
+    do {
+      stage = (stage + 1) % plan.stages.size();
+      rows_left = RowsOf(plan.stages[stage], signals.sampling);
+    } while (rows_left == 0);
+  }
+  progress.Add(cell.alpha_C() - reported_C);
+  writer.Flush();
+  return {plan.file, writer.rows(), writer.bytes()};
+}
+
+std::string CampaignText(const Cell& cell, const std::vector<TestPlan>& plans, Hold hold) {
+  const auto quoted = [](std::string_view text) { return Json(text).dump(); };
+  const auto number = [](double value) { return Json(value).dump(); };  // a float stays one: 3.0
+  std::string text = fmt::format("[cell]\nname = {}\ncapacity_Ah = {}\ncutoff_V = {}\n",
+                                 quoted(cell.name),
+                                 number(cell.capacity_Ah),
+                                 number(cell.cutoff_V));
+  if (cell.series != 1) text += fmt::format("series = {}\n", cell.series);
+  if (cell.parallel != 1) text += fmt::format("parallel = {}\n", cell.parallel);
+  for (const auto& plan : plans) {
+    text += fmt::format("\n[[log]]\nkind = {}\nfile = {}\n",
+                        quoted(options_internal::ToText(plan.kind)),
+                        quoted(plan.file));
+    if (hold != Hold::kBackward)
+      text += fmt::format("hold = {}\n", quoted(options_internal::ToText(hold)));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<SynthesizedFile> Synthesize(const Cell& cell,
+                                        const Protocol& protocol,
+                                        const SynthesisOptions& options,
+                                        const RunRecord& run,
+                                        const std::string& folder,
+                                        const std::function<void(double)>& progress) {
+  const auto sampling = DecimalStep::Of(options.sampling_s);
+  if (!sampling) {
+    throw OptionError(fmt::format("option sampling_s: expected at most nine decimals, found {}",
+                                  options.sampling_s));
+  }
+  const auto resolution = DecimalStep::Of(options.voltage_resolution_V);
+  if (options.voltage_resolution_V > 0.0 && !resolution) {
+    throw OptionError(
+        fmt::format("option voltage_resolution_V: expected at most nine decimals, found {}",
+                    options.voltage_resolution_V));
+  }
+  const auto plans = protocol.plan(cell, options);
+  for (const auto& plan : plans) CheckPlan(plan, *sampling);
+  const Signals signals{cell, options, *sampling, resolution, run.seed};
+
+  NewFolder made(folder);
+  const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
+  std::vector<std::unique_ptr<AtomicFile>> files;
+  for (const auto& plan : plans) files.push_back(std::make_unique<AtomicFile>(path(plan.file)));
+  std::vector<SynthesizedFile> written(plans.size());
+  SharedProgress shared(static_cast<double>(plans.size()) * cell.alpha_C(), progress);
+  tbb::parallel_for(
+      std::size_t{0},
+      plans.size(),
+      [&](std::size_t k) {
+        const std::size_t log = plans.size() - 1 - k;  // the long logs stand last: begin with them
+        written[log] = WriteLog(plans[log], log, signals, *files[log], shared);
+      },
+      tbb::simple_partitioner{});
+
+  Cell truth = cell;
+  truth.run = run.ToJson();
+  truth.run["protocol"] = protocol.name;
+  const auto add = [&](const std::string& name, const std::string& text) {
+    files.push_back(std::make_unique<AtomicFile>(path(name)));
+    files.back()->Write(text);
+    written.push_back({name, 0, text.size()});
+  };
+  add("campaign.toml", CampaignText(cell, plans, options.hold));
+  add("truth.json", CellToJson(truth).dump(2) + "\n");
+  for (const auto& file : files) file->Commit();
+  made.Keep();
+  return written;
+}
+
+}  // namespace lipoid

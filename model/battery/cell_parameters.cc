@@ -1,0 +1,120 @@
+#include "model/battery/cell_parameters.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// "tau_2" is {"tau", 1}.
+struct BranchName {
+  std::string_view symbol;
+  std::size_t index = 0;
+};
+
+std::optional<BranchName> ParseBranchName(std::string_view name) {
+  for (const std::string_view symbol : {"r", "c", "tau"}) {
+    if (!name.starts_with(symbol) || name.substr(symbol.size(), 1) != "_") continue;
+    const auto digits = name.substr(symbol.size() + 1);
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (error == std::errc{} && end == digits.data() + digits.size() && number >= 1) {
+      return BranchName{symbol, number - 1};
+    }
+  }
+  return std::nullopt;
+}
+
+void Check(bool holds, std::string_view name, std::string_view expected, double value) {
+  if (!holds || !std::isfinite(value)) {
+    throw OptionError(fmt::format("{}: expected {}, found {}", name, expected, value));
+  }
+}
+
+void SetBranch(Cell& cell, std::string_view name, const BranchName& branch_name, double value) {
+  const auto& [symbol, index] = branch_name;
+  if (index == cell.branches.size() && symbol == "r") cell.branches.emplace_back();
+  if (index >= cell.branches.size()) {
+    throw OptionError(fmt::format("{}: the cell has {} branch{}; give r_{} first to add one",
+                                  name,
+                                  cell.branches.size(),
+                                  cell.branches.size() == 1 ? "" : "es",
+                                  cell.branches.size() + 1));
+  }
+  Cell::Branch& branch = cell.branches[index];
+  if (symbol == "tau") {
+    Check(value > 0.0, name, "a time constant above 0 s", value);
+    branch.time_constant_s = value;
+    branch.capacitance_F.reset();
+    return;
+  }
+  if (symbol == "r") {
+    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
+    branch.resistance_Ohm = Resistance<double>(value);
+  } else {
+    Check(value > 0.0, name, "a capacitance above 0 F", value);
+    Check(branch.resistance_Ohm.constant(), name, "tau, beside a table of resistances", value);
+    branch.capacitance_F = value;
+  }
+  if (branch.capacitance_F) {
+    branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> CellParameterNames(const Cell& cell) {
+  std::vector<std::string> names;
+  const auto add = [&](std::string name) {
+    if (CellParameter(cell, name)) names.push_back(std::move(name));
+  };
+  for (const char* name : {"alpha", "beta", "r_s"}) add(name);
+  for (std::size_t j = 1; j <= cell.branches.size(); ++j) {
+    for (const char* symbol : {"r", "c", "tau"}) add(fmt::format("{}_{}", symbol, j));
+  }
+  return names;
+}
+
+std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
+  if (name == "alpha" && cell.diffusion) return cell.diffusion->alpha_C;
+  if (name == "beta" && cell.diffusion) return cell.diffusion->beta_per_sqrt_s;
+  if (name == "r_s" && cell.series_resistance_Ohm.constant()) {
+    return cell.series_resistance_Ohm.resistance_Ohm[0];
+  }
+  const auto branch_name = ParseBranchName(name);
+  if (!branch_name || branch_name->index >= cell.branches.size()) return std::nullopt;
+  const auto& branch = cell.branches[branch_name->index];
+  if (branch_name->symbol == "tau") return branch.time_constant_s;
+  if (!branch.resistance_Ohm.constant()) return std::nullopt;
+  const double resistance_Ohm = branch.resistance_Ohm.resistance_Ohm[0];
+  if (branch_name->symbol == "r") return resistance_Ohm;
+  if (branch.capacitance_F) return branch.capacitance_F;
+  if (resistance_Ohm > 0.0) return branch.time_constant_s / resistance_Ohm;
+  return std::nullopt;
+}
+
+void SetCellParameter(Cell& cell, std::string_view name, double value) {
+  if (const auto branch_name = ParseBranchName(name))
+    return SetBranch(cell, name, *branch_name, value);
+  if (name == "r_s") {
+    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
+    cell.series_resistance_Ohm = Resistance<double>(value);
+  } else if (name == "alpha" && cell.diffusion) {
+    Check(value > 0.0, name, "a charge above 0 C", value);
+    cell.diffusion->alpha_C = value;
+  } else if (name == "beta" && cell.diffusion) {
+    Check(value > 0.0 && value <= 1.0, name, "a number in (0, 1]", value);
+    cell.diffusion->beta_per_sqrt_s = value;
+  } else {
+    throw OptionError(fmt::format("'{}' is no parameter of this cell; it has {}",
+                                  name,
+                                  fmt::join(CellParameterNames(cell), ", ")));
+  }
+}
+
+}  // namespace lipoid

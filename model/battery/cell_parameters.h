@@ -1,0 +1,28 @@
+#pragma once
+
+/// @file
+/// The parameters of a cell by the names of the command line: alpha, beta, r_s, r_1, c_1, tau_1,
+/// r_2, ... in SI units (C, s^-1/2, Ohm, F, s). Tests: tests/model/battery/cell_parameters_test.cc.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/battery/cell.h"
+
+namespace lipoid {
+
+/// The names this cell has, in the order above; a branch with a table of resistances has only
+/// tau_j.
+[[nodiscard]] std::vector<std::string> CellParameterNames(const Cell& cell);
+
+/// The value, or none where the cell has no such parameter.
+[[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
+
+/// Changes one parameter; r_j of the branch after the last adds a branch, to be completed by c_j or
+/// tau_j. With r_j given, a branch keeps what it was written with: its capacitance or its time
+/// constant. OptionError names the parameters there are, or the range.
+void SetCellParameter(Cell& cell, std::string_view name, double value);
+
+}  // namespace lipoid

@@ -1,0 +1,106 @@
+// lipoid synthesize CELL --protocol P -o DIR: the lab's logs of a cell that is known.
+#include "identify/synthesis/synthesize.h"
+
+#include <fmt/ranges.h>
+
+#include <filesystem>
+
+#include "model/battery/cell_file.h"
+#include "model/battery/cell_parameters.h"
+#include "model/core/errors.h"
+#include "tools/commands.h"
+
+namespace lipoid {
+namespace {
+
+// "r_1=0.03,c_1=1500"
+void ChangeCell(Cell& cell, const std::string& assignments) {
+  for (std::size_t from = 0; from <= assignments.size();) {
+    const auto to = std::min(assignments.find(',', from), assignments.size());
+    const auto one = assignments.substr(from, to - from);
+    const auto equals = one.find('=');
+    if (equals == std::string::npos) {
+      throw OptionError(fmt::format("option --with: expected NAME=VALUE, found '{}'", one));
+    }
+    const auto name = one.substr(0, equals);
+    SetCellParameter(
+        cell,
+        name,
+        options_internal::ParseDouble("--with " + name, one.substr(equals + 1), Range{}));
+    from = to + 1;
+  }
+}
+
+bool IsShipped(const std::string& cell) {
+  const auto names = ShippedCellNames();
+  return std::find(names.begin(), names.end(), cell) != names.end();
+}
+
+}  // namespace
+
+cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  std::string folder;
+  std::string protocol = std::string(kProtocols[0].name);
+  std::vector<std::string> changes;
+  std::optional<int> series;
+  std::optional<int> parallel;
+  SynthesisOptions options;
+  line.Describe(
+      "Writes the logs that a lab would record from a known cell: one CSV per test, a campaign "
+      "file beside "
+      "them, and the truth in truth.json.",
+      "lipoid synthesize gifi-600mAh-1 --protocol thesis -o logs");
+  line.Example(
+      "lipoid synthesize gifi-600mAh-1 --with r_1=0.03,c_1=1500 --voltage-noise-V 0.001 --seed 7 "
+      "-o logs");
+  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  std::vector<std::string> protocols;
+  for (const auto& row : kProtocols)
+    protocols.push_back(fmt::format("{}: {}", row.name, row.summary));
+  line.Text("protocol", protocol, "NAME", fmt::format("{}", fmt::join(protocols, "; ")));
+  line.RequiredText("output,o", folder, "DIR", "the folder to write to; made where it is missing");
+  line.Texts("with",
+             changes,
+             "NAME=VALUE",
+             "change parameters of the cell: alpha, beta, r_s, r_1, c_1, tau_1, ...");
+  line.Option(
+      "series", series, Range{1, 100000}, "cells in series, instead of what the cell file says");
+  line.Option("parallel",
+              parallel,
+              Range{1, 100000},
+              "cells in parallel, instead of what the cell file says");
+  line.Flags(options);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  Cell cell = LoadCell(cell_name);
+  for (const auto& change : changes) ChangeCell(cell, change);
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+    if (cell.branches[j].time_constant_s > 0.0) continue;
+    throw OptionError(fmt::format("option --with: r_{0} needs c_{0} or tau_{0} beside it", j + 1));
+  }
+  if (series) cell.series = *series;
+  if (parallel) cell.parallel = *parallel;
+  RunRecord run;
+  run.command = line.CommandText();
+  run.options = OptionsToJson<Json>(options);
+  run.seed = line.seed();
+  if (!IsShipped(cell_name)) run.inputs.push_back(cell_name);
+  const auto files =
+      Synthesize(cell, FindProtocol(protocol), options, run, folder, [&](double done) {
+        line.progress().Update(done, "synthesizing");
+      });
+
+  Json rows = Json::array();
+  for (const auto& file : files) {
+    const auto path = (std::filesystem::path(folder) / file.file).string();
+    rows.push_back({{"file", path}, {"rows", file.rows}, {"bytes", file.bytes}});
+    line.Message("{}{}", path, file.rows > 0 ? fmt::format(": {} rows", file.rows) : "");
+  }
+  line.summary()["files"] = std::move(rows);
+  line.Message("Next: lipoid identify {} -o cell.json",
+               (std::filesystem::path(folder) / "campaign.toml").string());
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
