@@ -1,0 +1,270 @@
+#include "identify/stages/discharge_times.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "identify/optimizers/levenberg_marquardt.h"
+#include "model/battery/discharge_time.h"
+#include "model/battery/error_metrics.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLargestBeta = 1.0;  // (4.53)
+// Where the times imply nothing about beta, stage 3 starts at a typical value of lithium-polymer cells
+// (Tables 4.8-4.13: 0.18 to 0.21).
+constexpr double kTypicalBeta = 0.2;
+
+// What both forms report: the optimum and how sharp it is.
+struct Estimate {
+  double alpha_C = kNaN;
+  double lag_s = kNaN;                  // pi²/(3 beta²), at least that of beta = 1
+  double unconstrained_lag_s = kNaN;    // may be negative
+  double alpha_standard_error_C = kNaN;
+  double lag_standard_error_s = kNaN;
+};
+
+double Weight(const DischargeTime& d, TimeWeighting weighting) {
+  return weighting == TimeWeighting::kRelative ? 1.0 / d.time_s : 1.0;
+}
+
+// Weighted design of the linear form: L = alpha (1/I) - c.
+Estimate FitSteady(const std::vector<DischargeTime>& discharges,
+                   TimeWeighting weighting,
+                   std::optional<double> given_alpha_C) {
+  const auto count = static_cast<Eigen::Index>(discharges.size());
+  Eigen::MatrixXd design(count, 2);
+  Eigen::VectorXd times(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto& d = discharges[static_cast<std::size_t>(k)];
+    const double w = Weight(d, weighting);
+    design.row(k) << w / d.current_A, -w;
+    times[k] = w * d.time_s;
+  }
+  const double least_lag = SteadyLag(kLargestBeta);
+  Estimate estimate;
+  const auto alpha_for = [&](double lag) {
+    return design.col(0).dot(times - design.col(1) * lag) / design.col(0).squaredNorm();
+  };
+  if (given_alpha_C) {
+    estimate.alpha_C = *given_alpha_C;
+    const Eigen::VectorXd rest = times - design.col(0) * *given_alpha_C;
+    estimate.unconstrained_lag_s = design.col(1).dot(rest) / design.col(1).squaredNorm();
+    estimate.lag_s = std::max(estimate.unconstrained_lag_s, least_lag);
+    if (count > 1) {
+      const double squares = (rest - design.col(1) * estimate.unconstrained_lag_s).squaredNorm();
+      estimate.lag_standard_error_s =
+          std::sqrt(squares / static_cast<double>(count - 1) / design.col(1).squaredNorm());
+      estimate.alpha_standard_error_C = 0.0;
+    }
+    return estimate;
+  }
+  const Eigen::Vector2d solution = design.colPivHouseholderQr().solve(times);  // (4.53)
+  estimate.alpha_C = solution[0];
+  estimate.unconstrained_lag_s = solution[1];
+  estimate.lag_s = std::max(solution[1], least_lag);
+  if (estimate.lag_s != solution[1]) estimate.alpha_C = alpha_for(estimate.lag_s);
+  if (count > 2) {
+    const double variance = (times - design * solution).squaredNorm() / static_cast<double>(count - 2);
+    const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse();
+    estimate.alpha_standard_error_C = std::sqrt(covariance(0, 0));
+    estimate.lag_standard_error_s = std::sqrt(covariance(1, 1));
+  }
+  return estimate;
+}
+
+// (4.37) for every time, over log alpha and log lag, so that both stay positive.
+class ExactProblem : public LeastSquaresProblem {
+ public:
+  ExactProblem(const std::vector<DischargeTime>& discharges,
+               TimeWeighting weighting,
+               std::optional<double> given_alpha_C)
+      : discharges_(discharges), weighting_(weighting), given_alpha_C_(given_alpha_C) {}
+
+  [[nodiscard]] int size() const override { return given_alpha_C_ ? 1 : 2; }
+  [[nodiscard]] Eigen::VectorXd lower() const override {
+    Eigen::VectorXd bound = Eigen::VectorXd::Constant(size(), -kUnbounded);
+    bound[0] = std::log(SteadyLag(kLargestBeta));
+    return bound;
+  }
+  [[nodiscard]] Eigen::VectorXd upper() const override {
+    return Eigen::VectorXd::Constant(size(), kUnbounded);
+  }
+
+  [[nodiscard]] double Alpha(const Eigen::VectorXd& x) const {
+    return given_alpha_C_ ? *given_alpha_C_ : std::exp(x[1]);
+  }
+
+  // d L/d alpha and d L/d lag follow from F(L, alpha, beta) = L + U(L; beta) - alpha/I = 0, with
+  // dU/dL = theta(beta² L) - 1 = 2 sum e^{-beta² k² L} and U = lag * u(beta² L), beta² = pi²/(3 lag).
+  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool) const override {
+    const double lag = std::exp(x[0]);
+    const double alpha = Alpha(x);
+    const double beta = BetaOfSteadyLag(lag);
+    const auto count = static_cast<Eigen::Index>(discharges_.size());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(count, size() + 1), size() + 1);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& d = discharges_[static_cast<std::size_t>(k)];
+      const double w = Weight(d, weighting_);
+      const double time_s = ExactDischargeTime(alpha, beta, d.current_A);
+      const double unavailable = UnavailableLag(beta, time_s);
+      const double z = beta * beta * time_s;
+      const double theta = Theta(z);
+      // U = lag u(z), z = pi² L/(3 lag): dU/dlag at fixed L = U/lag - z u'(z), u' = 3/pi² (theta - 1).
+      const double lag_slope = unavailable / lag - z * 3.0 / (kPi * kPi) * (theta - 1.0);
+      rows(k, 0) = w * lag_slope / theta * lag;                     // -dL/dlog(lag)
+      if (!given_alpha_C_) rows(k, 1) = -w * alpha / d.current_A / theta;  // -dL/dlog(alpha)
+      rows(k, size()) = w * (d.time_s - time_s);
+    }
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
+    return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+  }
+
+  // 1 + 2 sum_k e^{-k² z}, by (4.31) where z is small.
+  static double Theta(double z) {
+    if (z <= 0.0) return std::numeric_limits<double>::infinity();
+    const bool small = z < 1.0;
+    const double q = small ? kPi * kPi / z : z;
+    double sum = 1.0;
+    for (int k = 1; k < 8; ++k) sum += 2.0 * std::exp(-k * k * q);
+    return small ? std::sqrt(kPi / z) * sum : sum;
+  }
+
+ private:
+  static constexpr double kPi = 3.14159265358979323846;
+  static constexpr double kUnbounded = 700.0;  // exp() stays finite
+  const std::vector<DischargeTime>& discharges_;
+  TimeWeighting weighting_;
+  std::optional<double> given_alpha_C_;
+};
+
+Estimate FitExact(const std::vector<DischargeTime>& discharges,
+                  TimeWeighting weighting,
+                  std::optional<double> given_alpha_C,
+                  const Estimate& steady) {
+  const ExactProblem problem(discharges, weighting, given_alpha_C);
+  Eigen::VectorXd start(problem.size());
+  start[0] = std::log(steady.lag_s);
+  if (!given_alpha_C) start[1] = std::log(std::max(steady.alpha_C, 1e-300));
+  const auto fit = MinimizeLevenbergMarquardt(problem, start);
+  Estimate estimate;
+  estimate.alpha_C = problem.Alpha(fit.x);
+  estimate.lag_s = std::exp(fit.x[0]);
+  // At the bound the unconstrained optimum is on its other side; the steady form says where.
+  estimate.unconstrained_lag_s =
+      fit.x[0] > problem.lower()[0] + 1e-9 ? estimate.lag_s : std::min(steady.unconstrained_lag_s, estimate.lag_s);
+  const auto freedom = static_cast<double>(discharges.size()) - problem.size();
+  if (freedom > 0) {
+    const Eigen::MatrixXd factor = problem.Factor(fit.x, true);
+    const Eigen::MatrixXd r = factor.topLeftCorner(problem.size(), problem.size());
+    const Eigen::MatrixXd inverse = r.inverse();
+    const Eigen::MatrixXd covariance = 2.0 * fit.cost / freedom * (inverse * inverse.transpose());
+    estimate.lag_standard_error_s = estimate.lag_s * std::sqrt(covariance(0, 0));
+    estimate.alpha_standard_error_C =
+        given_alpha_C ? 0.0 : estimate.alpha_C * std::sqrt(covariance(1, 1));
+  }
+  return estimate;
+}
+
+// Mean charge of the discharges at each different current, by rising current.
+std::vector<std::pair<double, double>> ChargeByCurrent(const std::vector<DischargeTime>& discharges) {
+  auto sorted = discharges;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+    return a.current_A != b.current_A ? a.current_A < b.current_A : a.time_s < b.time_s;
+  });
+  std::vector<std::pair<double, double>> groups;
+  std::size_t members = 0;
+  for (const auto& d : sorted) {
+    const double charge = d.current_A * d.time_s;
+    if (!groups.empty() && d.current_A <= groups.back().first * (1.0 + kCurrentTolerance)) {
+      ++members;
+      groups.back().second += (charge - groups.back().second) / static_cast<double>(members);
+    } else {
+      groups.emplace_back(d.current_A, charge);
+      members = 1;
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+int CountDifferentCurrents(const std::vector<DischargeTime>& discharges) {
+  return static_cast<int>(ChargeByCurrent(discharges).size());
+}
+
+DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& discharges,
+                                       const DischargeTimesOptions& options,
+                                       std::optional<double> given_alpha_C) {
+  for (const auto& d : discharges) {
+    Require(d.current_A > 0.0 && d.time_s > 0.0,
+            "current > 0 and time > 0",
+            {{"current_A", d.current_A}, {"time_s", d.time_s}});
+  }
+  const auto groups = ChargeByCurrent(discharges);
+  Require(groups.size() >= (given_alpha_C ? 1U : 2U),
+          "at least two different currents, or one and alpha",
+          {{"currents", static_cast<double>(groups.size())}});
+
+  Estimate estimate = FitSteady(discharges, options.weighting, given_alpha_C);
+  if (options.form == DischargeForm::kExact) {
+    estimate = FitExact(discharges, options.weighting, given_alpha_C, estimate);
+  }
+
+  DischargeTimesResult result;
+  result.alpha_C = estimate.alpha_C;
+  result.beta_per_sqrt_s = std::min(BetaOfSteadyLag(estimate.lag_s), kLargestBeta);
+  result.beta_at_bound = !(estimate.unconstrained_lag_s > SteadyLag(kLargestBeta));
+  result.alpha_standard_error_C = estimate.alpha_standard_error_C;
+  // beta = pi/sqrt(3 c), so |d beta/d c| = beta/(2 c).
+  result.beta_standard_error_per_sqrt_s =
+      estimate.lag_standard_error_s * result.beta_per_sqrt_s / (2.0 * estimate.lag_s);
+
+  const bool charge_falls = groups.size() < 2 ? estimate.unconstrained_lag_s > 0.0
+                                              : groups.back().second < groups.front().second &&
+                                                    estimate.unconstrained_lag_s > 0.0;
+  if (!charge_falls) {
+    result.reason = fmt::format(
+        "the delivered charge does not fall with the current ({:.4g} C at {:.4g} A, {:.4g} C at {:.4g} A)",
+        groups.front().second, groups.front().first, groups.back().second, groups.back().first);
+  } else if (estimate.lag_standard_error_s >= estimate.unconstrained_lag_s) {
+    result.reason = fmt::format("pi²/(3 beta²) is {:.3g} s with a standard error of {:.3g} s",
+                                estimate.unconstrained_lag_s, estimate.lag_standard_error_s);
+  }
+  result.identifiable = result.reason.empty();
+
+  // One-sided 95 % bound: the lag is at most its estimate plus t standard errors.
+  const auto freedom = static_cast<double>(discharges.size()) - (given_alpha_C ? 1.0 : 2.0);
+  if (freedom > 0 && std::isfinite(estimate.lag_standard_error_s)) {
+    const double t = boost::math::quantile(boost::math::students_t(freedom), 0.95);
+    const double largest_lag =
+        std::max(estimate.unconstrained_lag_s, 0.0) + t * estimate.lag_standard_error_s;
+    result.beta_lower_bound_per_sqrt_s = std::min(BetaOfSteadyLag(largest_lag), kLargestBeta);
+  }
+  result.beta_start_per_sqrt_s =
+      result.identifiable ? result.beta_per_sqrt_s
+                          : std::clamp(kTypicalBeta, result.beta_lower_bound_per_sqrt_s, kLargestBeta);
+
+  ErrorAccumulator errors;
+  for (const auto& d : discharges) {
+    const double predicted_s =
+        options.form == DischargeForm::kExact
+            ? ExactDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A)
+            : SteadyDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A);
+    errors.Add(d.time_s, predicted_s);
+    result.rows.push_back({d.file, d.current_A, d.time_s, predicted_s,
+                           100.0 * std::abs(d.time_s - predicted_s) / d.time_s});  // (4.56)
+  }
+  result.mean_error_percent = errors.Result().mean_error_percent;
+  result.max_error_percent = errors.Result().max_error_percent;
+  result.rmse_s = errors.Result().rmse;
+  return result;
+}
+
+}  // namespace lipoid

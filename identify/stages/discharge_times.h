@@ -1,0 +1,92 @@
+#pragma once
+
+/// @file
+/// Stage 1: alpha and beta from the times that constant currents last, (4.53).
+///
+///   L(k) = alpha/I(k) - pi²/(3 beta²),   beta in [0, 1]
+///
+/// is linear in alpha and the lag c = pi²/(3 beta²): the least squares has a closed form. The exact form
+/// solves (4.37) for every L instead, which matters when beta² L is not large.
+///
+/// beta is not identifiable from the times when one standard error of c is as large as c itself, or when
+/// the delivered charge does not fall with the current. That is a result: the bound that the times do imply
+/// and the value from which stage 3 starts are stated.
+/// Tests: tests/identify/stages/discharge_times_test.cc.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/core/options.h"
+
+namespace lipoid {
+
+enum class DischargeForm { kSteady, kExact };
+constexpr std::array<std::pair<DischargeForm, std::string_view>, 2> OptionNames(DischargeForm) {
+  return {{{DischargeForm::kSteady, "steady"}, {DischargeForm::kExact, "exact"}}};
+}
+
+enum class TimeWeighting { kSeconds, kRelative };
+constexpr std::array<std::pair<TimeWeighting, std::string_view>, 2> OptionNames(TimeWeighting) {
+  return {{{TimeWeighting::kSeconds, "seconds"}, {TimeWeighting::kRelative, "relative"}}};
+}
+
+struct DischargeTimesOptions {
+  DischargeForm form = DischargeForm::kSteady;
+  TimeWeighting weighting = TimeWeighting::kSeconds;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("form", self.form, Names{}, "steady: (4.53) in closed form; exact: (4.37) at finite times");
+    v("weighting", self.weighting, Names{}, "errors in seconds, or relative to each time");
+  }
+};
+
+/// One constant-current discharge: the current is its charge divided by its time.
+struct DischargeTime {
+  std::string file;
+  double current_A = 0.0;
+  double time_s = 0.0;
+};
+
+struct DischargeTimesResult {
+  struct Row {
+    std::string file;
+    double current_A;
+    double measured_s;
+    double predicted_s;
+    double error_percent;  ///< (4.56)
+  };
+
+  double alpha_C = std::numeric_limits<double>::quiet_NaN();
+  double beta_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
+  /// NaN where there are as many unknowns as times.
+  double alpha_standard_error_C = std::numeric_limits<double>::quiet_NaN();
+  double beta_standard_error_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
+  bool identifiable = false;
+  std::string reason;  ///< why beta is not identifiable; empty where it is
+  /// 95 %: beta is at least this. 0 where the times imply none.
+  double beta_lower_bound_per_sqrt_s = 0.0;
+  /// From where stage 3 starts: beta, or a value at or above the bound.
+  double beta_start_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
+  bool beta_at_bound = false;  ///< the unconstrained optimum lies above 1
+  std::vector<Row> rows;
+  double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
+  double max_error_percent = std::numeric_limits<double>::quiet_NaN();
+  double rmse_s = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Two currents that differ by more than this share are different.
+inline constexpr double kCurrentTolerance = 0.02;
+[[nodiscard]] int CountDifferentCurrents(const std::vector<DischargeTime>& discharges);
+
+/// At least two different currents (PreconditionError otherwise), or one where alpha is given.
+[[nodiscard]] DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& discharges,
+                                                     const DischargeTimesOptions& options = {},
+                                                     std::optional<double> given_alpha_C = std::nullopt);
+
+}  // namespace lipoid

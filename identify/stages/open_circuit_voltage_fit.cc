@@ -1,0 +1,370 @@
+#include "identify/stages/open_circuit_voltage_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+
+#include "identify/logs/segments.h"
+#include "identify/stages/row_factor.h"
+#include "model/battery/error_metrics.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// Rows under load, in the order of time, and the range that the curve is to span.
+struct Points {
+  std::vector<double> soc;
+  std::vector<double> voltage_V;
+  double lo = 0.0;
+  double hi = 1.0;
+
+  [[nodiscard]] std::size_t size() const { return soc.size(); }
+};
+
+// The rows that a fit is shown, or those left out: one predicate, so that both agree.
+struct Share {
+  int every = 0;  // 0: all rows are shown
+  bool left_out = false;
+
+  [[nodiscard]] bool Has(std::size_t row) const {
+    if (every == 0) return true;
+    return (row % static_cast<std::size_t>(every) == static_cast<std::size_t>(every / 2)) == left_out;
+  }
+};
+
+// Node positions that share out the length of the curve. Its length is measured on averages over equal
+// shares of charge: noise would make a dense log as long as one likes.
+std::vector<double> PlaceNodes(const Points& points, int count) {
+  const double lo = points.lo;
+  const double hi = points.hi;
+  const auto bins = static_cast<std::size_t>(
+      std::clamp<std::size_t>(points.size() / 4, 2, 10 * static_cast<std::size_t>(count)));
+  std::vector<double> sum(bins, 0.0);
+  std::vector<double> members(bins, 0.0);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto bin = std::min(
+        bins - 1, static_cast<std::size_t>((points.soc[k] - lo) / (hi - lo) * static_cast<double>(bins)));
+    sum[bin] += points.voltage_V[k];
+    members[bin] += 1.0;
+  }
+  const double width = (hi - lo) / static_cast<double>(bins);
+  std::vector<double> at;
+  std::vector<double> level;
+  for (std::size_t b = 0; b < bins; ++b) {
+    if (members[b] == 0.0) continue;
+    at.push_back(lo + (static_cast<double>(b) + 0.5) * width);
+    level.push_back(sum[b] / members[b]);
+  }
+  const auto [lowest, highest] = std::minmax_element(level.begin(), level.end());
+  const double scale = *highest > *lowest ? (hi - lo) / (*highest - *lowest) : 0.0;
+  std::vector<double> length(at.size(), 0.0);
+  for (std::size_t b = 1; b < at.size(); ++b) {
+    length[b] = length[b - 1] + (at[b] - at[b - 1]) + scale * std::abs(level[b] - level[b - 1]);
+  }
+  std::vector<double> nodes{lo};
+  std::size_t b = 1;
+  for (int k = 1; k + 1 < count; ++k) {
+    const double wanted = length.back() * k / (count - 1);
+    while (b + 1 < length.size() && length[b] < wanted) ++b;
+    const double share = (wanted - length[b - 1]) / (length[b] - length[b - 1]);
+    const double soc = at[b - 1] + share * (at[b] - at[b - 1]);
+    if (soc > nodes.back() + 1e-9 * (hi - lo) && soc < hi) nodes.push_back(soc);
+  }
+  nodes.push_back(hi);
+  return nodes;
+}
+
+// Nodes between which no row lies leave the system singular: they are dropped.
+std::vector<double> DropEmptyIntervals(const std::vector<double>& nodes,
+                                       const Points& points,
+                                       const Share& share) {
+  std::vector<bool> occupied(nodes.size() - 1, false);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!share.Has(k)) continue;
+    const auto above = std::upper_bound(nodes.begin(), nodes.end(), points.soc[k]) - nodes.begin();
+    occupied[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+        above - 1, 0, static_cast<std::ptrdiff_t>(occupied.size()) - 1))] = true;
+  }
+  std::vector<double> kept{nodes.front()};
+  for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
+    if (occupied[k - 1] && occupied[k]) kept.push_back(nodes[k]);
+  }
+  kept.push_back(nodes.back());
+  return kept;
+}
+
+// Least squares over the values at the nodes, straight lines between them: a tridiagonal system.
+std::vector<double> FitNodes(const std::vector<double>& nodes, const Points& points, const Share& share) {
+  const std::size_t n = nodes.size();
+  std::vector<double> diagonal(n, 0.0);
+  std::vector<double> beside(n, 0.0);  // entry k couples k and k+1
+  std::vector<double> right(n, 0.0);
+  const double middle = 0.5 * (points.voltage_V.front() + points.voltage_V.back());
+  std::size_t j = n - 2;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!share.Has(k)) continue;
+    const double soc = points.soc[k];
+    while (j > 0 && soc < nodes[j]) --j;
+    while (j + 2 < n && soc >= nodes[j + 1]) ++j;
+    const double upper = (soc - nodes[j]) / (nodes[j + 1] - nodes[j]);
+    const double lower = 1.0 - upper;
+    const double v = points.voltage_V[k] - middle;  // near zero: the squares keep more digits
+    diagonal[j] += lower * lower;
+    diagonal[j + 1] += upper * upper;
+    beside[j] += lower * upper;
+    right[j] += lower * v;
+    right[j + 1] += upper * v;
+  }
+  // Thomas' elimination; the matrix is positive definite because every interval holds a row.
+  for (std::size_t k = 0; k + 1 < n; ++k) {
+    const double factor = beside[k] / diagonal[k];
+    diagonal[k + 1] -= factor * beside[k];
+    right[k + 1] -= factor * right[k];
+  }
+  std::vector<double> values(n);
+  for (std::size_t k = n; k-- > 0;) {
+    values[k] = (right[k] - (k + 1 < n ? beside[k] * values[k + 1] : 0.0)) / diagonal[k];
+  }
+  for (double& v : values) v += middle;
+  return values;
+}
+
+// Few rows are joined as they are. Rising states of charge; the row nearest the full end is carried on to
+// where the log started, along the slope of its neighbours.
+void TakeRows(const Points& points, const Share& share, std::vector<double>& nodes, std::vector<double>& values) {
+  std::vector<std::pair<double, double>> rows;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (share.Has(k)) rows.emplace_back(points.soc[k], points.voltage_V[k]);
+  }
+  std::sort(rows.begin(), rows.end());
+  for (const auto& [soc, voltage_V] : rows) {
+    if (!nodes.empty() && !(soc > nodes.back())) continue;
+    nodes.push_back(soc);
+    values.push_back(voltage_V);
+  }
+  const std::size_t n = nodes.size();
+  if (nodes.back() < points.hi && n > 1) {
+    const std::size_t neighbour = n - 1 - std::min<std::size_t>(n - 1, 10);
+    const double slope = (values.back() - values[neighbour]) / (nodes.back() - nodes[neighbour]);
+    values.push_back(values.back() + slope * (points.hi - nodes.back()));
+    nodes.push_back(points.hi);
+  }
+}
+
+// The nearest values that do not fall with soc (pool adjacent violators): noise must not make a curve that
+// is to be monotone go back.
+void MakeMonotone(std::vector<double>& values) {
+  struct Pool {
+    double mean;
+    std::size_t count;
+  };
+  std::vector<Pool> pools;
+  for (const double v : values) {
+    pools.push_back({v, 1});
+    while (pools.size() > 1 && pools[pools.size() - 2].mean > pools.back().mean) {
+      const Pool last = pools.back();
+      pools.pop_back();
+      Pool& into = pools.back();
+      const auto count = into.count + last.count;
+      into.mean += (last.mean - into.mean) * static_cast<double>(last.count) / static_cast<double>(count);
+      into.count = count;
+    }
+  }
+  std::size_t k = 0;
+  for (const Pool& pool : pools) {
+    for (std::size_t member = 0; member < pool.count; ++member) values[k++] = pool.mean;
+  }
+}
+
+// The mean of neighbouring rows, and how many there were. A smooth curve of a few dozen coefficients is
+// straight to 1e-6 V over a ten-thousandth of its range, so nothing is lost and millions of rows are few.
+struct WeightedPoint {
+  double soc, voltage_V, weight;
+};
+
+std::vector<WeightedPoint> Compress(const Points& points, const Share& share) {
+  constexpr std::size_t kMost = 10000;
+  const std::size_t group = std::max<std::size_t>(1, points.size() / kMost);
+  std::vector<WeightedPoint> means;
+  for (std::size_t first = 0; first < points.size(); first += group) {
+    WeightedPoint sum{0.0, 0.0, 0.0};
+    for (std::size_t k = first; k < std::min(points.size(), first + group); ++k) {
+      if (!share.Has(k)) continue;
+      sum.soc += points.soc[k];
+      sum.voltage_V += points.voltage_V[k];
+      sum.weight += 1.0;
+    }
+    if (sum.weight > 0.0) means.push_back({sum.soc / sum.weight, sum.voltage_V / sum.weight, sum.weight});
+  }
+  return means;
+}
+
+// Least squares over the coefficients of `columns` basis functions; norm receives ||residual||.
+template <class Basis>
+Eigen::VectorXd FitBasis(const std::vector<WeightedPoint>& points, int columns, Basis&& basis, double* norm) {
+  RowFactor rows(columns + 1);
+  Eigen::VectorXd values(columns);
+  for (const WeightedPoint& point : points) {
+    basis(point.soc, values);
+    const double weight = std::sqrt(point.weight);
+    double* row = rows.NextRow();
+    for (int j = 0; j < columns; ++j) row[j * rows.stride()] = weight * values[j];
+    row[columns * rows.stride()] = weight * point.voltage_V;
+    rows.Push();
+  }
+  const Eigen::MatrixXd factor = rows.Factor();
+  // Harmonics over less than a period are nearly dependent: the smallest solution is the tame one.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-12);
+  solver.compute(factor.topLeftCorner(columns, columns));
+  const Eigen::VectorXd right = factor.topRightCorner(columns, 1);
+  const Eigen::VectorXd solution = solver.solve(right);
+  if (norm != nullptr) {
+    *norm = std::hypot((factor.topLeftCorner(columns, columns) * solution - right).norm(),
+                       factor(columns, columns));
+  }
+  return solution;
+}
+
+OpenCircuitVoltage FitPolynomial(const std::vector<WeightedPoint>& points, int degree, double lo, double hi) {
+  const auto chebyshev = [&](double soc, Eigen::VectorXd& t) {
+    const double x = (2.0 * soc - lo - hi) / (hi - lo);
+    t[0] = 1.0;
+    t[1] = x;
+    for (int k = 2; k <= degree; ++k) t[k] = 2.0 * x * t[k - 1] - t[k - 2];
+  };
+  const Eigen::VectorXd c = FitBasis(points, degree + 1, chebyshev, nullptr);
+  return OpenCircuitVoltage::Polynomial(lo, hi, {c.begin(), c.end()});
+}
+
+// The frequency is the only nonlinear unknown: a grid finds its valley, Brent's method the bottom.
+OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points, int harmonics, double lo, double hi) {
+  const int columns = 2 * harmonics + 1;
+  const auto solve = [&](double frequency, double* norm) {
+    const auto basis = [&](double soc, Eigen::VectorXd& values) {
+      values[0] = 1.0;
+      const double c1 = std::cos(frequency * soc);
+      const double s1 = std::sin(frequency * soc);
+      double c = 1.0;
+      double s = 0.0;
+      for (int k = 1; k <= harmonics; ++k) {
+        const double next = c * c1 - s * s1;
+        s = s * c1 + c * s1;
+        c = next;
+        values[2 * k - 1] = c;
+        values[2 * k] = s;
+      }
+    };
+    return FitBasis(points, columns, basis, norm);
+  };
+  const auto cost = [&](double frequency) {
+    double norm = 0.0;
+    static_cast<void>(solve(frequency, &norm));
+    return norm;
+  };
+  constexpr double kPi = 3.14159265358979323846;
+  constexpr int kGrid = 12;
+  const double least = 0.5 * kPi / (hi - lo);   // a quarter of a period over the range
+  const double most = 2.0 * kPi / (hi - lo);    // one period
+  const double step = (most - least) / kGrid;
+  int best = 0;
+  double best_cost = cost(least);
+  for (int k = 1; k <= kGrid; ++k) {
+    const double here = cost(least + k * step);
+    if (here < best_cost) {
+      best_cost = here;
+      best = k;
+    }
+  }
+  const auto [frequency, unused] = boost::math::tools::brent_find_minima(
+      cost, std::max(least, least + (best - 1) * step), std::min(most, least + (best + 1) * step), 16);
+  static_cast<void>(unused);
+  const Eigen::VectorXd solution = solve(frequency, nullptr);
+  std::vector<double> cosine{solution[0]};
+  std::vector<double> sine;
+  for (int k = 1; k <= harmonics; ++k) {
+    cosine.push_back(solution[2 * k - 1]);
+    sine.push_back(solution[2 * k]);
+  }
+  return OpenCircuitVoltage::Fourier(lo, hi, frequency, std::move(cosine), std::move(sine));
+}
+
+OpenCircuitVoltage FitCurve(const Points& points, const Share& share, const OcvFitOptions& options) {
+  switch (options.method) {
+    case OcvMethod::kPolynomial:
+      return FitPolynomial(Compress(points, share), options.degree, points.lo, points.hi);
+    case OcvMethod::kFourier:
+      return FitFourier(Compress(points, share), options.harmonics, points.lo, points.hi);
+    case OcvMethod::kLinear:
+    case OcvMethod::kMonotoneCubic: break;
+  }
+  std::vector<double> nodes;
+  std::vector<double> values;
+  if (points.size() <= static_cast<std::size_t>(options.interpolate_up_to)) {
+    TakeRows(points, share, nodes, values);
+  } else {
+    const int count = std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
+    nodes = DropEmptyIntervals(PlaceNodes(points, count), points, share);
+    values = FitNodes(nodes, points, share);
+  }
+  if (options.method == OcvMethod::kLinear) {
+    return OpenCircuitVoltage::Linear(std::move(nodes), std::move(values));
+  }
+  MakeMonotone(values);
+  return OpenCircuitVoltage::MonotoneCubic(std::move(nodes), std::move(values));
+}
+
+}  // namespace
+
+OcvFitResult FitOpenCircuitVoltage(const Record& record,
+                                   double alpha_C,
+                                   double initial_soc,
+                                   const OcvFitOptions& options) {
+  Require(alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", alpha_C}});
+  const auto charge_C = DeliveredCharge(record);
+  const double rest_A = RestThreshold(record);
+  Points points;
+  std::vector<double> loads;
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    if (record.current_A[k] <= rest_A) continue;
+    points.soc.push_back(initial_soc - charge_C[k] / alpha_C);  // (4.59)
+    points.voltage_V.push_back(record.voltage_V[k]);
+    loads.push_back(record.current_A[k]);
+  }
+  const std::size_t coefficients = options.method == OcvMethod::kPolynomial ? options.degree + 1
+                                   : options.method == OcvMethod::kFourier  ? 2 * options.harmonics + 1
+                                                                            : 4;
+  if (points.size() < 3 * coefficients) {
+    throw LoadError({record.file},
+                    fmt::format("expected at least {} rows under load for this open-circuit voltage curve, found {}",
+                                3 * coefficients, points.size()));
+  }
+
+  // The curve reaches up to where the log started, a row above the first one under load.
+  points.lo = *std::min_element(points.soc.begin(), points.soc.end());
+  points.hi = std::max(initial_soc, *std::max_element(points.soc.begin(), points.soc.end()));
+
+  OcvFitResult result;
+  const OpenCircuitVoltage judged = FitCurve(points, {options.leave_out_every, false}, options);
+  ErrorAccumulator errors;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (Share{options.leave_out_every, true}.Has(k)) errors.Add(points.voltage_V[k], judged(points.soc[k]));
+  }
+  result.mean_error_percent = errors.Result().mean_error_percent;
+  result.max_error_percent = errors.Result().max_error_percent;
+  result.rmse_V = errors.Result().rmse;
+  result.curve = FitCurve(points, {}, options);
+  result.rows = points.size();
+  result.charge_C = *std::max_element(charge_C.begin(), charge_C.end());
+  std::nth_element(loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2), loads.end());
+  result.current_A = loads[loads.size() / 2];
+  result.soc_lo = result.curve.soc_lo();
+  result.soc_hi = result.curve.soc_hi();
+  return result;
+}
+
+}  // namespace lipoid

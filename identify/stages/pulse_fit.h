@@ -1,0 +1,92 @@
+#pragma once
+
+/// @file
+/// Stage 3: beta, r_s and the branches from pulses, with alpha and v_oc(A) held.
+///
+///   (4.60)  r_s, r_j, c_j with beta held
+///   (4.61)  the same and beta, in [0, 1]
+///
+/// minimize the squared voltage error over all rows. Resistances and capacitances are >= 0. Starts come from
+/// the data: steps of the current give r_s, relaxations time constants; around them a grid of (beta, tau_j),
+/// for each of which r_s and r_j follow by linear least squares, is searched on a thinned log, so that the
+/// optimum is found from the best of many starts. Then all rows decide.
+///
+/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one; c_j = tau_j/r_j is reported.
+/// Tests: tests/identify/stages/pulse_fit_test.cc.
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/optimizers/least_squares.h"
+#include "identify/optimizers/levenberg_marquardt.h"
+#include "identify/stages/start_values.h"
+#include "identify/stages/voltage_sweep.h"
+#include "model/battery/error_metrics.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+
+struct PulseFitOptions {
+  int branches = 1;
+  int terms = 10;
+  bool tail = true;
+  bool diffusion = true;
+  int thinned_rows = 3000;
+  int starts = 4;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("branches", self.branches, Range{0.0, 5.0}, "resistor-capacitor branches");
+    v("terms", self.terms, Range{0.0, 1000.0}, "diffusion modes, M in (4.46)");
+    v("tail", self.tail, Names{}, "quasi-static share of the modes beyond M; off as in the thesis");
+    v("diffusion", self.diffusion, Names{}, "off: beta is infinite, the plain equivalent circuit");
+    v("thinned_rows", self.thinned_rows, Range{100.0, 1e8}, "rows on which starts are compared");
+    v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the thinned log");
+  }
+};
+
+/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}.
+struct PulseFitKnowledge {
+  std::map<std::string, double> fixed;
+  std::map<std::string, double> start;
+  std::map<std::string, std::pair<double, double>> bounds;
+};
+
+struct PulseFitResult {
+  SweepParameters parameters;
+  std::string optimizer = "levenberg-marquardt";
+  LeastSquaresSummary summary;         ///< of the final fit on all rows
+  int evaluations = 0;                 ///< of the sweep over all rows
+  int starts = 0;                      ///< compared on the thinned log
+  std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s
+  std::vector<std::string> fixed;      ///< names that were held
+  ErrorMetrics errors;                 ///< over all rows, (4.56)-(4.58)
+  std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
+  double wall_s = 0.0;
+};
+
+/// What a fit starts from.
+struct PulseFitStart {
+  double beta_per_sqrt_s = 0.2;
+  bool hold_beta = false;             ///< (4.60); else (4.61)
+  StartValues data;                   ///< of the same records
+  const SweepParameters* previous = nullptr;  ///< one more start, for example the answer of (4.60)
+};
+
+/// The setup of the sweep says how the diffusion is modelled; options.branches how many branches there are.
+/// Throws OptionError where `knowledge` names a parameter that is not there or contradicts itself.
+[[nodiscard]] PulseFitResult FitPulses(const VoltageSweep& sweep,
+                                       const PulseFitStart& start,
+                                       const PulseFitOptions& options = {},
+                                       const LevenbergMarquardtOptions& solver = {},
+                                       const PulseFitKnowledge& knowledge = {});
+
+/// Errors of a cell's prediction over the rows of logs, each row once.
+[[nodiscard]] ErrorMetrics SweepErrors(const VoltageSweep& sweep,
+                                       const SweepParameters& parameters,
+                                       std::size_t* rows_outside_curve = nullptr);
+
+}  // namespace lipoid

@@ -1,0 +1,40 @@
+#pragma once
+
+/// @file
+/// Where stage 3 starts, read off the data: steps of the current show the series resistance, the voltage
+/// after a load is switched off shows time constants.
+/// Tests: tests/identify/stages/start_values_test.cc.
+
+#include <vector>
+
+#include "identify/logs/record.h"
+
+namespace lipoid {
+
+struct StartValues {
+  /// Median of -dv/di over the steps of the current that the sampling resolves best; NaN without a step.
+  double series_resistance_Ohm;
+  /// Median time to 63 % of the recovery seen in each rest after a load; NaN without one.
+  double relaxation_s;
+  /// Median recovery per ampere of the load before; NaN without one.
+  double relaxation_Ohm;
+  /// The shortest interval between rows at a step, and the longest rest: the time constants that the log
+  /// can show lie between them.
+  double shortest_s;
+  double longest_s;
+  int edges = 0;
+  int relaxations = 0;
+};
+
+[[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records);
+
+/// The record with neighbouring rows of equal current merged into longer steps, to about most_rows rows: exact
+/// for the model (zero-order hold over a constant current knows no difference), much cheaper. row_weight
+/// counts the rows that each one stands for.
+struct ThinnedRecord {
+  Record record;
+  std::vector<double> row_weight;
+};
+[[nodiscard]] ThinnedRecord Thin(const Record& record, std::size_t most_rows);
+
+}  // namespace lipoid
