@@ -17,7 +17,7 @@ namespace lipoid {
 struct SynthesisOptions {
   /// Constant-current discharges, in multiples of the nominal capacity per hour: "1,2,3". Empty:
   /// 1C, 2C, ... to the highest rate that suits the cell.
-  std::string rates_C;
+  std::string rates_C = {};
   /// The low-rate current empties alpha in so many hours; it is rounded to three digits as a lab
   /// would.
   double low_rate_h = 13.0;

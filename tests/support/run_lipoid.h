@@ -1,0 +1,35 @@
+#pragma once
+
+/// @file
+/// Runs the built `lipoid` as a user would.
+
+#include <string>
+#include <vector>
+
+#include "model/core/json.h"
+
+namespace lipoid::test {
+
+struct RunResult {
+  int exit_code = -1;  ///< 128 + signal where one ended it, as a shell says
+  std::string out;
+  std::string err;
+};
+
+/// A folder of its own for the current test, empty; `lipoid` runs in it.
+[[nodiscard]] std::string TestFolder();
+
+/// `lipoid arguments...` in the folder, with standard input closed.
+[[nodiscard]] RunResult RunLipoid(const std::string& folder,
+                                  const std::vector<std::string>& arguments);
+
+/// A shell command in the folder; $LIPOID is the program.
+[[nodiscard]] RunResult RunShell(const std::string& folder, const std::string& command);
+
+/// A JSON file in the folder.
+[[nodiscard]] Json ReadJson(const std::string& folder, const std::string& file);
+
+/// The names in a folder, sorted.
+[[nodiscard]] std::vector<std::string> FilesIn(const std::string& folder);
+
+}  // namespace lipoid::test

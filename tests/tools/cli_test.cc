@@ -1,0 +1,229 @@
+// The framework of the command line, without the program: suggestions, tables, and what Run() makes
+// of everything that a command may do.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+#include "model/core/errors.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_lipoid.h"
+#include "tools/cli/run.h"
+#include "tools/cli/suggest.h"
+#include "tools/cli/text_table.h"
+
+namespace lipoid::cli {
+namespace {
+
+using test::ReadJson;
+using test::TestFolder;
+
+TEST(Suggest, FindsTheNearestNameWithinAThirdOfItsLetters) {
+  const std::vector<std::string> known{"identify", "inspect", "list", "validate"};
+  EXPECT_EQ(Nearest("validat", known), "validate");
+  EXPECT_EQ(Nearest("idnetify", known), "identify");  // swapped neighbours are one edit
+  EXPECT_EQ(Nearest("lst", known), "list");
+  EXPECT_EQ(Nearest("zzzzzz", known), "");
+  EXPECT_EQ(UnknownName("command", "lsit", {"list", "study"}),
+            "unknown command 'lsit'. Did you mean 'list'? Known: list, study");
+  EXPECT_EQ(UnknownName("command", "x", {"list", "study"}),
+            "unknown command 'x'. Known: list, study");
+}
+
+TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
+  TextTable table({{"log", Align::kLeft}, {"mean / %"}});
+  table.Row({"zelle_ä.csv", "0.2234"});
+  table.Row({"b", "12"});
+  EXPECT_EQ(table.Text(),
+            "log          mean / %\n"
+            "zelle_ä.csv    0.2234\n"
+            "b                  12\n");
+}
+
+TEST(Significant, KeepsSoManyDigitsAndNoMore) {
+  EXPECT_EQ(Significant(0.22341), "0.2234");
+  EXPECT_EQ(Significant(1353.6), "1354");
+  EXPECT_EQ(Significant(115860.4), "115860");
+  EXPECT_EQ(Significant(2.4e-5), "2.400e-05");
+  EXPECT_EQ(Significant(9.99996), "10.00");  // the carry makes a digit more before the point
+  EXPECT_EQ(Significant(-0.5, 2), "-0.50");
+  EXPECT_EQ(Significant(0.0), "0");
+  EXPECT_EQ(Significant(std::nan("")), "-");
+}
+
+ExitCode Succeed(CommandLine& line) {
+  int number = 3;
+  std::vector<std::string> words;
+  line.Describe("Does it.", "lipoid succeed");
+  line.Option("number", number, Range{0, 5}, "a number");
+  line.Arguments("WORD", words, "words", 0);
+  if (!line.Parse()) return ExitCode::kDone;
+  line.summary()["number"] = number;
+  line.summary()["words"] = words;
+  line.Message("a message");
+  line.Print("data {}\n", number);
+  return number == 5 ? ExitCode::kIncomplete : ExitCode::kDone;
+}
+ExitCode ThrowAfterPrinting(CommandLine& line) {
+  if (!line.Parse()) return ExitCode::kDone;
+  line.Print("half of the data\n");
+  throw LoadError({{{"a.csv", 12, 7}, "expected a number, found 'abc'"}, {{"b.csv"}, "is empty"}});
+}
+ExitCode RunOutOfMemory(CommandLine&) { throw std::bad_alloc(); }
+ExitCode ThrowAnything(CommandLine&) { throw 7; }
+ExitCode BreakARule(CommandLine&) {
+  Require(false, "dt_s > 0");
+  return ExitCode::kDone;
+}
+
+constexpr Command kCommands[] = {{"anything", "throws an int", &ThrowAnything},
+                                 {"load", "throws a LoadError", &ThrowAfterPrinting},
+                                 {"memory", "runs out of memory", &RunOutOfMemory},
+                                 {"rule", "breaks a rule", &BreakARule},
+                                 {"succeed", "succeeds", &Succeed}};
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+Outcome RunHere(const std::vector<std::string>& arguments) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = Run(kCommands, arguments);
+  const auto out = testing::internal::GetCapturedStdout();
+  return {exit_code, out, testing::internal::GetCapturedStderr()};
+}
+
+TEST(Run, PrintsDataAndMessagesOnTheirStreamsAndWritesTheSummary) {
+  const auto folder = TestFolder();
+  const auto done =
+      RunHere({"succeed", "a", "--number", "4", "b", "--summary", folder + "/s.json"});
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_EQ(done.out, "data 4\n");
+  EXPECT_EQ(done.err, "a message\n");
+  EXPECT_EQ(
+      ReadJson(folder, "s.json"),
+      Json::parse(R"({"command": "succeed", "exit_code": 0, "number": 4, "words": ["a", "b"]})"));
+  EXPECT_EQ(RunHere({"succeed", "--quiet"}).err, "");
+}
+
+TEST(Run, KeepsTheExitCodeAndTheResultsOfACommandThatDidNotConverge) {
+  const auto folder = TestFolder();
+  EXPECT_EQ(RunHere({"succeed", "--number", "5", "--summary", folder + "/s.json"}).exit_code, 1);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("exit_code"), 1);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("number"), 5);
+}
+
+TEST(Run, BadInputIsThreeWithEveryDiagnosticAndNoHalfOfTheData) {
+  const auto folder = TestFolder();
+  const auto failed = RunHere({"load", "--summary=" + folder + "/s.json"});
+  EXPECT_EQ(failed.exit_code, 3);
+  EXPECT_EQ(failed.out, "");
+  EXPECT_EQ(failed.err,
+            "a.csv:12:7: error: expected a number, found 'abc'\nb.csv:1:1: error: is empty\n");
+  EXPECT_EQ(ReadJson(folder, "s.json"), Json::parse(R"({
+    "command": "load", "exit_code": 3, "error": {
+      "kind": "bad-input",
+      "message": "a.csv:12:7: error: expected a number, found 'abc'\nb.csv:1:1: error: is empty",
+      "diagnostics": [
+        {"file": "a.csv", "line": 12, "column": 7, "message": "expected a number, found 'abc'"},
+        {"file": "b.csv", "line": 1, "column": 1, "message": "is empty"}]}})"));
+}
+
+TEST(Run, WhateverACommandThrowsIsOneLineAndAnExitCode) {
+  const auto memory = RunHere({"memory"});
+  EXPECT_EQ(memory.exit_code, 1);
+  EXPECT_EQ(memory.err,
+            "lipoid memory: error: out of memory; give it less at once, or a machine with more\n");
+  EXPECT_EQ(RunHere({"anything"}).exit_code, 1);
+  const auto rule = RunHere({"rule"});
+  EXPECT_EQ(rule.exit_code, 1);
+  EXPECT_NE(rule.err.find("precondition broken: dt_s > 0"), std::string::npos) << rule.err;
+}
+
+TEST(Run, ASummaryThatCannotBeWrittenIsSaidBeforeTheCommandRuns) {
+  const auto failed = RunHere({"load", "--summary", "/no/such/folder/s.json"});
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_EQ(failed.err,
+            "lipoid: error: cannot write '/no/such/folder/s.json': No such file or directory\n"
+            "Try 'lipoid --help'.\n");
+}
+
+struct Wrong {
+  std::vector<std::string> arguments;
+  const char* message;
+};
+
+TEST(Run, UsageErrorsSayWhatIsKnownAndWhatWasMeant) {
+  const Wrong all[] = {
+      {{}, "lipoid: error: a command is missing\nTry 'lipoid --help'.\n"},
+      {{"sucede"},
+       "lipoid: error: unknown command 'sucede'. Did you mean 'succeed'? Known: anything, load, "
+       "memory, "
+       "rule, succeed\nTry 'lipoid --help'.\n"},
+      {{"--verison"},
+       "lipoid: error: unknown option '--verison'. Did you mean '--version'? Known: --help, "
+       "--version\n"
+       "Try 'lipoid --help'.\n"},
+      {{"succeed", "--numbre", "1"},
+       "lipoid succeed: error: unknown option '--numbre'. Did you mean '--number'? Known: "
+       "--summary, "
+       "--seed, --threads, --quiet, --set, --help, --number\nTry 'lipoid succeed --help'.\n"},
+      {{"succeed", "--num", "1"},  // abbreviations are not guessed
+       "lipoid succeed: error: unknown option '--num'. Known: --summary, --seed, --threads, "
+       "--quiet, "
+       "--set, --help, --number\nTry 'lipoid succeed --help'.\n"},
+      {{"succeed", "--number", "6"},
+       "lipoid succeed: error: option --number: expected a whole number, 0 .. 5, found '6'\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--number", "2.5"},
+       "lipoid succeed: error: option --number: expected a whole number, 0 .. 5, found '2.5'\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--number"},
+       "lipoid succeed: error: option --number: expected a value, found none\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--number", "1", "--number", "2"},
+       "lipoid succeed: error: option --number is given twice; give it once\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--set", "number=1"},
+       "lipoid succeed: error: option --set: unknown option 'number'; there are none\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--set", "number"},
+       "lipoid succeed: error: option --set: expected OPTION=VALUE, found 'number'\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--seed", "-1"},
+       "lipoid succeed: error: option --seed: expected a whole number of at least 0, found '-1'\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--threads", "0"},
+       "lipoid succeed: error: option --threads: expected a whole number, 1 .. 4096, found '0'\n"
+       "Try 'lipoid succeed --help'.\n"},
+      {{"load", "word"},
+       "lipoid load: error: 'word' is one argument too many\nTry 'lipoid load --help'.\n"},
+  };
+  for (const auto& [arguments, message] : all) {
+    const auto failed = RunHere(arguments);
+    EXPECT_EQ(failed.exit_code, 2) << message;
+    EXPECT_EQ(failed.out, "");
+    EXPECT_EQ(failed.err, message);
+  }
+}
+
+TEST(Run, AUsageErrorStillWritesTheSummary) {
+  const auto folder = TestFolder();
+  EXPECT_EQ(RunHere({"succeed", "--numbre", "--summary", folder + "/s.json"}).exit_code, 2);
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("exit_code"), 2);
+  EXPECT_EQ(summary.at("error").at("kind"), "usage");
+}
+
+TEST(Run, ASummaryOfBytesThatAreNoTextIsStillJson) {
+  const auto folder = TestFolder();
+  EXPECT_EQ(RunHere({"succeed", "\xff\xfe.csv", "--summary", folder + "/s.json"}).exit_code, 0);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("words").size(), 1U);
+}
+
+}  // namespace
+}  // namespace lipoid::cli

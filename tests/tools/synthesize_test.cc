@@ -1,0 +1,136 @@
+// lipoid synthesize, end to end. What the logs hold: tests/identify/synthesis/synthesize_test.cc.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "model/battery/cell_file.h"
+#include "model/core/run_record.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+std::vector<std::string> Arguments(std::initializer_list<std::string> more) {
+  std::vector<std::string> all{"synthesize", "gifi-600mAh-1", "--sampling-s", "1", "--quiet"};
+  all.insert(all.end(), more);
+  return all;
+}
+
+TEST(Synthesize, SaysWhatItWrote) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, Arguments({"-o", "a/logs", "--summary", "s.json"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(FilesIn(folder + "/a/logs"),
+            (std::vector<std::string>{"campaign.toml",
+                                      "cc_1C.csv",
+                                      "cc_2C.csv",
+                                      "cc_3C.csv",
+                                      "cc_4C.csv",
+                                      "cc_5C.csv",
+                                      "cc_6C.csv",
+                                      "low_rate.csv",
+                                      "pulses.csv",
+                                      "truth.json"}));
+  const auto summary = ReadJson(folder, "s.json");
+  ASSERT_EQ(summary.at("files").size(), 10U);
+  for (const auto& file : summary.at("files")) {
+    const std::string path = folder + "/" + file.at("file").get<std::string>();
+    SCOPED_TRACE(path);
+    EXPECT_EQ(file.at("bytes"), std::filesystem::file_size(path));
+    const auto text = ReadTextFile(path);
+    if (path.ends_with(".csv")) {
+      EXPECT_EQ(file.at("rows"), std::count(text.begin(), text.end(), '\n') - 1);
+    }
+  }
+}
+
+TEST(Synthesize, TheTruthIsACellFileWithProtocolSeedAndNoise) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             Arguments({"-o",
+                                        "logs",
+                                        "--with",
+                                        "r_1=0.03,c_1=1500",
+                                        "--seed",
+                                        "42",
+                                        "--voltage-noise-V",
+                                        "0.001",
+                                        "--set",
+                                        "current_noise_A=0.01"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Cell truth = ReadCellFile(folder + "/logs/truth.json");
+  const Cell shipped = LoadCell("gifi-600mAh-1");
+  EXPECT_EQ(truth.diffusion->alpha_C, shipped.diffusion->alpha_C);
+  EXPECT_EQ(truth.branches.at(0).resistance_Ohm.resistance_Ohm[0], 0.03);
+  EXPECT_EQ(truth.branches.at(0).capacitance_F, 1500.0);
+  EXPECT_EQ(truth.branches.at(0).time_constant_s, 45.0);
+  EXPECT_EQ(truth.run.at("protocol"), "thesis");
+  EXPECT_EQ(truth.run.at("seed"), 42);
+  EXPECT_EQ(truth.run.at("options").at("voltage_noise_V"), 0.001);
+  EXPECT_EQ(truth.run.at("options").at("current_noise_A"), 0.01);
+}
+
+TEST(Synthesize, TheSameSeedGivesTheSameBytesWithAnyNumberOfThreads) {
+  const auto folder = TestFolder();
+  const auto synthesize =
+      [&](const std::string& out, const std::string& threads, const std::string& seed) {
+        const auto run = RunLipoid(folder,
+                                   Arguments({"-o",
+                                              out,
+                                              "--threads",
+                                              threads,
+                                              "--seed",
+                                              seed,
+                                              "--voltage-noise-V",
+                                              "0.001",
+                                              "--current-noise-A",
+                                              "0.001"}));
+        EXPECT_EQ(run.exit_code, 0) << run.err;
+      };
+  synthesize("one", "1", "7");
+  synthesize("two", "2", "7");
+  synthesize("other", "2", "8");
+  for (const auto& file : FilesIn(folder + "/one")) {
+    if (file == "truth.json") continue;  // it holds the command as typed
+    SCOPED_TRACE(file);
+    const auto hash = Sha256OfFile(folder + "/one/" + file);
+    EXPECT_EQ(hash, Sha256OfFile(folder + "/two/" + file));
+    if (file.ends_with(".csv")) {
+      EXPECT_NE(hash, Sha256OfFile(folder + "/other/" + file));
+    }
+  }
+}
+
+TEST(Synthesize, NothingIsLeftBehindWhenItFails) {
+  const auto folder = TestFolder();
+  const std::vector<std::vector<std::string>> wrong = {
+      Arguments(
+          {"-o", "a/b", "--rates-C", "1,200"}),       // the last log fails while others are written
+      Arguments({"-o", "a/b", "--pulse-s", "30.5"}),  // no multiple of the sampling
+      Arguments({"-o", "a/b", "--rates-C", "1,x"}),
+      Arguments({"-o", "a/b", "--with", "r_9=1"}),
+      Arguments({"-o", "a/b", "--protocol", "other"}),
+      {"synthesize", "no-such-cell", "-o", "a/b"},
+      {"synthesize", "gifi-600mAh-1"},
+  };
+  for (const auto& arguments : wrong) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, arguments[1] == "no-such-cell" ? 3 : 2) << run.err;
+    EXPECT_NE(run.err, "");
+    EXPECT_EQ(FilesIn(folder), std::vector<std::string>{});
+  }
+}
+
+TEST(Synthesize, AFolderThatCannotBeWrittenIsSaid) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunShell(folder, "echo >file").exit_code, 0);
+  const auto run = RunLipoid(folder, Arguments({"-o", "file/logs"}));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err,
+            "lipoid synthesize: error: cannot make the folder 'file/logs': Not a directory\n"
+            "Try 'lipoid synthesize --help'.\n");
+}
+
+}  // namespace
+}  // namespace lipoid::test
