@@ -27,8 +27,8 @@ constexpr std::array<std::pair<LogKind, std::string_view>, 4> OptionNames(LogKin
 
 struct CampaignLog {
   LogKind kind = LogKind::kConstantCurrent;
-  std::string file;       ///< as written, for reports
-  std::string path;       ///< relative to the campaign file, resolved
+  std::string file;         ///< as written, for reports
+  std::string path;         ///< relative to the campaign file, resolved
   SourcePosition position;  ///< where it is named; file empty on the command line
   ReadOptions read;
   double initial_soc = 1.0;
@@ -38,17 +38,50 @@ struct CampaignLog {
 struct Campaign {
   std::string file;  ///< empty where it was given on the command line
   std::string name;
-  double capacity_Ah = 0.0;  ///< nominal, of one cell; 0 where not given
+  double capacity_Ah = 0.0;        ///< nominal, of one cell; 0 where not given
   std::optional<double> cutoff_V;  ///< of one cell
   int series = 1;
   int parallel = 1;
   std::vector<CampaignLog> logs;
+
+  [[nodiscard]] std::size_t Count(LogKind kind) const;
 };
 
-/// Strict: unknown keys and kinds, wrong types, values out of range are LoadErrors with line and column.
+/// Strict: unknown keys and kinds, wrong types, values out of range are LoadErrors with line and
+/// column, all of one file at once.
 [[nodiscard]] Campaign ReadCampaign(const std::string& file);
 
-/// The campaign as TOML text, as `inspect --write-campaign` writes it.
+/// The same from text that came from `file`.
+[[nodiscard]] Campaign ParseCampaign(const std::string& text, const std::string& file);
+
+/// The campaign as TOML text, as `inspect --write-campaign` writes it: reads back as the same
+/// campaign.
 [[nodiscard]] std::string CampaignToToml(const Campaign& campaign);
+
+/// One [[log]] of it.
+[[nodiscard]] std::string CampaignLogToToml(const CampaignLog& log);
+
+/// Lists of files by kind, as the command line gives them.
+struct CampaignArguments {
+  std::vector<std::string> constant_current;
+  std::vector<std::string> low_rate;
+  std::vector<std::string> pulses;
+  std::vector<std::string> validation;
+  std::string name;
+  double capacity_Ah = 0.0;
+  std::optional<double> cutoff_V;
+  int series = 1;
+  int parallel = 1;
+  ReadOptions read;          ///< of every log
+  double initial_soc = 1.0;  ///< of every log
+};
+
+/// OptionError where a file stands twice under one kind.
+[[nodiscard]] Campaign CampaignFromArguments(const CampaignArguments& arguments);
+
+/// Whether the logs together are enough to identify a cell: a low-rate log or a given open-circuit
+/// voltage, pulses or constant currents, a cut-off for constant currents. LoadError at the
+/// campaign's file, or OptionError where it was given on the command line.
+void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given);
 
 }  // namespace lipoid

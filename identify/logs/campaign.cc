@@ -1,0 +1,480 @@
+#include "identify/logs/campaign.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <sstream>
+
+#include "model/core/json.h"
+
+namespace lipoid {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLeast = std::numeric_limits<double>::min();
+constexpr int kMostCells = 100000;
+constexpr std::array<std::string_view, 4> kColumns = {
+    "time_s", "current_A", "voltage_V", "temperature_degC"};
+
+template <class E>
+std::string_view NameOf(E value) {
+  for (const auto& [candidate, name] : OptionNames(E{})) {
+    if (candidate == value) return name;
+  }
+  return "?";
+}
+
+template <class Names>
+std::string List(const Names& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// A number that TOML reads back to the last bit, and as a float.
+std::string Float(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".einf") == std::string::npos) text += ".0";
+  return text;
+}
+
+// A value as it stands in the file, short enough for a message.
+std::string Found(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return "an array";
+  if (const auto* number = node.as_floating_point()) return Float(number->get());
+  std::ostringstream text;
+  node.visit([&](const auto& value) { text << value; });
+  return text.str();
+}
+
+// Reads tables key by key and keeps what is wrong, so that one run names every mistake of a file.
+class TableReader {
+ public:
+  TableReader(const toml::table& table, const std::string& file, std::vector<Diagnostic>& problems)
+      : table_(table), file_(file), problems_(problems) {}
+
+  [[nodiscard]] SourcePosition At(const toml::source_region& source) const {
+    return {file_,
+            std::max<std::size_t>(source.begin.line, 1),
+            std::max<std::size_t>(source.begin.column, 1)};
+  }
+  [[nodiscard]] SourcePosition At() const { return At(table_.source()); }
+
+  void Problem(SourcePosition position, std::string message) const {
+    problems_.push_back({std::move(position), std::move(message)});
+  }
+  void Expected(const toml::node& node, std::string_view key, std::string_view expected) const {
+    Problem(At(node.source()),
+            fmt::format("{}: expected {}, found {}", key, expected, Found(node)));
+  }
+
+  void OnlyKeys(std::initializer_list<std::string_view> known) const {
+    for (const auto& [key, value] : table_) {
+      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+      Problem(At(key.source()),
+              fmt::format("expected one of the keys {}, found '{}'", List(known), key.str()));
+    }
+  }
+
+  // The node of a key that may be absent.
+  [[nodiscard]] const toml::node* Find(std::string_view key) const { return table_.get(key); }
+
+  // Each reads into `value` if the key is there and right. True where it was read.
+  bool Text(std::string_view key, std::string& value) const {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return false;
+    const auto* text = node->as_string();
+    if (text == nullptr || text->get().empty()) {
+      Expected(*node, key, "a text in quotes");
+      return false;
+    }
+    value = text->get();
+    return true;
+  }
+
+  bool Number(
+      std::string_view key, double lo, double hi, std::string_view expected, double& value) const {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return false;
+    const auto number = node->is_number() ? node->value<double>() : std::nullopt;
+    if (!number || !(*number >= lo && *number <= hi)) {  // NaN is outside every range
+      Expected(*node, key, expected);
+      return false;
+    }
+    value = *number;
+    return true;
+  }
+
+  bool Integer(std::string_view key, int lo, int hi, int& value) const {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return false;
+    const auto* number = node->as_integer();
+    if (number == nullptr || number->get() < lo || number->get() > hi) {
+      Expected(*node, key, fmt::format("an integer from {} to {}", lo, hi));
+      return false;
+    }
+    value = static_cast<int>(number->get());
+    return true;
+  }
+
+  void Integers(std::string_view key, std::vector<int>& values) const {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return;
+    const auto* list = node->as_array();
+    const auto right = [](const toml::node& item) {
+      return item.is_integer() && item.as_integer()->get() >= 0 &&
+             item.as_integer()->get() <= std::numeric_limits<int>::max();
+    };
+    if (list == nullptr || list->empty()) return Expected(*node, key, "a list of integers, [1, 2]");
+    for (const toml::node& item : *list) {
+      if (!right(item)) return Expected(item, key, "an integer, at least 0");
+      values.push_back(static_cast<int>(item.as_integer()->get()));
+    }
+  }
+
+  template <class E>
+  bool Choice(std::string_view key, E& value) const {
+    const toml::node* node = Find(key);
+    if (node == nullptr) return false;
+    std::vector<std::string_view> names;
+    for (const auto& [candidate, name] : OptionNames(E{})) {
+      if (node->is_string() && node->as_string()->get() == name) {
+        value = candidate;
+        return true;
+      }
+      names.push_back(name);
+    }
+    Expected(*node, key, "one of " + List(names));
+    return false;
+  }
+
+ private:
+  const toml::table& table_;
+  const std::string& file_;
+  std::vector<Diagnostic>& problems_;
+};
+
+void ReadUnits(const TableReader& reader, ReadOptions& read) {
+  const toml::node* node = reader.Find("units");
+  if (node == nullptr) return;
+  constexpr std::string_view kExpected =
+      "the units of time, current and voltage, [\"s\", \"A\", \"V\"]";
+  if (const auto* text = node->as_string()) {
+    std::istringstream words(text->get());
+    for (std::string word; std::getline(words, word, ',');) {
+      const auto first = word.find_first_not_of(" \t");
+      const auto last = word.find_last_not_of(" \t");
+      read.units.push_back(first == std::string::npos ? "" : word.substr(first, last - first + 1));
+    }
+  } else if (const auto* list = node->as_array()) {
+    for (const toml::node& item : *list) {
+      if (!item.is_string()) return reader.Expected(item, "units", kExpected);
+      read.units.push_back(item.as_string()->get());
+    }
+  }
+  constexpr std::array<std::array<std::string_view, 4>, 3> kKnown = {
+      {{"s", "min", "h", "ms"}, {"A", "mA", "", ""}, {"V", "mV", "", ""}}};
+  bool right = read.units.size() == kKnown.size();
+  for (std::size_t k = 0; right && k < kKnown.size(); ++k) {
+    right = !read.units[k].empty() &&
+            std::find(kKnown[k].begin(), kKnown[k].end(), read.units[k]) != kKnown[k].end();
+  }
+  if (right) return;
+  reader.Problem(reader.At(node->source()),
+                 fmt::format("units: expected {} (s, ms, min or h; A or mA; V or mV), found {}",
+                             kExpected,
+                             node->is_array() ? "[" + List(read.units) + "]" : Found(*node)));
+}
+
+void ReadColumns(const TableReader& reader, ReadOptions& read) {
+  const toml::node* node = reader.Find("columns");
+  if (node == nullptr) return;
+  const auto* table = node->as_table();
+  if (table == nullptr)
+    return reader.Expected(*node, "columns", "a table, { time_s = \"name in the header\" }");
+  for (const auto& [key, value] : *table) {
+    if (std::find(kColumns.begin(), kColumns.end(), key.str()) == kColumns.end()) {
+      reader.Problem(
+          reader.At(key.source()),
+          fmt::format("columns: expected one of {}, found '{}'", List(kColumns), key.str()));
+    } else if (!value.is_string() || value.as_string()->get().empty()) {
+      reader.Expected(
+          value, fmt::format("columns.{}", key.str()), "the name of a column in quotes");
+    } else {
+      read.columns[std::string(key.str())] = value.as_string()->get();
+    }
+  }
+}
+
+CampaignLog ReadEntry(const TableReader& reader, const fs::path& folder) {
+  reader.OnlyKeys({"kind",
+                   "file",
+                   "hold",
+                   "columns",
+                   "units",
+                   "current_sign",
+                   "steps",
+                   "cycles",
+                   "start_s",
+                   "end_s",
+                   "initial_soc",
+                   "lead_resistance_Ohm",
+                   "weight"});
+  CampaignLog log;
+  log.position = reader.At();
+  for (const std::string_view key : {"kind", "file"}) {
+    if (reader.Find(key) == nullptr) {
+      reader.Problem(reader.At(),
+                     fmt::format("expected the key '{}' in this [[log]], found none", key));
+    }
+  }
+  reader.Choice("kind", log.kind);
+  if (reader.Text("file", log.file)) {
+    log.position = reader.At(reader.Find("file")->source());
+    log.path = (folder / log.file).lexically_normal().string();
+  }
+  reader.Choice("hold", log.read.hold);
+  ReadColumns(reader, log.read);
+  ReadUnits(reader, log.read);
+  if (reader.Text("current_sign", log.read.current_sign)) {
+    constexpr std::array<std::string_view, 3> kSigns = {
+        "auto", "discharge-positive", "discharge-negative"};
+    if (std::find(kSigns.begin(), kSigns.end(), log.read.current_sign) == kSigns.end()) {
+      reader.Expected(*reader.Find("current_sign"), "current_sign", "one of " + List(kSigns));
+    }
+  }
+  reader.Integers("steps", log.read.steps);
+  reader.Integers("cycles", log.read.cycles);
+  const double most = std::numeric_limits<double>::max();
+  reader.Number("start_s", -most, most, "a time in seconds", log.read.start_s);
+  const bool end = reader.Number("end_s", -most, most, "a time in seconds", log.read.end_s);
+  if (end && !(log.read.end_s > log.read.start_s)) {
+    reader.Expected(
+        *reader.Find("end_s"), "end_s", fmt::format("a time after start_s = {}", log.read.start_s));
+  }
+  reader.Number(
+      "initial_soc", -0.1, 1.1, "a state of charge from -0.1 to 1.1 (1 is full)", log.initial_soc);
+  reader.Number("lead_resistance_Ohm",
+                0.0,
+                1000.0,
+                "a resistance from 0 to 1000 Ohm",
+                log.read.lead_resistance_Ohm);
+  reader.Number("weight", kLeast, most, "a number above 0", log.weight);
+  return log;
+}
+
+bool SamePart(const CampaignLog& a, const CampaignLog& b) {
+  return a.kind == b.kind && a.path == b.path && a.read.steps == b.read.steps &&
+         a.read.cycles == b.read.cycles && a.read.start_s == b.read.start_s &&
+         a.read.end_s == b.read.end_s;
+}
+
+std::string Quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
+}
+
+}  // namespace
+
+std::size_t Campaign::Count(LogKind kind) const {
+  return static_cast<std::size_t>(std::count_if(
+      logs.begin(), logs.end(), [&](const CampaignLog& log) { return log.kind == kind; }));
+}
+
+Campaign ParseCampaign(const std::string& text, const std::string& file) {
+  std::vector<Diagnostic> problems;
+  toml::table document;
+  try {
+    document = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    std::string_view what = error.description();
+    constexpr std::string_view kPrefix = "Error while parsing ";
+    if (what.substr(0, kPrefix.size()) == kPrefix) what.remove_prefix(kPrefix.size());
+    const auto& at = error.source().begin;
+    throw LoadError({file, at.line, at.column}, fmt::format("not a campaign in TOML: {}", what));
+  }
+  Campaign campaign;
+  campaign.file = file;
+  const TableReader top(document, file, problems);
+  top.OnlyKeys({"cell", "log"});
+  if (const toml::node* node = top.Find("cell")) {
+    if (const auto* table = node->as_table()) {
+      const TableReader cell(*table, file, problems);
+      cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel"});
+      cell.Text("name", campaign.name);
+      cell.Number("capacity_Ah", kLeast, 1e6, "a capacity above 0 Ah", campaign.capacity_Ah);
+      double cutoff_V = 0.0;
+      if (cell.Number(
+              "cutoff_V", 0.5, 6.0, "the cut-off of one cell, from 0.5 V to 6 V", cutoff_V)) {
+        campaign.cutoff_V = cutoff_V;
+      }
+      cell.Integer("series", 1, kMostCells, campaign.series);
+      cell.Integer("parallel", 1, kMostCells, campaign.parallel);
+    } else {
+      top.Expected(*node, "cell", "a table [cell]");
+    }
+  }
+  const toml::node* logs = top.Find("log");
+  const auto* list = logs != nullptr ? logs->as_array() : nullptr;
+  if (logs == nullptr || (list != nullptr && list->empty())) {
+    top.Problem({file}, "expected at least one [[log]], found none");
+  } else if (list == nullptr) {
+    top.Problem(top.At(logs->source()),
+                fmt::format("expected [[log]], in double brackets, found {}",
+                            logs->is_table() ? "[log]" : Found(*logs)));
+  } else {
+    const fs::path folder = fs::path(file).parent_path();
+    for (const toml::node& node : *list) {
+      const auto* table = node.as_table();
+      if (table == nullptr) {
+        top.Expected(node, "log", "a table [[log]]");
+        continue;
+      }
+      CampaignLog log = ReadEntry(TableReader(*table, file, problems), folder);
+      const auto twin =
+          std::find_if(campaign.logs.begin(), campaign.logs.end(), [&](const CampaignLog& other) {
+            return !log.path.empty() && SamePart(log, other);
+          });
+      if (twin != campaign.logs.end()) {
+        top.Problem(
+            log.position,
+            fmt::format("expected each log once, found '{}' of kind {} again (first in line {})",
+                        log.file,
+                        NameOf(log.kind),
+                        twin->position.line));
+      }
+      campaign.logs.push_back(std::move(log));
+    }
+  }
+  if (!problems.empty()) {
+    std::stable_sort(
+        problems.begin(), problems.end(), [](const Diagnostic& a, const Diagnostic& b) {
+          return std::pair(a.position.line, a.position.column) <
+                 std::pair(b.position.line, b.position.column);
+        });
+    throw LoadError(std::move(problems));
+  }
+  return campaign;
+}
+
+Campaign ReadCampaign(const std::string& file) { return ParseCampaign(ReadTextFile(file), file); }
+
+std::string CampaignLogToToml(const CampaignLog& log) {
+  std::string text =
+      fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n", NameOf(log.kind), Quoted(log.file));
+  const auto add = [&](std::string_view key, const std::string& value) {
+    text += fmt::format("{} = {}\n", key, value);
+  };
+  const ReadOptions defaults;
+  const ReadOptions& read = log.read;
+  if (read.hold != defaults.hold) add("hold", fmt::format("\"{}\"", NameOf(read.hold)));
+  if (!read.columns.empty()) {
+    std::vector<std::string> pairs;
+    for (const auto& [key, name] : read.columns)
+      pairs.push_back(fmt::format("{} = {}", key, Quoted(name)));
+    add("columns", "{ " + List(pairs) + " }");
+  }
+  if (!read.units.empty()) {
+    std::vector<std::string> units;
+    for (const auto& unit : read.units) units.push_back(Quoted(unit));
+    add("units", "[" + List(units) + "]");
+  }
+  if (!read.current_sign.empty()) add("current_sign", Quoted(read.current_sign));
+  if (!read.steps.empty()) add("steps", "[" + List(read.steps) + "]");
+  if (!read.cycles.empty()) add("cycles", "[" + List(read.cycles) + "]");
+  if (read.start_s != defaults.start_s) add("start_s", Float(read.start_s));
+  if (read.end_s != defaults.end_s) add("end_s", Float(read.end_s));
+  if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", Float(log.initial_soc));
+  if (read.lead_resistance_Ohm != 0.0) add("lead_resistance_Ohm", Float(read.lead_resistance_Ohm));
+  if (log.weight != CampaignLog().weight) add("weight", Float(log.weight));
+  return text;
+}
+
+std::string CampaignToToml(const Campaign& campaign) {
+  std::string text = "[cell]\n";
+  if (!campaign.name.empty()) text += fmt::format("name = {}\n", Quoted(campaign.name));
+  if (campaign.capacity_Ah > 0.0)
+    text += fmt::format("capacity_Ah = {}\n", Float(campaign.capacity_Ah));
+  if (campaign.cutoff_V) text += fmt::format("cutoff_V = {}\n", Float(*campaign.cutoff_V));
+  if (campaign.series != 1) text += fmt::format("series = {}\n", campaign.series);
+  if (campaign.parallel != 1) text += fmt::format("parallel = {}\n", campaign.parallel);
+  for (const CampaignLog& log : campaign.logs) text += "\n" + CampaignLogToToml(log);
+  return text;
+}
+
+Campaign CampaignFromArguments(const CampaignArguments& arguments) {
+  Campaign campaign{.file = "",
+                    .name = arguments.name,
+                    .capacity_Ah = arguments.capacity_Ah,
+                    .cutoff_V = arguments.cutoff_V,
+                    .series = arguments.series,
+                    .parallel = arguments.parallel,
+                    .logs = {}};
+  const std::pair<LogKind, const std::vector<std::string>*> lists[] = {
+      {LogKind::kConstantCurrent, &arguments.constant_current},
+      {LogKind::kLowRate, &arguments.low_rate},
+      {LogKind::kPulses, &arguments.pulses},
+      {LogKind::kValidation, &arguments.validation}};
+  for (const auto& [kind, files] : lists) {
+    for (const std::string& file : *files) {
+      CampaignLog log;
+      log.kind = kind;
+      log.file = file;
+      log.path = fs::path(file).lexically_normal().string();
+      log.position.file.clear();
+      log.read = arguments.read;
+      log.initial_soc = arguments.initial_soc;
+      for (const CampaignLog& other : campaign.logs) {
+        if (SamePart(log, other)) {
+          throw OptionError(
+              fmt::format("--{}: '{}' is given twice; name each log once", NameOf(kind), file));
+        }
+      }
+      campaign.logs.push_back(std::move(log));
+    }
+  }
+  return campaign;
+}
+
+void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {
+  std::vector<std::string> problems;
+  const bool typed = campaign.file.empty();
+  if (campaign.Count(LogKind::kLowRate) == 0 && !open_circuit_voltage_given) {
+    problems.push_back(
+        typed ? "expected a low-rate log for the open-circuit voltage, found none; give one with "
+                "--low-rate, or the curve with --open-circuit-voltage FILE"
+              : "expected a [[log]] of kind \"low-rate\" for the open-circuit voltage, found none; "
+                "add "
+                "one, or give the curve with --open-circuit-voltage FILE");
+  }
+  if (campaign.Count(LogKind::kConstantCurrent) + campaign.Count(LogKind::kPulses) == 0) {
+    problems.push_back(
+        typed
+            ? "expected logs under load, found none; give discharges with --constant-current or "
+              "pulses with --pulses"
+            : "expected a [[log]] of kind \"constant-current\" or \"pulses\", found none; without "
+              "a load no resistance can be identified");
+  }
+  if (campaign.Count(LogKind::kConstantCurrent) > 0 && !campaign.cutoff_V) {
+    problems.push_back(
+        typed
+            ? "expected the cut-off voltage of the constant-current logs, found none; give it with "
+              "--cutoff-V"
+            : "expected cutoff_V in [cell], the voltage of one cell that ends the constant-current "
+              "logs, found none");
+  }
+  if (problems.empty()) return;
+  if (typed) throw OptionError(fmt::format("{}", fmt::join(problems, "\n")));
+  std::vector<Diagnostic> diagnostics;
+  for (auto& problem : problems) diagnostics.push_back({{campaign.file}, std::move(problem)});
+  throw LoadError(std::move(diagnostics));
+}
+
+}  // namespace lipoid
