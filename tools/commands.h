@@ -14,7 +14,7 @@ cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
-    {"list", "what lipoid knows by name: cells", &ListCommand},
+    {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
     {"synthesize",
      "the lab's logs of a known cell, with the truth beside them",
      &SynthesizeCommand},

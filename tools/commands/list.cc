@@ -1,6 +1,8 @@
 // lipoid list WHAT: from the tables themselves.
 #include <fmt/ranges.h>
 
+#include "identify/optimizers/optimizers.h"
+#include "identify/synthesis/protocols.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/suggest.h"
@@ -39,11 +41,51 @@ Json ListCells(cli::CommandLine& line) {
   return rows;
 }
 
+Json ListOptimizers(cli::CommandLine& line) {
+  cli::TextTable table({{"optimizer", Align::kLeft}, {"library", Align::kLeft}, {"what it does", Align::kLeft}});
+  Json rows = Json::array();
+  std::string all_options;
+  for (const auto& optimizer : Optimizers()) {
+    table.Row({std::string(optimizer.name), std::string(optimizer.library), std::string(optimizer.summary)});
+    Json options = Json::array();
+    all_options += fmt::format("\nOptions of {}:\n", optimizer.name);
+    for (const auto& option : optimizer.options()) {
+      options.push_back({{"name", option.name},
+                         {"default", option.default_text},
+                         {"valid", option.valid},
+                         {"help", option.help}});
+      all_options += fmt::format(
+          "  {}: {}; {} (default {})\n", option.name, option.help, option.valid, option.default_text);
+    }
+    rows.push_back({{"name", optimizer.name},
+                    {"library", optimizer.library},
+                    {"summary", optimizer.summary},
+                    {"options", std::move(options)}});
+  }
+  line.Print("{}{}", table.Text(), all_options);
+  return rows;
+}
+
+Json ListProtocols(cli::CommandLine& line) {
+  cli::TextTable table({{"protocol", Align::kLeft}, {"what the lab does", Align::kLeft}});
+  Json rows = Json::array();
+  for (const auto& protocol : kProtocols) {
+    table.Row({std::string(protocol.name), std::string(protocol.summary)});
+    rows.push_back({{"name", protocol.name}, {"summary", protocol.summary}});
+  }
+  line.Print("{}", table.Text());
+  return rows;
+}
+
 struct Topic {
   std::string_view name;
   Json (*list)(cli::CommandLine&);
 };
-constexpr Topic kTopics[] = {{"cells", &ListCells}};
+constexpr Topic kTopics[] = {
+    {"cells", &ListCells},
+    {"optimizers", &ListOptimizers},
+    {"protocols", &ListProtocols},
+};
 
 }  // namespace
 
