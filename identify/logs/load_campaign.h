@@ -1,0 +1,23 @@
+#pragma once
+
+/// @file
+/// The logs of a campaign, read and made those of one cell.
+/// Tests: tests/identify/logs/load_campaign_test.cc.
+
+#include <vector>
+
+#include "identify/logs/campaign.h"
+#include "identify/logs/log.h"
+
+namespace lipoid {
+
+struct LoadedLog {
+  CampaignLog entry;
+  Log log;  ///< voltages and currents of one cell
+};
+
+/// Reads every log, in parallel, in the order of the campaign. The LoadErrors of all bad files come as one;
+/// a file that is bad in several places of the campaign is named once.
+[[nodiscard]] std::vector<LoadedLog> LoadCampaign(const Campaign& campaign);
+
+}  // namespace lipoid

@@ -1,0 +1,116 @@
+#include "identify/stages/staged_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lipoid {
+namespace {
+
+// JSON knows no NaN: what is not a number is null.
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json DischargeTimesToJson(const DischargeTimesResult& stage) {
+  Json logs = Json::array();
+  for (const auto& row : stage.rows) {
+    logs.push_back({{"file", row.file},
+                    {"current_A", row.current_A},
+                    {"measured_s", row.measured_s},
+                    {"predicted_s", row.predicted_s},
+                    {"error_percent", row.error_percent}});
+  }
+  return {{"alpha_C", Number(stage.alpha_C)},
+          {"beta_per_sqrt_s", stage.identifiable ? Number(stage.beta_per_sqrt_s) : Json(nullptr)},
+          {"alpha_standard_error_C", Number(stage.alpha_standard_error_C)},
+          {"beta_standard_error_per_sqrt_s",
+           stage.identifiable ? Number(stage.beta_standard_error_per_sqrt_s) : Json(nullptr)},
+          {"identifiable", stage.identifiable},
+          {"reason", stage.identifiable ? Json(nullptr) : Json(stage.reason)},
+          {"beta_lower_bound_per_sqrt_s", Number(stage.beta_lower_bound_per_sqrt_s)},
+          {"beta_start_per_sqrt_s", Number(stage.beta_start_per_sqrt_s)},
+          {"mean_error_percent", Number(stage.mean_error_percent)},
+          {"max_error_percent", Number(stage.max_error_percent)},
+          {"rmse_s", Number(stage.rmse_s)},
+          {"logs", logs}};
+}
+
+Json OcvToJson(const OcvFitResult& stage) {
+  return {{"method", options_internal::ToText(stage.curve.method())},
+          {"mean_error_percent", Number(stage.mean_error_percent)},
+          {"max_error_percent", Number(stage.max_error_percent)},
+          {"rmse_V", Number(stage.rmse_V)},
+          {"nodes", stage.curve.soc().size()},
+          {"rows", stage.rows},
+          {"charge_C", stage.charge_C},
+          {"current_A", stage.current_A},
+          {"soc_lo", stage.soc_lo},
+          {"soc_hi", stage.soc_hi}};
+}
+
+Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
+  Json parameters = Json::object();
+  if (diffusion) parameters["beta"] = stage.parameters.beta_per_sqrt_s;
+  parameters["r_s"] = stage.parameters.series_resistance_Ohm;
+  for (std::size_t j = 0; j < stage.parameters.time_constant_s.size(); ++j) {
+    const double r = stage.parameters.resistance_Ohm[j];
+    const double tau = stage.parameters.time_constant_s[j];
+    parameters[fmt::format("r_{}", j + 1)] = r;
+    parameters[fmt::format("c_{}", j + 1)] = r > 0.0 ? Json(tau / r) : Json(nullptr);
+    parameters[fmt::format("tau_{}", j + 1)] = tau;
+  }
+  return {{"optimizer", stage.optimizer},
+          {"mean_error_percent", Number(stage.errors.mean_error_percent)},
+          {"max_error_percent", Number(stage.errors.max_error_percent)},
+          {"rmse_V", Number(stage.errors.rmse)},
+          {"evaluations", stage.evaluations},
+          {"termination", options_internal::ToText(stage.summary.termination)},
+          {"message", stage.summary.message},
+          {"wall_s", stage.wall_s},
+          {"at_bound", stage.at_bound},
+          {"fixed", stage.fixed},
+          {"starts", stage.starts},
+          {"rows", stage.errors.rows},
+          {"rows_outside_curve", stage.rows_outside_curve},
+          {"parameters", parameters}};
+}
+
+}  // namespace
+
+Json LogErrorsToJson(const LogErrors& errors) {
+  return {{"file", errors.file},
+          {"mean_error_percent", Number(errors.all.mean_error_percent)},
+          {"max_error_percent", Number(errors.all.max_error_percent)},
+          {"rmse_V", Number(errors.all.rmse)},
+          {"mean_error_percent_above_10_soc", Number(errors.above_10_soc.mean_error_percent)},
+          {"rmse_V_above_10_soc", Number(errors.above_10_soc.rmse)},
+          {"rows", errors.all.rows},
+          {"rows_outside_curve", errors.rows_outside_curve}};
+}
+
+Json StagedToJson(const StagedResult& result) {
+  const bool diffusion = result.cell.diffusion.has_value();
+  Json stages;
+  stages["discharge_times"] =
+      result.discharge_times ? DischargeTimesToJson(*result.discharge_times) : Json(nullptr);
+  stages["open_circuit_voltage"] =
+      result.open_circuit_voltage ? OcvToJson(*result.open_circuit_voltage) : Json(nullptr);
+  stages["pulses_beta_held"] =
+      result.pulses_beta_held ? PulsesToJson(*result.pulses_beta_held, diffusion) : Json(nullptr);
+  stages["pulses"] = PulsesToJson(result.pulses, diffusion);
+  Json validation = Json::array();
+  for (const auto& errors : result.validation) validation.push_back(LogErrorsToJson(errors));
+  const double ratio = result.low_rate_charge_C > 0.0 ? result.alpha_C / result.low_rate_charge_C : std::nan("");
+  return {{"method", "staged"},
+          {"converged", result.converged},
+          {"alpha_C", result.alpha_C},
+          {"alpha_source", result.alpha_source},
+          {"low_rate_charge_C", result.low_rate_charge_C > 0.0 ? Json(result.low_rate_charge_C) : Json(nullptr)},
+          {"alpha_over_low_rate_charge", Number(ratio)},
+          {"low_rate_offset_V", result.open_circuit_voltage ? Number(result.low_rate_offset_V) : Json(nullptr)},
+          {"stages", stages},
+          {"validation", validation},
+          {"done_instead", result.done_instead},
+          {"cautions", result.cautions}};
+}
+
+}  // namespace lipoid

@@ -1,0 +1,325 @@
+#include "identify/stages/staged_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "identify/logs/discharge.h"
+#include "identify/logs/segments.h"
+#include "identify/validation.h"
+#include "model/battery/discharge_time.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// The logs of one kind.
+std::vector<const LoadedLog*> OfKind(const std::vector<LoadedLog>& logs, LogKind kind) {
+  std::vector<const LoadedLog*> found;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == kind) found.push_back(&log);
+  }
+  return found;
+}
+
+// Runs `check` on every log and reports all that fail together.
+template <class Check>
+void CheckAll(const std::vector<const LoadedLog*>& logs, Check&& check) {
+  std::vector<Diagnostic> diagnostics;
+  for (const LoadedLog* log : logs) {
+    try {
+      check(*log);
+    } catch (const LoadError& error) {
+      diagnostics.insert(diagnostics.end(), error.diagnostics().begin(), error.diagnostics().end());
+    }
+  }
+  if (!diagnostics.empty()) throw LoadError(std::move(diagnostics));
+}
+
+class StagedRun {
+ public:
+  StagedRun(const Campaign& campaign,
+            const std::vector<LoadedLog>& logs,
+            const StagedOptions& options,
+            const StagedGiven& given,
+            const StageProgress& progress)
+      : campaign_(campaign), logs_(logs), options_(options), given_(given), progress_(progress) {}
+
+  StagedResult Run() {
+    const auto began = std::chrono::steady_clock::now();
+    Tell("checking the logs", 0.0);
+    CheckLogs();
+    Tell("discharge times", 0.05);
+    FindAlphaAndBeta();
+    Tell("open-circuit voltage", 0.1);
+    FindOpenCircuitVoltage();
+    Tell("pulses", 0.2);
+    FitPulseParameters();
+    Tell("validation", 0.95);
+    MakeCell();
+    NameCautions();
+    for (const LoadedLog* log : OfKind(logs_, LogKind::kValidation)) {
+      // The records are those of one cell already.
+      Cell one = result_.cell;
+      one.series = one.parallel = 1;
+      const Validation v = Validate(one, log->log.record, log->entry.initial_soc);
+      result_.validation.push_back({log->entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve});
+    }
+    result_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return std::move(result_);
+  }
+
+ private:
+  void Tell(std::string_view stage, double share) const {
+    if (progress_) progress_(stage, share);
+  }
+
+  void CheckLogs() {
+    CheckCampaign(campaign_, given_.open_circuit_voltage.has_value());
+    const auto constant = OfKind(logs_, LogKind::kConstantCurrent);
+    const auto low_rate = OfKind(logs_, LogKind::kLowRate);
+    const auto pulses = OfKind(logs_, LogKind::kPulses);
+    std::vector<const LoadedLog*> all = constant;
+    all.insert(all.end(), low_rate.begin(), low_rate.end());
+    all.insert(all.end(), pulses.begin(), pulses.end());
+    CheckAll(all, [&](const LoadedLog& log) {
+      switch (log.entry.kind) {
+        case LogKind::kConstantCurrent: {
+          const Discharge d = FindDischarge(log.log.record, *campaign_.cutoff_V);
+          discharges_.push_back({log.entry.file, d.current_A, d.time_s()});
+          break;
+        }
+        case LogKind::kLowRate:
+          if (low_rate_ == nullptr) {
+            low_rate_ = &log;
+            low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
+          }
+          break;
+        case LogKind::kPulses:
+          for (const Segment& segment : FindPulses(log.log.record)) {
+            if (segment.kind != SegmentKind::kPulse) continue;
+            shortest_pulse_s_ = std::min(shortest_pulse_s_, segment.duration_s());
+          }
+          break;
+        case LogKind::kValidation: break;
+      }
+    });
+    if (low_rate_ != nullptr) result_.low_rate_charge_C = low_rate_discharge_.charge_C;
+    if (low_rate.size() > 1) {
+      result_.done_instead.push_back(fmt::format("{} low-rate logs were given: v_oc(A) is that of the first, {}",
+                                                 low_rate.size(), low_rate_->entry.file));
+    }
+  }
+
+  void FindAlphaAndBeta() {
+    const int currents = CountDifferentCurrents(discharges_);
+    if (currents >= (given_.alpha_C ? 1 : 2)) {
+      result_.discharge_times = FitDischargeTimes(discharges_, options_.discharge_times, given_.alpha_C);
+      beta_start_ = result_.discharge_times->beta_start_per_sqrt_s;
+      result_.alpha_C = result_.discharge_times->alpha_C;
+      result_.alpha_source = given_.alpha_C ? "given" : "discharge-times";
+      if (!result_.discharge_times->identifiable) {
+        result_.done_instead.push_back(
+            fmt::format("beta is not identifiable from the discharge times: {}; stage 3 starts at {:.3g} s^-1/2",
+                        result_.discharge_times->reason, beta_start_));
+      }
+      return;
+    }
+    const std::string found = currents == 0 ? "no constant-current log" : "constant currents that do not differ";
+    if (given_.alpha_C) {
+      result_.alpha_C = *given_.alpha_C;
+      result_.alpha_source = "given";
+    } else if (low_rate_ != nullptr) {
+      result_.alpha_C = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
+      result_.alpha_source = "low-rate-charge";
+      result_.done_instead.push_back(
+          fmt::format("{}: alpha is the charge of the low-rate log, {:.6g} C, and beta waits for stage 3", found,
+                      result_.alpha_C));
+    } else if (campaign_.capacity_Ah > 0.0) {
+      result_.alpha_C = 3600.0 * campaign_.capacity_Ah;
+      result_.alpha_source = "nominal-capacity";
+      result_.done_instead.push_back(fmt::format(
+          "{} and no low-rate log: alpha is the nominal capacity, {:.6g} C, and beta waits for stage 3; "
+          "--alpha-C gives a better one",
+          found, result_.alpha_C));
+    } else {
+      throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
+                      fmt::format("expected a way to alpha (two constant currents, a low-rate log, capacity_Ah or "
+                                  "--alpha-C), found {}",
+                                  found));
+    }
+    beta_start_ = kTypicalBeta;
+  }
+
+  void FindOpenCircuitVoltage() {
+    if (given_.open_circuit_voltage) {
+      result_.cell.open_circuit_voltage = *given_.open_circuit_voltage;
+      return;
+    }
+    result_.open_circuit_voltage = FitOpenCircuitVoltage(
+        low_rate_->log.record, result_.alpha_C, low_rate_->entry.initial_soc, options_.open_circuit_voltage);
+    result_.cell.open_circuit_voltage = result_.open_circuit_voltage->curve;
+  }
+
+  void FitPulseParameters() {
+    auto fitted = OfKind(logs_, LogKind::kPulses);
+    if (fitted.empty()) {
+      fitted = OfKind(logs_, LogKind::kConstantCurrent);
+      result_.fitted_kind = LogKind::kConstantCurrent;
+      result_.done_instead.push_back(
+          "no pulses log: stage 3 uses the constant-current logs; without rests beta and the branches are weak, "
+          "and the series resistance contains what is faster than the sampling");
+    }
+    std::vector<SweepLog> sweep_logs;
+    std::vector<const Record*> records;
+    for (const LoadedLog* log : fitted) {
+      sweep_logs.push_back({&log->log.record, log->entry.initial_soc, log->entry.weight, {}});
+      records.push_back(&log->log.record);
+    }
+    const VoltageSweep sweep({.alpha_C = result_.alpha_C,
+                              .diffusion = options_.pulses.diffusion,
+                              .terms = options_.pulses.terms,
+                              .tail = options_.pulses.tail,
+                              .open_circuit_voltage = result_.cell.open_circuit_voltage},
+                             std::move(sweep_logs));
+    result_.start = FindStartValues(records);
+    PulseFitStart start{.beta_per_sqrt_s = beta_start_, .hold_beta = true, .data = result_.start};
+    const bool beta_is_free =
+        options_.pulses.diffusion && given_.parameters.fixed.find("beta") == given_.parameters.fixed.end();
+    if (beta_is_free) {
+      result_.pulses_beta_held = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
+      start.previous = &result_.pulses_beta_held->parameters;
+    }
+    Tell("pulses, with beta", 0.5);
+    start.hold_beta = false;
+    result_.pulses = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
+    result_.converged = result_.pulses.summary.termination == Termination::kConverged;
+  }
+
+  void MakeCell() {
+    Cell& cell = result_.cell;
+    const SweepParameters& p = result_.pulses.parameters;
+    cell.name = campaign_.name;
+    cell.series = campaign_.series;
+    cell.parallel = campaign_.parallel;
+    cell.capacity_Ah = campaign_.capacity_Ah > 0.0 && options_.pulses.diffusion ? campaign_.capacity_Ah
+                                                                                 : result_.alpha_C / 3600.0;
+    if (campaign_.cutoff_V) {
+      cell.cutoff_V = *campaign_.cutoff_V;
+    } else {
+      cell.cutoff_V = std::numeric_limits<double>::infinity();
+      for (const LoadedLog& log : logs_) {
+        for (const double v : log.log.record.voltage_V) cell.cutoff_V = std::min(cell.cutoff_V, v);
+      }
+      result_.done_instead.push_back(
+          fmt::format("no cutoff_V: the cell file takes the lowest voltage of the logs, {:.4g} V", cell.cutoff_V));
+    }
+    if (options_.pulses.diffusion) {
+      cell.diffusion = Cell::Diffusion{.alpha_C = result_.alpha_C,
+                                       .beta_per_sqrt_s = p.beta_per_sqrt_s,
+                                       .terms = options_.pulses.terms,
+                                       .tail = options_.pulses.tail};
+    }
+    cell.series_resistance_Ohm = p.series_resistance_Ohm;
+    for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
+      Cell::Branch branch;
+      branch.resistance_Ohm = p.resistance_Ohm[j];
+      branch.time_constant_s = p.time_constant_s[j];
+      // A branch without resistance has no capacitance to speak of: its time constant is kept.
+      if (p.resistance_Ohm[j] > 0.0) branch.capacitance_F = p.time_constant_s[j] / p.resistance_Ohm[j];
+      cell.branches.push_back(std::move(branch));
+    }
+  }
+
+  // errata.md, "What the method itself leaves out": said where it matters for this cell.
+  void NameCautions() {
+    const SweepParameters& p = result_.pulses.parameters;
+    auto& say = result_.cautions;
+    if (result_.low_rate_charge_C > 0.0) {
+      const double full = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
+      const double ratio = result_.alpha_C / full;
+      if (std::abs(ratio - 1.0) > 0.01) {
+        say.push_back(fmt::format(
+            "alpha is {:.4f} of the charge of the low-rate log ({:.6g} C): they should measure the same thing",
+            ratio, full));
+      }
+    }
+    if (result_.open_circuit_voltage && options_.pulses.diffusion) {
+      double resistance = p.series_resistance_Ohm;
+      for (const double r : p.resistance_Ohm) resistance += r;
+      const double current_A = result_.open_circuit_voltage->current_A;
+      result_.low_rate_offset_V = resistance * current_A;
+      say.push_back(fmt::format(
+          "v_oc(A) is taken as the low-rate voltage, which lies below it by (r_s + sum r_j) i = {:.2g} mV and lags by "
+          "{:.2g} % of the charge",
+          1e3 * result_.low_rate_offset_V,
+          100.0 * SteadyLag(p.beta_per_sqrt_s) * current_A / result_.alpha_C));
+    }
+    if (result_.pulses.rows_outside_curve > 0) {
+      say.push_back(fmt::format("{} rows reach states of charge beyond v_oc(A), which goes on with its end slope there",
+                                result_.pulses.rows_outside_curve));
+    }
+    for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
+      const double tau = p.time_constant_s[j];
+      if (p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
+        say.push_back(fmt::format("branch {0} was not found: r_{0} is {1:.2g} of r_s, and its time constant is arbitrary",
+                                  j + 1, p.resistance_Ohm[j] / p.series_resistance_Ohm));
+      } else if (tau < result_.start.shortest_s) {
+        say.push_back(fmt::format(
+            "branch {0} is faster than the sampling (tau_{0} = {1:.2g} s, rows every {2:.2g} s): it cannot be told from "
+            "r_s, and c_{0} is arbitrary",
+            j + 1, tau, result_.start.shortest_s));
+      } else if (options_.pulses.diffusion) {
+        const double slowest = 1.0 / (p.beta_per_sqrt_s * p.beta_per_sqrt_s);
+        if (tau > slowest / 3.0 && tau < slowest * 3.0) {
+          say.push_back(fmt::format(
+              "branch {0} (tau_{0} = {1:.3g} s) is as slow as the diffusion (1/beta² = {2:.3g} s): the two can stand in "
+              "for one another",
+              j + 1, tau, slowest));
+        }
+      }
+    }
+    if (options_.pulses.diffusion && options_.pulses.tail) {
+      const double beta = p.beta_per_sqrt_s * (options_.pulses.terms + 1);
+      const double first_neglected_s = 1.0 / (beta * beta);
+      if (first_neglected_s > shortest_pulse_s_) {
+        say.push_back(fmt::format(
+            "the first diffusion mode left to the tail ({:.2g} s) is slower than the shortest pulse ({:.2g} s): raise "
+            "the number of terms (--set pulses.terms=N)",
+            first_neglected_s, shortest_pulse_s_));
+      }
+    }
+    if (result_.fitted_kind == LogKind::kConstantCurrent) say.push_back("beta and the branches come from constant-current logs: take them as weak");
+    for (const auto& name : result_.pulses.at_bound) {
+      say.push_back(fmt::format("{} stands at a bound: the logs ask for a value beyond it, or do not need it", name));
+    }
+  }
+
+  static constexpr double kTypicalBeta = 0.2;  // Tables 4.8-4.13: 0.18 to 0.21
+
+  const Campaign& campaign_;
+  const std::vector<LoadedLog>& logs_;
+  const StagedOptions& options_;
+  const StagedGiven& given_;
+  const StageProgress& progress_;
+  StagedResult result_;
+  std::vector<DischargeTime> discharges_;
+  const LoadedLog* low_rate_ = nullptr;
+  Discharge low_rate_discharge_;
+  double beta_start_ = kTypicalBeta;
+  double shortest_pulse_s_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+StagedResult IdentifyStaged(const Campaign& campaign,
+                            const std::vector<LoadedLog>& logs,
+                            const StagedOptions& options,
+                            const StagedGiven& given,
+                            const StageProgress& progress) {
+  return StagedRun(campaign, logs, options, given, progress).Run();
+}
+
+}  // namespace lipoid

@@ -1,0 +1,75 @@
+#pragma once
+
+/// @file
+/// The thesis' method from logs to cell: discharge times -> alpha, beta; low rate -> v_oc(A); pulses -> beta
+/// again, r_s, r_j, c_j. A missing kind of log is not the end: what was done instead is said, and stands in
+/// the cell file. Logs come as records of one cell (packs already divided).
+/// Tests: tests/identify/stages/staged_run_test.cc.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/discharge_times.h"
+#include "identify/stages/open_circuit_voltage_fit.h"
+#include "identify/stages/pulse_fit.h"
+#include "model/battery/cell.h"
+
+namespace lipoid {
+
+struct StagedOptions {
+  DischargeTimesOptions discharge_times;
+  OcvFitOptions open_circuit_voltage;
+  PulseFitOptions pulses;
+  LevenbergMarquardtOptions solver;
+};
+
+/// What the user gives instead of leaving it to be found.
+struct StagedGiven {
+  std::optional<double> alpha_C;
+  std::optional<OpenCircuitVoltage> open_circuit_voltage;
+  std::string open_circuit_voltage_source;  ///< a file, for the record
+  PulseFitKnowledge parameters;
+};
+
+/// How the cell predicts a log that took no part.
+struct LogErrors {
+  std::string file;
+  ErrorMetrics all;
+  ErrorMetrics above_10_soc;  ///< rows with A > 0.1 only
+  std::size_t rows_outside_curve = 0;
+};
+
+struct StagedResult {
+  Cell cell;
+  bool converged = false;
+  std::optional<DischargeTimesResult> discharge_times;
+  std::optional<OcvFitResult> open_circuit_voltage;  ///< none where the curve was given
+  std::optional<PulseFitResult> pulses_beta_held;    ///< (4.60); none where beta is given or absent
+  PulseFitResult pulses;                             ///< (4.61)
+  LogKind fitted_kind = LogKind::kPulses;            ///< of the logs that stage 3 used
+  StartValues start;
+  double alpha_C = 0.0;
+  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given", "nominal-capacity"
+  double low_rate_charge_C = 0.0;           ///< 0 without such a log
+  double low_rate_offset_V = 0.0;           ///< by which the low-rate log lies below v_oc
+  std::vector<std::string> done_instead;    ///< for a kind of log that is missing
+  std::vector<std::string> cautions;        ///< what the method leaves out, where it matters here
+  std::vector<LogErrors> validation;
+  double wall_s = 0.0;
+};
+
+/// Called with the name of the stage that begins and the share of the work done.
+using StageProgress = std::function<void(std::string_view stage, double share)>;
+
+/// Throws LoadError for logs that are not what the campaign says they are.
+[[nodiscard]] StagedResult IdentifyStaged(const Campaign& campaign,
+                                          const std::vector<LoadedLog>& logs,
+                                          const StagedOptions& options = {},
+                                          const StagedGiven& given = {},
+                                          const StageProgress& progress = {});
+
+}  // namespace lipoid
