@@ -5,5 +5,6 @@
 #include "tools/commands.h"
 
 int main(int argc, char** argv) {
+  lipoid::cli::CleanUpWhenEnded();
   return lipoid::cli::Run(lipoid::kCommands, std::vector<std::string>(argv + 1, argv + argc));
 }

@@ -24,37 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxRows = 100'000'000;
 
-// Makes a folder, and unmakes it unless Keep() was called.
-class NewFolder {
- public:
-  explicit NewFolder(const fs::path& folder) {
-    for (fs::path path = fs::absolute(folder).lexically_normal();
-         !path.empty() && !fs::exists(path);) {
-      if (path.has_filename()) made_.push_back(path);
-      path = path.parent_path();
-    }
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-      const auto reason = error.message();
-      Remove();
-      throw OptionError(fmt::format("cannot make the folder '{}': {}", folder.string(), reason));
-    }
-  }
-  ~NewFolder() { Remove(); }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-
-  void Keep() { made_.clear(); }
-
- private:
-  void Remove() {
-    std::error_code ignored;
-    for (const auto& path : made_) fs::remove(path, ignored);  // deepest first, only where empty
-  }
-  std::vector<fs::path> made_;
-};
-
 // Independent normal numbers for each log and quantity, the same on every platform with this Boost.
 class Noise {
  public:

@@ -122,6 +122,19 @@ TEST(Synthesize, NothingIsLeftBehindWhenItFails) {
   }
 }
 
+TEST(Synthesize, AnInterruptedRunLeavesNothing) {
+  const auto folder = TestFolder();
+  for (const std::string signal : {"INT", "TERM", "HUP"}) {
+    // At 1 ms the logs are of 70 million rows: the signal comes while they are written.
+    const auto run =
+        RunShell(folder,
+                 "timeout --signal=" + signal +
+                     " 0.3 \"$LIPOID\" synthesize gifi-600mAh-1 --sampling-s 0.001 -o a/b");
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_EQ(FilesIn(folder), std::vector<std::string>{}) << signal;
+  }
+}
+
 TEST(Synthesize, AFolderThatCannotBeWrittenIsSaid) {
   const auto folder = TestFolder();
   ASSERT_EQ(RunShell(folder, "echo >file").exit_code, 0);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <optional>
+#include <thread>
 
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
@@ -173,6 +174,26 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
 }
 
 }  // namespace
+
+void CleanUpWhenEnded() {
+  sigset_t ending;
+  sigemptyset(&ending);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    // What the caller had ignored (nohup) stays ignored.
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaddset(&ending, signal);
+  }
+  pthread_sigmask(SIG_BLOCK, &ending, nullptr);  // in this thread and in all that it starts
+  std::thread([ending] {
+    int signal = 0;
+    sigwait(&ending, &signal);
+    RemoveUncommitted();
+    std::signal(signal, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
+    std::raise(signal);
+  }).detach();
+}
 
 int Run(std::span<const Command> commands, std::vector<std::string> arguments) noexcept {
   try {

@@ -16,4 +16,8 @@ namespace lipoid::cli {
 [[nodiscard]] int Run(std::span<const Command> commands,
                       std::vector<std::string> arguments) noexcept;
 
+/// From now on the process, when it is interrupted or told to end, first removes what it has
+/// half-written. Call it before other threads start.
+void CleanUpWhenEnded();
+
 }  // namespace lipoid::cli

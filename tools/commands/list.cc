@@ -42,11 +42,14 @@ Json ListCells(cli::CommandLine& line) {
 }
 
 Json ListOptimizers(cli::CommandLine& line) {
-  cli::TextTable table({{"optimizer", Align::kLeft}, {"library", Align::kLeft}, {"what it does", Align::kLeft}});
+  cli::TextTable table(
+      {{"optimizer", Align::kLeft}, {"library", Align::kLeft}, {"what it does", Align::kLeft}});
   Json rows = Json::array();
   std::string all_options;
   for (const auto& optimizer : Optimizers()) {
-    table.Row({std::string(optimizer.name), std::string(optimizer.library), std::string(optimizer.summary)});
+    table.Row({std::string(optimizer.name),
+               std::string(optimizer.library),
+               std::string(optimizer.summary)});
     Json options = Json::array();
     all_options += fmt::format("\nOptions of {}:\n", optimizer.name);
     for (const auto& option : optimizer.options()) {
@@ -54,8 +57,11 @@ Json ListOptimizers(cli::CommandLine& line) {
                          {"default", option.default_text},
                          {"valid", option.valid},
                          {"help", option.help}});
-      all_options += fmt::format(
-          "  {}: {}; {} (default {})\n", option.name, option.help, option.valid, option.default_text);
+      all_options += fmt::format("  {}: {}; {} (default {})\n",
+                                 option.name,
+                                 option.help,
+                                 option.valid,
+                                 option.default_text);
     }
     rows.push_back({{"name", optimizer.name},
                     {"library", optimizer.library},
