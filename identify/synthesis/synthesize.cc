@@ -188,23 +188,21 @@ SynthesizedFile WriteLog(const TestPlan& plan,
   return {plan.file, writer.rows(), writer.bytes()};
 }
 
-std::string CampaignText(const Cell& cell, const std::vector<TestPlan>& plans, Hold hold) {
-  const auto quoted = [](std::string_view text) { return Json(text).dump(); };
-  const auto number = [](double value) { return Json(value).dump(); };  // a float stays one: 3.0
-  std::string text = fmt::format("[cell]\nname = {}\ncapacity_Ah = {}\ncutoff_V = {}\n",
-                                 quoted(cell.name),
-                                 number(cell.capacity_Ah),
-                                 number(cell.cutoff_V));
-  if (cell.series != 1) text += fmt::format("series = {}\n", cell.series);
-  if (cell.parallel != 1) text += fmt::format("parallel = {}\n", cell.parallel);
+Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold hold) {
+  Campaign campaign;
+  campaign.name = cell.name;
+  campaign.capacity_Ah = cell.capacity_Ah;
+  campaign.cutoff_V = cell.cutoff_V;
+  campaign.series = cell.series;
+  campaign.parallel = cell.parallel;
   for (const auto& plan : plans) {
-    text += fmt::format("\n[[log]]\nkind = {}\nfile = {}\n",
-                        quoted(options_internal::ToText(plan.kind)),
-                        quoted(plan.file));
-    if (hold != Hold::kBackward)
-      text += fmt::format("hold = {}\n", quoted(options_internal::ToText(hold)));
+    CampaignLog log;
+    log.kind = plan.kind;
+    log.file = plan.file;
+    log.read.hold = hold;
+    campaign.logs.push_back(std::move(log));
   }
-  return text;
+  return campaign;
 }
 
 }  // namespace
@@ -253,7 +251,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
     files.back()->Write(text);
     written.push_back({name, 0, text.size()});
   };
-  add("campaign.toml", CampaignText(cell, plans, options.hold));
+  add("campaign.toml", CampaignToToml(CampaignOf(cell, plans, options.hold)));
   add("truth.json", CellToJson(truth).dump(2) + "\n");
   for (const auto& file : files) file->Commit();
   made.Keep();

@@ -165,6 +165,30 @@ TEST(Synthesize, APackHasItsCellsVoltagesInSeriesAndCurrentsInParallel) {
   }
 }
 
+TEST(Synthesize, TheCampaignReadsBack) {
+  Cell cell = DroneCell();
+  cell.name = "a \"quoted\" name";
+  cell.series = 4;
+  cell.parallel = 2;
+  const auto folder =
+      SynthesizeInto("campaign", cell, {.rates_C = "2", .sampling_s = 1.0, .hold = Hold::kForward});
+  const auto campaign = ReadCampaign(folder + "/campaign.toml");
+  EXPECT_EQ(campaign.name, cell.name);
+  EXPECT_EQ(campaign.capacity_Ah, 0.6);
+  EXPECT_EQ(campaign.cutoff_V, 3.0);
+  EXPECT_EQ(campaign.series, 4);
+  EXPECT_EQ(campaign.parallel, 2);
+  ASSERT_EQ(campaign.logs.size(), 3U);
+  const LogKind kinds[] = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses};
+  const char* const files[] = {"cc_2C.csv", "low_rate.csv", "pulses.csv"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(campaign.logs[k].kind, kinds[k]);
+    EXPECT_EQ(campaign.logs[k].file, files[k]);
+    EXPECT_TRUE(fs::equivalent(campaign.logs[k].path, folder + "/" + files[k]));
+    EXPECT_EQ(campaign.logs[k].read.hold, Hold::kForward);
+  }
+}
+
 TEST(Synthesize, NoiseHasTheSigmaAskedForAndItsOwnStreamInEachLog) {
   const Cell cell = DroneCell();
   const SynthesisOptions clean{.rates_C = "1", .sampling_s = 0.1};
