@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "model/core/errors.h"
 
@@ -30,55 +32,76 @@ SourcePosition PositionOfByte(const std::string& file, std::string_view text, st
   return position;
 }
 
-// Finds where each value starts, by a second pass over the same text: nlohmann does not keep positions.
-// Returns the byte at which the value with this pointer starts, or 0.
-std::size_t ByteOfPointer(std::string_view text, const std::string& wanted) {
+// "/key", escaped as JSON pointers are.
+std::string PointerOfKey(const std::string& key) { return (Json::json_pointer() / key).to_string(); }
+
+// Calls visit(pointer, byte, is_key) where each key and each value starts, until it returns true: nlohmann
+// does not keep positions. The text is known to be JSON.
+template <class Visit>
+void WalkTokens(std::string_view text, Visit&& visit) {
   struct Level {
     bool array = false;
     std::size_t index = 0;
-    std::string key;
+    std::string key;  // with its slash
   };
   std::vector<Level> levels;
   const auto pointer = [&] {
     std::string p;
-    for (const auto& level : levels) p += '/' + (level.array ? std::to_string(level.index) : level.key);
+    for (const auto& level : levels) p += level.array ? fmt::format("/{}", level.index) : level.key;
     return p;
   };
   bool expect_key = false;
-  for (std::size_t k = 0; k < text.size(); ++k) {
+  for (std::size_t k = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0; k < text.size(); ++k) {
     const char c = text[k];
     if (c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ':') continue;
     if (c == ',') {
-      if (!levels.empty() && levels.back().array) ++levels.back().index;
-      expect_key = !levels.empty() && !levels.back().array;
+      if (levels.back().array) ++levels.back().index;
+      expect_key = !levels.back().array;
       continue;
     }
     if (c == '}' || c == ']') {
-      if (!levels.empty()) levels.pop_back();
+      levels.pop_back();
       expect_key = false;
       continue;
     }
+    const std::size_t start = k;
     if (c == '"') {
-      std::size_t end = k + 1;
-      while (end < text.size() && text[end] != '"') end += text[end] == '\\' ? 2 : 1;
-      if (expect_key) {
-        levels.back().key = std::string(text.substr(k + 1, end - k - 1));
-        expect_key = false;
-      } else if (pointer() == wanted) {
-        return k;
-      }
-      k = end;
-      continue;
+      for (++k; text[k] != '"'; ++k) k += text[k] == '\\' ? 1 : 0;
+    } else if (c != '{' && c != '[') {
+      while (k + 1 < text.size() && std::strchr(",]} \n\t\r", text[k + 1]) == nullptr) ++k;
     }
-    if (pointer() == wanted) return k;
+    const bool is_key = std::exchange(expect_key, false);
+    if (is_key) {
+      levels.back().key = PointerOfKey(Json::parse(text.substr(start, k + 1 - start)).get<std::string>());
+    }
+    if (visit(pointer(), start, is_key)) return;
     if (c == '{' || c == '[') {
       levels.push_back({c == '[', 0, ""});
       expect_key = c == '{';
-      continue;
     }
-    while (k + 1 < text.size() && std::strchr(",]} \n\t\r", text[k + 1]) == nullptr) ++k;
   }
-  return 0;
+}
+
+std::size_t ByteOfPointer(std::string_view text, const std::string& wanted) {
+  std::size_t found = 0;
+  WalkTokens(text, [&](const std::string& pointer, std::size_t byte, bool is_key) {
+    if (is_key || pointer != wanted) return false;
+    found = byte;
+    return true;
+  });
+  return found;
+}
+
+void RefuseRepeatedKeys(std::string_view text, const std::string& file) {
+  std::set<std::string> seen;
+  WalkTokens(text, [&](const std::string& pointer, std::size_t byte, bool is_key) {
+    if (is_key && !seen.insert(pointer).second) {
+      throw LoadError(PositionOfByte(file, text, byte),
+                      fmt::format("expected every key once, found '{}' again",
+                                  Json::json_pointer(pointer).back()));
+    }
+    return false;
+  });
 }
 
 std::string Describe(const Json& value) {
@@ -105,36 +128,31 @@ std::string ReadTextFile(const std::string& file) {
   for (std::size_t got = 0; (got = std::fread(buffer, 1, sizeof buffer, stream.get())) > 0;) {
     text.append(buffer, got);
   }
+  if (std::ferror(stream.get()) != 0) {
+    throw LoadError({file}, fmt::format("expected a readable file, found one that cannot be read ({})",
+                                        std::strerror(errno)));
+  }
   return text;
 }
 
 Json ParseJson(std::string_view text, const std::string& file) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  std::string repeated;
-  const auto watch = [&](int, nlohmann::detail::parse_event_t event, Json& parsed) {
-    using Event = nlohmann::detail::parse_event_t;
-    if (event == Event::object_start) keys.emplace_back();
-    if (event == Event::object_end) keys.pop_back();
-    if (event == Event::key && repeated.empty() && !keys.back().insert(parsed.get<std::string>()).second) {
-      repeated = parsed.get<std::string>();
-    }
-    return true;
-  };
   Json document;
   try {
-    document = Json::parse(text.begin(), text.end(), watch);
+    document = Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     std::string what = error.what();
     if (const auto colon = what.find("syntax error"); colon != std::string::npos) what = what.substr(colon);
     throw LoadError(PositionOfByte(file, text, error.byte == 0 ? 0 : error.byte - 1),
                     fmt::format("expected JSON, found a {}", what));
+  } catch (const nlohmann::json::out_of_range& error) {
+    // "... number overflow parsing '1e999'": the only one that parsing throws; it has no position.
+    const std::string what = error.what();
+    const auto quote = std::min(what.find('\''), what.size());
+    const std::string number = what.substr(quote + 1, what.rfind('\'') - quote - 1);
+    throw LoadError(PositionOfByte(file, text, std::min(text.find(number), text.size())),
+                    fmt::format("expected a number that a double can hold, found {}", number));
   }
-  if (!repeated.empty()) {
-    const auto quoted = '"' + repeated + '"';
-    const auto first = text.find(quoted);
-    throw LoadError(PositionOfByte(file, text, text.find(quoted, first + 1)),
-                    fmt::format("expected every key once, found '{}' again", repeated));
-  }
+  RefuseRepeatedKeys(text, file);
   return document;
 }
 
@@ -154,7 +172,7 @@ std::optional<JsonReader> JsonReader::Find(std::string_view key) const {
   if (!value_->is_object()) Fail("an object");
   const auto found = value_->find(std::string(key));
   if (found == value_->end()) return std::nullopt;
-  return JsonReader(*found, *this, fmt::format("{}/{}", pointer_, key));
+  return JsonReader(*found, *this, pointer_ + PointerOfKey(std::string(key)));
 }
 
 JsonReader JsonReader::Item(std::size_t index) const {
@@ -170,7 +188,11 @@ double JsonReader::Number(double lo, double hi) const {
   if (!value_->is_number()) Fail("a number");
   const auto number = value_->get<double>();
   if (!std::isfinite(number) || number < lo || number > hi) {
-    Fail(std::isinf(hi) ? fmt::format("a number of at least {}", lo)
+    // The least positive double as a bound means: above 0.
+    const bool above_zero = lo == std::numeric_limits<double>::min();
+    const std::string lower = above_zero ? "above 0" : fmt::format("of at least {}", lo);
+    Fail(std::isinf(hi) ? fmt::format("a number {}", lower)
+         : above_zero   ? fmt::format("a number {} and at most {}", lower, hi)
                         : fmt::format("a number from {} to {}", lo, hi));
   }
   return number;
@@ -205,7 +227,7 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string list;
     for (const auto name : known) list += fmt::format("{}{}", list.empty() ? "" : ", ", name);
-    JsonReader(unused, *this, fmt::format("{}/{}", pointer_, key))
+    JsonReader(unused, *this, pointer_ + PointerOfKey(key))
         .FailWith(fmt::format("expected one of the keys {}, found '{}'", list, key));
   }
 }

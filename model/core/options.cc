@@ -41,8 +41,12 @@ int ParseInt(std::string_view name, std::string_view text, const Range& range) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !range.Contains(value)) {
-    throw OptionError(fmt::format(
-        "option {}: expected a whole number, {}, found '{}'", name, FormatRange(range, true), text));
+    const std::string valid = FormatRange(range, true);
+    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'",
+                                  name,
+                                  valid == "a whole number" ? "" : "a whole number, ",
+                                  valid,
+                                  text));
   }
   return value;
 }

@@ -48,6 +48,10 @@ std::string Sha256OfFile(const std::string& file) {
   for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) > 0;) {
     hash.Update(buffer.data(), got);
   }
+  if (std::ferror(stream.get()) != 0) {  // a folder opens, but cannot be read
+    throw LoadError({file}, fmt::format("expected a readable file, found one that cannot be read ({})",
+                                        std::strerror(errno)));
+  }
   return hash.Hex();
 }
 

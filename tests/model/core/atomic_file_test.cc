@@ -46,6 +46,14 @@ TEST(AtomicFile, WithoutCommitTheOldFileStaysAndNothingIsLeft) {
   EXPECT_EQ(FileCount(folder), 1U);
 }
 
+TEST(AtomicFile, ReplacesTheOldFileAsAWholeAndKeepsEveryByte) {
+  const auto folder = test::FreshFolder("AtomicFile.Replaces");
+  WriteFileAtomically(folder + "/a.txt", std::string(100'000, 'x'));
+  const std::string bytes("a\0b\r\n\xFF", 6);
+  WriteFileAtomically(folder + "/a.txt", bytes);
+  EXPECT_EQ(ReadTextFile(folder + "/a.txt"), bytes);
+}
+
 TEST(AtomicFile, ALinkStaysALink) {
   const auto folder = test::FreshFolder("AtomicFile.Link");
   WriteFileAtomically(folder + "/real.txt", "old");
