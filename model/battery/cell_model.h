@@ -76,6 +76,9 @@ class CellModel {
     const T beta_squared = p_.beta_per_sqrt_s * p_.beta_per_sqrt_s;
     if (p_.tail) tail_s_ = 2.0 * TailSum(p_.terms) / beta_squared;
     for (int m = 1; m <= p_.terms; ++m) rate_per_s_.push_back(double(m) * double(m) * beta_squared);
+    for (const auto& branch : p_.branches) {
+      branches_depend_on_soc_ = branches_depend_on_soc_ || !branch.resistance_Ohm.constant();
+    }
   }
 
   [[nodiscard]] const CellParameters<T>& parameters() const { return p_; }
@@ -108,7 +111,7 @@ class CellModel {
   /// The state after `current_A` has flowed for step.dt_s.
   void Advance(State& state, const T& current_A, const Step& step) const {
     if (!p_.branches.empty()) {
-      const T soc = Soc(state, current_A);
+      const T soc = branches_depend_on_soc_ ? Soc(state, current_A) : T(1.0);
       for (std::size_t j = 0; j < p_.branches.size(); ++j) {
         const auto& [decay, gain] = step.branch[j];
         // (1 - decay) without cancellation is gain/tau; it is 1 where the branch has no inertia at all.
@@ -157,6 +160,7 @@ class CellModel {
   CellParameters<T> p_;
   std::vector<T> rate_per_s_;  // beta² m²
   T tail_s_ = T(0.0);
+  bool branches_depend_on_soc_ = false;
 };
 
 }  // namespace lipoid

@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -112,8 +113,8 @@ class OpenCircuitVoltage {
   std::vector<Piece> pieces_;            // one per interval between nodes
   std::vector<std::uint32_t> bucket_;    // piece in which an equal share of [lo, hi] starts
   double buckets_per_soc_ = 0.0;
-  ValueAndSlope first_{};
-  ValueAndSlope last_{};
+  ValueAndSlope first_{std::numeric_limits<double>::quiet_NaN(), 0.0};
+  ValueAndSlope last_ = first_;
 };
 
 }  // namespace lipoid

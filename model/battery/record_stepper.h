@@ -8,7 +8,7 @@
 ///
 /// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current of row k.
 /// Rows may come in any number of pieces: the stepper remembers the last one.
-/// Tests: tests/model/battery/cell_model_test.cc.
+/// Tests: tests/model/battery/record_stepper_test.cc.
 
 #include <array>
 #include <cmath>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "model/battery/cell_model.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 
@@ -74,6 +75,9 @@ class RecordStepper {
   void Row(double time_s, const T& current_A) {
     if (started_) {
       const double dt_s = time_s - time_s_;
+      if (!(dt_s > 0.0)) {  // asked first: the row is a hot path
+        Require(false, "time strictly increasing", {{"time_s", time_s}, {"before", time_s_}});
+      }
       auto& step = cache_.Get(
           dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) { model_.MakeStep(dt, made); });
       step.dt_s = dt_s;  // the charge is counted with the stamps themselves

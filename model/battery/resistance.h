@@ -3,7 +3,7 @@
 /// @file
 /// A resistance that is constant or depends on the state of charge: straight lines between nodes, constant
 /// beyond them. T is the type of the resistances (double, or an automatic-differentiation scalar).
-/// Tests: tests/model/battery/cell_model_test.cc.
+/// Tests: tests/model/battery/resistance_test.cc.
 
 #include <algorithm>
 #include <vector>

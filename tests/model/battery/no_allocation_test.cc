@@ -1,0 +1,70 @@
+// Advance() and Voltage() must not allocate: they are called per 5 ms of flight and per row of a
+// log. This file replaces the global operator new of the test program by one that counts.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "model/battery/cell_model.h"
+#include "model/battery/record_stepper.h"
+
+namespace {
+std::size_t allocations = 0;  // tests run one at a time
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace lipoid {
+namespace {
+
+CellParameters<double> LargeCell() {
+  CellParameters<double> cell;
+  cell.alpha_C = 1353.6;
+  cell.beta_per_sqrt_s = 0.1924;
+  cell.terms = 50;
+  cell.series_resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.2, 0.1});
+  cell.branches = {{0.03, 45.0}, {Resistance<double>({0.0, 0.5, 1.0}, {0.1, 0.2, 0.3}), 2.0}};
+  cell.open_circuit_voltage =
+      OpenCircuitVoltage::MonotoneCubic({0.0, 0.1, 0.5, 0.8, 1.0}, {3.0, 3.6, 3.8, 4.0, 4.2});
+  return cell;
+}
+
+TEST(NoAllocation, TheCounterCounts) {
+  const std::size_t before = allocations;
+  const std::vector<double> one(10);
+  EXPECT_GT(allocations, before) << one.size();
+}
+
+TEST(NoAllocation, InTheStepAndTheVoltageOfACell) {
+  const CellModel<double> model(LargeCell());
+  auto state = model.Relaxed(1.0);
+  const auto step = model.MakeStep(0.005);
+  double lowest_V = 5.0;
+  const std::size_t before = allocations;
+  for (int k = 0; k < 1000; ++k) {
+    model.Advance(state, 3.0, step);
+    lowest_V = std::min(lowest_V, model.Voltage(state, 3.0));
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_LT(lowest_V, 4.0);
+}
+
+TEST(NoAllocation, PerRowOfARecordOnceItsIntervalsAreKnown) {
+  const CellModel<double> model(LargeCell());
+  RecordStepper<double> stepper(model, Hold::kBackward, model.Relaxed(1.0));
+  for (int k = 0; k < 10; ++k) stepper.Row(0.01 * k, 1.0);
+  const std::size_t before = allocations;
+  for (int k = 10; k < 1000; ++k) stepper.Row(0.01 * k, 1.0);
+  // A rounded stamp may fall into the neighbouring slot once: its two vectors.
+  EXPECT_LE(allocations - before, 4U);
+}
+
+}  // namespace
+}  // namespace lipoid
