@@ -21,16 +21,16 @@ namespace lipoid {
 /// What the user says about a file instead of leaving it to be found.
 struct ReadOptions {
   /// Keys time_s, current_A, voltage_V, temperature_degC: the header's name for that column.
-  std::map<std::string, std::string> columns;
+  std::map<std::string, std::string> columns = {};
   /// Units of time, current and voltage, for headers that state none: {"s", "A", "V"}. Empty: as the header
   /// says. An entry that contradicts the header is an error.
-  std::vector<std::string> units;
+  std::vector<std::string> units = {};
   /// "" or "auto": found from the data; "discharge-positive"; "discharge-negative".
-  std::string current_sign;
+  std::string current_sign = {};
   Hold hold = Hold::kBackward;
   /// Only rows of these steps / cycles of a vendor file; empty: all.
-  std::vector<int> steps;
-  std::vector<int> cycles;
+  std::vector<int> steps = {};
+  std::vector<int> cycles = {};
   /// Only rows with start_s <= time <= end_s, in the time of the file; time then restarts at 0.
   double start_s = -std::numeric_limits<double>::infinity();
   double end_s = std::numeric_limits<double>::infinity();

@@ -1,0 +1,97 @@
+#include "identify/logs/csv/text_source.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+std::string WhyNotOpened(const std::string& file, int error) {
+  if (error == ENOENT || error == ENOTDIR) {
+    return "expected a log file, found no file of this name; check the path";
+  }
+  return fmt::format("expected a log file that can be read, found '{}': {}", file, std::strerror(error));
+}
+
+}  // namespace
+
+TextSource::TextSource(std::string file)
+    : file_(std::move(file)), buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)) {
+  struct stat status {};
+  if (::stat(file_.c_str(), &status) != 0) throw LoadError({file_}, WhyNotOpened(file_, errno));
+  if (S_ISDIR(status.st_mode)) {
+    throw LoadError({file_}, "expected a log file, found a folder; name the files in it");
+  }
+  descriptor_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw LoadError({file_}, WhyNotOpened(file_, errno));
+  if (S_ISREG(status.st_mode)) {
+    size_ = static_cast<std::uint64_t>(status.st_size);
+    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
+  }
+  try {
+    Fill();
+    if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
+  } catch (...) {
+    ::close(descriptor_);  // no destructor runs for an object that was never made
+    throw;
+  }
+  if (head().starts_with("\xEF\xBB\xBF")) {
+    had_byte_order_mark_ = true;
+    begin_ = 3;
+  }
+  if (head().find('\n') == std::string_view::npos && head().find('\r') != std::string_view::npos) {
+    line_end_ = '\r';
+  }
+}
+
+TextSource::~TextSource() { ::close(descriptor_); }
+
+void TextSource::Skip(std::size_t bytes) {
+  Require(bytes <= end_ - begin_, "only what head() holds can be skipped");
+  begin_ += bytes;
+}
+
+void TextSource::Fill() {
+  while (!at_end_ && end_ < kBufferBytes) {
+    const auto count = ::read(descriptor_, buffer_.get() + end_, kBufferBytes - end_);
+    if (count < 0) {
+      if (errno == EINTR) continue;
+      throw LoadError({file_}, fmt::format("reading failed: {}", std::strerror(errno)));
+    }
+    if (count == 0) at_end_ = true;
+    end_ += static_cast<std::size_t>(count);
+  }
+}
+
+std::string_view TextSource::NextPiece(std::size_t line) {
+  // What is left may hold whole lines (after the header) or the start of one.
+  for (bool filled = false;; filled = true) {
+    const std::string_view text = head();
+    if (at_end_) {
+      begin_ = end_;
+      return text;
+    }
+    if (const auto last = text.rfind(line_end_); last != std::string_view::npos) {
+      begin_ += last + 1;
+      return text.substr(0, last + 1);
+    }
+    if (filled && text.size() > kMaxLineBytes) {
+      throw LoadError({file_, line, 1},
+                      fmt::format("expected a row of a log, found a line of more than {} bytes", kMaxLineBytes));
+    }
+    std::memmove(buffer_.get(), text.data(), text.size());
+    begin_ = 0;
+    end_ = text.size();
+    Fill();
+  }
+}
+
+}  // namespace lipoid

@@ -1,0 +1,61 @@
+#pragma once
+
+/// @file
+/// A text file in pieces of whole lines, by read(2) into one buffer: memory does not grow with the file.
+/// Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice.
+/// Tests: tests/identify/logs/csv/text_source_test.cc.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace lipoid {
+
+class TextSource {
+ public:
+  /// Bytes of the buffer, and the most that the preamble of a log may fill.
+  static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+  /// A line longer than this is not a row of a log.
+  static constexpr std::size_t kMaxLineBytes = kBufferBytes / 2;
+
+  /// Opens the file and reads its beginning. LoadError where it is missing, a folder, unreadable or empty.
+  explicit TextSource(std::string file);
+  ~TextSource();
+  TextSource(const TextSource&) = delete;
+  TextSource& operator=(const TextSource&) = delete;
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  /// Size in bytes, 0 where it is not known (a pipe).
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// The beginning of the file without its byte order mark. Valid until the first NextPiece().
+  [[nodiscard]] std::string_view head() const { return {buffer_.get() + begin_, end_ - begin_}; }
+  /// head() holds the whole file.
+  [[nodiscard]] bool head_is_all() const { return at_end_; }
+  [[nodiscard]] bool had_byte_order_mark() const { return had_byte_order_mark_; }
+  /// '\n', or '\r' in a file that knows no '\n'.
+  [[nodiscard]] char line_end() const { return line_end_; }
+
+  /// Forgets the first bytes of head(): the preamble and the header.
+  void Skip(std::size_t bytes);
+
+  /// The next whole lines; empty at the end of the file. Only the last piece may end without a line end.
+  /// `line` is the number of the piece's first line, for the message about a line that is too long.
+  [[nodiscard]] std::string_view NextPiece(std::size_t line);
+
+ private:
+  void Fill();
+
+  std::string file_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::unique_ptr<char[]> buffer_;
+  std::size_t begin_ = 0;  // of what was read and not yet handed out
+  std::size_t end_ = 0;
+  bool at_end_ = false;
+  bool had_byte_order_mark_ = false;
+  char line_end_ = '\n';
+};
+
+}  // namespace lipoid

@@ -1,0 +1,13 @@
+#pragma once
+
+/// @file
+/// Basytec text: preamble lines that start with '~', then ~Time[s] (or [h]), ..., U[V], I[A], ..., Command.
+/// Tests: tests/identify/logs/formats/basytec_test.cc.
+
+#include "identify/logs/formats/layout.h"
+
+namespace lipoid {
+
+extern const Layout kBasytec;
+
+}  // namespace lipoid

@@ -1,0 +1,85 @@
+#include "identify/logs/formats/packed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+using namespace std::string_view_literals;
+
+struct Packed {
+  std::string_view magic;
+  std::size_t offset;
+  std::string_view what;
+  std::string_view advice;
+};
+
+constexpr std::string_view kUnpack = "unpack it and name the log inside";
+constexpr std::string_view kSaveAsCsv = "save the sheet as CSV";
+constexpr std::string_view kExportCsv = "write the columns time, current and voltage to CSV";
+
+constexpr Packed kPacked[] = {
+    {"BIO-LOGIC MODULAR FILE"sv, 0, "a BioLogic binary file (.mpr)", "export it as text (.mpt) in EC-Lab or BT-Lab"},
+    {"\x1f\x8b"sv, 0, "a gzip file", kUnpack},
+    {"BZh"sv, 0, "a bzip2 file", kUnpack},
+    {"\xFD\x37zXZ\0"sv, 0, "an xz file", kUnpack},
+    {"\x28\xB5\x2F\xFD"sv, 0, "a zstd file", kUnpack},
+    {"7z\xBC\xAF\x27\x1C"sv, 0, "a 7z archive", kUnpack},
+    {"Rar!\x1A"sv, 0, "a rar archive", kUnpack},
+    {"ustar"sv, 257, "a tar archive", kUnpack},
+    {"Standard Jet DB"sv, 4, "an Access database (Arbin .res or .mdb)", "export the channel as CSV in Arbin MITS Pro"},
+    {"Standard ACE DB"sv, 4, "an Access database (.accdb)", "export the channel as CSV in Arbin MITS Pro"},
+    {"NEWARE"sv, 0, "a Neware binary file (.nda)", "export it as CSV in BTSDA"},
+    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv, 0, "an old Office document (.xls)", kSaveAsCsv},
+    {"MATLAB 5.0 MAT-file"sv, 0, "a MATLAB file (.mat)", kExportCsv},
+    {"MATLAB 7.3 MAT-file"sv, 0, "a MATLAB file (.mat)", kExportCsv},
+    {"\x89HDF\r\n\x1a\n"sv, 0, "an HDF5 file", kExportCsv},
+    {"PAR1"sv, 0, "a Parquet file", kExportCsv},
+    {"ARROW1"sv, 0, "an Arrow file", kExportCsv},
+    {"SQLite format 3"sv, 0, "an SQLite database", kExportCsv},
+    {"TDSm"sv, 0, "a LabVIEW binary file (.tdms)", kExportCsv},
+    {"%PDF-"sv, 0, "a PDF document", "export the data of the test as CSV"},
+    {"\xFF\xFE"sv, 0, "UTF-16 text", "save it as UTF-8"},
+    {"\xFE\xFF"sv, 0, "UTF-16 text", "save it as UTF-8"},
+    {"version https://git-lfs"sv, 0, "a Git LFS pointer", "fetch the file itself with `git lfs pull`"},
+    {"<!DOCTYPE"sv, 0, "a web page", "download the file itself"},
+    {"<html"sv, 0, "a web page", "download the file itself"},
+};
+
+bool Contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+
+[[noreturn]] void Refuse(const std::string& file, std::string_view what, std::string_view advice) {
+  throw LoadError({file}, fmt::format("expected a log as text, found {}; {}", what, advice));
+}
+
+}  // namespace
+
+void RefusePacked(const std::string& file, std::string_view head) {
+  if (head.starts_with("PK\x03\x04") || head.starts_with("PK\x05\x06")) {
+    if (Contains(head, "xl/") || Contains(head, "[Content_Types]")) Refuse(file, "an Excel workbook (.xlsx)", kSaveAsCsv);
+    if (Contains(head, ".ndc") || Contains(head, "VersionInfo.xml") || Contains(head, "TestInfo.xml")) {
+      Refuse(file, "a Neware packed file (.ndax)", "export it as CSV in BTSDA");
+    }
+    Refuse(file, "a zip archive", kUnpack);
+  }
+  for (const Packed& packed : kPacked) {
+    if (head.size() > packed.offset && head.substr(packed.offset).starts_with(packed.magic)) {
+      Refuse(file, packed.what, packed.advice);
+    }
+  }
+  // Text has no control bytes but these; a NUL or two stand in the preambles of some cyclers.
+  const auto odd = std::count_if(head.begin(), head.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f';
+  });
+  constexpr std::ptrdiff_t kOneIn = 50;
+  if (odd * kOneIn > static_cast<std::ptrdiff_t>(head.size())) {
+    Refuse(file, "binary data", "export the test as text (CSV) from the cycler's program");
+  }
+}
+
+}  // namespace lipoid
