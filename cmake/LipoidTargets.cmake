@@ -10,6 +10,7 @@ target_compile_options(
     -Wno-sign-conversion # indices of vectors, everywhere
     -Wnon-virtual-dtor
     -Wold-style-cast
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # false alarms of GCC 12 at -O3 (its bug 105651)
     -ffp-contract=off    # the same bits with and without fused multiply-add
     $<$<BOOL:${LIPOID_WARNINGS_AS_ERRORS}>:-Werror>)
 if(LIPOID_SANITIZE)

@@ -7,13 +7,75 @@
 namespace lipoid {
 namespace {
 
-// The problem with some parameters held where they are; Ceres sees n+1 residuals, the rows of the factor.
+// Asks the problem once per point, always with the Jacobian: what accepts a step wants it next, and most
+// steps are accepted. The best point is kept while others are tried: rejected steps lead back to it.
+class Evaluations {
+ public:
+  Evaluations(const LeastSquaresProblem& problem, LeastSquaresSummary& summary)
+      : problem_(problem), summary_(summary) {}
+
+  const Eigen::MatrixXd& At(const Eigen::VectorXd& x) {
+    if (best_.Is(x)) return best_.factor;
+    if (last_.Is(x)) return last_.factor;
+    last_.x = x;
+    last_.factor = problem_.Factor(x, true);
+    ++summary_.evaluations;
+    ++summary_.gradient_evaluations;
+    const bool better = best_.x.size() == 0 || last_.Squares() < best_.Squares();
+    if (better) std::swap(best_, last_);
+    return better ? best_.factor : last_.factor;
+  }
+
+ private:
+  struct Point {
+    Eigen::VectorXd x;
+    Eigen::MatrixXd factor;
+
+    [[nodiscard]] bool Is(const Eigen::VectorXd& other) const { return x.size() > 0 && x == other; }
+    [[nodiscard]] double Squares() const { return factor.rightCols(1).squaredNorm(); }
+  };
+
+  const LeastSquaresProblem& problem_;
+  LeastSquaresSummary& summary_;
+  Point best_, last_;
+};
+
+// The parameters that stand at a bound and would gain nothing by leaving it: the slope points outward, or
+// what it promises, g²/(2 J'J), is below the tolerance.
+class Bounds {
+ public:
+  Bounds(const LeastSquaresProblem& problem, double function_tolerance)
+      : lower_(problem.lower()), upper_(problem.upper()), function_tolerance_(function_tolerance) {}
+
+  [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
+  [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
+
+  [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x, const Eigen::MatrixXd& factor) const {
+    const Eigen::Index n = x.size();
+    const auto residual = factor.col(n);
+    std::vector<bool> held(static_cast<std::size_t>(n));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double slope = factor.col(k).dot(residual);
+      const bool worthless =
+          slope * slope <= function_tolerance_ * residual.squaredNorm() * factor.col(k).squaredNorm();
+      held[static_cast<std::size_t>(k)] = lower_[k] == upper_[k] ||
+                                          (x[k] <= lower_[k] && (slope >= 0.0 || worthless)) ||
+                                          (x[k] >= upper_[k] && (slope <= 0.0 || worthless));
+    }
+    return held;
+  }
+
+ private:
+  Eigen::VectorXd lower_, upper_;
+  double function_tolerance_;
+};
+
+// The problem on its free parameters; Ceres sees n+1 residuals, the rows of the factor.
 class FactorCost : public ceres::CostFunction {
  public:
-  FactorCost(const LeastSquaresProblem& problem, const Eigen::VectorXd& x, const std::vector<int>& free,
-             LeastSquaresSummary& summary)
-      : problem_(problem), x_(x), free_(free), summary_(summary) {
-    set_num_residuals(problem.size() + 1);
+  FactorCost(Evaluations& evaluations, const Eigen::VectorXd& x, const std::vector<int>& free)
+      : evaluations_(evaluations), x_(x), free_(free) {
+    set_num_residuals(static_cast<int>(x.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
   }
 
@@ -24,63 +86,71 @@ class FactorCost : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const int n = problem_.size();
-    const bool jacobian = jacobians != nullptr && jacobians[0] != nullptr;
-    ++summary_.evaluations;
-    if (jacobian) ++summary_.gradient_evaluations;
-    const Eigen::MatrixXd factor = problem_.Factor(Whole(parameters[0]), jacobian);
+    const Eigen::MatrixXd& factor = evaluations_.At(Whole(parameters[0]));
     if (!factor.allFinite()) return false;
-    Eigen::Map<Eigen::VectorXd>(residuals, n + 1) = factor.col(n);
-    if (jacobian) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
-          jacobians[0], n + 1, static_cast<Eigen::Index>(free_.size()));
-      for (std::size_t k = 0; k < free_.size(); ++k) rows.col(static_cast<Eigen::Index>(k)) = factor.col(free_[k]);
+    Eigen::Map<Eigen::VectorXd>(residuals, factor.rows()) = factor.rightCols(1);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+          jacobians[0], factor.rows(), static_cast<Eigen::Index>(free_.size())) = factor(Eigen::all, free_);
     }
     return true;
   }
 
  private:
-  const LeastSquaresProblem& problem_;
-  const Eigen::VectorXd& x_;
+  Evaluations& evaluations_;
+  Eigen::VectorXd x_;
   const std::vector<int>& free_;
-  LeastSquaresSummary& summary_;
 };
 
-// Stops Ceres when a parameter has stood at a bound for two accepted steps: it projects joint steps onto
-// the box and then creeps along it.
+// Stops Ceres when a bound takes hold of a parameter: it projects joint steps onto the box, and one that
+// wants to go on beyond a bound spoils the steps of the others.
 class BoundWatch : public ceres::IterationCallback {
  public:
-  BoundWatch(const Eigen::VectorXd& x, Eigen::VectorXd lower, Eigen::VectorXd upper)
-      : x_(x), lower_(std::move(lower)), upper_(std::move(upper)), stood_(Eigen::VectorXi::Zero(x.size())) {}
+  BoundWatch(const FactorCost& cost,
+             const double* part,
+             const std::vector<bool>& held,
+             const Bounds& bounds,
+             Evaluations& evaluations)
+      : cost_(cost), part_(part), held_(held), bounds_(bounds), evaluations_(evaluations) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
     if (!iteration.step_is_successful) return ceres::SOLVER_CONTINUE;
-    for (Eigen::Index k = 0; k < x_.size(); ++k) {
-      stood_[k] = x_[k] == lower_[k] || x_[k] == upper_[k] ? stood_[k] + 1 : 0;
-      if (stood_[k] > 2) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    const Eigen::VectorXd x = cost_.Whole(part_);
+    const auto now = bounds_.Held(x, evaluations_.At(x));
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if (now[k] && !held_[k]) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     }
     return ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const Eigen::VectorXd& x_;
-  Eigen::VectorXd lower_, upper_;
-  Eigen::VectorXi stood_;
+  const FactorCost& cost_;
+  const double* part_;
+  const std::vector<bool>& held_;
+  const Bounds& bounds_;
+  Evaluations& evaluations_;
 };
 
-// Parameters that stand at a bound and would only get worse by leaving it.
-std::vector<bool> HeldAtBounds(const LeastSquaresProblem& problem, const Eigen::VectorXd& x) {
-  const int n = problem.size();
-  const Eigen::MatrixXd factor = problem.Factor(x, true);
-  const Eigen::VectorXd gradient = factor.leftCols(n).transpose() * factor.col(n);
-  const Eigen::VectorXd lower = problem.lower();
-  const Eigen::VectorXd upper = problem.upper();
-  std::vector<bool> held(static_cast<std::size_t>(n));
-  for (int k = 0; k < n; ++k) {
-    held[static_cast<std::size_t>(k)] =
-        (x[k] <= lower[k] && gradient[k] >= 0.0) || (x[k] >= upper[k] && gradient[k] <= 0.0);
+std::vector<int> Free(const std::vector<bool>& held) {
+  std::vector<int> free;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    if (!held[k]) free.push_back(static_cast<int>(k));
   }
-  return held;
+  return free;
+}
+
+ceres::Solver::Options SolverOptions(const LevenbergMarquardtOptions& options) {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.logging_type = ceres::SILENT;
+  solver.num_threads = 1;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.step_tolerance;
+  solver.gradient_tolerance = options.gradient_tolerance;
+  solver.update_state_every_iteration = true;
+  // Bounded problems would search along every step, ten evaluations where one does.
+  solver.max_num_line_search_step_size_iterations = 0;
+  return solver;
 }
 
 }  // namespace
@@ -90,75 +160,60 @@ LeastSquaresSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
                                                const LevenbergMarquardtOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   LeastSquaresSummary result;
-  const Eigen::VectorXd lower = problem.lower();
-  const Eigen::VectorXd upper = problem.upper();
-  result.x = start.cwiseMax(lower).cwiseMin(upper);
+  Evaluations evaluations(problem, result);
+  const Bounds bounds(problem, options.function_tolerance);
+  ceres::Solver::Options solver = SolverOptions(options);
+  const auto finish = [&](Termination termination, std::string message) {
+    result.termination = termination;
+    result.message = std::move(message);
+    result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return result;
+  };
 
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.logging_type = ceres::SILENT;
-  solver.num_threads = 1;
-  solver.function_tolerance = options.function_tolerance;
-  solver.parameter_tolerance = options.step_tolerance;
-  solver.gradient_tolerance = options.gradient_tolerance;
-  solver.max_num_iterations = options.max_iterations;
-  solver.update_state_every_iteration = true;
+  result.x = start.cwiseMax(bounds.lower()).cwiseMin(bounds.upper());
+  if (!evaluations.At(result.x).allFinite()) {
+    return finish(Termination::kFailure, "There is no finite value where it started.");
+  }
+  result.cost = 0.5 * evaluations.At(result.x).rightCols(1).squaredNorm();
 
-  // Rounds of Ceres on the free parameters; between them bounds take hold of parameters and let go of them.
-  constexpr int kMostRounds = 20;
-  std::vector<bool> held(static_cast<std::size_t>(problem.size()), false);
-  for (int round = 0; round < kMostRounds; ++round) {
-    std::vector<int> free;
-    for (int k = 0; k < problem.size(); ++k) {
-      if (!held[static_cast<std::size_t>(k)]) free.push_back(k);
-    }
-    if (free.empty()) {
-      result.termination = Termination::kConverged;
-      result.message = "Every parameter stands at a bound.";
-      result.cost = 0.5 * problem.Factor(result.x, false).rightCols(1).squaredNorm();
-      break;
-    }
-    const Eigen::VectorXd from = result.x;
-    FactorCost cost(problem, from, free, result);
-    Eigen::VectorXd part = from(free);
+  // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets go only
+  // when the others have converged.
+  std::vector<bool> held = bounds.Held(result.x, evaluations.At(result.x));
+  while (true) {
+    const std::vector<int> free = Free(held);
+    if (free.empty()) return finish(Termination::kConverged, "Every parameter stands at a bound.");
+    FactorCost cost(evaluations, result.x, free);
+    Eigen::VectorXd part = result.x(free);
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem ceres_problem(ownership);
     ceres_problem.AddResidualBlock(&cost, nullptr, part.data());
     for (std::size_t k = 0; k < free.size(); ++k) {
-      ceres_problem.SetParameterLowerBound(part.data(), static_cast<int>(k), lower[free[k]]);
-      ceres_problem.SetParameterUpperBound(part.data(), static_cast<int>(k), upper[free[k]]);
+      ceres_problem.SetParameterLowerBound(part.data(), static_cast<int>(k), bounds.lower()[free[k]]);
+      ceres_problem.SetParameterUpperBound(part.data(), static_cast<int>(k), bounds.upper()[free[k]]);
     }
-    BoundWatch watch(part, lower(free), upper(free));
+    BoundWatch watch(cost, part.data(), held, bounds, evaluations);
     solver.callbacks = {&watch};
+    solver.max_num_iterations = options.max_iterations - result.iterations;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &ceres_problem, &summary);
 
     result.x = cost.Whole(part.data());
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // the first is the start
+    if (!summary.IsSolutionUsable()) return finish(Termination::kFailure, summary.message);
     result.cost = summary.final_cost;
-    result.iterations += static_cast<int>(summary.iterations.size());
-    result.message = summary.message;
-    switch (summary.termination_type) {
-      case ceres::CONVERGENCE:
-      case ceres::USER_SUCCESS: result.termination = Termination::kConverged; break;
-      case ceres::NO_CONVERGENCE: result.termination = Termination::kMaxIterations; break;
-      default: result.termination = Termination::kFailure; break;
+
+    auto now = bounds.Held(result.x, evaluations.At(result.x));
+    const bool stopped_at_bound = summary.termination_type == ceres::USER_SUCCESS;
+    for (std::size_t k = 0; stopped_at_bound && k < now.size(); ++k) now[k] = now[k] || held[k];
+    if (summary.termination_type == ceres::CONVERGENCE && now == held) {
+      return finish(Termination::kConverged, summary.message);
     }
-    if (result.termination != Termination::kConverged) break;
-    ++result.evaluations;
-    ++result.gradient_evaluations;
-    const auto now_held = HeldAtBounds(problem, result.x);
-    if (now_held == held) {
-      if (summary.termination_type == ceres::CONVERGENCE) break;
-      // The watch stopped it, yet the bound need not hold: once more, to the tolerances.
-      solver.callbacks.clear();
+    if (result.iterations >= options.max_iterations) {
+      return finish(Termination::kMaxIterations, "The most iterations were made.");
     }
-    held = now_held;
-    result.termination = Termination::kMaxIterations;
-    result.message = "Parameters kept changing between bound and free.";
+    held = std::move(now);
   }
-  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  return result;
 }
 
 }  // namespace lipoid

@@ -2,6 +2,11 @@
 
 /// @file
 /// Levenberg-Marquardt with bounds, from Ceres. The default solver of stage 3.
+///
+/// A parameter that reaches a bound is held there while the others converge, and let go where the slope then
+/// leads back inside: the answer satisfies the conditions of Karush, Kuhn and Tucker. One evaluation per
+/// step, of value and Jacobian together. A start outside the bounds is moved onto them; one without a finite
+/// value is a kFailure with the cost NaN.
 /// Tests: tests/identify/optimizers/levenberg_marquardt_test.cc.
 
 #include "identify/optimizers/least_squares.h"
@@ -14,15 +19,16 @@ struct LevenbergMarquardtOptions {
   double function_tolerance = 1e-12;
   /// Stop when |step| < step_tolerance * (|x| + step_tolerance), of the scaled parameters.
   double step_tolerance = 1e-10;
-  /// Stop when the largest component of the projected gradient, over the largest at the start, is below this.
+  /// Stop when the largest component of J'r, of the free parameters, is below this.
   double gradient_tolerance = 1e-16;
+  /// Accepted and rejected steps together.
   int max_iterations = 200;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     v("function_tolerance", self.function_tolerance, Range{0.0, 1.0}, "relative change of the cost");
     v("step_tolerance", self.step_tolerance, Range{0.0, 1.0}, "relative size of the step");
-    v("gradient_tolerance", self.gradient_tolerance, Range{0.0, 1.0}, "size of the projected gradient");
+    v("gradient_tolerance", self.gradient_tolerance, Range{0.0, 1.0}, "largest component of the gradient");
     v("max_iterations", self.max_iterations, Range{1.0, 1e6}, "accepted and rejected steps");
   }
 };

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/normal_distribution.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "identify/synthesis/decimal_step.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
+#include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -40,45 +40,6 @@ class Noise {
   double sigma_;
   boost::random::mt19937_64 engine_;
   boost::random::normal_distribution<double> normal_;
-};
-
-// Rows as text, handed to the file in large pieces.
-class RowWriter {
- public:
-  explicit RowWriter(AtomicFile& file) : file_(file) { Append("time_s,current_A,voltage_V\n"); }
-
-  void Row(double time_s, double current_A, double voltage_V) {
-    Number(time_s, ',');
-    Number(current_A, ',');
-    Number(voltage_V, '\n');
-    ++rows_;
-    if (buffer_.size() > kPiece) Flush();
-  }
-  void Flush() {
-    file_.Write(buffer_);
-    bytes_ += buffer_.size();
-    buffer_.clear();
-  }
-  [[nodiscard]] std::size_t rows() const { return rows_; }
-  [[nodiscard]] std::size_t bytes() const { return bytes_; }
-
- private:
-  static constexpr std::size_t kPiece = 1 << 20;
-
-  void Append(std::string_view text) { buffer_.append(text); }
-  // Shortest digits that read back to the same double, never an exponent.
-  void Number(double value, char end) {
-    char digits[400];
-    const auto result =
-        std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed);
-    buffer_.append(digits, result.ptr);
-    buffer_.push_back(end);
-  }
-
-  AtomicFile& file_;
-  std::string buffer_;
-  std::size_t rows_ = 0;
-  std::size_t bytes_ = 0;
 };
 
 std::int64_t RowsOf(const TestStage& stage, const DecimalStep& sampling) {
@@ -131,7 +92,7 @@ class SharedProgress {
 SynthesizedFile WriteLog(const TestPlan& plan,
                          std::size_t index,
                          const Signals& signals,
-                         AtomicFile& file,
+                         CsvWriter& csv,
                          SharedProgress& progress) {
   constexpr std::int64_t kRowsPerReport = 100'000;
   const Cell& cell = signals.cell;
@@ -139,7 +100,6 @@ SynthesizedFile WriteLog(const TestPlan& plan,
   RecordStepper<double> stepper(model, signals.options.hold, model.Relaxed(1.0));
   Noise voltage_noise(signals.seed, index, 0, signals.options.voltage_noise_V);
   Noise current_noise(signals.seed, index, 1, signals.options.current_noise_A);
-  RowWriter writer(file);
 
   std::size_t stage = 0;
   std::int64_t rows_left = RowsOf(plan.stages[0], signals.sampling);
@@ -152,7 +112,7 @@ SynthesizedFile WriteLog(const TestPlan& plan,
     double voltage_V = true_V + voltage_noise();
     if (signals.resolution)
       voltage_V = signals.resolution->Times(signals.resolution->Count(voltage_V));
-    writer.Row(time_s, current_A + current_noise(), voltage_V);
+    csv.Row(time_s, current_A + current_noise(), voltage_V);
 
     if (true_V <= cell.series * cell.cutoff_V) {
       if (row > 1) break;
@@ -184,8 +144,8 @@ SynthesizedFile WriteLog(const TestPlan& plan,
     } while (rows_left == 0);
   }
   progress.Add(cell.alpha_C() - reported_C);
-  writer.Flush();
-  return {plan.file, writer.rows(), writer.bytes()};
+  csv.Flush();
+  return {plan.file, csv.rows(), csv.bytes()};
 }
 
 Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold hold) {
@@ -230,8 +190,10 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
 
   NewFolder made(folder);
   const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
-  std::vector<std::unique_ptr<AtomicFile>> files;
-  for (const auto& plan : plans) files.push_back(std::make_unique<AtomicFile>(path(plan.file)));
+  std::vector<std::unique_ptr<CsvWriter>> logs;
+  for (const auto& plan : plans) {
+    logs.push_back(std::make_unique<CsvWriter>(path(plan.file), "time_s,current_A,voltage_V"));
+  }
   std::vector<SynthesizedFile> written(plans.size());
   SharedProgress shared(static_cast<double>(plans.size()) * cell.alpha_C(), progress);
   tbb::parallel_for(
@@ -239,21 +201,23 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
       plans.size(),
       [&](std::size_t k) {
         const std::size_t log = plans.size() - 1 - k;  // the long logs stand last: begin with them
-        written[log] = WriteLog(plans[log], log, signals, *files[log], shared);
+        written[log] = WriteLog(plans[log], log, signals, *logs[log], shared);
       },
       tbb::simple_partitioner{});
 
   Cell truth = cell;
   truth.run = run.ToJson();
   truth.run["protocol"] = protocol.name;
+  std::vector<std::unique_ptr<AtomicFile>> others;
   const auto add = [&](const std::string& name, const std::string& text) {
-    files.push_back(std::make_unique<AtomicFile>(path(name)));
-    files.back()->Write(text);
+    others.push_back(std::make_unique<AtomicFile>(path(name)));
+    others.back()->Write(text);
     written.push_back({name, 0, text.size()});
   };
   add("campaign.toml", CampaignToToml(CampaignOf(cell, plans, options.hold)));
   add("truth.json", CellToJson(truth).dump(2) + "\n");
-  for (const auto& file : files) file->Commit();
+  for (const auto& log : logs) log->Commit();
+  for (const auto& other : others) other->Commit();
   made.Keep();
   return written;
 }

@@ -1,6 +1,6 @@
 #include "model/core/json.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -82,10 +82,11 @@ void WalkTokens(std::string_view text, Visit&& visit) {
   }
 }
 
-std::size_t ByteOfPointer(std::string_view text, const std::string& wanted) {
+// Where the value with this pointer starts, or its key.
+std::size_t ByteOfPointer(std::string_view text, const std::string& wanted, bool key) {
   std::size_t found = 0;
   WalkTokens(text, [&](const std::string& pointer, std::size_t byte, bool is_key) {
-    if (is_key || pointer != wanted) return false;
+    if (is_key != key || pointer != wanted) return false;
     found = byte;
     return true;
   });
@@ -225,10 +226,12 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
   if (!value_->is_object()) Fail("an object");
   for (const auto& [key, unused] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    std::string list;
-    for (const auto name : known) list += fmt::format("{}{}", list.empty() ? "" : ", ", name);
-    JsonReader(unused, *this, pointer_ + PointerOfKey(key))
-        .FailWith(fmt::format("expected one of the keys {}, found '{}'", list, key));
+    const std::string pointer = pointer_ + PointerOfKey(key);
+    throw LoadError(PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer, true)),
+                    fmt::format("{}: expected one of the keys {}, found '{}'",
+                                pointer,
+                                fmt::join(known, ", "),
+                                key));
   }
 }
 
@@ -237,7 +240,7 @@ void JsonReader::Fail(std::string_view expected) const {
 }
 
 void JsonReader::FailWith(std::string_view message) const {
-  throw LoadError(PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer_)),
+  throw LoadError(PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer_, false)),
                   fmt::format("{}: {}", pointer_.empty() ? "/" : pointer_, message));
 }
 

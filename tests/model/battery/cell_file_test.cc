@@ -2,8 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "tests/support/paths.h"
+#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
@@ -32,9 +39,462 @@ TEST(CellFile, ShippedCellsAreThoseOfTheTables) {
     ASSERT_EQ(cell.branches.size(), 1U);
     EXPECT_EQ(cell.branches[0].resistance_Ohm.resistance_Ohm[0], row.branch_Ohm);
     EXPECT_EQ(cell.branches[0].capacitance_F, row.branch_F);
+    EXPECT_EQ(cell.branches[0].time_constant_s, row.branch_Ohm * row.branch_F);
     EXPECT_TRUE(cell.open_circuit_voltage_assumed);
     EXPECT_EQ(cell.open_circuit_voltage(0.3), 3.74);
   }
+}
+
+// What a file may hold, all of it at once.
+const char* const kFull = R"({
+  "schema": "lipoid.cell/1",
+  "name": "full",
+  "series": 6,
+  "parallel": 2,
+  "capacity_Ah": 0.6,
+  "cutoff_V": 3.0,
+  "diffusion": {
+    "alpha_C": 1353.6,
+    "beta_per_sqrt_s": 0.1924,
+    "terms": 12,
+    "tail": false
+  },
+  "open_circuit_voltage": {
+    "method": "linear",
+    "soc": [-0.1, 0.3, 1.01],
+    "voltage_V": [2.9, 3.7, 4.2],
+    "assumed": true
+  },
+  "series_resistance_Ohm": {
+    "soc": [0.1, 0.9],
+    "resistance_Ohm": [0.2, 0.1]
+  },
+  "branches": [
+    {
+      "resistance_Ohm": 0.03,
+      "capacitance_F": 1500.0
+    },
+    {
+      "resistance_Ohm": {
+        "soc": [0.5],
+        "resistance_Ohm": [0.01]
+      },
+      "time_constant_s": 0.7
+    }
+  ],
+  "run": {
+    "seed": 7
+  }
+})";
+
+TEST(CellFile, EverythingInTheFileIsRead) {
+  const Cell cell = ParseCell(kFull, "full.json");
+  EXPECT_EQ(cell.name, "full");
+  EXPECT_EQ(cell.series, 6);
+  EXPECT_EQ(cell.parallel, 2);
+  EXPECT_EQ(cell.capacity_Ah, 0.6);
+  EXPECT_EQ(cell.cutoff_V, 3.0);
+  EXPECT_EQ(cell.alpha_C(), 1353.6);
+  EXPECT_EQ(cell.diffusion->beta_per_sqrt_s, 0.1924);
+  EXPECT_EQ(cell.diffusion->terms, 12);
+  EXPECT_FALSE(cell.diffusion->tail);
+  EXPECT_EQ(cell.open_circuit_voltage.method(), OcvMethod::kLinear);
+  EXPECT_EQ(cell.open_circuit_voltage.soc(), (std::vector<double>{-0.1, 0.3, 1.01}));
+  EXPECT_EQ(cell.open_circuit_voltage.voltage_V(), (std::vector<double>{2.9, 3.7, 4.2}));
+  EXPECT_TRUE(cell.open_circuit_voltage_assumed);
+  EXPECT_EQ(cell.series_resistance_Ohm.soc, (std::vector<double>{0.1, 0.9}));
+  EXPECT_EQ(cell.series_resistance_Ohm.resistance_Ohm, (std::vector<double>{0.2, 0.1}));
+  ASSERT_EQ(cell.branches.size(), 2U);
+  EXPECT_EQ(cell.branches[0].capacitance_F, 1500.0);
+  EXPECT_EQ(cell.branches[0].time_constant_s, 0.03 * 1500.0);
+  EXPECT_FALSE(cell.branches[1].capacitance_F.has_value());
+  EXPECT_EQ(cell.branches[1].time_constant_s, 0.7);
+  EXPECT_EQ(cell.branches[1].resistance_Ohm.resistance_Ohm, (std::vector<double>{0.01}));
+  EXPECT_EQ(cell.run["seed"], 7);
+}
+
+TEST(CellFile, ParametersAreThoseOfTheFile) {
+  const Cell cell = ParseCell(kFull, "full.json");
+  const auto parameters = cell.Parameters();
+  EXPECT_TRUE(parameters.diffusion);
+  EXPECT_EQ(parameters.alpha_C, 1353.6);
+  EXPECT_EQ(parameters.beta_per_sqrt_s, 0.1924);
+  EXPECT_EQ(parameters.terms, 12);
+  EXPECT_FALSE(parameters.tail);
+  ASSERT_EQ(parameters.branches.size(), 2U);
+  EXPECT_EQ(parameters.branches[0].resistance_Ohm(0.5), 0.03);
+  EXPECT_EQ(parameters.branches[0].time_constant_s, 45.0);
+  EXPECT_DOUBLE_EQ(parameters.series_resistance_Ohm(0.5), 0.15);
+  EXPECT_EQ(parameters.open_circuit_voltage(0.3), 3.7);
+}
+
+TEST(CellFile, NoDiffusionCountsTheNominalCapacity) {
+  Json json = Json::parse(kFull);
+  json["diffusion"] = nullptr;
+  const Cell cell = ParseCell(json.dump(), "x.json");
+  EXPECT_FALSE(cell.diffusion.has_value());
+  EXPECT_EQ(cell.alpha_C(), 3600.0 * 0.6);
+  EXPECT_FALSE(cell.Parameters().diffusion);
+}
+
+TEST(CellFile, OptionalKeysHaveDefaults) {
+  Json json = Json::parse(kFull);
+  for (const char* key : {"series", "parallel", "run"}) json.erase(key);
+  json["open_circuit_voltage"].erase("assumed");
+  const Cell cell = ParseCell(json.dump(), "x.json");
+  EXPECT_EQ(cell.series, 1);
+  EXPECT_EQ(cell.parallel, 1);
+  EXPECT_FALSE(cell.open_circuit_voltage_assumed);
+  EXPECT_EQ(cell.run, Json::object());
+}
+
+// Written and read again, every number has the same bits: awkward ones, in every form of the curve.
+TEST(CellFile, RoundTripKeepsEveryBit) {
+  std::mt19937_64 engine(13);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const std::string file = test::FreshFolder("cell_round_trip") + "/cell.json";
+  for (int trial = 0; trial < 40; ++trial) {
+    Cell cell;
+    cell.name = "trial \"" + std::to_string(trial) + "\" \xC3\xA9";
+    cell.series = 1 + trial % 7;
+    cell.capacity_Ah = uniform(engine);
+    cell.cutoff_V = 2.0 + uniform(engine);
+    if (trial % 5 != 0) {
+      cell.diffusion = Cell::Diffusion{.alpha_C = 1e5 * uniform(engine),
+                                       .beta_per_sqrt_s = uniform(engine),
+                                       .terms = trial,
+                                       .tail = trial % 2 == 0};
+    }
+    std::vector<double> soc = {-uniform(engine)};
+    std::vector<double> values;
+    for (int k = 0; k < 6; ++k) soc.push_back(soc.back() + uniform(engine));
+    for (int k = 0; k < 7; ++k) values.push_back(3.0 + uniform(engine) * 1e-3);
+    switch (trial % 4) {
+      case 0:
+        cell.open_circuit_voltage = OpenCircuitVoltage::Linear(soc, values);
+        break;
+      case 1:
+        cell.open_circuit_voltage = OpenCircuitVoltage::MonotoneCubic(soc, values);
+        break;
+      case 2:
+        cell.open_circuit_voltage = OpenCircuitVoltage::Polynomial(soc[0], soc[1], values);
+        break;
+      default:
+        cell.open_circuit_voltage = OpenCircuitVoltage::Fourier(
+            soc[0], soc[1], 3.0 * uniform(engine), values, {1.0 / 3, 0, 5e-324, 1, 2, 3});
+    }
+    cell.series_resistance_Ohm = Resistance<double>(soc, values);
+    cell.branches.push_back({.resistance_Ohm = uniform(engine),
+                             .time_constant_s = 0.0,
+                             .capacitance_F = uniform(engine)});
+    cell.branches[0].time_constant_s =
+        cell.branches[0].resistance_Ohm.resistance_Ohm[0] * *cell.branches[0].capacitance_F;
+    cell.branches.push_back(
+        {.resistance_Ohm = 0.1, .time_constant_s = uniform(engine), .capacitance_F = {}});
+    cell.run = {{"seed", trial}, {"x", 0.1}};
+    WriteCellFile(cell, file);
+    const Cell again = ReadCellFile(file);
+    EXPECT_EQ(CellToJson(again), CellToJson(cell)) << trial;
+    for (int k = -20; k <= 120; ++k) {
+      const double a = 0.01 * k;
+      ASSERT_EQ(again.open_circuit_voltage(a), cell.open_circuit_voltage(a)) << trial << " " << a;
+      ASSERT_EQ(again.series_resistance_Ohm(a), cell.series_resistance_Ohm(a)) << trial << " " << a;
+    }
+    EXPECT_EQ(again.branches[0].time_constant_s, cell.branches[0].time_constant_s);
+    EXPECT_EQ(again.branches[1].time_constant_s, cell.branches[1].time_constant_s);
+  }
+}
+
+// The text of the file with one piece replaced.
+std::string Changed(const std::string& from, const std::string& to) {
+  std::string text = kFull;
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string Refusal(const std::string& text) {
+  return test::MessageOf<LoadError>([&] { (void)ParseCell(text, "x.json"); });
+}
+
+TEST(CellFile, WhatIsNoCellFileIsRefused) {
+  EXPECT_EQ(Refusal("[1, 2]"),
+            "x.json:1:1: error: /: expected a cell file, \"schema\": \"lipoid.cell/1\", found a "
+            "list of 2");
+  EXPECT_EQ(Refusal("{}"),
+            "x.json:1:1: error: /: expected an object with the key 'schema', found an object");
+  EXPECT_EQ(
+      Refusal(Changed("cell/1", "cell/2")),
+      "x.json:2:13: error: /schema: expected schema \"lipoid.cell/1\", found \"lipoid.cell/2\"");
+  EXPECT_EQ(Refusal(""),
+            "x.json:1:1: error: expected JSON, found a syntax error while parsing value - "
+            "unexpected end of "
+            "input; expected '[', '{', or a literal");
+  EXPECT_EQ(Refusal(std::string(kFull).substr(0, 120)),
+            "x.json:7:18: error: expected JSON, found a syntax error while parsing object - "
+            "unexpected end of "
+            "input; expected '}'");
+  EXPECT_EQ(Refusal(Changed("\"series\": 6,", "\"series\": 6")),
+            "x.json:5:12: error: expected JSON, found a syntax error while parsing object - "
+            "unexpected string "
+            "literal; expected '}'");
+}
+
+TEST(CellFile, EveryTruncatedFileIsRefused) {
+  const std::string text = kFull;
+  for (std::size_t length = 0; length < text.size(); ++length) {
+    EXPECT_THROW((void)ParseCell(text.substr(0, length), "x.json"), LoadError) << length;
+  }
+  EXPECT_NO_THROW((void)ParseCell(text, "x.json"));
+}
+
+TEST(CellFile, EveryRequiredKeyIsMissed) {
+  const std::vector<std::vector<std::string>> required = {{"schema"},
+                                                          {"name"},
+                                                          {"capacity_Ah"},
+                                                          {"cutoff_V"},
+                                                          {"diffusion"},
+                                                          {"diffusion", "alpha_C"},
+                                                          {"diffusion", "beta_per_sqrt_s"},
+                                                          {"diffusion", "terms"},
+                                                          {"diffusion", "tail"},
+                                                          {"open_circuit_voltage"},
+                                                          {"open_circuit_voltage", "method"},
+                                                          {"open_circuit_voltage", "soc"},
+                                                          {"open_circuit_voltage", "voltage_V"},
+                                                          {"series_resistance_Ohm"},
+                                                          {"series_resistance_Ohm", "soc"},
+                                                          {"branches"}};
+  for (const auto& path : required) {
+    Json json = Json::parse(kFull);
+    std::string pointer = "/";
+    if (path.size() == 1) {
+      json.erase(path[0]);
+    } else {
+      json[path[0]].erase(path[1]);
+      pointer += path[0];
+    }
+    const auto message = Refusal(json.dump());
+    const auto expected = "error: " + pointer + ": expected an object with the key '" +
+                          path.back() + "', found an object";
+    EXPECT_NE(message.find(expected), std::string::npos) << message;
+  }
+}
+
+struct BadValue {
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
+  const BadValue all[] = {
+      {"\"name\": \"full\"", "\"name\": 3", "3:11: error: /name: expected a text, found 3"},
+      {"\"name\"",
+       "\"title\": 1, \"name\"",
+       "3:3: error: /title: expected one of the keys schema, name, series, parallel, capacity_Ah, "
+       "cutoff_V, "
+       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, run, found 'title'"},
+      {"\"series\": 6",
+       "\"series\": 0",
+       "4:13: error: /series: expected a whole number from 1 to 100000, found 0"},
+      {"\"parallel\": 2",
+       "\"parallel\": 2.5",
+       "5:15: error: /parallel: expected a whole number, found 2.5"},
+      {"\"capacity_Ah\": 0.6",
+       "\"capacity_Ah\": 0",
+       "6:18: error: /capacity_Ah: expected a number above 0, found 0"},
+      {"\"capacity_Ah\": 0.6",
+       "\"capacity_Ah\": NaN",
+       "6:18: error: expected JSON, found a syntax error while parsing value - invalid literal; "
+       "last read: "
+       "'\"capacity_Ah\": N'"},
+      {"\"capacity_Ah\": 0.6",
+       "\"capacity_Ah\": 1e400",
+       "6:18: error: expected a number that a double can hold, found 1e400"},
+      {"\"cutoff_V\": 3.0",
+       "\"cutoff_V\": -1",
+       "7:15: error: /cutoff_V: expected a number of at least 0, found -1"},
+      {"\"cutoff_V\": 3.0",
+       "\"cutoff_V\": \"3.0\"",
+       "7:15: error: /cutoff_V: expected a number, found \"3.0\""},
+      {"\"cutoff_V\": 3.0,",
+       "\"cutoff_V\": 3.0, \"cutoff_V\": 3.0,",
+       "7:20: error: expected every key once, found 'cutoff_V' again"},
+      {"1353.6", "0", "9:16: error: /diffusion/alpha_C: expected a number above 0, found 0"},
+      {"0.1924",
+       "0",
+       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number above 0 and at most 1, found "
+       "0"},
+      {"0.1924",
+       "1.5",
+       "10:24: error: /diffusion/beta_per_sqrt_s: expected a number above 0 and at most 1, found "
+       "1.5"},
+      {"\"terms\": 12",
+       "\"terms\": -1",
+       "11:14: error: /diffusion/terms: expected a whole number from 0 to 1000, found -1"},
+      {"\"terms\": 12",
+       "\"terms\": 1001",
+       "11:14: error: /diffusion/terms: expected a whole number from 0 to 1000, found 1001"},
+      {"\"tail\": false",
+       "\"tail\": 0",
+       "12:13: error: /diffusion/tail: expected true or false, found 0"},
+      {"\"tail\": false",
+       "\"tail\": false, \"gamma\": 1",
+       "12:20: error: /diffusion/gamma: expected one of the keys alpha_C, beta_per_sqrt_s, terms, "
+       "tail, found "
+       "'gamma'"},
+      {"\"linear\"",
+       "\"spline\"",
+       "15:15: error: /open_circuit_voltage/method: expected linear, polynomial, fourier or "
+       "monotone-cubic, found "
+       "\"spline\""},
+      {"\"linear\"",
+       "\"monotone-cubic\"",
+       "16:12: error: /open_circuit_voltage/soc: expected at least 4 states of charge, found a "
+       "list of 3"},
+      {"\"linear\"",
+       "\"polynomial\"",
+       "14:27: error: /open_circuit_voltage: expected an object with the key 'soc_range', found an "
+       "object"},
+      {"[-0.1, 0.3, 1.01]",
+       "[-0.1]",
+       "16:12: error: /open_circuit_voltage/soc: expected at least 2 states of charge, found a "
+       "list of 1"},
+      {"[-0.1, 0.3, 1.01]",
+       "[-0.1, 0.3, 0.3]",
+       "16:24: error: /open_circuit_voltage/soc/2: expected a number greater than the one before, "
+       "found 0.3"},
+      {"[-0.1, 0.3, 1.01]",
+       "[-0.1, 0.3]",
+       "17:18: error: /open_circuit_voltage/voltage_V: expected 2 voltages, found a list of 3"},
+      {"3.7, 4.2",
+       "null, 4.2",
+       "17:24: error: /open_circuit_voltage/voltage_V/1: expected a number, found null"},
+      {"\"assumed\": true",
+       "\"assumed\": \"yes\"",
+       "18:16: error: /open_circuit_voltage/assumed: expected true or false, found \"yes\""},
+      {"[0.2, 0.1]",
+       "[0.2, -0.1]",
+       "22:29: error: /series_resistance_Ohm/resistance_Ohm/1: expected a number of at least 0, "
+       "found -0.1"},
+      {"[0.2, 0.1]",
+       "[0.2]",
+       "22:23: error: /series_resistance_Ohm/resistance_Ohm: expected 2 resistances, found a list "
+       "of 1"},
+      {"[0.1, 0.9]",
+       "[0.9, 0.1]",
+       "21:18: error: /series_resistance_Ohm/soc/1: expected a number greater than the one before, "
+       "found 0.1"},
+      {"\"resistance_Ohm\": 0.03",
+       "\"resistance_Ohm\": -0.03",
+       "26:25: error: /branches/0/resistance_Ohm: expected a number of at least 0, found -0.03"},
+      {"\"resistance_Ohm\": 0.03",
+       "\"resistance_Ohm\": \"0.03\"",
+       "26:25: error: /branches/0/resistance_Ohm: expected a number or a table of soc and "
+       "resistance_Ohm, found "
+       "\"0.03\""},
+      {"\"capacitance_F\": 1500.0",
+       "\"capacitance_F\": 1500.0, \"time_constant_s\": 45",
+       "25:5: error: /branches/0: expected either capacitance_F or time_constant_s, found an "
+       "object"},
+      {"\"resistance_Ohm\": 0.03,\n      \"capacitance_F\": 1500.0",
+       "\"resistance_Ohm\": 0.03",
+       "25:5: error: /branches/0: expected either capacitance_F or time_constant_s, found an "
+       "object"},
+      {"\"capacitance_F\": 1500.0",
+       "\"capacitance_F\": -1",
+       "27:24: error: /branches/0/capacitance_F: expected a number of at least 0, found -1"},
+      {"\"time_constant_s\": 0.7",
+       "\"capacitance_F\": 70",
+       "34:24: error: /branches/1/capacitance_F: expected time_constant_s, found capacitance_F "
+       "beside a table of "
+       "resistances"},
+      {"\"time_constant_s\": 0.7",
+       "\"time_constant_s\": 0.7, \"tau\": 1",
+       "34:31: error: /branches/1/tau: expected one of the keys resistance_Ohm, capacitance_F, "
+       "time_constant_s, "
+       "found 'tau'"},
+      {"\"seed\": 7\n  }",
+       "\"seed\": 7\n  }, \"run2\": 3",
+       "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
+       "cutoff_V, "
+       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, run, found 'run2'"},
+      {"{\n    \"seed\": 7\n  }",
+       "[]",
+       "37:10: error: /run: expected an object, found a list of 0"}};
+  for (const BadValue& bad : all) {
+    EXPECT_EQ(Refusal(Changed(bad.from, bad.to)), "x.json:" + std::string(bad.message));
+  }
+}
+
+TEST(CellFile, EveryBadSeriesIsRefused) {
+  const auto with_curve = [](const std::string& curve) {
+    Json json = Json::parse(kFull);
+    json["open_circuit_voltage"] = Json::parse(curve);
+    return Refusal(json.dump(1));
+  };
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "polynomial", "soc_range": [0], "basis": "chebyshev", "coefficients_V": [3]})"),
+      "x.json:16:16: error: /open_circuit_voltage/soc_range: expected two states of charge, found "
+      "a list of 1");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "polynomial", "soc_range": [1, 0], "basis": "chebyshev", "coefficients_V": [3]})"),
+      "x.json:18:4: error: /open_circuit_voltage/soc_range/1: expected a number greater than the "
+      "one before, "
+      "found 0");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "polynomial", "soc_range": [0, 1], "basis": "powers", "coefficients_V": [3]})"),
+      "x.json:20:12: error: /open_circuit_voltage/basis: expected chebyshev, found \"powers\"");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "polynomial", "soc_range": [0, 1], "basis": "chebyshev", "coefficients_V": []})"),
+      "x.json:21:21: error: /open_circuit_voltage/coefficients_V: expected at least one "
+      "coefficient, found a "
+      "list of 0");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "fourier", "soc_range": [0, 1], "frequency_rad": 2, "cosine_V": [3], "sine_V": [1]})"),
+      "x.json:24:13: error: /open_circuit_voltage/sine_V: expected one coefficient less than "
+      "cosine_V, found a list "
+      "of 1");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "fourier", "soc_range": [0, 1], "frequency_rad": -2, "cosine_V": [3], "sine_V": []})"),
+      "x.json:20:20: error: /open_circuit_voltage/frequency_rad: expected a number of at least 0, "
+      "found -2");
+  EXPECT_EQ(
+      with_curve(
+          R"({"method": "fourier", "soc_range": [0, 1], "soc": [], "frequency_rad": 2, "cosine_V": [3],
+                           "sine_V": []})"),
+      "x.json:20:3: error: /open_circuit_voltage/soc: expected one of the keys method, assumed, "
+      "soc_range, "
+      "frequency_rad, cosine_V, sine_V, found 'soc'");
+}
+
+TEST(CellFile, WhatIsNoFileIsRefused) {
+  const std::string folder = test::FreshFolder("cell_refusals");
+  const auto refusal = [](const std::string& name) {
+    return test::MessageOf<LoadError>([&] { (void)LoadCell(name); });
+  };
+  EXPECT_EQ(refusal(folder + "/none.json"),
+            folder +
+                "/none.json:1:1: error: expected a readable file, found none (No such file or "
+                "directory)");
+  EXPECT_EQ(refusal(folder), folder + ":1:1: error: expected a file, found a folder");
+  EXPECT_EQ(refusal("gifi"),
+            "gifi:1:1: error: expected a cell file or one of the shipped cells (gifi-600mAh-1, "
+            "gifi-600mAh-2, "
+            "gifi-600mAh-3, grepow-32Ah-1, grepow-32Ah-2, grepow-32Ah-3), found neither");
+}
+
+TEST(CellFile, FilesAreFoundByTheirName) {
+  const std::string file = test::FreshFolder("cell_by_name") + "/mine.json";
+  WriteFileAtomically(file, kFull);
+  EXPECT_EQ(LoadCell(file).name, "full");
 }
 
 }  // namespace

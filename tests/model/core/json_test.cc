@@ -136,11 +136,11 @@ TEST_F(Reader, MissingAndUnknownKeysAreRefused) {
       test::MessageOf<LoadError>([&] {
         json_.At("list").Item(2).OnlyKeys({"shallow", "flat"});
       }),
-      "x.json:6:15: error: /list/2/deep: expected one of the keys shallow, flat, found 'deep'");
+      "x.json:6:7: error: /list/2/deep: expected one of the keys shallow, flat, found 'deep'");
   EXPECT_EQ(test::MessageOf<LoadError>([&] {
               json_.OnlyKeys({"number", "whole", "true", "text", "list", "null"});
             }),
-            "x.json:7:24: error: /a~1b: expected one of the keys number, whole, true, text, list, "
+            "x.json:7:17: error: /a~1b: expected one of the keys number, whole, true, text, list, "
             "null, found "
             "'a/b'");
 }
