@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/logs/constancy.h"
 #include "identify/logs/segments.h"
 #include "model/core/errors.h"
 
@@ -91,7 +92,9 @@ ThinnedRecord Thin(const Record& record, std::size_t most_rows) {
   const std::size_t n = record.size();
   double largest = 0.0;
   for (const double i : record.current_A) largest = std::max(largest, std::abs(i));
-  const double tolerance_A = 1e-3 * largest;
+  // Rows of one level differ by their noise: six deviations, or a noisy log would not get short.
+  const double noise_A = n > 0 ? RowNoise(record.current_A, 0, n - 1) : 0.0;
+  const double tolerance_A = std::max(1e-3 * largest, 6.0 * noise_A);
   // Steps grow geometrically after each change of the current, so that quick relaxations keep their rows.
   for (double growth = 0.02;; growth *= 2.0) {
     auto& out = thinned.record;
@@ -117,9 +120,11 @@ ThinnedRecord Thin(const Record& record, std::size_t most_rows) {
       }
       out.time_s.push_back(record.time_s[last]);
       out.voltage_V.push_back(record.voltage_V[last]);
-      // Backward, the merged step carries its mean current; forward, a row names what flows after it.
-      out.current_A.push_back(backward && k > 0 ? charge_C / (record.time_s[last] - record.time_s[k - 1])
-                                                : record.current_A[last]);
+      out.current_A.push_back(record.current_A[last]);
+      // A merged step carries its mean current, named by the row that closes it or, forward, that opens it.
+      if (last > k) {
+        out.current_A[out.size() - (backward ? 1 : 2)] = charge_C / (record.time_s[last] - record.time_s[k - 1]);
+      }
       thinned.row_weight.push_back(static_cast<double>(last - k + 1));
       k = last + 1;
     }

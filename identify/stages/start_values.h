@@ -28,9 +28,10 @@ struct StartValues {
 
 [[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records);
 
-/// The record with neighbouring rows of equal current merged into longer steps, to about most_rows rows: exact
-/// for the model (zero-order hold over a constant current knows no difference), much cheaper. row_weight
-/// counts the rows that each one stands for.
+/// The record with neighbouring rows of equal current, up to noise, merged into longer steps that carry their
+/// mean current: to about most_rows rows, or as few as there are different currents. The charge is kept, and
+/// where the currents are equal the model gives the very same voltages (zero-order hold over a constant
+/// current knows no difference). row_weight counts the rows that each one stands for.
 struct ThinnedRecord {
   Record record;
   std::vector<double> row_weight;
