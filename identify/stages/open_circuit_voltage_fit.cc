@@ -59,6 +59,7 @@ std::vector<double> PlaceNodes(const Points& points, int count) {
     at.push_back(lo + (static_cast<double>(b) + 0.5) * width);
     level.push_back(sum[b] / members[b]);
   }
+  if (at.size() < 2) return {lo, hi};  // all rows stand together
   const auto [lowest, highest] = std::minmax_element(level.begin(), level.end());
   const double scale = *highest > *lowest ? (hi - lo) / (*highest - *lowest) : 0.0;
   std::vector<double> length(at.size(), 0.0);
@@ -304,12 +305,15 @@ OpenCircuitVoltage FitCurve(const Points& points, const Share& share, const OcvF
   }
   std::vector<double> nodes;
   std::vector<double> values;
-  if (points.size() <= static_cast<std::size_t>(options.interpolate_up_to)) {
-    TakeRows(points, share, nodes, values);
-  } else {
+  if (points.size() > static_cast<std::size_t>(options.interpolate_up_to)) {
     const int count = std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
     nodes = DropEmptyIntervals(PlaceNodes(points, count), points, share);
+  }
+  if (nodes.size() >= 4) {
     values = FitNodes(nodes, points, share);
+  } else {
+    nodes.clear();
+    TakeRows(points, share, nodes, values);
   }
   if (options.method == OcvMethod::kLinear) {
     return OpenCircuitVoltage::Linear(std::move(nodes), std::move(values));
