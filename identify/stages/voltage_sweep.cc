@@ -88,7 +88,9 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
       all.Push();
     }
   }
-  return all.Factor();
+  Eigen::MatrixXd factor = all.Factor();
+  if (!jacobian) factor(columns - 1, columns - 1) = std::abs(factor(columns - 1, columns - 1));  // a norm
+  return factor;
 }
 
 Eigen::MatrixXd VoltageSweep::LogFactor(const SweepLog& log,
