@@ -1,25 +1,28 @@
 #!/usr/bin/python3
-"""Writes the lab logs of a cell whose truth is known, with the independent model of reference_cell.py.
+"""Writes the lab logs of a cell whose truth is known, with the model of reference_cell.py.
 
     generate_campaign.py FOLDER --truth TRUTH.json [options]
 
-FOLDER gets cc_1c.csv ... , low_rate.csv, pulse.csv (time_s,current_A,voltage_V; discharge positive) and campaign.toml.
-TRUTH.json, which should lie elsewhere, is the cell itself in the notation of the cell file; its "run" says how the logs
-were made. The same arguments give the same bytes.
+FOLDER gets cc_1c.csv ... , low_rate.csv, pulse.csv (time_s,current_A,voltage_V; discharge positive)
+and campaign.toml. TRUTH.json, which should lie elsewhere, is the cell itself in the notation of the
+cell file; its "run" says how the logs were made. The same arguments give the same bytes.
 
 The cell
-    --alpha-C 1353.6  --beta 0.1924  --r-s 0.1314  --branch 0.03,1500 (ohm,farad; repeatable; --no-branches: none)
+    --alpha-C 1353.6  --beta 0.1924  --r-s 0.1314
+    --branch 0.03,1500         ohm,farad; repeatable; --no-branches: none
     --terms 10  --no-tail      modes of (4.46); the quasi-static tail is on
     --capacity-Ah 0.6          nominal: what 1C means
     --cutoff-V 3.0
-    --curve typical|steep      v_oc(A); steep falls off a cliff at A = 0, so that the ohmic drop at cut-off hardly
-                               shortens the discharges and (4.53) finds alpha and beta almost without bias
-    --scatter 0.2              multiply alpha, beta, r_s, r_j, c_j by random factors within 1 -+ 0.2 (by --seed)
+    --curve typical|steep      v_oc(A); steep falls off a cliff at A = 0, so that the ohmic drop at
+                               cut-off hardly shortens the discharges and (4.53) finds alpha and
+                               beta almost without bias
+    --scatter 0.2              multiply alpha, beta, r_s, r_j, c_j by random factors (by --seed)
+                               within 1 -+ 0.2
 
 The logs
     --rates 1 2 3 4 5 6        constant currents, in C, each until the cut-off
     --low-rate 0.05            in C; until the cut-off
-    --ideal-low-rate           the low-rate log shows v_oc(A) itself, as at vanishing rate: no drop, no diffusion
+    --ideal-low-rate           the low-rate log shows v_oc(A) itself, as at vanishing rate
     --pulse-rate 6  --pulse-s 30  --rest-s 1770   until the cut-off
     --validation-s 0           length of a random-current log; 0: none
     --sampling-s 1  --low-rate-sampling-s 10      (0.01 everywhere is the thesis)
@@ -31,8 +34,8 @@ The logs
     --digits 17                of the numbers in the CSV
     --seed 1
 
-A log begins with a row at rest at time 0 in backward hold; the first row that is at or below the cut-off, before noise,
-is its last.
+A log begins with a row at rest at time 0 in backward hold; the first row that is at or below the
+cut-off, before noise, is its last.
 """
 
 import argparse
@@ -52,7 +55,8 @@ STEEP = ([0, .002, .05, .1, .2, .3, .4, .5, .6, .7, .8, .9, 1],
 
 
 def parse(arguments):
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("folder", type=pathlib.Path)
     p.add_argument("--truth", type=pathlib.Path, required=True)
     p.add_argument("--alpha-C", type=float, default=1353.6)
@@ -87,21 +91,23 @@ def parse(arguments):
 
 def make_cell(args, rng):
     def scattered(value):
-        return value * float(rng.uniform(1.0 - args.scatter, 1.0 + args.scatter)) if args.scatter else value
+        return value * float(rng.uniform(1.0 - args.scatter, 1.0 + args.scatter))
 
-    branches = [] if args.no_branches else [list(map(float, b.split(","))) for b in args.branch or ["0.03,1500"]]
+    texts = [] if args.no_branches else args.branch or ["0.03,1500"]
+    branches = [list(map(float, text.split(","))) for text in texts]
     soc, voltage = TYPICAL if args.curve == "typical" else STEEP
     return {
-        "schema": "lipoid.cell/1", "name": f"generated, seed {args.seed}", "series": 1, "parallel": 1,
+        "schema": "lipoid.cell/1", "name": f"generated, seed {args.seed}",
+        "series": 1, "parallel": 1,
         "capacity_Ah": args.capacity_Ah, "cutoff_V": args.cutoff_V,
         "diffusion": {"alpha_C": scattered(args.alpha_C), "beta_per_sqrt_s": scattered(args.beta),
                       "terms": args.terms, "tail": not args.no_tail},
         "open_circuit_voltage": {"method": "linear", "soc": soc, "voltage_V": voltage},
         "series_resistance_Ohm": scattered(args.r_s),
-        "branches": [{"resistance_Ohm": scattered(r), "capacitance_F": scattered(c)} for r, c in branches],
+        "branches": [{"resistance_Ohm": scattered(r), "capacitance_F": scattered(c)}
+                     for r, c in branches],
         "run": {"source": "tests/reference/generate_campaign.py",
-                "options": {k: str(v) if isinstance(v, pathlib.Path) else v for k, v in vars(args).items()
-                            if k not in ("folder", "truth")}},
+                "options": {k: v for k, v in vars(args).items() if k not in ("folder", "truth")}},
     }
 
 
@@ -128,7 +134,7 @@ class Lab:
         out = reference_cell.predict(self.cell, t, current, self.args.hold)
         below = np.flatnonzero(out["voltage_V"] <= self.args.cutoff_V)
         if len(below) == 0:
-            raise SystemExit("the cut-off is not reached: is the cut-off below the curve, or the alpha too large?")
+            raise SystemExit("the cut-off is not reached: does it lie below the curve?")
         end = below[0] + 1
         return t[:end], current[:end], out["voltage_V"][:end]
 
@@ -138,8 +144,8 @@ class Lab:
         if args.resolution_V:
             voltage = np.round(voltage / args.resolution_V) * args.resolution_V
         current = current + args.noise_A * self.rng.standard_normal(len(t))
-        np.savetxt(args.folder / name, np.column_stack([t, current, voltage]), delimiter=",", comments="",
-                   header="time_s,current_A,voltage_V", fmt=f"%.{args.digits}g")
+        np.savetxt(args.folder / name, np.column_stack([t, current, voltage]), delimiter=",",
+                   comments="", header="time_s,current_A,voltage_V", fmt=f"%.{args.digits}g")
 
     def constant_current(self, name, current_A):
         duration = 1.02 * self.cell["diffusion"]["alpha_C"] / current_A
@@ -162,20 +168,23 @@ class Lab:
     def pulses(self, name, current_A):
         args = self.args
         period = args.pulse_s + args.rest_s
-        count = int(np.ceil(1.05 * self.cell["diffusion"]["alpha_C"] / (current_A * args.pulse_s))) + 1
+        alpha = self.cell["diffusion"]["alpha_C"]
+        count = int(np.ceil(1.05 * alpha / (current_A * args.pulse_s))) + 1
         t = stamps(count * period, args.sampling_s, 0.0, self.rng)
-        # The phase of the middle of the interval through which a row's current flows decides: no edge is rounded.
-        middle = t - 0.5 * args.sampling_s if args.hold == "backward" else t + 0.5 * args.sampling_s
+        # The middle of the interval through which a row's current flows decides: no edge is rounded.
+        half = 0.5 * args.sampling_s
+        middle = t - half if args.hold == "backward" else t + half
         on = (middle > 0.0) & (np.mod(middle, period) < args.pulse_s)
         if args.jitter:
-            t[1:] += args.sampling_s * self.rng.uniform(-0.5 * args.jitter, 0.5 * args.jitter, len(t) - 1)
+            t[1:] += half * args.jitter * self.rng.uniform(-1.0, 1.0, len(t) - 1)
         self.write(name, *self.until_cutoff(t, np.where(on, current_A, 0.0)))
 
     def random_currents(self, name, duration, largest_A):
         args = self.args
         t = stamps(duration, args.sampling_s, args.jitter, self.rng)
         levels = self.rng.uniform(-0.2 * largest_A, largest_A, int(duration / 20.0) + 2)
-        current = with_rest_row(levels[np.minimum((t / 20.0).astype(int), len(levels) - 1)], args.hold)
+        level = np.minimum((t / 20.0).astype(int), len(levels) - 1)
+        current = with_rest_row(levels[level], args.hold)
         out = reference_cell.predict(self.cell, t, current, args.hold)
         below = np.flatnonzero(out["voltage_V"] <= args.cutoff_V)
         end = below[0] + 1 if len(below) else len(t)
@@ -202,7 +211,8 @@ def main(arguments):
     if args.validation_s > 0.0:
         lab.random_currents("validation.csv", args.validation_s, 2.0 * args.capacity_Ah)
         logs.append(("validation", "validation.csv"))
-    lines = ["[cell]", f'name = "{cell["name"]}"', f"capacity_Ah = {args.capacity_Ah!r}", f"cutoff_V = {args.cutoff_V!r}"]
+    lines = ["[cell]", f'name = "{cell["name"]}"',
+             f"capacity_Ah = {args.capacity_Ah!r}", f"cutoff_V = {args.cutoff_V!r}"]
     for kind, name in logs:
         lines += ["", "[[log]]", f'kind = "{kind}"', f'file = "{name}"']
         if args.hold == "forward":

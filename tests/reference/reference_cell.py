@@ -1,20 +1,22 @@
 #!/usr/bin/python3
-"""An independent lithium-polymer cell in NumPy, written from chapter 4 of the thesis and its corrections.
+"""An independent lithium-polymer cell in NumPy, written from chapter 4 of the thesis and its
+corrections.
 
-It shares no code and no formulas-as-typed with the C++ library: the modes of (4.46) are filtered one by one with
-scipy.signal.lfilter where the sampling is uniform and with a plain loop where it is not, the tail is summed from
-pi^2/6, the monotone cubic is SciPy's PCHIP and the polynomial is NumPy's Chebyshev series.
+It shares no code and no formulas-as-typed with the C++ library: the modes of (4.46) are filtered
+one by one with scipy.signal.lfilter where the sampling is uniform and with a plain loop where it is
+not, the tail is summed from pi^2/6, the monotone cubic is SciPy's PCHIP and the polynomial is
+NumPy's Chebyshev series.
 
-    reference_cell.py predict CELL.json RECORD.csv OUT.csv [--hold backward|forward] [--initial-soc A]
-                      [--plain-loop]
+    reference_cell.py predict CELL.json RECORD.csv OUT.csv [--hold backward|forward]
+                      [--initial-soc A] [--plain-loop]
 
 RECORD.csv has the columns time_s,current_A of the whole pack, discharge positive. OUT.csv gets
 time_s,current_A,voltage_V,open_circuit_V,soc with 17 digits. --plain-loop never uses lfilter.
 
     reference_cell.py batch FOLDER
 
-does the same for every NAME.json in FOLDER: {"cell": CELL.json, "record": RECORD.csv, "hold": ..., "initial_soc": ...,
-"output": OUT.csv}, paths relative to FOLDER.
+does the same for every NAME.case.json in FOLDER: {"cell": CELL.json, "record": RECORD.csv,
+"output": OUT.csv, "hold": ..., "initial_soc": ..., "plain_loop": ...}, paths relative to FOLDER.
 """
 
 import argparse
@@ -69,7 +71,8 @@ class Curve:
                 return total
 
             def slope(a):
-                return sum(k * w * (sine[k - 1] * math.cos(k * w * a) - cosine[k] * math.sin(k * w * a))
+                return sum(k * w * sine[k - 1] * math.cos(k * w * a)
+                           - k * w * cosine[k] * math.sin(k * w * a)
                            for k in range(1, len(cosine)))
 
             self._inside = value
@@ -92,8 +95,9 @@ def resistance(table, soc):
 
 
 def first_order(rate, dt, drive, initial=0.0, plain_loop=False):
-    """The solution at every row of x' = -rate x + drive, x(row 0) = initial, where drive[k] is constant over the
-    dt[k] that lead from row k to row k + 1. Exact: x+ = e^{-rate dt} x + (1 - e^{-rate dt})/rate drive."""
+    """The solution at every row of x' = -rate x + drive, x(row 0) = initial, where drive[k] is
+    constant over the dt[k] that lead from row k to row k + 1. Exact:
+    x+ = e^{-rate dt} x + (1 - e^{-rate dt})/rate drive."""
     x = np.empty(len(dt) + 1)
     x[0] = initial
     if len(dt) == 0:
@@ -110,13 +114,14 @@ def first_order(rate, dt, drive, initial=0.0, plain_loop=False):
             for k in range(start, end):
                 x[k + 1] = decay * x[k] + gain * drive[k]
         else:
-            x[start + 1:end + 1], _ = lfilter([gain], [1.0, -decay], drive[start:end], zi=[decay * x[start]])
+            x[start + 1:end + 1], _ = lfilter(
+                [gain], [1.0, -decay], drive[start:end], zi=[decay * x[start]])
         start = end
     return x
 
 
 def share_rounded_intervals(dt, t):
-    """Stamps such as 0.01 k are rounded: neighbouring intervals that agree within that rounding are one interval."""
+    """Stamps such as 0.01 k are rounded: neighbouring intervals that agree within it are one."""
     if len(dt) == 0:
         return dt
     tolerance = 4.0 * np.finfo(float).eps * np.abs(t[2:])
@@ -125,7 +130,7 @@ def share_rounded_intervals(dt, t):
 
 
 def predict(cell, t, i, hold="backward", initial_soc=1.0, plain_loop=False):
-    """The pack's voltage_V, open_circuit_V and soc at every row of a current record, relaxed at the start."""
+    """The pack's voltage_V, open_circuit_V and soc at every row, relaxed at the start."""
     t = np.asarray(t, float)
     i = np.asarray(i, float) / cell.get("parallel", 1)
     dt = np.diff(t)
@@ -144,16 +149,18 @@ def predict(cell, t, i, hold="backward", initial_soc=1.0, plain_loop=False):
         for m in range(1, terms + 1):
             sigma = sigma + 2.0 * first_order(b2 * m * m, shared, flow, plain_loop=plain_loop)
         if diffusion["tail"]:
-            tail = 2.0 / b2 * (math.pi ** 2 / 6.0 - math.fsum(1.0 / m ** 2 for m in range(1, terms + 1)))
+            kept = math.fsum(1.0 / m ** 2 for m in range(1, terms + 1))
+            tail = 2.0 / b2 * (math.pi ** 2 / 6.0 - kept)
 
     soc = initial_soc - (sigma + tail * i) / alpha  # (4.48), at the rows
-    soc_at_start = initial_soc - (sigma[:-1] + tail * flow) / alpha  # at the start of the step that follows a row
+    soc_at_start = initial_soc - (sigma[:-1] + tail * flow) / alpha  # of the step after each row
 
     open_circuit = curve(soc)
     voltage = open_circuit - resistance(cell["series_resistance_Ohm"], soc) * i
     for branch in cell["branches"]:
         r = branch["resistance_Ohm"]
-        tau = branch["time_constant_s"] if "time_constant_s" in branch else r * branch["capacitance_F"]
+        tau = branch["time_constant_s"] if "time_constant_s" in branch \
+            else r * branch["capacitance_F"]
         drive = resistance(r, soc_at_start) * flow
         if tau == 0.0:  # no inertia: the drop of the step that led to the row
             drop = np.concatenate([[0.0], drive])
@@ -179,7 +186,8 @@ def run(cell_path, record_path, output_path, hold, initial_soc, plain_loop=False
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     one = commands.add_parser("predict")
     for name in ("cell", "record", "output"):
