@@ -3,9 +3,11 @@
 
     tools/check_equations.py [ROOT]
 
-A row of the table is: number | in words | file: function | test. It fails, naming file and line, where
-  * a source of model/, identify/ or tools/ cites an equation, "(4.46)" or a range "(4.46)-(4.51)", that has no row,
-  * a line of code ends in a citation, "...;  // (4.46)", and no row of that equation names the file,
+A row of the table is: number | in words | file: function | test. It fails, naming file and line,
+where
+  * a source of model/, identify/ or tools/ cites an equation, "(4.46)" or a range
+    "(4.46)-(4.51)", that has no row,
+  * a line of code ends in a citation, "...;  // (4.46)", and no row of it names the file,
   * a row names a file that does not cite the equation or does not hold the function,
   * a row names a test that does not exist: "tests/a_test.cc: Suite.Name" or "tests/a.py: function".
 """
@@ -44,7 +46,8 @@ def read_rows(path):
         if not text.startswith("| ("):
             continue
         if len(cells) != 4 or ": " not in cells[2] or ": " not in cells[3]:
-            problems.append(f"{path}:{line}: expected number | in words | file: function | test file: test")
+            problems.append(f"docs/equations.md:{line}: expected four cells, "
+                            "number | in words | file: function | test file: test")
             continue
         file, function = cells[2].split(": ", 1)
         test_file, test = cells[3].split(": ", 1)
@@ -79,8 +82,10 @@ def check(root):
                     problems.append(f"{name}:{line}: {label} has no row in docs/equations.md")
                     continue
                 code, comment, _ = text.partition("//")
-                if comment and code.strip() and name not in files_of[equation]:
-                    problems.append(f"{name}:{line}: {label} is computed here, but no row of it names this file")
+                computes = comment and code.strip() and "///" not in text
+                if computes and name not in files_of[equation]:
+                    problems.append(f"{name}:{line}: {label} is computed here, "
+                                    "but no row of it in docs/equations.md names this file")
 
     for line, equations, file, function, test_file, test in rows:
         where = f"docs/equations.md:{line}"
@@ -90,7 +95,8 @@ def check(root):
         for chapter, number in sorted(equations):
             if file not in cited_in.get((chapter, number), set()):
                 problems.append(f"{where}: {file} does not cite ({chapter}.{number})")
-        if not re.search(rf"\b{re.escape(function.split('::')[-1])}\b", (root / file).read_text(encoding="utf-8")):
+        source = (root / file).read_text(encoding="utf-8")
+        if not re.search(rf"\b{re.escape(function.split('::')[-1])}\b", source):
             problems.append(f"{where}: {file} has no {function}")
         if not (root / test_file).is_file():
             problems.append(f"{where}: no file {test_file}")
@@ -100,7 +106,8 @@ def check(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parents[1])
+    here = pathlib.Path(__file__).resolve().parents[1]
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here
     rows, problems = check(root)
     for problem in problems:
         print(problem, file=sys.stderr)

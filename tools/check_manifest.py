@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Every file under fixtures/ is declared in fixtures/MANIFEST.json, with its hash and where it came from.
+"""Every file under fixtures/ is declared in fixtures/MANIFEST.json, with its hash and its origin.
 
     tools/check_manifest.py [ROOT]             fails on an undeclared, missing or changed file
-    tools/check_manifest.py --update [ROOT]    writes the hashes of the files that match an entry's pattern
+    tools/check_manifest.py --update [ROOT]    writes the hashes of the files of every entry
 
 The manifest is a list of entries, one per group of files made together:
 
@@ -46,7 +46,8 @@ def check(fixtures, entries):
     for path in sorted(p for p in fixtures.rglob("*") if p.is_file()):
         name = path.relative_to(fixtures).as_posix()
         if name != "MANIFEST.json" and name not in owner:
-            problems.append(f"{name}: not declared; add an entry, then run tools/check_manifest.py --update")
+            problems.append(f"{name}: not declared; add an entry, then run "
+                            "tools/check_manifest.py --update")
     return problems
 
 
@@ -65,7 +66,8 @@ def main():
     entries = json.loads(manifest.read_text(encoding="utf-8"))
     if "--update" in sys.argv[1:]:
         update(fixtures, entries)
-        manifest.write_text(json.dumps(entries, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        text = json.dumps(entries, indent=2, ensure_ascii=False) + "\n"
+        manifest.write_text(text, encoding="utf-8")
     problems = check(fixtures, entries)
     for problem in problems:
         print(f"fixtures/MANIFEST.json: {problem}", file=sys.stderr)
