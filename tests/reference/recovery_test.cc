@@ -116,6 +116,23 @@ TEST(Recovery, IsExactWithoutNoiseWhenAlphaAndTheCurveAreGiven) {
   }
 }
 
+// (4.60): beta is known, and what is left is found to the same digits.
+TEST(Recovery, IsExactWithBetaHeld) {
+  const auto lab = Generate("held", "--seed 4 --scatter 0.2 --rates 1 3");
+  if (!lab) GTEST_SKIP() << "skipped: no python3 with numpy and scipy was found";
+  StagedGiven given;
+  given.alpha_C = lab->truth.alpha_C();
+  given.open_circuit_voltage = lab->truth.open_circuit_voltage;
+  given.parameters.fixed["beta"] = lab->truth.diffusion->beta_per_sqrt_s;
+  const auto result = IdentifyStaged(lab->campaign, lab->logs, {}, given);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(result.pulses.fixed, std::vector<std::string>{"beta"});
+  const Eigen::Vector4d truth = ParametersOf(lab->truth);
+  const Eigen::Vector4d found = ParametersOf(result.cell);
+  EXPECT_EQ(found[0], truth[0]);
+  for (int k = 1; k < 4; ++k) EXPECT_NEAR(found[k] / truth[k], 1.0, 1e-6) << kNames[k];
+}
+
 // Millivolts of noise on every row: each parameter within 4.5 standard deviations of what the noise
 // allows, and all of them together neither better nor worse than chance (20 degrees of
 // freedom: 99.8 % lie in 5.9 .. 45).
