@@ -174,7 +174,7 @@ bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTim
   return true;
 }
 
-void SplitLine(std::string_view line, char delimiter, std::vector<Cell>& cells) {
+void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cells) {
   cells.clear();
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::size_t begin = 0;

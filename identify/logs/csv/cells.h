@@ -38,13 +38,13 @@ struct DateTime {
 [[nodiscard]] bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTime& value);
 
 /// One cell of a line: its text without quotes and blanks, and the column (from 1) where it begins.
-struct Cell {
+struct TextCell {
   std::string_view text;
   std::size_t column = 1;
 };
 
 /// The cells of a line, which comes without its line end. A quoted cell keeps doubled quotes as they are.
-void SplitLine(std::string_view line, char delimiter, std::vector<Cell>& cells);
+void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cells);
 
 /// What is inside a line that is one quoted text, "a,b,c": some exports wrap each row so. Other lines as they are.
 [[nodiscard]] std::string_view Unwrapped(std::string_view line, char delimiter);

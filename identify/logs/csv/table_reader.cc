@@ -179,8 +179,8 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
   }
   const std::string_view inside = Unwrapped(line, spec_.delimiter);
   SplitLine(inside, spec_.delimiter, cells_);
-  for (Cell& cell : cells_) cell.column += static_cast<std::size_t>(inside.data() - line.data());
-  if (std::all_of(cells_.begin(), cells_.end(), [](const Cell& cell) { return cell.text.empty(); })) {
+  for (TextCell& cell : cells_) cell.column += static_cast<std::size_t>(inside.data() - line.data());
+  if (std::all_of(cells_.begin(), cells_.end(), [](const TextCell& cell) { return cell.text.empty(); })) {
     ++blank_lines_;
     return Row::kSkipped;
   }
@@ -223,7 +223,7 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
       if (std::isnan(value)) FailAt(1, fmt::format("expected a line with '{}' above this row, found none", column.name));
       continue;
     }
-    const Cell& cell = cells_[column.field];
+    const TextCell& cell = cells_[column.field];
     const bool converted = Convert(cell.text, column, value);
     if (column.lenient && !(converted && std::abs(value) < kOverflow)) {
       value = std::numeric_limits<double>::quiet_NaN();
@@ -245,7 +245,7 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
   return Row::kRead;
 }
 
-void TableReader::ReadHeading(const std::vector<Cell>& cells, std::size_t level) {
+void TableReader::ReadHeading(const std::vector<TextCell>& cells, std::size_t level) {
   // A heading may hold those of the levels below it in the same line.
   std::size_t begin = level;
   for (; level < spec_.levels.size(); ++level) {
@@ -303,7 +303,7 @@ void TableReader::DecideDecimalMark() {
   if (!points) decimal_ = ',';
 }
 
-bool TableReader::IsCut(std::string_view line, const std::vector<Cell>& cells) const {
+bool TableReader::IsCut(std::string_view line, const std::vector<TextCell>& cells) const {
   const auto last = std::find_if(spec_.columns.begin(), spec_.columns.end(), [&](const WantedColumn& column) {
     return !column.level && column.field + 1 == spec_.fields;
   });
@@ -347,7 +347,7 @@ SourcePosition TableReader::PositionOf(std::size_t row, std::size_t column) cons
   const std::string_view text = LineOfRow(row, position.line);
   if (spec_.columns[column].level) return position;
   const std::string_view inside = Unwrapped(text, spec_.delimiter);
-  std::vector<Cell> cells;
+  std::vector<TextCell> cells;
   SplitLine(inside, spec_.delimiter, cells);
   position.column = cells[spec_.columns[column].field].column + static_cast<std::size_t>(inside.data() - text.data());
   return position;
@@ -356,7 +356,7 @@ SourcePosition TableReader::PositionOf(std::size_t row, std::size_t column) cons
 std::string TableReader::TextOf(std::size_t row, std::size_t column) const {
   std::size_t line = 0;
   const std::string_view text = LineOfRow(row, line);
-  std::vector<Cell> cells;
+  std::vector<TextCell> cells;
   SplitLine(Unwrapped(text, spec_.delimiter), spec_.delimiter, cells);
   return Shown(cells[spec_.columns[column].field].text);
 }

@@ -86,10 +86,10 @@ class TableReader {
 
   Row ReadFast(const char*& at, const char* end, std::size_t row);
   Row ReadCarefully(std::string_view line, bool has_end, std::size_t row);
-  void ReadHeading(const std::vector<Cell>& cells, std::size_t level);
+  void ReadHeading(const std::vector<TextCell>& cells, std::size_t level);
   bool Convert(std::string_view text, const WantedColumn& column, double& value);
   void DecideDecimalMark();
-  bool IsCut(std::string_view line, const std::vector<Cell>& cells) const;
+  bool IsCut(std::string_view line, const std::vector<TextCell>& cells) const;
   void NoteLastFields(std::string_view piece);
   [[nodiscard]] std::string_view LineOfRow(std::size_t row, std::size_t& line) const;
   [[noreturn]] void FailAt(std::size_t column, std::string message) const;
@@ -104,7 +104,7 @@ class TableReader {
   std::size_t piece_line_ = 1;  // number of the first line of the piece
   std::size_t line_ = 1;        // number of the line at hand
   std::vector<std::pair<std::size_t, std::size_t>> row_lines_;  // row, its line: where rows stop being adjacent
-  std::vector<Cell> cells_;
+  std::vector<TextCell> cells_;
   std::vector<double> heading_values_;
   std::size_t capacity_ = 0;
 

@@ -8,7 +8,7 @@ constexpr std::string_view kHeader =
     "Energy(Wh),Mode,Data,";
 
 // No,1.0,1,1,1,1,3,1.0,0.00,3.147,0.0,0.00,0.00,REST, ,
-bool IsRow(std::span<const Cell> cells) {
+bool IsRow(std::span<const TextCell> cells) {
   constexpr std::size_t kFields = 15;
   if (cells.size() != kFields && !(cells.size() == kFields + 1 && cells.back().text.empty())) return false;
   const auto exclude = LowerCase(cells[0].text);

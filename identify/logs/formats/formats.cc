@@ -57,8 +57,8 @@ std::vector<Line> LinesOf(std::string_view head, char line_end) {
   return lines;
 }
 
-std::vector<Cell> CellsOf(std::string_view line, char delimiter) {
-  std::vector<Cell> cells;
+std::vector<TextCell> CellsOf(std::string_view line, char delimiter) {
+  std::vector<TextCell> cells;
   SplitLine(Unwrapped(line, delimiter), delimiter, cells);
   return cells;
 }
@@ -68,8 +68,8 @@ bool IsNumber(std::string_view text) {
   return ParseNumber(text, '.', value) || ParseNumber(text, ',', value);
 }
 
-bool LooksLikeData(std::span<const Cell> cells) {
-  return cells.size() >= 2 && std::all_of(cells.begin(), cells.end(), [](const Cell& cell) {
+bool LooksLikeData(std::span<const TextCell> cells) {
+  return cells.size() >= 2 && std::all_of(cells.begin(), cells.end(), [](const TextCell& cell) {
     return cell.text.empty() || IsNumber(cell.text);
   });
 }
@@ -86,7 +86,7 @@ struct Header {
 
 std::vector<HeaderName> NamesOf(std::string_view line, char delimiter) {
   std::vector<HeaderName> names = {};
-  for (const Cell& cell : CellsOf(line, delimiter)) names.push_back(ParseHeaderName(cell));
+  for (const TextCell& cell : CellsOf(line, delimiter)) names.push_back(ParseHeaderName(cell));
   while (!names.empty() && names.back().text.empty()) names.pop_back();
   return names;
 }
@@ -272,7 +272,7 @@ class Planner {
     if (first_line_ < lines_.size()) {
       const auto cells = CellsOf(lines_[first_line_].text, header_.delimiter);
       bool any = false;
-      const bool all_units = std::all_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+      const bool all_units = std::all_of(cells.begin(), cells.end(), [&](const TextCell& cell) {
         any = any || !cell.text.empty();
         return cell.text.empty() || (cell.text.front() == '[' && cell.text.back() == ']');
       });
@@ -538,7 +538,7 @@ class Planner {
   Header header_;
   const std::vector<Line>& lines_;
   std::size_t first_line_ = 0;  // index into lines_
-  std::vector<std::vector<Cell>> rows_;
+  std::vector<std::vector<TextCell>> rows_;
   LogPlan plan_;
 };
 

@@ -17,7 +17,7 @@ std::string Normal(std::string_view text) {
 
 }  // namespace
 
-HeaderName ParseHeaderName(const Cell& cell) {
+HeaderName ParseHeaderName(const TextCell& cell) {
   HeaderName header{.text = std::string(cell.text), .column = cell.column, .whole = Normal(cell.text)};
   const std::string lower = LowerCase(cell.text);
   std::string_view name = lower;

@@ -28,7 +28,7 @@ struct HeaderName {
   std::string suffix = {};  ///< that word
 };
 
-[[nodiscard]] HeaderName ParseHeaderName(const Cell& cell);
+[[nodiscard]] HeaderName ParseHeaderName(const TextCell& cell);
 
 /// One column that goes by one of the names of a quantity.
 struct HeaderMatch {

@@ -38,7 +38,7 @@ struct Layout {
   DateOrder date_order = DateOrder::kYearFirst;
   /// For exports without a header: the header that belongs to them, and whether a first line is such a row.
   std::string_view implied_header = {};
-  bool (*is_row)(std::span<const Cell> cells) = nullptr;
+  bool (*is_row)(std::span<const TextCell> cells) = nullptr;
   /// Headers of the levels above the rows, as signature entries, one set per level; rows are indented.
   std::span<const std::span<const std::string_view>> level_signatures = {};
   /// With a current column of this name, a voltage column without a unit may be in V or mV: the values decide.
