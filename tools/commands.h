@@ -10,10 +10,12 @@
 
 namespace lipoid {
 
+cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
+    {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
     {"synthesize",
      "the lab's logs of a known cell, with the truth beside them",

@@ -187,7 +187,7 @@ class StagedRun {
     result_.start = FindStartValues(records);
     PulseFitStart start{.beta_per_sqrt_s = beta_start_, .hold_beta = true, .data = result_.start};
     const bool beta_is_free =
-        options_.pulses.diffusion && given_.parameters.fixed.find("beta") == given_.parameters.fixed.end();
+        options_.pulses.diffusion && !IsFixed("beta");
     if (beta_is_free) {
       result_.pulses_beta_held = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
       start.previous = &result_.pulses_beta_held->parameters;
@@ -263,9 +263,10 @@ class StagedRun {
     }
     for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
       const double tau = p.time_constant_s[j];
-      if (p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
-        say.push_back(fmt::format("branch {0} was not found: r_{0} is {1:.2g} of r_s, and its time constant is arbitrary",
-                                  j + 1, p.resistance_Ohm[j] / p.series_resistance_Ohm));
+      const auto name = fmt::format("r_{}", j + 1);
+      if (!IsFixed(name) && p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
+        say.push_back(fmt::format(
+            "branch {} was not found: its resistance went to zero, and its time constant is arbitrary", j + 1));
       } else if (tau < result_.start.shortest_s) {
         say.push_back(fmt::format(
             "branch {0} is faster than the sampling (tau_{0} = {1:.2g} s, rows every {2:.2g} s): it cannot be told from "
@@ -293,8 +294,13 @@ class StagedRun {
     }
     if (result_.fitted_kind == LogKind::kConstantCurrent) say.push_back("beta and the branches come from constant-current logs: take them as weak");
     for (const auto& name : result_.pulses.at_bound) {
+      if (name.rfind("r_", 0) == 0 && name != "r_s") continue;  // said above: the branch is gone
       say.push_back(fmt::format("{} stands at a bound: the logs ask for a value beyond it, or do not need it", name));
     }
+  }
+
+  [[nodiscard]] bool IsFixed(const std::string& name) const {
+    return given_.parameters.fixed.find(name) != given_.parameters.fixed.end();
   }
 
   static constexpr double kTypicalBeta = 0.2;  // Tables 4.8-4.13: 0.18 to 0.21

@@ -1,0 +1,272 @@
+// lipoid identify CAMPAIGN... -o CELL: from logs to a cell file.
+#include <chrono>
+#include <filesystem>
+
+#include "identify/logs/campaign.h"
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/open_circuit_voltage_file.h"
+#include "identify/stages/staged_report.h"
+#include "identify/stages/staged_run.h"
+#include "model/battery/cell_file.h"
+#include "model/core/errors.h"
+#include "model/core/run_record.h"
+#include "tools/commands.h"
+#include "tools/commands/identify_report.h"
+#include "tools/commands/log_options.h"
+
+namespace lipoid {
+namespace {
+
+enum class Method { kStaged };
+constexpr std::array<std::pair<Method, std::string_view>, 1> OptionNames(Method) {
+  return {{{Method::kStaged, "staged"}}};
+}
+
+// "r_1=0.03,c_1=1500" into names and numbers.
+std::vector<std::pair<std::string, std::vector<double>>> ParseAssignments(
+    const std::string& option, const std::vector<std::string>& texts, std::size_t numbers) {
+  std::vector<std::pair<std::string, std::vector<double>>> all;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    std::vector<double> values;
+    if (equals != std::string::npos) {
+      for (std::size_t from = equals + 1; from <= text.size();) {
+        const auto to = std::min(text.find(',', from), text.size());
+        values.push_back(options_internal::ParseDouble(
+            option + " " + text.substr(0, equals), text.substr(from, to - from), Range{}));
+        from = to + 1;
+      }
+    }
+    if (values.size() != numbers) {
+      throw OptionError(fmt::format("option {}: expected {}, found '{}'",
+                                    option,
+                                    numbers == 1 ? "NAME=VALUE" : "NAME=LOW,HIGH",
+                                    text));
+    }
+    all.emplace_back(text.substr(0, equals), std::move(values));
+  }
+  return all;
+}
+
+// Where the cell of a campaign goes: the file named, or one in the folder named, called after the campaign
+// (or after its folder, where all are called the same).
+std::string CellPath(const std::string& output, const Campaign& campaign, bool folder) {
+  if (!folder) return output;
+  namespace fs = std::filesystem;
+  const fs::path file = fs::absolute(campaign.file);
+  const std::string stem = file.stem() == "campaign" ? file.parent_path().filename() : file.stem();
+  return (fs::path(output) / (stem + ".cell.json")).string();
+}
+
+struct Settings {
+  StagedOptions options;
+  StagedGiven given;
+  double initial_soc = 1.0;
+};
+
+Json OptionsOf(const Settings& settings) {
+  Json json = {{"method", "staged"},
+               {"discharge_times", OptionsToJson<Json>(settings.options.discharge_times)},
+               {"open_circuit_voltage", OptionsToJson<Json>(settings.options.open_circuit_voltage)},
+               {"pulses", OptionsToJson<Json>(settings.options.pulses)},
+               {"solver", OptionsToJson<Json>(settings.options.solver)}};
+  Json given = Json::object();
+  if (settings.given.alpha_C) given["alpha_C"] = *settings.given.alpha_C;
+  if (settings.given.open_circuit_voltage) {
+    given["open_circuit_voltage"] = settings.given.open_circuit_voltage_source;
+  }
+  if (!settings.given.parameters.fixed.empty()) given["fix"] = settings.given.parameters.fixed;
+  if (!settings.given.parameters.start.empty()) given["start"] = settings.given.parameters.start;
+  if (!settings.given.parameters.bounds.empty()) given["bounds"] = settings.given.parameters.bounds;
+  json["given"] = std::move(given);
+  return json;
+}
+
+RunRecord RecordOf(const cli::CommandLine& line,
+                   const Campaign& campaign,
+                   const Settings& settings,
+                   const Json& report) {
+  RunRecord run;
+  run.command = line.CommandText();
+  run.options = OptionsOf(settings);
+  run.seed = line.seed();
+  if (!campaign.file.empty()) run.inputs.push_back(campaign.file);
+  for (const auto& log : campaign.logs) {
+    if (std::find(run.inputs.begin(), run.inputs.end(), log.path) == run.inputs.end()) {
+      run.inputs.push_back(log.path);
+    }
+  }
+  if (settings.given.open_circuit_voltage) {
+    run.inputs.push_back(settings.given.open_circuit_voltage_source);
+  }
+  run.metrics = report;
+  return run;
+}
+
+}  // namespace
+
+cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
+  std::vector<std::string> campaign_files;
+  CampaignArguments typed;
+  Method method = Method::kStaged;
+  Settings settings;
+  std::string output;
+  std::string residuals;
+  std::string truth_file;
+  std::string curve_file;
+  LogOptions log_options;
+  std::optional<double> capacity_Ah;
+  std::optional<int> branches;
+  std::vector<std::string> fix;
+  std::vector<std::string> start;
+  std::vector<std::string> bounds;
+  bool no_diffusion = false;
+
+  line.Describe(
+      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file: discharge times "
+      "give alpha and beta, a low-rate discharge v_oc(A), pulses beta again with r_s and the branches. What is "
+      "missing is done otherwise, and said. Several campaigns give one cell file each, in a folder, and a table of "
+      "their spread.",
+      "lipoid identify campaign.toml -o cell.json");
+  line.Example(
+      "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv --cutoff-V 3.0 -o "
+      "cell.json");
+  line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
+  line.Arguments("CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
+  line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
+  line.Option("method", method, Names{}, "how");
+  line.Texts("constant-current", typed.constant_current, "LOG", "discharges at constant current, to cut-off");
+  line.Texts("low-rate", typed.low_rate, "LOG", "a discharge so slow that it shows v_oc");
+  line.Texts("pulses", typed.pulses, "LOG", "pulses with rests");
+  line.Texts("validation", typed.validation, "LOG", "logs to judge the cell by, not to fit");
+  line.Option("cutoff-V", typed.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
+  line.Option("capacity-Ah", capacity_Ah, Range{1e-9, 1e9}, "nominal capacity of one cell");
+  line.Text("name", typed.name, "TEXT", "name of the cell");
+  line.Option("series", typed.series, Range{1, 100000}, "cells in series in the logs");
+  line.Option("parallel", typed.parallel, Range{1, 100000}, "cells in parallel in the logs");
+  log_options.AddTo(line);
+  line.Option("initial-soc", typed.initial_soc, Range{0.0, 1.5}, "state of charge at which the logs start");
+  line.Option("alpha-C", settings.given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  line.Text("open-circuit-voltage", curve_file, "FILE",
+            "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
+  line.Option("branches", branches, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
+  line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
+  line.Texts("fix", fix, "NAME=VALUE", "hold a parameter: beta, r_s, r_1, c_1, tau_1, ...");
+  line.Texts("start", start, "NAME=VALUE", "start a parameter here");
+  line.Texts("bounds", bounds, "NAME=LOW,HIGH", "keep a parameter within");
+  line.OutputOption("residuals", residuals, "CSV", "write measured and fitted voltages of stage 3, row by row");
+  line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
+  line.Group("discharge_times", settings.options.discharge_times);
+  line.Group("open_circuit_voltage", settings.options.open_circuit_voltage);
+  line.Group("pulses", settings.options.pulses);
+  line.Group("solver", settings.options.solver);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  if (branches) settings.options.pulses.branches = *branches;
+  if (no_diffusion) settings.options.pulses.diffusion = false;
+  if (capacity_Ah) typed.capacity_Ah = *capacity_Ah;
+  auto& known = settings.given.parameters;
+  for (auto& [name, values] : ParseAssignments("--fix", fix, 1)) known.fixed[name] = values[0];
+  for (auto& [name, values] : ParseAssignments("--start", start, 1)) known.start[name] = values[0];
+  for (auto& [name, values] : ParseAssignments("--bounds", bounds, 2)) known.bounds[name] = {values[0], values[1]};
+
+  const bool by_options = !typed.constant_current.empty() || !typed.low_rate.empty() || !typed.pulses.empty() ||
+                          !typed.validation.empty();
+  if (by_options == !campaign_files.empty()) {
+    throw OptionError(by_options ? "give either a campaign file or logs by options, not both"
+                                 : "CAMPAIGN is missing: a campaign file, or logs by --constant-current, --low-rate "
+                                   "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
+  }
+  if (!by_options) {
+    for (const char* option : {"cutoff-V", "capacity-Ah", "name", "series", "parallel", "units", "current-sign",
+                               "hold", "initial-soc"}) {
+      if (line.Given(option)) {
+        throw OptionError(fmt::format("option --{} goes with logs given by options; in a campaign file it is a key", option));
+      }
+    }
+  }
+  typed.read = log_options.ToReadOptions();
+  std::vector<Campaign> campaigns;
+  if (by_options) {
+    campaigns.push_back(CampaignFromArguments(typed));
+  } else {
+    for (const auto& file : campaign_files) campaigns.push_back(ReadCampaign(file));
+  }
+  const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
+  if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
+    throw OptionError("--residuals and --truth go with one campaign at a time");
+  }
+  if (folder && by_options) throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
+  std::vector<std::string> paths;
+  if (folder) std::filesystem::create_directories(output);
+  for (const auto& campaign : campaigns) {
+    paths.push_back(CellPath(output, campaign, folder));
+    cli::CheckWritable(paths.back());
+    if (std::count(paths.begin(), paths.end(), paths.back()) > 1) {
+      throw OptionError(fmt::format("two campaigns would write '{}'; name the campaign files differently", paths.back()));
+    }
+    for (const auto& log : campaign.logs) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(paths.back(), log.path, ignored)) {
+        throw OptionError(fmt::format("option -o: '{}' is also an input; name another file", paths.back()));
+      }
+    }
+  }
+  if (!curve_file.empty()) {
+    settings.given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
+    settings.given.open_circuit_voltage_source = curve_file;
+  }
+  std::optional<Cell> truth;
+  if (!truth_file.empty()) truth = LoadCell(truth_file);
+
+  bool converged = true;
+  Json cells = Json::array();
+  std::vector<StagedResult> results;
+  for (std::size_t k = 0; k < campaigns.size(); ++k) {
+    const Campaign& campaign = campaigns[k];
+    const auto began = std::chrono::steady_clock::now();
+    const auto share = [&](double part) {
+      return (static_cast<double>(k) + part) / static_cast<double>(campaigns.size());
+    };
+    CheckCampaign(campaign, settings.given.open_circuit_voltage.has_value());
+    line.progress().Update(share(0.0), "reading logs");
+    const auto logs = LoadCampaign(campaign);
+    StagedResult result = IdentifyStaged(
+        campaign, logs, settings.options, settings.given, [&](std::string_view stage, double part) {
+          line.progress().Update(share(0.2 + 0.7 * part), stage);
+        });
+    line.progress().Update(share(0.95), "writing");
+    Json report = StagedToJson(result);
+    result.cell.run = RecordOf(line, campaign, settings, report).ToJson();
+    if (!residuals.empty()) WriteResiduals(result, logs, residuals);
+    WriteCellFile(result.cell, paths[k]);
+    converged = converged && result.converged;
+
+    Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
+    entry.update(report);
+    entry["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    cells.push_back(std::move(entry));
+    line.Print("{}", IdentifyReport(campaign, result));
+    if (truth) {
+      const auto comparison = CompareWithTruth(result.cell, *truth);
+      line.Print("\n{}", comparison.text);
+      cells.back()["truth"] = comparison.json;
+    }
+    line.Print("\nCell file: {}\n", paths[k]);
+    line.Message("Next: lipoid validate {} LOG...", paths[k]);
+    if (k + 1 < campaigns.size()) line.Print("\n");
+    results.push_back(std::move(result));
+  }
+  if (campaigns.size() == 1) {
+    line.summary().update(cells[0]);
+  } else {
+    const auto spread = SpreadOfCells(results);
+    line.Print("\n{}", spread.text);
+    line.summary()["cells"] = std::move(cells);
+    line.summary()["spread"] = spread.json;
+  }
+  if (!converged) line.Message("not converged: the cell file says so; see `message` in its metrics");
+  return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+}
+
+}  // namespace lipoid
