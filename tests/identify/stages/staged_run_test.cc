@@ -1,7 +1,10 @@
 #include "identify/stages/staged_run.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "identify/stages/staged_report.h"
 #include "model/battery/cell_file.h"
@@ -12,9 +15,12 @@
 namespace lipoid {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
-using ::testing::Not;
+// Whether one of the sentences holds the words.
+bool OneSays(const std::vector<std::string>& sentences, const std::string& words) {
+  return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& sentence) {
+    return sentence.find(words) != std::string::npos;
+  });
+}
 
 // Table 4.11 with a branch that can be seen.
 Cell Truth() {
@@ -94,7 +100,7 @@ TEST(StagedRun, FindsEveryParameterWhenAlphaAndTheCurveAreGiven) {
   EXPECT_NEAR(cell.series_resistance_Ohm.resistance_Ohm[0] / 0.1314, 1.0, kExactRelative);
   EXPECT_NEAR(cell.branches[0].resistance_Ohm.resistance_Ohm[0] / 0.03, 1.0, kExactRelative);
   EXPECT_NEAR(*cell.branches[0].capacitance_F / 1500.0, 1.0, kExactRelative);
-  EXPECT_THAT(result.pulses.at_bound, testing::IsEmpty());
+  EXPECT_TRUE(result.pulses.at_bound.empty());
 }
 
 TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
@@ -128,7 +134,7 @@ TEST(StagedRun, TakesTheLowRateChargeForAlphaWithoutTwoCurrents) {
   EXPECT_EQ(result.alpha_source, "low-rate-charge");
   EXPECT_FALSE(result.discharge_times.has_value());
   EXPECT_EQ(result.alpha_C, result.low_rate_charge_C);
-  EXPECT_THAT(result.done_instead, Contains(HasSubstr("constant currents that do not differ: alpha is the charge")));
+  EXPECT_TRUE(OneSays(result.done_instead, "constant currents that do not differ: alpha is the charge"));
   EXPECT_LT(result.pulses.errors.mean_error_percent, 0.2);
 }
 
@@ -139,7 +145,7 @@ TEST(StagedRun, TakesTheNominalCapacityForAlphaWhenNothingElseTells) {
   const StagedResult result = Identify({Pulses(truth)}, given);
   EXPECT_EQ(result.alpha_source, "nominal-capacity");
   EXPECT_EQ(result.alpha_C, 2160.0);
-  EXPECT_THAT(result.done_instead, Contains(HasSubstr("--alpha-C gives a better one")));
+  EXPECT_TRUE(OneSays(result.done_instead, "--alpha-C gives a better one"));
   EXPECT_FALSE(result.open_circuit_voltage.has_value());
 }
 
@@ -147,8 +153,8 @@ TEST(StagedRun, UsesConstantCurrentsWithoutPulsesAndCallsTheAnswerWeak) {
   const Cell truth = Truth();
   const StagedResult result = Identify({ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 3.0), LowRate(truth)});
   EXPECT_EQ(result.fitted_kind, LogKind::kConstantCurrent);
-  EXPECT_THAT(result.done_instead, Contains(HasSubstr("no pulses log: stage 3 uses the constant-current logs")));
-  EXPECT_THAT(result.cautions, Contains(HasSubstr("take them as weak")));
+  EXPECT_TRUE(OneSays(result.done_instead, "no pulses log: stage 3 uses the constant-current logs"));
+  EXPECT_TRUE(OneSays(result.cautions, "take them as weak"));
   EXPECT_LT(result.pulses.errors.mean_error_percent, 0.5);
 }
 
@@ -159,7 +165,7 @@ TEST(StagedRun, NamesABranchThatIsNotThere) {
   given.alpha_C = truth.diffusion->alpha_C;
   given.open_circuit_voltage = truth.open_circuit_voltage;
   const StagedResult result = Identify({Pulses(truth)}, given);
-  EXPECT_THAT(result.cautions, Contains(HasSubstr("branch 1 was not found")));
+  EXPECT_TRUE(OneSays(result.cautions, "branch 1 was not found"));
   EXPECT_NEAR(result.cell.series_resistance_Ohm.resistance_Ohm[0] / 0.1314, 1.0, 1e-4);
 }
 
@@ -191,8 +197,8 @@ TEST(StagedRun, RefusesAConstantCurrentLogThatEndsEarly) {
     static_cast<void>(Identify(logs));
     FAIL() << "expected a LoadError";
   } catch (const LoadError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("cc_1C.csv:"));
-    EXPECT_THAT(error.what(), Not(HasSubstr("cc_2C.csv")));
+    EXPECT_TRUE(OneSays({error.what()}, "cc_1C.csv:")) << error.what();
+    EXPECT_FALSE(OneSays({error.what()}, "cc_2C.csv")) << error.what();
   }
 }
 
@@ -239,7 +245,7 @@ TEST(StagedRun, NissanLeafAsAnIndependentImplementationFoundIt) {
   EXPECT_NEAR(result.discharge_times->beta_standard_error_per_sqrt_s, 0.036308, 1e-6);
   EXPECT_NEAR(result.pulses.parameters.beta_per_sqrt_s, 0.26883, 5e-4);
   EXPECT_NEAR(result.pulses.parameters.series_resistance_Ohm, 1.2818e-3, 1e-6);
-  EXPECT_THAT(result.pulses.at_bound, Contains("r_1"));  // its branch vanishes
+  EXPECT_TRUE(OneSays(result.pulses.at_bound, "r_1"));  // its branch vanishes
   EXPECT_LE(result.pulses.errors.mean_error_percent, 0.22);
 }
 
@@ -248,7 +254,7 @@ TEST(StagedRun, DmegcAsAnIndependentImplementationFoundIt) {
   LIPOID_SKIP_WITHOUT(file);
   const StagedResult result = IdentifyLab(file);
   EXPECT_NEAR(result.discharge_times->alpha_C, 9353.887, 0.001);
-  EXPECT_THAT(result.pulses.at_bound, Contains("beta"));
+  EXPECT_TRUE(OneSays(result.pulses.at_bound, "beta"));
   EXPECT_EQ(result.pulses.parameters.beta_per_sqrt_s, 1.0);
   EXPECT_NEAR(result.pulses.parameters.time_constant_s[0], 66.2, 0.3);
   EXPECT_LE(result.pulses.errors.mean_error_percent, 0.19);
@@ -262,9 +268,9 @@ TEST(StagedRun, LgM50SaysThatBetaIsNotIdentifiable) {
   LIPOID_SKIP_WITHOUT(file);
   const StagedResult result = IdentifyLab(file);
   EXPECT_FALSE(result.discharge_times->identifiable);
-  EXPECT_THAT(result.discharge_times->reason, HasSubstr("the delivered charge does not fall with the current"));
+  EXPECT_TRUE(OneSays({result.discharge_times->reason}, "the delivered charge does not fall with the current"));
   EXPECT_GT(result.discharge_times->beta_lower_bound_per_sqrt_s, 0.0);
-  EXPECT_THAT(result.done_instead, Contains(HasSubstr("stage 3 starts at")));
+  EXPECT_TRUE(OneSays(result.done_instead, "stage 3 starts at"));
   const Json json = StagedToJson(result);
   EXPECT_TRUE(json.at("stages").at("discharge_times").at("beta_per_sqrt_s").is_null());
 }
