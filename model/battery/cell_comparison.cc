@@ -1,0 +1,67 @@
+#include "model/battery/cell_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/battery/cell_parameters.h"
+
+namespace lipoid {
+namespace {
+
+const char* UnitOf(const std::string& name) {
+  if (name == "alpha") return "C";
+  if (name == "beta") return "s^-0.5";
+  if (name.starts_with("tau")) return "s";
+  return name.starts_with("c") ? "F" : "Ohm";
+}
+
+}  // namespace
+
+CellComparison CompareCells(const Cell& truth, const Cell& estimate) {
+  CellComparison result;
+  auto names = CellParameterNames(truth);
+  for (const auto& name : CellParameterNames(estimate)) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  for (const auto& name : names) {
+    ParameterComparison one{name,
+                            UnitOf(name),
+                            CellParameter(truth, name),
+                            CellParameter(estimate, name),
+                            std::nullopt};
+    if (one.truth && one.estimate && *one.truth != 0.0) {
+      one.error_percent = 100.0 * (*one.estimate - *one.truth) / *one.truth;
+    }
+    result.parameters.push_back(std::move(one));
+  }
+  constexpr int kSteps = 1000;
+  double squares = 0.0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double truth_soc = 1.0 - static_cast<double>(k) / kSteps;
+    const double charge_C = truth.alpha_C() * (1.0 - truth_soc);
+    const double estimate_soc = 1.0 - charge_C / estimate.alpha_C();
+    const double difference_V =
+        estimate.open_circuit_voltage(estimate_soc) - truth.open_circuit_voltage(truth_soc);
+    squares += difference_V * difference_V;
+    result.open_circuit_max_V = std::max(result.open_circuit_max_V, std::abs(difference_V));
+  }
+  result.open_circuit_rms_V = std::sqrt(squares / (kSteps + 1));
+  return result;
+}
+
+Json ComparisonToJson(const CellComparison& comparison) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  Json parameters = Json::object();
+  for (const auto& one : comparison.parameters) {
+    parameters[one.name] = {{"truth", number(one.truth)},
+                            {"estimate", number(one.estimate)},
+                            {"error_percent", number(one.error_percent)}};
+  }
+  return {{"parameters", parameters},
+          {"open_circuit_max_V", comparison.open_circuit_max_V},
+          {"open_circuit_rms_V", comparison.open_circuit_rms_V}};
+}
+
+}  // namespace lipoid

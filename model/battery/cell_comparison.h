@@ -1,0 +1,34 @@
+#pragma once
+
+/// @file
+/// Two cells side by side, parameter by parameter: a truth and an estimate of it.
+/// Tests: tests/model/battery/cell_comparison_test.cc.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/battery/cell.h"
+
+namespace lipoid {
+
+struct ParameterComparison {
+  std::string name;  ///< as on the command line: alpha, beta, r_s, r_1, c_1, tau_1
+  std::string unit;
+  std::optional<double> truth;  ///< none where that cell has no such parameter
+  std::optional<double> estimate;
+  std::optional<double> error_percent;  ///< 100 (estimate - truth)/truth
+};
+
+struct CellComparison {
+  std::vector<ParameterComparison> parameters;
+  /// v_oc after equal charge delivered, over what empties the truth: alpha is a gauge of the soc
+  /// axis, so that equal soc would compare different states.
+  double open_circuit_max_V = 0.0;
+  double open_circuit_rms_V = 0.0;
+};
+
+[[nodiscard]] CellComparison CompareCells(const Cell& truth, const Cell& estimate);
+[[nodiscard]] Json ComparisonToJson(const CellComparison& comparison);
+
+}  // namespace lipoid

@@ -1,0 +1,66 @@
+#include "model/battery/cell_comparison.h"
+
+#include <gtest/gtest.h>
+
+#include "model/battery/cell_file.h"
+#include "model/battery/cell_parameters.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+const ParameterComparison& Find(const CellComparison& comparison, const std::string& name) {
+  for (const auto& one : comparison.parameters) {
+    if (one.name == name) return one;
+  }
+  ADD_FAILURE() << name;
+  return comparison.parameters.front();
+}
+
+TEST(CellComparison, SaysTheErrorOfEachParameterInPercentOfTheTruth) {
+  const Cell truth = LoadCell("gifi-600mAh-1");
+  Cell estimate = truth;
+  SetCellParameter(estimate, "beta", 0.1924 * 1.02);
+  SetCellParameter(estimate, "r_s", 0.1314 * 0.99);
+  const auto comparison = CompareCells(truth, estimate);
+  EXPECT_EQ(Find(comparison, "alpha").error_percent, 0.0);
+  EXPECT_NEAR(*Find(comparison, "beta").error_percent, 2.0, kRounding);
+  EXPECT_NEAR(*Find(comparison, "r_s").error_percent, -1.0, kRounding);
+  EXPECT_EQ(Find(comparison, "r_s").unit, "Ohm");
+  EXPECT_EQ(comparison.open_circuit_max_V, 0.0);
+}
+
+TEST(CellComparison, NamesWhatOnlyOneOfThemHas) {
+  const Cell truth = LoadCell("gifi-600mAh-1");
+  Cell estimate = truth;
+  estimate.branches.clear();
+  SetCellParameter(estimate, "r_1", 0.01);
+  SetCellParameter(estimate, "tau_1", 50.0);
+  SetCellParameter(estimate, "r_2", 0.02);
+  SetCellParameter(estimate, "tau_2", 5.0);
+  const auto comparison = CompareCells(truth, estimate);
+  EXPECT_EQ(Find(comparison, "r_2").truth, std::nullopt);
+  EXPECT_EQ(Find(comparison, "r_2").estimate, 0.02);
+  EXPECT_EQ(Find(comparison, "r_2").error_percent, std::nullopt);
+  EXPECT_EQ(ComparisonToJson(comparison).at("parameters").at("r_2").at("truth"), nullptr);
+}
+
+TEST(CellComparison, AnotherGaugeOfAlphaIsTheSameCurve) {
+  // The same voltages against charge: alpha 1 % larger, and every node of v_oc moved with it.
+  const Cell truth = LoadCell("gifi-600mAh-1");
+  Cell estimate = truth;
+  SetCellParameter(estimate, "alpha", 1353.6 * 1.01);
+  auto soc = truth.open_circuit_voltage.soc();
+  for (double& node : soc) node = 1.0 - (1.0 - node) / 1.01;
+  estimate.open_circuit_voltage =
+      OpenCircuitVoltage::Linear(soc, truth.open_circuit_voltage.voltage_V());
+  EXPECT_NEAR(CompareCells(truth, estimate).open_circuit_max_V, 0.0, kRounding);
+  // Without moving them it is another curve: 1 % of the charge at the steepest end, 15 V per unit
+  // of soc.
+  estimate.open_circuit_voltage = truth.open_circuit_voltage;
+  EXPECT_NEAR(CompareCells(truth, estimate).open_circuit_max_V, 15.0 * 0.01 / 1.01, 1e-9);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,27 @@
+#include "tools/commands/start_options.h"
+
+#include "identify/validation.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+void StartOptions::AddTo(cli::CommandLine& line) {
+  line.Option("initial-soc",
+              initial_soc,
+              Range{-0.5, 1.5},
+              "state of charge of the first row; 1 is full, the default");
+  line.Option("initial-voltage-V",
+              initial_voltage_V,
+              Range{0.0, 1e5},
+              "instead: the voltage at which the pack rested before the first row");
+}
+
+double StartOptions::Soc(const Cell& cell) const {
+  if (initial_soc && initial_voltage_V) {
+    throw OptionError("options --initial-soc and --initial-voltage-V: give one of them");
+  }
+  if (initial_voltage_V) return SocAtRestVoltage(cell, *initial_voltage_V);
+  return initial_soc.value_or(1.0);
+}
+
+}  // namespace lipoid
