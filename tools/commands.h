@@ -12,14 +12,18 @@ namespace lipoid {
 
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
+cli::ExitCode SimulateCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
+cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
+    {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
     {"synthesize",
      "the lab's logs of a known cell, with the truth beside them",
      &SynthesizeCommand},
+    {"validate", "prediction against measurement", &ValidateCommand},
 };
 static_assert(std::is_sorted(std::begin(kCommands),
                              std::end(kCommands),

@@ -159,7 +159,7 @@ class Collector {
     const auto append = [&](std::vector<double>& to, const double* from) { to.insert(to.end(), from, from + block.rows); };
     append(record.time_s, Column(block, Quantity::kTime));
     append(record.current_A, Column(block, Quantity::kCurrent));
-    append(record.voltage_V, Column(block, Quantity::kVoltage));
+    if (const double* voltage = Column(block, Quantity::kVoltage)) append(record.voltage_V, voltage);
     if (const double* temperature = Column(block, Quantity::kTemperature)) {
       append(record.temperature_degC, temperature);
       for (std::size_t k = 0; k < block.rows; ++k) drops_temperature_ |= std::isnan(temperature[k]);
@@ -192,7 +192,7 @@ class Collector {
       }
       record.time_s.push_back(t_s);
       record.current_A.push_back(current_A[k]);
-      record.voltage_V.push_back(voltage_V[k]);
+      if (voltage_V) record.voltage_V.push_back(voltage_V[k]);
       if (temperature_degC) {
         record.temperature_degC.push_back(temperature_degC[k]);
         drops_temperature_ |= std::isnan(temperature_degC[k]);
@@ -310,12 +310,15 @@ void SettleSign(Log& log, const std::vector<std::int8_t>& directions, const Read
   } else {
     found = states;
     const bool has_states = std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });
-    if (found.sign == CurrentSign::kUnclear && !has_states) {
+    if (found.sign == CurrentSign::kUnclear && !has_states && !record.voltage_V.empty()) {
       found = FindSignFromPhysics(record);
       if (found.sign != CurrentSign::kUnclear) {
         found.reason = (found.sign == CurrentSign::kDischargePositive ? "discharge is positive: " : "discharge is negative: ") + found.reason;
       }
     }
+  }
+  if (found.sign == CurrentSign::kUnclear && record.voltage_V.empty()) {
+    found = {CurrentSign::kDischargePositive, "there is no voltage to tell; discharge is taken as positive"};
   }
   if (found.sign == CurrentSign::kUnclear) {
     throw LoadError(position,
@@ -330,7 +333,7 @@ void SettleSign(Log& log, const std::vector<std::int8_t>& directions, const Read
     for (std::size_t k = 0; k < directions.size(); ++k) record.current_A[k] = std::abs(record.current_A[k]) * directions[k];
   }
   // What the states say must not fly in the face of the voltage.
-  if (options.current_sign.empty() || options.current_sign == "auto") {
+  if ((options.current_sign.empty() || options.current_sign == "auto") && !record.voltage_V.empty()) {
     if (states.sign != CurrentSign::kUnclear && FindSignFromPhysics(record).sign == CurrentSign::kDischargeNegative) {
       throw LoadError(position,
                       fmt::format("expected the voltage to fall while charge leaves, found the opposite although {}; say "
@@ -376,13 +379,14 @@ Log ReadLog(const std::string& file, const ReadOptions& options) {
   AddNotes(source, plan, reader, collector, log.report);
 
   const auto position = [&](Quantity quantity) {
-    return SourcePosition{file, plan.header_line, plan.Of(quantity)->header_column};
+    const auto& column = plan.Of(quantity);
+    return SourcePosition{file, plan.header_line, column ? column->header_column : 1};
   };
   if (plan.volts_or_millivolts) SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
   CheckReadable(log.record, {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
   SettleSign(log, collector.directions(), options, position(Quantity::kCurrent));
   if (options.lead_resistance_Ohm != 0.0) {
-    for (std::size_t k = 0; k < log.record.size(); ++k) {
+    for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
     }
   }

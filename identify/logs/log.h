@@ -34,6 +34,9 @@ struct ReadOptions {
   /// Only rows with start_s <= time <= end_s, in the time of the file; time then restarts at 0.
   double start_s = -std::numeric_limits<double>::infinity();
   double end_s = std::numeric_limits<double>::infinity();
+  /// Take a log without a voltage too: the record's voltage_V is then empty and, unless the states or
+  /// current_sign say otherwise, discharge counts as positive. For currents that drive a simulation.
+  bool voltage_optional = false;
   /// Added drop of the leads: v_true = v + R i.
   double lead_resistance_Ohm = 0.0;
 };

@@ -17,7 +17,7 @@ struct Record {
   std::string file;                       ///< where it came from, for messages
   std::vector<double> time_s;
   std::vector<double> current_A;
-  std::vector<double> voltage_V;
+  std::vector<double> voltage_V;          ///< empty where only a current was wanted
   std::vector<double> temperature_degC;   ///< empty where the log has none
   Hold hold = Hold::kBackward;
 

@@ -135,6 +135,25 @@ void CommandLine::RequiredText(std::string_view name,
   options_.back()->required = true;
 }
 
+void CommandLine::Input(std::string_view name,
+                        std::string& value,
+                        std::string_view word,
+                        std::string_view help) {
+  Declare(name, word, value, help).set = [this, &value](const std::string&,
+                                                        const std::string& text) {
+    value = text;
+    input_paths_.push_back(text);
+  };
+}
+
+void CommandLine::RequiredInput(std::string_view name,
+                                std::string& value,
+                                std::string_view word,
+                                std::string_view help) {
+  Input(name, value, word, help);
+  options_.back()->required = true;
+}
+
 void CommandLine::Texts(std::string_view name,
                         std::vector<std::string>& values,
                         std::string_view word,
@@ -265,7 +284,8 @@ bool CommandLine::Parse() {
           fmt::format("option {} {} is missing: {}", option->Shown(), option->word, option->help));
     }
   }
-  CheckOutputs(words);
+  input_paths_.insert(input_paths_.end(), words.begin(), words.end());
+  CheckOutputs(input_paths_);
   if (threads_ > 0) threads_limit_ = std::make_unique<Threads>(threads_);
   progress_ = std::make_unique<Progress>(!quiet_);
   return true;
@@ -306,7 +326,7 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
   }
 }
 
-void CommandLine::CheckOutputs(const std::vector<std::string>& words) const {
+void CommandLine::CheckOutputs(const std::vector<std::string>& inputs) const {
   auto outputs = output_paths_;
   if (!summary_file_.empty()) outputs["--summary"] = OutputPath(summary_file_);
   for (const auto& [shown, path] : outputs) {
@@ -314,8 +334,8 @@ void CommandLine::CheckOutputs(const std::vector<std::string>& words) const {
     struct stat status {};
     const bool exists = ::stat(path.c_str(), &status) == 0;
     if (path == "/dev/stdout" || (exists && !S_ISREG(status.st_mode))) continue;
-    for (const auto& word : words) {
-      if (SameFile(path, word)) {
+    for (const auto& input : inputs) {
+      if (SameFile(path, input)) {
         throw OptionError(
             fmt::format("option {}: '{}' is also an input; name another file", shown, path));
       }

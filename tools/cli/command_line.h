@@ -109,6 +109,15 @@ class CommandLine {
              std::string_view help);
   /// --name, without a value.
   void Flag(std::string_view name, bool& value, std::string_view help);
+  /// --name FILE, a file that is read: no output may be the same file.
+  void Input(std::string_view name,
+             std::string& value,
+             std::string_view word,
+             std::string_view help);
+  void RequiredInput(std::string_view name,
+                     std::string& value,
+                     std::string_view word,
+                     std::string_view help);
   /// -o FILE: required; Parse() checks that it can be written and is not one of the arguments. "-"
   /// is standard output.
   void Output(std::string& value, std::string_view word, std::string_view help);
@@ -212,7 +221,7 @@ class CommandLine {
                 std::function<void(std::string_view, std::string_view)> set);
   void SetOne(const std::string& assignment);
   void AssignArguments(const std::vector<std::string>& words);
-  void CheckOutputs(const std::vector<std::string>& words) const;
+  void CheckOutputs(const std::vector<std::string>& inputs) const;
   void WriteMessage(std::string text);
   [[nodiscard]] std::string Help() const;
 
@@ -230,6 +239,7 @@ class CommandLine {
   bool quiet_ = false;
   bool help_ = false;
   std::vector<std::string> assignments_;
+  std::vector<std::string> input_paths_;
   std::map<std::string, std::string> output_paths_;
 
   Json summary_ = Json::object();

@@ -1,6 +1,7 @@
 // lipoid list WHAT: from the tables themselves.
 #include <fmt/ranges.h>
 
+#include "identify/logs/formats/formats.h"
 #include "identify/optimizers/optimizers.h"
 #include "identify/synthesis/protocols.h"
 #include "model/battery/cell_file.h"
@@ -36,6 +37,17 @@ Json ListCells(cli::CommandLine& line) {
                cell.open_circuit_voltage_assumed ? "assumed, a typical curve" : "measured"});
     rows.push_back(
         {{"name", name}, {"capacity_Ah", cell.capacity_Ah}, {"alpha_C", cell.alpha_C()}});
+  }
+  line.Print("{}", table.Text());
+  return rows;
+}
+
+Json ListFormats(cli::CommandLine& line) {
+  cli::TextTable table({{"format", Align::kLeft}, {"what it is", Align::kLeft}});
+  Json rows = Json::array();
+  for (const Layout* format : LogFormats()) {
+    table.Row({std::string(format->name), std::string(format->summary)});
+    rows.push_back({{"name", format->name}, {"summary", format->summary}});
   }
   line.Print("{}", table.Text());
   return rows;
@@ -89,6 +101,7 @@ struct Topic {
 };
 constexpr Topic kTopics[] = {
     {"cells", &ListCells},
+    {"formats", &ListFormats},
     {"optimizers", &ListOptimizers},
     {"protocols", &ListProtocols},
 };

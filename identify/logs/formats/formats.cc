@@ -124,6 +124,13 @@ std::size_t CountNeeded(const Header& header, const ReadOptions& options) {
   return count;
 }
 
+bool HasNeeded(const Header& header, const ReadOptions& options) {
+  const std::size_t count = CountNeeded(header, options);
+  if (count == std::size(kNeeded)) return true;
+  return options.voltage_optional && count + 1 == std::size(kNeeded) &&
+         Find(header, Quantity::kVoltage, options).empty();
+}
+
 // The levels above a header of rows that starts with empty fields.
 bool FindLevels(const std::vector<Line>& lines, std::size_t index, Header& header) {
   std::size_t indent = 0;
@@ -168,8 +175,8 @@ std::optional<Header> FindHeader(const std::vector<Line>& lines, const ReadOptio
         if (Matches(header.names, layout->signature) && FindLevels(lines, index, header)) return header;
       }
       header.layout = &kPlainCsv;
+      if (HasNeeded(header, options)) return header;
       const std::size_t count = CountNeeded(header, options);
-      if (count == std::size(kNeeded)) return header;
       if (count > nearest_count) {
         nearest_count = count;
         nearest = header;
@@ -252,7 +259,9 @@ class Planner {
     plan_.table.first_line = first_line_ + 1;
     PlanTime();
     PlanNumber(Quantity::kCurrent);
-    PlanNumber(Quantity::kVoltage);
+    const bool without_voltage =
+        options_.voltage_optional && Find(header_, Quantity::kVoltage, options_).empty();
+    if (!without_voltage) PlanNumber(Quantity::kVoltage);
     PlanTemperature();
     PlanLabels();
     return std::move(plan_);

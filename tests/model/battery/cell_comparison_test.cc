@@ -28,7 +28,7 @@ TEST(CellComparison, SaysTheErrorOfEachParameterInPercentOfTheTruth) {
   EXPECT_NEAR(*Find(comparison, "beta").error_percent, 2.0, kRounding);
   EXPECT_NEAR(*Find(comparison, "r_s").error_percent, -1.0, kRounding);
   EXPECT_EQ(Find(comparison, "r_s").unit, "Ohm");
-  EXPECT_EQ(comparison.open_circuit_max_V, 0.0);
+  EXPECT_NEAR(comparison.open_circuit_max_V, 0.0, kRounding);
 }
 
 TEST(CellComparison, NamesWhatOnlyOneOfThemHas) {

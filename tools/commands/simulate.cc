@@ -1,0 +1,74 @@
+// lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
+// current.
+#include "identify/validation.h"
+#include "model/battery/cell_file.h"
+#include "model/core/csv_writer.h"
+#include "model/core/errors.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+#include "tools/commands/start_options.h"
+
+namespace lipoid {
+
+cli::ExitCode SimulateCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  std::string current_file;
+  std::string output;
+  LogOptions log_options;
+  StartOptions start;
+  line.Describe(
+      "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
+      "under the "
+      "current of a log, row by row. The log's own voltage is not used and may be absent.",
+      "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
+  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.RequiredInput(
+      "current", current_file, "LOG", "the log whose current flows; time_s,current_A is enough");
+  line.Output(output, "CSV", "time_s, current_A, voltage_V, open_circuit_V, soc");
+  start.AddTo(line);
+  log_options.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Cell cell = LoadCell(cell_name);
+  const double initial_soc = start.Soc(cell);
+  auto read = log_options.ToReadOptions();
+  read.voltage_optional = true;
+  const Record record = ReadLog(current_file, read).record;
+  const auto prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
+
+  CsvWriter csv(output, "time_s,current_A,voltage_V,open_circuit_V,soc");
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    csv.Row(record.time_s[k],
+            record.current_A[k],
+            prediction.voltage_V[k],
+            prediction.open_circuit_V[k],
+            prediction.soc[k]);
+  }
+  csv.Commit();
+
+  const auto lowest = *std::min_element(prediction.voltage_V.begin(), prediction.voltage_V.end());
+  line.summary()["logs"] = {{{"file", current_file},
+                             {"output", output},
+                             {"rows", record.size()},
+                             {"duration_s", record.time_s.back() - record.time_s.front()},
+                             {"initial_soc", initial_soc},
+                             {"final_soc", prediction.soc.back()},
+                             {"final_voltage_V", prediction.voltage_V.back()},
+                             {"minimum_voltage_V", lowest},
+                             {"rows_outside_curve", prediction.rows_outside_curve}}};
+  line.Message("{}: {} rows, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
+               output,
+               record.size(),
+               initial_soc,
+               prediction.soc.back(),
+               lowest);
+  if (prediction.rows_outside_curve > 0) {
+    line.Message(
+        "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
+        "there",
+        prediction.rows_outside_curve);
+  }
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,74 @@
+// lipoid validate CELL LOG...: prediction against measurement.
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/staged_report.h"
+#include "identify/validation.h"
+#include "model/battery/cell_file.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+#include "tools/commands/start_options.h"
+
+namespace lipoid {
+
+cli::ExitCode ValidateCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  std::vector<std::string> files;
+  LogOptions log_options;
+  StartOptions start;
+  line.Describe(
+      "Predicts the voltage of measured logs from their current and says how far off it is: mean "
+      "and "
+      "maximum of the relative error (4.57), (4.58) and the root mean square, over all rows and "
+      "over those "
+      "above 10 % state of charge.",
+      "lipoid validate cell.json pulses.csv flight.csv");
+  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.Arguments("LOG", files, "logs of any known format");
+  start.AddTo(line);
+  log_options.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Cell cell = LoadCell(cell_name);
+  const double initial_soc = start.Soc(cell);
+  CampaignArguments arguments;
+  arguments.validation = files;
+  arguments.series = cell.series;
+  arguments.parallel = cell.parallel;
+  arguments.read = log_options.ToReadOptions();
+  Cell one = cell;  // the records come as those of one cell
+  one.series = one.parallel = 1;
+  Json rows = Json::array();
+  cli::TextTable table({{"log", cli::Align::kLeft},
+                        {"rows"},
+                        {"mean / %"},
+                        {"max / %"},
+                        {"rmse / V"},
+                        {"mean above 10 % / %"},
+                        {"rmse above 10 % / V"}});
+  for (const auto& loaded : LoadCampaign(CampaignFromArguments(arguments))) {
+    const auto validation = Validate(one, loaded.log.record, initial_soc);
+    const LogErrors errors{loaded.entry.file,
+                           validation.all,
+                           validation.above_10_soc,
+                           validation.prediction.rows_outside_curve};
+    table.Row({errors.file,
+               fmt::format("{}", errors.all.rows),
+               cli::Significant(errors.all.mean_error_percent),
+               cli::Significant(errors.all.max_error_percent),
+               cli::Significant(errors.all.rmse),
+               cli::Significant(errors.above_10_soc.mean_error_percent),
+               cli::Significant(errors.above_10_soc.rmse)});
+    rows.push_back(LogErrorsToJson(errors));
+    if (errors.rows_outside_curve == 0) continue;
+    line.Message(
+        "{}: {} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
+        "there",
+        errors.file,
+        errors.rows_outside_curve);
+  }
+  line.summary()["logs"] = std::move(rows);
+  line.Print("{}", table.Text());
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
