@@ -1,6 +1,7 @@
 #include "identify/stages/pulse_fit.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -101,60 +102,24 @@ class PulseProblem : public LeastSquaresProblem {
   SweepParameters base_;
 };
 
-// What the user holds, with capacitances turned into time constants.
+// What the user knows, checked, with capacitances turned into time constants.
 class Knowledge {
  public:
   Knowledge(const PulseFitKnowledge& given, int branches, bool diffusion)
-      : given_(given), branches_(branches) {
-    const auto check = [&](const std::string& name, const char* what) {
-      if (name == "beta" && diffusion) return;
-      for (const auto& known : Names()) {
-        if (known == name && name != "beta") return;
-      }
-      std::string list;
-      for (const auto& known : Names()) list += (list.empty() ? "" : ", ") + known;
-      throw OptionError(fmt::format("--{}: no parameter '{}' in this fit; there are {}", what, name, list));
-    };
-    for (const auto& [name, value] : given.fixed) {
-      check(name, "fix");
-      if (!(value >= 0.0) || !std::isfinite(value)) {
-        throw OptionError(fmt::format("--fix {}={}: expected a number of at least 0", name, value));
-      }
-    }
-    for (const auto& [name, value] : given.start) {
-      check(name, "start");
-      if (!(value >= 0.0) || !std::isfinite(value)) {
-        throw OptionError(fmt::format("--start {}={}: expected a number of at least 0", name, value));
-      }
-    }
-    for (const auto& [name, range] : given.bounds) {
-      check(name, "bounds");
-      if (!(range.first >= 0.0 && range.first <= range.second)) {
-        throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high", name, range.first, range.second));
-      }
-      if (name[0] == 'c') {
-        throw OptionError(fmt::format("--bounds {0}: this solver moves time constants; bound tau_{1} = r_{1} c_{1}",
-                                      name, name.substr(2)));
-      }
-    }
+      : given_(given), branches_(branches), diffusion_(diffusion) {
+    for (const auto& [name, value] : given.fixed) CheckValue("fix", name, value);
+    for (const auto& [name, value] : given.start) CheckValue("start", name, value);
+    for (const auto& [name, range] : given.bounds) CheckBounds(name, range);
     for (int j = 1; j <= branches; ++j) {
-      const auto r = fmt::format("r_{}", j);
-      const auto c = fmt::format("c_{}", j);
-      const auto tau = fmt::format("tau_{}", j);
-      for (auto* known : {&given_.fixed, &given_.start}) {
-        if (!known->count(c)) continue;
-        if (known->count(tau)) throw OptionError(fmt::format("give either {} or {}, not both", c, tau));
-        if (!known->count(r)) {
-          throw OptionError(
-              fmt::format("{0} is known to this fit only together with {1}: give {1} too, or tau_{2} instead", c, r, j));
-        }
-        (*known)[tau] = known->at(r) * known->at(c);
-      }
+      TurnIntoTimeConstant(j, given_.fixed);
+      TurnIntoTimeConstant(j, given_.start);
     }
   }
 
   [[nodiscard]] std::vector<std::string> Names() const {
-    std::vector<std::string> names{"beta", "r_s"};
+    std::vector<std::string> names;
+    if (diffusion_) names.emplace_back("beta");
+    names.emplace_back("r_s");
     for (const char* prefix : {"r", "tau", "c"}) {
       for (int j = 1; j <= branches_; ++j) names.push_back(fmt::format("{}_{}", prefix, j));
     }
@@ -173,6 +138,59 @@ class Knowledge {
   }
 
  private:
+  void CheckName(std::string_view option, const std::string& name) const {
+    const auto names = Names();
+    if (std::find(names.begin(), names.end(), name) != names.end()) return;
+    throw OptionError(
+        fmt::format("--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
+  }
+
+  void CheckValue(std::string_view option, const std::string& name, double value) const {
+    CheckName(option, name);
+    const bool resistance = name[0] == 'r';
+    const bool valid = std::isfinite(value) && (resistance ? value >= 0.0 : value > 0.0) &&
+                       (name != "beta" || value <= kLargestBeta);
+    if (!valid) {
+      throw OptionError(fmt::format("--{} {}={}: expected a number {}", option, name, value,
+                                    resistance       ? "of at least 0"
+                                    : name == "beta" ? "above 0 and at most 1"
+                                                     : "above 0"));
+    }
+  }
+
+  void CheckBounds(const std::string& name, const std::pair<double, double>& range) const {
+    const auto& [low, high] = range;
+    CheckName("bounds", name);
+    if (name[0] == 'c') {
+      throw OptionError(fmt::format("--bounds {0}: this solver moves time constants; bound tau_{1} = r_{1} c_{1}",
+                                    name, name.substr(2)));
+    }
+    if (!(low >= 0.0 && low <= high) || (name == "beta" && high > kLargestBeta)) {
+      throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high{}", name, low, high,
+                                    name == "beta" ? " <= 1" : ""));
+    }
+    const auto fixed = given_.fixed.find(name);
+    if (fixed != given_.fixed.end() && !(fixed->second >= low && fixed->second <= high)) {
+      throw OptionError(
+          fmt::format("--fix {0}={1} lies outside --bounds {0}={2},{3}", name, fixed->second, low, high));
+    }
+  }
+
+  // c_j means something to the sweep only with the r_j that stands beside it, or that is fixed.
+  void TurnIntoTimeConstant(int j, std::map<std::string, double>& known) const {
+    const auto r = fmt::format("r_{}", j);
+    const auto c = fmt::format("c_{}", j);
+    const auto tau = fmt::format("tau_{}", j);
+    if (!known.count(c)) return;
+    if (known.count(tau)) throw OptionError(fmt::format("give either {} or {}, not both", c, tau));
+    const auto resistance = known.count(r) ? Find(known, r) : Find(given_.fixed, r);
+    if (!resistance || *resistance == 0.0) {
+      throw OptionError(fmt::format(
+          "{0} is known to this fit only together with {1}: give {1} too, or tau_{2} instead", c, r, j));
+    }
+    known[tau] = *resistance * known.at(c);
+  }
+
   static std::optional<double> Find(const std::map<std::string, double>& map, const std::string& name) {
     const auto found = map.find(name);
     if (found == map.end()) return std::nullopt;
@@ -181,6 +199,7 @@ class Knowledge {
 
   PulseFitKnowledge given_;
   int branches_;
+  bool diffusion_;
 };
 
 // min ||b + A y|| with lower <= y: few unknowns, so every set of those at their bound is tried.
@@ -427,21 +446,24 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   // A branch that has no inertia left is a part of r_s, and one without resistance has no time constant:
   // either way it is gone. What it carried goes to r_s, and the rest is fitted without it.
   std::vector<bool> gone(static_cast<std::size_t>(n), false);
+  best = result.parameters;
   for (int j = 0; j < n; ++j) {
     const auto r = fmt::format("r_{}", j + 1);
     const auto tau = fmt::format("tau_{}", j + 1);
     if (!free_named(r) || !free_named(tau)) continue;
     const auto at = static_cast<std::size_t>(j);
-    const bool instant = result.parameters.time_constant_s[at] <= shortest_tau * (1.0 + kTouching);
+    const bool instant =
+        free_named("r_s") && result.parameters.time_constant_s[at] <= shortest_tau * (1.0 + kTouching);
     if (!instant && result.parameters.resistance_Ohm[at] > kTouching * series) continue;
-    best = result.parameters;
-    if (free_named("r_s")) best.series_resistance_Ohm += instant ? best.resistance_Ohm[at] : 0.0;
+    if (instant) best.series_resistance_Ohm += best.resistance_Ohm[at];
     best.resistance_Ohm[at] = 0.0;
-    base = best;
     std::erase_if(variables, [&](const Variable& v) { return v.name == r || v.name == tau; });
     gone[at] = true;
   }
-  if (std::find(gone.begin(), gone.end(), true) != gone.end()) fit_all_rows();
+  if (std::find(gone.begin(), gone.end(), true) != gone.end()) {
+    base = best;
+    fit_all_rows();
+  }
 
   std::vector<bool> touches(static_cast<std::size_t>(VoltageSweep::Columns(n)), false);
   for (const Variable& v : variables) {

@@ -48,11 +48,12 @@ struct PulseFitOptions {
   }
 };
 
-/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}.
+/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}. c_j needs r_j
+/// beside it, or fixed, and has no bounds: the solver moves tau_j.
 struct PulseFitKnowledge {
-  std::map<std::string, double> fixed;
-  std::map<std::string, double> start;
-  std::map<std::string, std::pair<double, double>> bounds;
+  std::map<std::string, double> fixed = {};
+  std::map<std::string, double> start = {};
+  std::map<std::string, std::pair<double, double>> bounds = {};
 };
 
 struct PulseFitResult {
@@ -72,7 +73,7 @@ struct PulseFitResult {
 struct PulseFitStart {
   double beta_per_sqrt_s = 0.2;
   bool hold_beta = false;             ///< (4.60); else (4.61)
-  StartValues data;                   ///< of the same records
+  StartValues data = {};              ///< of the same records
   const SweepParameters* previous = nullptr;  ///< one more start, for example the answer of (4.60)
 };
 

@@ -38,7 +38,8 @@ void CollectEdges(const Record& record, std::vector<Edge>& edges) {
 }  // namespace
 
 StartValues FindStartValues(const std::vector<const Record*>& records) {
-  StartValues start{};
+  StartValues start;
+  start.longest_s = 0.0;
   std::vector<Edge> edges;
   std::vector<double> times;
   std::vector<double> recoveries;

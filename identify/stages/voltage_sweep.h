@@ -36,8 +36,8 @@ struct SweepParameters {
 struct SweepLog {
   const Record* record = nullptr;
   double initial_soc = 1.0;
-  double weight = 1.0;               ///< of each row's square
-  std::vector<double> row_weight;    ///< empty: 1 each
+  double weight = 1.0;                  ///< of each row's square
+  std::vector<double> row_weight = {};  ///< empty: 1 each
 };
 
 /// What stays as it is while parameters are searched.
