@@ -84,6 +84,9 @@ StagedResult Identify(const std::vector<LoadedLog>& logs, const StagedGiven& giv
 
 // Without noise nothing but rounding and the solver's tolerances stands between truth and estimate.
 constexpr double kExactRelative = 1e-6;
+// What the method leaves out: the low-rate log lies 8 mV, 0.2 %, below v_oc, and the pulses feel half as much
+// again from alpha.
+constexpr double kMethodErrorPercent = 0.3;
 
 TEST(StagedRun, FindsEveryParameterWhenAlphaAndTheCurveAreGiven) {
   const Cell truth = Truth();
@@ -119,7 +122,7 @@ TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
   // the method's own bias (docs/theory.md), which (4.61) mends.
   EXPECT_NEAR(result.alpha_C / truth.diffusion->alpha_C, 1.0, 0.02);
   EXPECT_LT(result.discharge_times->beta_per_sqrt_s, truth.diffusion->beta_per_sqrt_s);
-  EXPECT_LT(result.pulses.errors.mean_error_percent, 0.2);
+  EXPECT_LT(result.pulses.errors.mean_error_percent, kMethodErrorPercent);
   EXPECT_LT(result.pulses.errors.rmse, result.pulses_beta_held->errors.rmse);
   ASSERT_EQ(result.validation.size(), 1U);
   EXPECT_LT(result.validation[0].above_10_soc.mean_error_percent, 1.0);
@@ -135,7 +138,7 @@ TEST(StagedRun, TakesTheLowRateChargeForAlphaWithoutTwoCurrents) {
   EXPECT_FALSE(result.discharge_times.has_value());
   EXPECT_EQ(result.alpha_C, result.low_rate_charge_C);
   EXPECT_TRUE(OneSays(result.done_instead, "constant currents that do not differ: alpha is the charge"));
-  EXPECT_LT(result.pulses.errors.mean_error_percent, 0.2);
+  EXPECT_LT(result.pulses.errors.mean_error_percent, kMethodErrorPercent);
 }
 
 TEST(StagedRun, TakesTheNominalCapacityForAlphaWhenNothingElseTells) {
@@ -253,14 +256,15 @@ TEST(StagedRun, DmegcAsAnIndependentImplementationFoundIt) {
   const auto file = test::LabDataPath("dmegc_inr18650_26_r1/campaign.toml");
   LIPOID_SKIP_WITHOUT(file);
   const StagedResult result = IdentifyLab(file);
-  EXPECT_NEAR(result.discharge_times->alpha_C, 9353.887, 0.001);
+  // There the last row ended a discharge; here the crossing of the cut-off, up to 0.1 mV and 0.07 s before it.
+  EXPECT_NEAR(result.discharge_times->alpha_C, 9353.887, 0.05);
   EXPECT_TRUE(OneSays(result.pulses.at_bound, "beta"));
   EXPECT_EQ(result.pulses.parameters.beta_per_sqrt_s, 1.0);
   EXPECT_NEAR(result.pulses.parameters.time_constant_s[0], 66.2, 0.3);
   EXPECT_LE(result.pulses.errors.mean_error_percent, 0.19);
   EXPECT_LE(result.pulses.errors.rmse, 8.68e-3);
   ASSERT_EQ(result.validation.size(), 1U);
-  EXPECT_LE(result.validation[0].all.mean_error_percent, 1.04);
+  EXPECT_NEAR(result.validation[0].all.mean_error_percent, 1.034, 0.01);
 }
 
 TEST(StagedRun, LgM50SaysThatBetaIsNotIdentifiable) {
