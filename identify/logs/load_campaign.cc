@@ -2,35 +2,38 @@
 
 #include <tbb/parallel_for.h>
 
-#include <exception>
+#include <set>
+#include <string>
 
+#include "identify/logs/plausibility.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   std::vector<LoadedLog> logs(campaign.logs.size());
-  std::vector<std::exception_ptr> failures(campaign.logs.size());
+  std::vector<std::vector<Diagnostic>> problems(campaign.logs.size());
   tbb::parallel_for(std::size_t{0}, logs.size(), [&](std::size_t k) {
     try {
       logs[k].entry = campaign.logs[k];
       logs[k].log = ReadLog(campaign.logs[k].path, campaign.logs[k].read);
       DivideByPack(logs[k].log.record, campaign.series, campaign.parallel);
-    } catch (...) {
-      failures[k] = std::current_exception();
+      CheckPlausible(logs[k].log.record, campaign.capacity_Ah);
+    } catch (const LoadError& error) {
+      problems[k] = error.diagnostics();
     }
   });
-  // In the order of the campaign, whatever the threads did. LoadError drops what is said twice.
-  std::vector<Diagnostic> diagnostics;
-  for (const auto& failure : failures) {
-    if (!failure) continue;
-    try {
-      std::rethrow_exception(failure);
-    } catch (const LoadError& error) {
-      diagnostics.insert(diagnostics.end(), error.diagnostics().begin(), error.diagnostics().end());
-    }
+  // In the order of the campaign, whatever the threads did. A file that stands in several places
+  // speaks once; where several are bad, each has one line.
+  std::set<std::string> bad;
+  std::vector<Diagnostic> first;
+  std::vector<Diagnostic> all;
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    if (problems[k].empty() || !bad.insert(campaign.logs[k].path).second) continue;
+    first.push_back(problems[k].front());
+    all.insert(all.end(), problems[k].begin(), problems[k].end());
   }
-  if (!diagnostics.empty()) throw LoadError(std::move(diagnostics));
+  if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
   return logs;
 }
 

@@ -1,0 +1,86 @@
+#include "identify/logs/load_campaign.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "tests/support/load_error.h"
+#include "tests/support/paths.h"
+
+namespace lipoid {
+namespace {
+
+void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
+
+constexpr const char* kDischarge =
+    "time_s,current_A,voltage_V\n0,0,8.4\n10,4,8.0\n20,4,7.0\n30,4,6.0\n";
+
+TEST(LoadCampaign, MakesLogsThoseOfOneCell) {
+  const auto folder = test::FreshFolder("load_campaign/pack");
+  Write(folder + "/a.csv", kDischarge);
+  Write(folder + "/c.toml",
+        "[cell]\nseries = 2\nparallel = 4\n[[log]]\nkind = 'constant-current'\nfile = 'a.csv'\n");
+  const auto logs = LoadCampaign(ReadCampaign(folder + "/c.toml"));
+  ASSERT_EQ(logs.size(), 1U);
+  EXPECT_EQ(logs[0].entry.file, "a.csv");
+  EXPECT_EQ(logs[0].log.record.voltage_V, (std::vector{4.2, 4.0, 3.5, 3.0}));
+  EXPECT_EQ(logs[0].log.record.current_A, (std::vector{0.0, 1.0, 1.0, 1.0}));
+}
+
+TEST(LoadCampaign, KeepsTheOrderOfTheCampaign) {
+  const auto folder = test::FreshFolder("load_campaign/order");
+  std::string campaign;
+  for (int k = 0; k < 12; ++k) {
+    Write(folder + "/" + std::to_string(k) + ".csv",
+          "time_s,current_A,voltage_V\n0,0,4\n1," + std::to_string(k + 1) + ",3.9\n2," +
+              std::to_string(k + 1) + ",3.8\n");
+    campaign += "[[log]]\nkind = 'validation'\nfile = '" + std::to_string(k) + ".csv'\n";
+  }
+  Write(folder + "/c.toml", campaign);
+  const auto logs = LoadCampaign(ReadCampaign(folder + "/c.toml"));
+  ASSERT_EQ(logs.size(), 12U);
+  for (int k = 0; k < 12; ++k)
+    EXPECT_EQ(logs[static_cast<std::size_t>(k)].log.record.current_A[1], k + 1.0);
+}
+
+TEST(LoadCampaign, NamesEachBadFileOnceHoweverOftenItStands) {
+  const auto folder = test::FreshFolder("load_campaign/bad");
+  Write(folder + "/good.csv", kDischarge);
+  Write(folder + "/text.csv", "time_s,current_A,voltage_V\n0,0,4.2\n10,abc,4.0\n20,x,3.9\n");
+  std::string campaign = "[cell]\nseries = 2\n";
+  for (const char* kind : {"constant-current", "pulses", "validation"}) {
+    for (const char* file : {"good.csv", "missing.csv", "text.csv"}) {
+      campaign += std::string("[[log]]\nkind = '") + kind + "'\nfile = '" + file + "'\n";
+    }
+  }
+  Write(folder + "/c.toml", campaign);
+  const auto text =
+      test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;  // two lines
+  EXPECT_EQ(text.find(folder + "/missing.csv:1:1: error: "), 0U) << text;
+  EXPECT_NE(text.find("\n" + folder + "/text.csv:3:4: error: "), std::string::npos) << text;
+}
+
+TEST(LoadCampaign, RefusesAPackThatIsNotDeclared) {
+  const auto folder = test::FreshFolder("load_campaign/undeclared");
+  Write(folder + "/a.csv", kDischarge);
+  Write(folder + "/c.toml", "[[log]]\nkind = 'validation'\nfile = 'a.csv'\n");
+  EXPECT_EQ(test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); }),
+            folder +
+                "/a.csv:1:1: error: expected the voltage of one cell, found 7.35 V on average; are "
+                "these mV, or "
+                "is it a pack (say `series`)?");
+}
+
+TEST(LoadCampaign, ReadsThoseBesideTheProject) {
+  for (const char* name : {"nissan_leaf_33ah", "dmegc_inr18650_26_r1", "lg_m50_5ah"}) {
+    const auto file = test::LabDataPath(std::string(name) + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    for (const auto& log : LoadCampaign(ReadCampaign(file)))
+      EXPECT_GT(log.log.record.size(), 50U) << log.entry.file;
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
