@@ -276,8 +276,9 @@ bool SamePart(const CampaignLog& a, const CampaignLog& b) {
 }
 
 std::string Quoted(const std::string& text) {
+  const toml::value<std::string> value(text);
   std::ostringstream out;
-  out << toml::value<std::string>(text);
+  out << toml::toml_formatter(value, toml::format_flags::none);
   return out.str();
 }
 

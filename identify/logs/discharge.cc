@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
@@ -13,8 +16,9 @@ namespace {
 
 constexpr double kMinorShare =
     0.01;  // of the charge: a load that moves less is a check, no discharge
-constexpr double kMaxRestShare = 0.05;  // of the time from switch-on to the end
-constexpr std::size_t kRestRows = 2;    // fewer show no relaxation
+constexpr double kMaxChargingShare = 0.05;  // of the discharged charge
+constexpr double kMaxRestShare = 0.05;      // of the time from switch-on to the end
+constexpr std::size_t kRestRows = 2;        // fewer show no relaxation
 
 [[noreturn]] void Refuse(const Record& record, const std::string& message) {
   throw LoadError({.file = record.file}, message);
@@ -22,8 +26,14 @@ constexpr std::size_t kRestRows = 2;    // fewer show no relaxation
 
 bool IsRest(const Segment& segment) { return segment.kind == SegmentKind::kRest; }
 
+// A discharge, or why there is none as a sentence that follows "found".
+struct Found {
+  std::optional<Discharge> discharge;
+  std::string instead;
+};
+
 // The one discharge of a record: its loaded rows, without anything about its end.
-Discharge OneDischarge(const Record& record, const std::string& expected) {
+Found LookForDischarge(const Record& record) {
   const auto segments = FindSegments(record);
   double out_C = 0.0;
   double in_C = 0.0;
@@ -31,32 +41,25 @@ Discharge OneDischarge(const Record& record, const std::string& expected) {
     if (!IsRest(segment)) (segment.charge_C > 0.0 ? out_C : in_C) += std::abs(segment.charge_C);
   }
   if (out_C == 0.0 && in_C == 0.0) {
-    Refuse(record,
-           fmt::format(
-               "expected {}, found no current but rest over {} rows", expected, record.size()));
+    return {{}, fmt::format("no current but rest over {} rows", record.size())};
   }
-  if (in_C > kMaxRestShare * out_C) {
-    Refuse(
-        record,
-        fmt::format(
-            "expected {}, found {:.4g} Ah of charging beside {:.4g} Ah of discharging; choose the "
-            "part of the log with steps, cycles or start_s and end_s, or settle the sign with "
-            "current_sign",
-            expected,
-            in_C / 3600.0,
-            out_C / 3600.0));
+  if (in_C > kMaxChargingShare * out_C) {
+    return {{},
+            fmt::format("{:.4g} Ah of charging beside {:.4g} Ah of discharging; choose the part of "
+                        "the log with "
+                        "steps, cycles or start_s and end_s, or settle the sign with current_sign",
+                        in_C / 3600.0,
+                        out_C / 3600.0)};
   }
   const auto major = [&](const Segment& segment) {
     return !IsRest(segment) && segment.charge_C > kMinorShare * out_C;
   };
-  const auto begin = std::find_if(segments.begin(), segments.end(), major);
+  auto first = std::find_if(segments.begin(), segments.end(), major);
   const auto end = std::find_if(segments.rbegin(), segments.rend(), major).base();
-  if (begin == segments.end()) {
-    Refuse(record, fmt::format("expected {}, found a current that changes all the time", expected));
-  }
+  if (first == segments.end()) return {{}, "a current that changes all the time"};
   // An edge too slow to belong to its level is part of the discharge all the same.
-  auto first = begin;
   while (first != segments.begin() && !IsRest(*(first - 1))) --first;
+  const Segment& last = *(end - 1);
   double rest_s = 0.0;
   std::size_t rests = 0;
   for (auto segment = first; segment != end; ++segment) {
@@ -64,40 +67,45 @@ Discharge OneDischarge(const Record& record, const std::string& expected) {
     rest_s += segment->duration_s();
     ++rests;
   }
-  const Segment& last = *(end - 1);
   if (rest_s > kMaxRestShare * (last.end_s - first->start_s)) {
-    Refuse(
-        record,
-        fmt::format(
-            "expected {}, found {} rest{} inside it, {:.6g} s of {:.6g} s; a log of pulses is of "
-            "kind \"pulses\"",
-            expected,
-            rests,
-            rests == 1 ? "" : "s",
-            rest_s,
-            last.end_s - first->start_s));
+    return {{},
+            fmt::format(
+                "{} rest{} inside it, {:.6g} s of {:.6g} s; a log of pulses is of kind \"pulses\"",
+                rests,
+                rests == 1 ? "" : "s",
+                rest_s,
+                last.end_s - first->start_s)};
   }
   const Constancy constancy = MeasureConstancy(record, first->first, last.last);
   if (!constancy.constant()) {
-    const auto [least, most] =
-        std::minmax_element(record.current_A.begin() + static_cast<std::ptrdiff_t>(first->first),
-                            record.current_A.begin() + static_cast<std::ptrdiff_t>(last.last + 1));
-    Refuse(record,
-           fmt::format("expected {}, found {:.0f} % of the charge at over {:.0f} % from the median "
-                       "of {:.4g} A "
-                       "(rows from {:.4g} A to {:.4g} A)",
-                       expected,
-                       100.0 * constancy.charge_off_median,
-                       100.0 * kOffMedian,
-                       constancy.median_A,
-                       *least,
-                       *most));
+    const auto row = [&](std::size_t k) {
+      return record.current_A.begin() + static_cast<std::ptrdiff_t>(k);
+    };
+    const auto [least, most] = std::minmax_element(row(first->first), row(last.last + 1));
+    return {{},
+            fmt::format("{:.0f} % of the charge at over {:.0f} % from the median of {:.4g} A (rows "
+                        "from {:.4g} A "
+                        "to {:.4g} A)",
+                        100.0 * constancy.charge_off_median,
+                        100.0 * kOffMedian,
+                        constancy.median_A,
+                        *least,
+                        *most)};
   }
-  Discharge discharge{
-      .first = first->first, .last = last.last, .start_s = first->start_s, .end_s = last.end_s};
-  discharge.voltage_noise_V = RowNoise(record.voltage_V, discharge.first, discharge.last);
-  discharge.end_voltage_V = record.voltage_V[discharge.last];
-  return discharge;
+  return {Discharge{.first = first->first,
+                    .last = last.last,
+                    .start_s = first->start_s,
+                    .end_s = last.end_s,
+                    .end_voltage_V = record.voltage_V[last.last],
+                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last)},
+          {}};
+}
+
+Discharge OneDischarge(const Record& record, std::string_view expected) {
+  Found found = LookForDischarge(record);
+  if (!found.discharge)
+    Refuse(record, fmt::format("expected {}, found {}", expected, found.instead));
+  return *found.discharge;
 }
 
 // Charge and mean current between start_s and end_s, exact for either hold.
@@ -221,6 +229,12 @@ Discharge FindLowRateDischarge(const Record& record, double capacity_Ah) {
                        nominal ? capacity_Ah : discharge.charge_C / 3600.0));
   }
   return discharge;
+}
+
+std::optional<Discharge> WholeDischarge(const Record& record) {
+  auto found = LookForDischarge(record).discharge;
+  if (found) CountCharge(record, *found);
+  return found;
 }
 
 std::vector<Segment> FindPulses(const Record& record) {

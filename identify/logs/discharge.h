@@ -13,6 +13,7 @@
 /// numbers. Tests: tests/identify/logs/discharge_test.cc.
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "identify/logs/record.h"
@@ -44,6 +45,10 @@ struct Discharge {
 /// The discharge of a low-rate log: constant, and no faster than kMaxLowRate_per_h. It need not
 /// reach any cut-off. The rate is that of capacity_Ah, or of the log's own charge where that is 0.
 [[nodiscard]] Discharge FindLowRateDischarge(const Record& record, double capacity_Ah);
+
+/// The one discharge at constant current that a record holds, from switch-on to its last loaded row
+/// whatever the voltage; none where there is no such.
+[[nodiscard]] std::optional<Discharge> WholeDischarge(const Record& record);
 
 /// The segments of a log of pulses, in which at least one load is followed by a rest.
 [[nodiscard]] std::vector<Segment> FindPulses(const Record& record);

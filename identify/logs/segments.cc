@@ -142,8 +142,8 @@ std::vector<Piece> FindLevels(const std::vector<double>& x, const Scale& scale) 
 
 class Cutter {
  public:
-  explicit Cutter(const std::vector<double>& current_A)
-      : x_(current_A), scale_(FindScale(current_A)) {}
+  explicit Cutter(const Record& record)
+      : time_s_(record.time_s), x_(record.current_A), scale_(FindScale(record.current_A)) {}
 
   std::vector<Piece> Cut() {
     auto pieces = FindLevels(x_, scale_);
@@ -226,25 +226,29 @@ class Cutter {
     pieces = std::move(kept);
   }
 
-  // The few rows in which the current finds its level belong to that level; the end of a taper,
+  // The short time in which the current finds its level belongs to that level; the tail of a taper,
   // where it hardly falls any more, belongs to the taper.
   void JoinEdges(std::vector<Piece>& pieces) const {
-    const auto edge_of = [](const Piece& piece, const Piece& level) {
+    const auto time_s = [&](const Piece& piece) {
+      return time_s_[piece.last] - time_s_[piece.first - std::min<std::size_t>(piece.first, 1)];
+    };
+    const auto edge_of = [&](const Piece& piece, const Piece& level) {
       return !piece.rest && !piece.held && level.held && !level.rest &&
-             static_cast<double>(piece.rows()) <=
-                 std::max(2.0, kEdgeShare * static_cast<double>(level.rows())) &&
+             (piece.rows() < kHeldRows || time_s(piece) <= kEdgeShare * time_s(level)) &&
              std::abs(piece.mean_A) < std::abs(level.mean_A) && piece.mean_A * level.mean_A > 0.0;
     };
-    const auto end_of = [&](const Piece& piece, const Piece& taper) {
-      return !piece.rest && !taper.rest && !taper.held && 2 * piece.rows() <= taper.rows() &&
-             piece.mean_A * taper.mean_A > 0.0 && !Steps(taper, piece);
+    const auto tail_of = [&](const Piece& piece, const Piece& taper) {
+      return !piece.rest && !taper.rest && !taper.held &&
+             std::abs(piece.mean_A) < std::abs(taper.mean_A) && piece.mean_A * taper.mean_A > 0.0 &&
+             !Steps(taper, piece);
     };
     std::vector<Piece> kept;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (k + 1 < pieces.size() && edge_of(pieces[k], pieces[k + 1])) {
         pieces[k + 1].first = pieces[k].first;
       } else if (!kept.empty() &&
-                 (edge_of(pieces[k], kept.back()) || end_of(pieces[k], kept.back()))) {
+                 ((pieces[k].rows() < kHeldRows && edge_of(pieces[k], kept.back())) ||
+                  tail_of(pieces[k], kept.back()))) {
         kept.back().last = pieces[k].last;
       } else {
         kept.push_back(pieces[k]);
@@ -253,6 +257,7 @@ class Cutter {
     pieces = std::move(kept);
   }
 
+  const std::vector<double>& time_s_;
   const std::vector<double>& x_;
   Scale scale_;
 };
@@ -304,7 +309,7 @@ std::vector<Segment> FindSegments(const Record& record) {
   const auto charge_C = DeliveredCharge(record);
   const auto [least, most] = std::minmax_element(charge_C.begin(), charge_C.end());
   double load_s = 0.0;
-  for (const Piece& piece : Cutter(record.current_A).Cut()) {
+  for (const Piece& piece : Cutter(record).Cut()) {
     segments.push_back(Measure(record, charge_C, piece));
     segments.back().kind = piece.rest ? SegmentKind::kRest : SegmentKind::kVarying;
     if (!piece.rest) load_s += segments.back().duration_s();

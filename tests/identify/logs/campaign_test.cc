@@ -18,7 +18,7 @@ std::string Refusal(const std::string& text) {
 }
 
 constexpr const char* kEveryKey = R"([cell]
-name = "A \"quoted\" cell"
+name = "A \"quoted\" cell's C:\\name"
 capacity_Ah = 33.1
 cutoff_V = 3
 series = 4
@@ -48,7 +48,7 @@ units = ["s", "A", "V"]
 )";
 
 void ExpectEveryKey(const Campaign& campaign) {
-  EXPECT_EQ(campaign.name, "A \"quoted\" cell");
+  EXPECT_EQ(campaign.name, "A \"quoted\" cell's C:\\name");
   EXPECT_EQ(campaign.capacity_Ah, 33.1);
   EXPECT_EQ(campaign.cutoff_V, 3.0);
   EXPECT_EQ(campaign.series, 4);

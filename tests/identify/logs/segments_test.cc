@@ -165,6 +165,21 @@ TEST(Segments, TaperAfterAChargeIsOneVaryingSegment) {
   EXPECT_NEAR(segments[2].start_s, start_s, 20.0);
 }
 
+TEST(Segments, TaperOfFewRowsIsNoEdgeOfTheChargeBeforeIt) {
+  // Rows of 60 s: 6700 s at -15 A, then 1000 s down to -1.5 A; currents of 30 A elsewhere hide its
+  // last slope.
+  auto record = RecordOfSteps(
+      {{600.0, 0.0, 60.0}, {3600.0, 30.0, 60.0}, {600.0, 0.0, 60.0}, {6720.0, -15.0, 60.0}});
+  for (int k = 1; k <= 30; ++k) {
+    record.time_s.push_back(record.time_s.back() + 60.0);
+    record.current_A.push_back(-0.5 - 14.5 * std::exp(-k / 6.0));
+    record.voltage_V.push_back(4.2);
+  }
+  const auto segments = FindSegments(record);
+  ExpectCovers(segments, record);
+  EXPECT_EQ(Kinds(segments), (std::vector{kRest, kConstant, kRest, kConstant, kVarying}));
+}
+
 TEST(Segments, DriveCycleIsOneVaryingSegmentBetweenItsRests) {
   auto record = RecordOfSteps({{600.0, 0.0}});
   std::mt19937 engine(7);

@@ -1,0 +1,67 @@
+#include "identify/logs/suggest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lipoid {
+namespace {
+
+constexpr std::size_t kRestRows = 2;  // fewer show no relaxation
+
+std::string Plural(std::size_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+Suggestion SuggestKind(const std::vector<Segment>& segments,
+                       const std::optional<Discharge>& discharge,
+                       double capacity_Ah) {
+  std::size_t loads = 0;
+  std::size_t pulses = 0;
+  std::size_t relaxations = 0;
+  double out_C = 0.0;
+  double in_C = 0.0;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (segments[k].kind == SegmentKind::kRest) continue;
+    ++loads;
+    (segments[k].charge_C > 0.0 ? out_C : in_C) += std::abs(segments[k].charge_C);
+    if (segments[k].kind != SegmentKind::kPulse) continue;
+    ++pulses;
+    const bool relaxes = k + 1 < segments.size() && segments[k + 1].kind == SegmentKind::kRest &&
+                         segments[k + 1].rows() >= kRestRows;
+    if (relaxes) ++relaxations;
+  }
+  if (loads == 0) return {{}, "only rest"};
+  if (relaxations > 0) {
+    return {LogKind::kPulses,
+            fmt::format("{}, {} of them followed by a rest", Plural(pulses, "pulse"), relaxations)};
+  }
+  if (discharge) {
+    const double charge_Ah = discharge->charge_C / 3600.0;
+    const bool nominal = capacity_Ah > 0.0;
+    const double rate_per_h = discharge->current_A / (nominal ? capacity_Ah : charge_Ah);
+    const bool low = rate_per_h <= kMaxLowRate_per_h;
+    return {low ? LogKind::kLowRate : LogKind::kConstantCurrent,
+            fmt::format("one discharge of {:.4g} Ah at {:.4g} A, {:.2g} C of {}",
+                        charge_Ah,
+                        discharge->current_A,
+                        rate_per_h,
+                        nominal ? "the capacity" : "its own charge")};
+  }
+  if (out_C == 0.0) return {{}, "only charging"};
+  if (in_C > 0.5 * out_C) {
+    return {LogKind::kValidation,
+            "charges and discharges; for another kind choose a part with steps, cycles or times"};
+  }
+  return {LogKind::kValidation,
+          fmt::format("{} without a pulse followed by a rest", Plural(loads, "load"))};
+}
+
+Suggestion SuggestKind(const Record& record, double capacity_Ah) {
+  return SuggestKind(FindSegments(record), WholeDischarge(record), capacity_Ah);
+}
+
+}  // namespace lipoid

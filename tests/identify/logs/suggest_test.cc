@@ -1,0 +1,78 @@
+#include "identify/logs/suggest.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/paths.h"
+#include "tests/support/plain_csv.h"
+#include "tests/support/synthetic_record.h"
+
+namespace lipoid {
+namespace {
+
+using test::RecordOfSteps;
+
+void ExpectSuggestion(const Record& record,
+                      std::optional<LogKind> kind,
+                      const std::string& reason) {
+  const auto suggestion = SuggestKind(record);
+  EXPECT_EQ(suggestion.kind, kind);
+  EXPECT_EQ(suggestion.reason, reason);
+}
+
+TEST(SuggestKind, OfEachKind) {
+  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {1800.0, 4.0}, {600.0, 0.0}}),
+                   LogKind::kConstantCurrent,
+                   "one discharge of 2 Ah at 4 A, 2 C of its own charge");
+  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {36000.0, 0.2, 10.0}}),
+                   LogKind::kLowRate,
+                   "one discharge of 2 Ah at 0.2 A, 0.1 C of its own charge");
+  ExpectSuggestion(
+      RecordOfSteps({{60.0, 0.0}, {30.0, 4.0}, {1770.0, 0.0}, {30.0, 4.0}, {1770.0, 0.0}}),
+      LogKind::kPulses,
+      "2 pulses, 2 of them followed by a rest");
+  ExpectSuggestion(
+      RecordOfSteps({{60.0, 0.0}, {120.0, 4.0}, {120.0, 1.0}, {120.0, 3.0}, {120.0, 0.5}}),
+      LogKind::kValidation,
+      "4 loads without a pulse followed by a rest");
+  ExpectSuggestion(
+      RecordOfSteps({{60.0, 0.0}, {3600.0, -2.0}, {600.0, 0.0}, {3600.0, 2.0}}),
+      LogKind::kValidation,
+      "charges and discharges; for another kind choose a part with steps, cycles or times");
+}
+
+TEST(SuggestKind, NoneForRestOrChargingAlone) {
+  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}}), {}, "only rest");
+  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {3600.0, -2.0}}), {}, "only charging");
+}
+
+TEST(SuggestKind, RateIsThatOfTheCapacityWhereItIsKnown) {
+  // The first hour of a C/10 discharge looks like 1C to its own charge.
+  const auto record = RecordOfSteps({{60.0, 0.0}, {3600.0, 0.2}});
+  EXPECT_EQ(SuggestKind(record).kind, LogKind::kConstantCurrent);
+  EXPECT_EQ(SuggestKind(record, 2.0).kind, LogKind::kLowRate);
+  EXPECT_EQ(SuggestKind(record, 2.0).reason,
+            "one discharge of 0.2 Ah at 0.2 A, 0.1 C of the capacity");
+}
+
+TEST(SuggestKind, OfRealLogsIsWhatTheirCampaignsSay) {
+  const std::pair<const char*, LogKind> cases[] = {
+      {"nissan_leaf_33ah/cc_1c.csv", LogKind::kConstantCurrent},
+      {"nissan_leaf_33ah/cc_3c.csv", LogKind::kConstantCurrent},
+      {"nissan_leaf_33ah/low_rate.csv", LogKind::kLowRate},
+      {"nissan_leaf_33ah/pulse.csv", LogKind::kPulses},
+      {"dmegc_inr18650_26_r1/cc_0p5c.csv", LogKind::kConstantCurrent},
+      {"dmegc_inr18650_26_r1/low_rate.csv", LogKind::kLowRate},
+      {"dmegc_inr18650_26_r1/pulse.csv", LogKind::kPulses},
+      {"dmegc_inr18650_26_r1/random_walk_01.csv", LogKind::kValidation},
+      {"lg_m50_5ah/cc_2c.csv", LogKind::kConstantCurrent},
+      {"lg_m50_5ah/low_rate.csv", LogKind::kLowRate},
+      {"samsung_30t_hppc/multipulse.csv", LogKind::kPulses}};
+  for (const auto& [name, kind] : cases) {
+    const auto file = test::LabDataPath(name);
+    LIPOID_SKIP_WITHOUT(file);
+    EXPECT_EQ(SuggestKind(test::ReadPlainCsv(file)).kind, kind) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
