@@ -11,6 +11,7 @@
 namespace lipoid {
 
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
+cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
@@ -18,6 +19,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
+    {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
     {"synthesize",

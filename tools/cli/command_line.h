@@ -33,6 +33,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/core/errors.h"
 #include "model/core/json.h"
 #include "model/core/options.h"
 #include "tools/cli/progress.h"
@@ -174,6 +175,8 @@ class CommandLine {
   void Message(fmt::format_string<Args...> format, Args&&... args) {
     if (!quiet_) WriteMessage(fmt::format(format, std::forward<Args>(args)...));
   }
+  /// Wrong input that does not stop the command; --quiet does not silence it.
+  void Problem(const LoadError& error) { WriteMessage(error.what()); }
   [[nodiscard]] Progress& progress() { return *progress_; }
 
  private:

@@ -1,0 +1,120 @@
+// lipoid inspect, end to end. What it finds: tests/identify/logs/.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "identify/logs/campaign.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+// A 1C discharge of an hour with a row every 60 s, with a repeated time stamp.
+void WriteDischarge(const std::string& file) {
+  std::ofstream out(file);
+  out << "time_s,current_A,voltage_V\n0,0,4.2\n";
+  for (int k = 1; k <= 60; ++k) {
+    out << 60 * k << ",2," << 4.1 - 0.018 * k << "\n";
+    if (k == 30) out << 60 * k << ",2,3.5\n";
+  }
+}
+
+TEST(Inspect, SummaryHasTheKeysOfTheDesign) {
+  const auto folder = TestFolder();
+  WriteDischarge(folder + "/cc.csv");
+  const auto run = RunLipoid(folder, {"inspect", "cc.csv", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  ASSERT_EQ(summary.at("files").size(), 1U);
+  const auto& file = summary.at("files")[0];
+  EXPECT_EQ(file.at("file"), "cc.csv");
+  EXPECT_EQ(file.at("rows"), 61);
+  EXPECT_EQ(file.at("duration_s"), 3600.0);
+  EXPECT_EQ(file.at("current_sign"), "discharge-positive");
+  EXPECT_EQ(file.at("dropped_rows"), 1);
+  EXPECT_EQ(file.at("suggested_kind"), "constant-current");
+  ASSERT_EQ(file.at("segments").size(), 2U);
+  EXPECT_EQ(file.at("segments")[0].at("kind"), "rest");
+  EXPECT_EQ(file.at("segments")[1].at("kind"), "constant-current");
+  EXPECT_EQ(file.at("segments")[1].at("start_s"), 0.0);
+  EXPECT_EQ(file.at("segments")[1].at("charge_C"), 7200.0);
+  EXPECT_NE(run.out.find("constant-current: one discharge of 2 Ah at 2 A, 1 C of its own charge"),
+            std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("1 row with a repeated time stamp"), std::string::npos) << run.out;
+}
+
+TEST(Inspect, GoesOnAfterABadFileAndSaysSoInTheExitCode) {
+  const auto folder = TestFolder();
+  WriteDischarge(folder + "/cc.csv");
+  std::ofstream(folder + "/bad.csv") << "time_s,current_A,voltage_V\n0,0,4.2\n1,abc,4.1\n";
+  const auto run = RunLipoid(
+      folder, {"inspect", "bad.csv", "cc.csv", "missing.csv", "--summary", "s.json", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(run.err.find("bad.csv:3:3: error: "), 0U) << run.err;
+  EXPECT_NE(run.err.find("\nmissing.csv:1:1: error: "), std::string::npos) << run.err;
+  EXPECT_NE(run.out.find("constant-current: one discharge"), std::string::npos) << run.out;
+  const auto files = ReadJson(folder, "s.json").at("files");
+  ASSERT_EQ(files.size(), 3U);
+  EXPECT_EQ(files[0].at("error").get<std::string>().find("bad.csv:3:3: error: "), 0U);
+  EXPECT_EQ(files[1].at("rows"), 61);
+}
+
+TEST(Inspect, OneBadFileIsAnErrorLikeAnyOther) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"inspect", "missing.csv", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("error").at("diagnostics")[0].at("file"), "missing.csv");
+}
+
+TEST(Inspect, DraftsACampaignThatReads) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunLipoid(folder,
+                      {"synthesize", "gifi-600mAh-1", "--sampling-s", "1", "-o", "logs", "--quiet"})
+                .exit_code,
+            0);
+  const auto run =
+      RunLipoid(folder, {"inspect", "logs", "--write-campaign", "drafted.toml", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto drafted = ReadCampaign(folder + "/drafted.toml");
+  const auto written = ReadCampaign(folder + "/logs/campaign.toml");
+  EXPECT_EQ(drafted.name, "logs");
+  EXPECT_EQ(drafted.cutoff_V, written.cutoff_V);
+  EXPECT_EQ(drafted.Count(LogKind::kConstantCurrent), 6U);
+  EXPECT_EQ(drafted.Count(LogKind::kLowRate), 1U);
+  EXPECT_EQ(drafted.Count(LogKind::kPulses), 1U);
+  EXPECT_EQ(drafted.logs[0].path, folder + "/logs/cc_1C.csv");
+}
+
+TEST(Inspect, RefusesToDraftFromNothing) {
+  const auto folder = TestFolder();
+  std::ofstream(folder + "/rest.csv") << "time_s,current_A,voltage_V\n0,0,4.2\n1,0,4.2\n";
+  const auto run = RunLipoid(folder, {"inspect", "rest.csv", "--write-campaign", "c.toml"});
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"rest.csv"});
+}
+
+TEST(Inspect, OfEveryRealLogSucceeds) {
+  const auto nissan = LabDataPath("nissan_leaf_33ah");
+  LIPOID_SKIP_WITHOUT(nissan);
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"inspect",
+                              nissan,
+                              LabDataPath("dmegc_inr18650_26_r1"),
+                              LabDataPath("lg_m50_5ah"),
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("files").size(), 16U);
+  for (const auto& file : summary.at("files")) {
+    EXPECT_EQ(file.at("current_sign"), "discharge-positive") << file.at("file");
+    EXPECT_FALSE(file.at("suggested_kind").is_null()) << file.at("file");
+  }
+}
+
+}  // namespace
+}  // namespace lipoid::test

@@ -1,0 +1,317 @@
+// lipoid inspect LOG... | FOLDER: what is in logs, and a campaign drafted from them.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "identify/logs/draft.h"
+#include "identify/logs/inspection.h"
+#include "model/core/atomic_file.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+
+namespace lipoid {
+namespace {
+
+using cli::Align;
+
+constexpr double kSecondsPerHour = 3600.0;
+// Of more segments than kMostSegments only the first and the last few are printed; the summary has
+// them all.
+constexpr std::size_t kMostSegments = 12;
+constexpr std::size_t kFirstSegments = 7;
+constexpr std::size_t kLastSegments = 3;
+
+template <class E>
+std::string Name(E value) {
+  return options_internal::ToText(value);
+}
+
+std::string KindName(const Suggestion& suggestion) {
+  return suggestion.kind ? Name(*suggestion.kind) : "none";
+}
+
+std::string Duration(double s) {
+  if (s < 180.0) return fmt::format("{:.4g} s", s);
+  if (s < 3.0 * kSecondsPerHour) return fmt::format("{:.1f} min", s / 60.0);
+  if (s < 72.0 * kSecondsPerHour) return fmt::format("{:.1f} h", s / kSecondsPerHour);
+  return fmt::format("{:.1f} days", s / (24.0 * kSecondsPerHour));
+}
+
+std::string Count(std::size_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+std::string FromTo(const Spread& spread, std::string_view unit) {
+  if (spread.least == spread.largest) return fmt::format("{:.5g} {}", spread.least, unit);
+  return fmt::format("{:.5g} {} to {:.5g} {}", spread.least, unit, spread.largest, unit);
+}
+
+std::string Sampling(const Spread& s) {
+  if (s.median <= 0.0) return "";
+  std::string text = fmt::format(", a row every {:.4g} s", s.median);
+  // The last digits of time stamps are rounded.
+  if (s.largest - s.least > 0.01 * s.median)
+    text += fmt::format(" ({:.4g} s to {:.4g} s)", s.least, s.largest);
+  return text;
+}
+
+std::string Dropped(const LogReport& report) {
+  std::vector<std::string> parts;
+  const auto add = [&](std::size_t rows, std::string_view why) {
+    if (rows > 0) parts.push_back(fmt::format("{} {}", Count(rows, "row"), why));
+  };
+  add(report.dropped_repeated_times, "with a repeated time stamp");
+  add(report.dropped_unselected, "outside the chosen part");
+  add(report.dropped_cut_last_line, "cut short at the end");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string Gaps(const std::vector<Gap>& gaps) {
+  if (gaps.empty()) return "";
+  const auto longest = *std::max_element(
+      gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.length_s < b.length_s; });
+  return fmt::format("{} of {} at {:.6g} s",
+                     gaps.size() > 1 ? Count(gaps.size(), "gap") + ", the longest" : "one",
+                     Duration(longest.length_s),
+                     longest.start_s);
+}
+
+std::string CountsByKind(const std::vector<Segment>& segments) {
+  std::vector<std::string> counts;
+  for (const auto& [kind, name] : OptionNames(SegmentKind{})) {
+    const auto count = static_cast<std::size_t>(
+        std::count_if(segments.begin(), segments.end(), [k = kind](const Segment& segment) {
+          return segment.kind == k;
+        }));
+    if (count > 0) counts.push_back(fmt::format("{} {}", count, name));
+  }
+  return fmt::format("{}", fmt::join(counts, ", "));
+}
+
+// Decimals that show five digits of the largest of some values.
+int Decimals(double largest) {
+  if (!(largest > 0.0)) return 1;
+  return std::clamp(4 - static_cast<int>(std::floor(std::log10(largest))), 1, 9);
+}
+
+// Without the "-0.000" of what rounds to nothing.
+std::string Fixed(double value, int decimals) {
+  if (std::abs(value) < 0.5 * std::pow(10.0, -decimals)) value = 0.0;
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string SegmentTable(const std::vector<Segment>& segments) {
+  cli::TextTable table({{"  segment", Align::kLeft},
+                        {"start / s"},
+                        {"duration / s"},
+                        {"current / A"},
+                        {"charge / Ah"}});
+  double most_A = 0.0;
+  double most_Ah = 0.0;
+  for (const Segment& segment : segments) {
+    most_A = std::max(most_A, std::abs(segment.current_A));
+    most_Ah = std::max(most_Ah, std::abs(segment.charge_C) / kSecondsPerHour);
+  }
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (segments.size() > kMostSegments && k == kFirstSegments) {
+      k = segments.size() - kLastSegments;
+      table.Row({fmt::format("  ... {} more", segments.size() - kFirstSegments - kLastSegments),
+                 "",
+                 "",
+                 "",
+                 ""});
+    }
+    const Segment& segment = segments[k];
+    table.Row({"  " + Name(segment.kind),
+               fmt::format("{:.1f}", segment.start_s),
+               fmt::format("{:.1f}", segment.duration_s()),
+               Fixed(segment.current_A, Decimals(most_A)),
+               Fixed(segment.charge_C / kSecondsPerHour, Decimals(most_Ah))});
+  }
+  return table.Text();
+}
+
+// The reason may say the sign itself.
+std::string Sign(const LogReport& report) {
+  if (report.current_sign_reason.starts_with("discharge is ")) return report.current_sign_reason;
+  return fmt::format("{}: {}", report.current_sign, report.current_sign_reason);
+}
+
+void PrintInspection(cli::CommandLine& line, const Inspection& log) {
+  const auto item = [&](std::string_view name, const std::string& text) {
+    if (!text.empty()) line.Print("  {:<12} {}\n", name, text);
+  };
+  line.Print("{}\n", log.file);
+  item("kind", fmt::format("{}: {}", KindName(log.suggestion), log.suggestion.reason));
+  item("format", fmt::format("{}, {}", log.report.format, Count(log.report.rows, "row")));
+  item("time", Duration(log.duration_s) + Sampling(log.sampling_s));
+  item("current", FromTo(log.current_A, "A"));
+  item("sign", Sign(log.report));
+  item("voltage", FromTo(log.voltage_V, "V"));
+  if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));
+  item("charge",
+       fmt::format("{:.4g} Ah out, {:.4g} Ah in",
+                   log.charge_out_C / kSecondsPerHour,
+                   log.charge_in_C / kSecondsPerHour));
+  item("dropped", Dropped(log.report));
+  item("gaps", Gaps(log.report.gaps));
+  for (const auto& note : log.report.notes) item("note", note);
+  item("segments", CountsByKind(log.segments));
+  line.Print("{}\n", SegmentTable(log.segments));
+}
+
+void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& files) {
+  cli::TextTable table({{"log", Align::kLeft},
+                        {"format", Align::kLeft},
+                        {"rows"},
+                        {"duration"},
+                        {"charge out / Ah"},
+                        {"kind", Align::kLeft}});
+  for (const auto& file : files) {
+    if (!file.inspection) {
+      table.Row({file.file, "not read", "", "", "", ""});
+      continue;
+    }
+    const Inspection& log = *file.inspection;
+    table.Row({file.file,
+               log.report.format,
+               fmt::format("{}", log.report.rows),
+               Duration(log.duration_s),
+               fmt::format("{:.4f}", log.charge_out_C / kSecondsPerHour),
+               KindName(log.suggestion)});
+  }
+  line.Print("{}", table.Text());
+}
+
+Json ToJson(const Spread& spread) {
+  return {{"least", spread.least}, {"median", spread.median}, {"largest", spread.largest}};
+}
+
+Json ToJson(const Inspection& log) {
+  Json gaps = Json::array();
+  for (const Gap& gap : log.report.gaps) {
+    gaps.push_back({{"row", gap.row}, {"start_s", gap.start_s}, {"length_s", gap.length_s}});
+  }
+  Json segments = Json::array();
+  for (const Segment& segment : log.segments) {
+    segments.push_back({{"kind", Name(segment.kind)},
+                        {"first_row", segment.first},
+                        {"last_row", segment.last},
+                        {"start_s", segment.start_s},
+                        {"end_s", segment.end_s},
+                        {"current_A", segment.current_A},
+                        {"charge_C", segment.charge_C}});
+  }
+  Json json = {{"file", log.file},
+               {"format", log.report.format},
+               {"rows", log.report.rows},
+               {"duration_s", log.duration_s},
+               {"sampling_s", ToJson(log.sampling_s)},
+               {"current_sign", log.report.current_sign},
+               {"current_sign_reason", log.report.current_sign_reason},
+               {"current_A", ToJson(log.current_A)},
+               {"voltage_V", ToJson(log.voltage_V)},
+               {"charge_out_C", log.charge_out_C},
+               {"charge_in_C", log.charge_in_C},
+               {"dropped_rows", log.report.dropped_rows()},
+               {"dropped_repeated_times", log.report.dropped_repeated_times},
+               {"dropped_unselected", log.report.dropped_unselected},
+               {"dropped_cut_last_line", log.report.dropped_cut_last_line},
+               {"gaps", std::move(gaps)},
+               {"notes", log.report.notes},
+               {"segments", std::move(segments)},
+               {"suggested_kind", nullptr},
+               {"suggested_kind_reason", log.suggestion.reason}};
+  if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
+  if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
+  return json;
+}
+
+// Folders become the files in them.
+std::vector<std::string> Expand(const std::vector<std::string>& words) {
+  std::vector<std::string> files;
+  for (const auto& word : words) {
+    if (!std::filesystem::is_directory(word)) {
+      files.push_back(word);
+      continue;
+    }
+    for (auto& file : FilesOfFolder(word)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+// A name for the cell: that of the folder.
+std::string FolderName(const std::string& word) {
+  auto path = std::filesystem::absolute(word).lexically_normal();
+  if (!std::filesystem::is_directory(path)) path = path.parent_path();
+  if (path.filename().empty()) path = path.parent_path();
+  return path.filename().string();
+}
+
+void WriteDraft(cli::CommandLine& line,
+                const std::vector<InspectedFile>& files,
+                const std::string& name,
+                const std::string& campaign_file,
+                const ReadOptions& read) {
+  const bool a_file = campaign_file != "/dev/stdout";
+  const auto draft = DraftCampaign(files, name, a_file ? campaign_file : "campaign.toml", read);
+  if (draft.entries.empty()) {
+    throw OptionError(
+        "option --write-campaign: none of the logs is of a kind that a campaign takes");
+  }
+  WriteFileAtomically(campaign_file, DraftToToml(draft));
+  if (!a_file) return;
+  line.Message("{}: {}, {} left out, {} not used",
+               campaign_file,
+               Count(draft.campaign.logs.size(), "log"),
+               draft.entries.size() - draft.campaign.logs.size(),
+               draft.unused.size());
+  line.Message("Next: read it over, then lipoid identify {} -o cell.json", campaign_file);
+}
+
+}  // namespace
+
+cli::ExitCode InspectCommand(cli::CommandLine& line) {
+  std::vector<std::string> words;
+  std::string campaign_file;
+  LogOptions log_options;
+  line.Describe(
+      "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
+      "and the kind of "
+      "test that each looks like.",
+      "lipoid inspect cc_1C.csv pulses.csv");
+  line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
+  line.Arguments("LOG", words, "logs, or folders of logs");
+  line.OutputOption(
+      "write-campaign", campaign_file, "FILE", "draft a campaign of these logs, to be read over");
+  log_options.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const ReadOptions read = log_options.ToReadOptions();
+  const auto files = InspectLogs(Expand(words), read);
+  std::vector<Diagnostic> problems;  // the first of each bad file
+  Json rows = Json::array();
+  for (const auto& file : files) {
+    if (file.inspection) {
+      PrintInspection(line, *file.inspection);
+      rows.push_back(ToJson(*file.inspection));
+    } else {
+      problems.push_back(file.problems.front());
+      rows.push_back({{"file", file.file}, {"error", LoadError(file.problems).what()}});
+    }
+  }
+  if (problems.size() == files.size())
+    throw LoadError(files.size() == 1 ? files.front().problems : problems);
+  if (files.size() > 1) PrintOverview(line, files);
+  if (!campaign_file.empty())
+    WriteDraft(line, files, FolderName(words.front()), campaign_file, read);
+  line.summary()["files"] = std::move(rows);
+  if (problems.empty()) return cli::ExitCode::kDone;
+  line.Problem(LoadError(std::move(problems)));
+  return cli::ExitCode::kBadInput;
+}
+
+}  // namespace lipoid
