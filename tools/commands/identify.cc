@@ -7,12 +7,15 @@
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "identify/stages/staged_report.h"
 #include "identify/stages/staged_run.h"
+#include "model/battery/cell_comparison.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/log_options.h"
+#include "tools/commands/start_options.h"
+#include "tools/commands/truth_table.h"
 
 namespace lipoid {
 namespace {
@@ -61,8 +64,18 @@ std::string CellPath(const std::string& output, const Campaign& campaign, bool f
 struct Settings {
   StagedOptions options;
   StagedGiven given;
-  double initial_soc = 1.0;
 };
+
+// The rest voltage before the first row tells where the logs start, once v_oc(A) is known.
+double InitialSoc(const StartOptions& start, const CampaignArguments& typed, const StagedGiven& given) {
+  if (start.initial_voltage_V && !given.open_circuit_voltage) {
+    throw OptionError("option --initial-voltage-V needs v_oc(A): give --open-circuit-voltage FILE too");
+  }
+  Cell cell;
+  cell.series = typed.series;
+  if (given.open_circuit_voltage) cell.open_circuit_voltage = *given.open_circuit_voltage;
+  return start.Soc(cell);
+}
 
 Json OptionsOf(const Settings& settings) {
   Json json = {{"method", "staged"},
@@ -115,6 +128,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::string truth_file;
   std::string curve_file;
   LogOptions log_options;
+  StartOptions start_options;
   std::optional<double> capacity_Ah;
   std::optional<int> branches;
   std::vector<std::string> fix;
@@ -145,7 +159,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Option("series", typed.series, Range{1, 100000}, "cells in series in the logs");
   line.Option("parallel", typed.parallel, Range{1, 100000}, "cells in parallel in the logs");
   log_options.AddTo(line);
-  line.Option("initial-soc", typed.initial_soc, Range{0.0, 1.5}, "state of charge at which the logs start");
+  start_options.AddTo(line);
   line.Option("alpha-C", settings.given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
   line.Text("open-circuit-voltage", curve_file, "FILE",
             "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
@@ -179,15 +193,20 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   }
   if (!by_options) {
     for (const char* option : {"cutoff-V", "capacity-Ah", "name", "series", "parallel", "units", "current-sign",
-                               "hold", "initial-soc"}) {
+                               "hold", "initial-soc", "initial-voltage-V"}) {
       if (line.Given(option)) {
         throw OptionError(fmt::format("option --{} goes with logs given by options; in a campaign file it is a key", option));
       }
     }
   }
   typed.read = log_options.ToReadOptions();
+  if (!curve_file.empty()) {
+    settings.given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
+    settings.given.open_circuit_voltage_source = curve_file;
+  }
   std::vector<Campaign> campaigns;
   if (by_options) {
+    typed.initial_soc = InitialSoc(start_options, typed, settings.given);
     campaigns.push_back(CampaignFromArguments(typed));
   } else {
     for (const auto& file : campaign_files) campaigns.push_back(ReadCampaign(file));
@@ -211,10 +230,6 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
         throw OptionError(fmt::format("option -o: '{}' is also an input; name another file", paths.back()));
       }
     }
-  }
-  if (!curve_file.empty()) {
-    settings.given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
-    settings.given.open_circuit_voltage_source = curve_file;
   }
   std::optional<Cell> truth;
   if (!truth_file.empty()) truth = LoadCell(truth_file);
@@ -248,9 +263,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     cells.push_back(std::move(entry));
     line.Print("{}", IdentifyReport(campaign, result));
     if (truth) {
-      const auto comparison = CompareWithTruth(result.cell, *truth);
-      line.Print("\n{}", comparison.text);
-      cells.back()["truth"] = comparison.json;
+      const auto comparison = CompareCells(*truth, result.cell);
+      line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
+      cells.back()["truth"] = ComparisonToJson(comparison);
     }
     line.Print("\nCell file: {}\n", paths[k]);
     line.Message("Next: lipoid validate {} LOG...", paths[k]);

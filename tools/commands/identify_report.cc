@@ -34,7 +34,7 @@ std::string UnitOf(std::string_view name) {
 std::string DischargeTimesText(const StagedResult& result) {
   std::string text = "1  discharge times (4.53)\n";
   if (!result.discharge_times) {
-    return text + fmt::format("   none; alpha {} C from the {}\n", Significant(result.alpha_C, 5), result.alpha_source);
+    return text + fmt::format("   none; alpha {} C ({})\n", Significant(result.alpha_C, 5), result.alpha_source);
   }
   const auto& stage = *result.discharge_times;
   text += fmt::format("   alpha {}\n", PlusMinus(stage.alpha_C, stage.alpha_standard_error_C, "C"));
@@ -138,35 +138,6 @@ std::string IdentifyReport(const Campaign& campaign, const StagedResult& result)
   if (!result.done_instead.empty()) text += "\n" + Bullets("Done instead", result.done_instead);
   if (!result.cautions.empty()) text += "\n" + Bullets("To know", result.cautions);
   return text;
-}
-
-TextAndJson CompareWithTruth(const Cell& estimate, const Cell& truth) {
-  TextAndJson comparison{"", Json::object()};
-  TextTable table({{"parameter", Align::kLeft}, {"truth"}, {"estimate"}, {"error_%"}, {"unit", Align::kLeft}});
-  for (const auto& name : CellParameterNames(truth)) {
-    const auto was = CellParameter(truth, name);
-    const auto found = CellParameter(estimate, name);
-    if (!was || !found) continue;
-    const double error_percent = 100.0 * (*found / *was - 1.0);
-    table.Row({name, Significant(*was, 5), Significant(*found, 5), fmt::format("{:+.3f}", error_percent), UnitOf(name)});
-    comparison.json[name] = {{"truth", *was}, {"estimate", *found}, {"error_percent", error_percent}};
-  }
-  // v_oc at the same share of the charge: alpha is a gauge of the SOC axis.
-  double squares = 0.0;
-  double largest = 0.0;
-  constexpr int kPoints = 901;
-  for (int k = 0; k < kPoints; ++k) {
-    const double soc = 0.1 + 0.9 * k / (kPoints - 1);
-    const double error = estimate.open_circuit_voltage(soc) - truth.open_circuit_voltage(soc);
-    squares += error * error;
-    largest = std::max(largest, std::abs(error));
-  }
-  const double rmse_V = std::sqrt(squares / kPoints);
-  comparison.json["open_circuit_voltage"] = {{"rmse_V", rmse_V}, {"max_V", largest}, {"soc_range", {0.1, 1.0}}};
-  comparison.text = "Truth against estimate\n" + table.Text() +
-                    fmt::format("v_oc(A) from 10 to 100 %: rms {} mV, at most {} mV off\n", Significant(1e3 * rmse_V, 3),
-                                Significant(1e3 * largest, 3));
-  return comparison;
 }
 
 TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {

@@ -20,9 +20,6 @@ struct TextAndJson {
   Json json;
 };
 
-/// Truth against estimate for every parameter that both cells have, and for v_oc(A).
-[[nodiscard]] TextAndJson CompareWithTruth(const Cell& estimate, const Cell& truth);
-
 /// Mean, standard deviation and range of each parameter over several cells.
 [[nodiscard]] TextAndJson SpreadOfCells(const std::vector<StagedResult>& results);
 
