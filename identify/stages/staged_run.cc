@@ -233,7 +233,7 @@ class StagedRun {
     }
   }
 
-  // errata.md, "What the method itself leaves out": said where it matters for this cell.
+  // docs/theory.md, 7: what the method itself leaves out, said where it matters for this cell.
   void NameCautions() {
     const SweepParameters& p = result_.pulses.parameters;
     auto& say = result_.cautions;

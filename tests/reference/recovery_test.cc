@@ -99,6 +99,7 @@ StagedResult IdentifyWithAlphaAndCurve(const Lab& lab) {
   return IdentifyStaged(lab.campaign, lab.logs, {}, given);
 }
 
+// Only rounding and the tolerances of the solver stand between truth and estimate.
 TEST(Recovery, IsExactWithoutNoiseWhenAlphaAndTheCurveAreGiven) {
   for (const std::string hold : {"backward", "forward"}) {
     SCOPED_TRACE(hold);
@@ -109,7 +110,7 @@ TEST(Recovery, IsExactWithoutNoiseWhenAlphaAndTheCurveAreGiven) {
     const Eigen::Vector4d truth = ParametersOf(lab->truth);
     const Eigen::Vector4d found = ParametersOf(result.cell);
     for (int k = 0; k < 4; ++k) {
-      EXPECT_NEAR(found[k] / truth[k], 1.0, 1e-6) << kNames[k];  // the promise of issue 2
+      EXPECT_NEAR(found[k] / truth[k], 1.0, 1e-6) << kNames[k];
       EXPECT_NE(truth[k], ParametersOf(LoadCell("gifi-600mAh-1"))[k])
           << "scattered: the truth is nobody's default";
     }
