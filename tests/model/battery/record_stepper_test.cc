@@ -177,6 +177,19 @@ TEST(IntervalCache, NeverConfusesLengthsThatDiffer) {
   }
 }
 
+// A picosecond is far more than the rounding of a stamp of 100 s (4 eps t = 9e-14 s).
+TEST(IntervalCache, TellsApartLengthsThatDifferByMoreThanRounding) {
+  IntervalCache<double> cache;
+  const auto get = [&](double dt_s) {
+    return cache.Get(dt_s, 100.0, [](double dt, double& out) { out = dt; });
+  };
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(get(0.01 + 1e-12), 0.01 + 1e-12);
+    EXPECT_EQ(get(0.01), 0.01);
+  }
+  EXPECT_EQ(get(0.01 + 2e-14), 0.01) << "within the rounding: shared";
+}
+
 // Alternating lengths, as of a log of pulses, stay in their slots.
 TEST(IntervalCache, KeepsSeveralLengthsAtOnce) {
   IntervalCache<double> cache;
