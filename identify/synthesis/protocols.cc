@@ -57,6 +57,7 @@ std::vector<TestPlan> ThesisProtocol(const Cell& cell, const SynthesisOptions& o
     rates_C = ParseRates(options.rates_C);
   }
   std::vector<TestPlan> plans;
+  plans.reserve(rates_C.size() + 2);
   for (const double rate : rates_C) {
     plans.push_back({LogKind::kConstantCurrent,
                      fmt::format("cc_{}C.csv", rate),

@@ -155,6 +155,7 @@ Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold h
   campaign.cutoff_V = cell.cutoff_V;
   campaign.series = cell.series;
   campaign.parallel = cell.parallel;
+  campaign.logs.reserve(plans.size());
   for (const auto& plan : plans) {
     CampaignLog log;
     log.kind = plan.kind;

@@ -52,7 +52,7 @@ std::string Significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   if (value == 0.0 || std::isinf(value)) return fmt::format("{}", value);
   // Rounding may carry into the next power of ten: take the exponent after it.
-  const auto scientific = fmt::format("{:.{}e}", value, digits - 1);
+  auto scientific = fmt::format("{:.{}e}", value, digits - 1);
   const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
   if (exponent < -4 || exponent >= 9) return scientific;
   return fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent));
