@@ -33,14 +33,16 @@ ModeStep MakeModeStep(const Dual& rate_per_s, double dt_s) {
   return {hold.decay.a, hold.gain.a, hold.decay.d, hold.gain.d};
 }
 
-// All modes of the cell side by side, so that one loop over them runs in vector registers.
-struct StepCoefficients {
-  std::vector<double> decay, gain, decay_slope, gain_slope;
+// All modes of the cell side by side, so that a step of them runs in vector registers.
+using Modes = Eigen::ArrayXd;
 
-  void Resize(std::size_t modes) {
-    for (auto* v : {&decay, &gain, &decay_slope, &gain_slope}) v->resize(modes);
+struct StepCoefficients {
+  Modes decay, gain, decay_slope, gain_slope;
+
+  void Resize(Eigen::Index modes) {
+    for (Modes* v : {&decay, &gain, &decay_slope, &gain_slope}) v->resize(modes);
   }
-  void Set(std::size_t mode, const ModeStep& step) {
+  void Set(Eigen::Index mode, const ModeStep& step) {
     decay[mode] = step.decay;
     gain[mode] = step.gain;
     decay_slope[mode] = step.decay_slope;
@@ -97,26 +99,26 @@ Eigen::MatrixXd VoltageSweep::LogFactor(const SweepLog& log,
                                         const SweepParameters& p,
                                         bool jacobian) const {
   const Record& record = *log.record;
-  const auto terms = static_cast<std::size_t>(setup_.terms);
-  const std::size_t branches = p.time_constant_s.size();
-  const std::size_t modes = terms + branches;
+  const Eigen::Index terms = setup_.terms;
+  const auto branches = static_cast<Eigen::Index>(p.time_constant_s.size());
+  const Eigen::Index modes = terms + branches;
   const double beta = p.beta_per_sqrt_s;
   const int columns = Columns(static_cast<int>(branches)) + 1;
 
   // sigma_um for m = 1 .. M with slopes in beta, then v_cj/r_j with slopes in tau_j.
-  std::vector<double> state(modes, 0.0);
-  std::vector<double> slope(modes, 0.0);
-  std::vector<double> inverse_tau(branches);
-  for (std::size_t j = 0; j < branches; ++j) inverse_tau[j] = 1.0 / p.time_constant_s[j];
+  Modes state = Modes::Zero(modes);
+  Modes slope = Modes::Zero(modes);
+  const Modes inverse_tau = Eigen::Map<const Modes>(p.time_constant_s.data(), branches).inverse();
+  const Eigen::Map<const Modes> resistance_Ohm(p.resistance_Ohm.data(), branches);
 
   IntervalCache<StepCoefficients> cache;
   const auto make = [&](double dt_s, StepCoefficients& step) {
     step.Resize(modes);
-    for (std::size_t m = 0; m < terms; ++m) {
+    for (Eigen::Index m = 0; m < terms; ++m) {
       const double mm = static_cast<double>((m + 1) * (m + 1));
       step.Set(m, MakeModeStep(Dual(mm * beta * beta, 2.0 * mm * beta), dt_s));  // (4.46)
     }
-    for (std::size_t j = 0; j < branches; ++j) {
+    for (Eigen::Index j = 0; j < branches; ++j) {
       // Of unit resistance: (v_cj/r_j)+ = decay v_cj/r_j + (gain/tau) i, (4.50).
       ModeStep mode = MakeModeStep(Dual(inverse_tau[j], -inverse_tau[j] * inverse_tau[j]), dt_s);
       mode.gain_slope = (mode.gain_slope - mode.gain * inverse_tau[j]) * inverse_tau[j];
@@ -140,23 +142,15 @@ Eigen::MatrixXd VoltageSweep::LogFactor(const SweepLog& log,
       const double held_A = backward ? current_A : record.current_A[k - 1];
       const double dt_s = record.time_s[k] - record.time_s[k - 1];
       const StepCoefficients& step = cache.Get(dt_s, record.time_s[k], make);
-      if (jacobian) {
-        for (std::size_t m = 0; m < modes; ++m) {
-          slope[m] = step.decay[m] * slope[m] + step.decay_slope[m] * state[m] + step.gain_slope[m] * held_A;
-          state[m] = step.decay[m] * state[m] + step.gain[m] * held_A;
-        }
-      } else {
-        for (std::size_t m = 0; m < modes; ++m) state[m] = step.decay[m] * state[m] + step.gain[m] * held_A;
-      }
+      if (jacobian) slope = step.decay * slope + step.decay_slope * state + (step.gain_slope * held_A + kAlive);
+      state = step.decay * state + (step.gain * held_A + kAlive);
       delivered_C += dt_s * held_A;
     }
-    double unavailable = 0.0;
-    for (std::size_t m = 0; m < terms; ++m) unavailable += state[m];
-    const double sigma = delivered_C + 2.0 * unavailable + tail_s * current_A;           // (4.47)
+    const double sigma = delivered_C + 2.0 * state.head(terms).sum() + tail_s * current_A;           // (4.47)
     const double soc = (setup_.alpha_C - sigma) * inverse_alpha;                         // (4.48)
     const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);                 // (4.49)
-    double voltage = open_circuit.value_V - p.series_resistance_Ohm * current_A;         // (4.51)
-    for (std::size_t j = 0; j < branches; ++j) voltage -= p.resistance_Ohm[j] * state[terms + j];
+    const double voltage = open_circuit.value_V - p.series_resistance_Ohm * current_A -
+                           (resistance_Ohm * state.tail(branches)).sum();                // (4.51)
     const double residual = record.voltage_V[k] - voltage;                               // (4.61)
 
     const double weight = log.row_weight.empty() ? log_weight : log_weight * std::sqrt(log.row_weight[k]);
@@ -164,18 +158,15 @@ Eigen::MatrixXd VoltageSweep::LogFactor(const SweepLog& log,
       sum_of_squares += weight * weight * residual * residual;
       continue;
     }
-    double unavailable_slope = 0.0;
-    for (std::size_t m = 0; m < terms; ++m) unavailable_slope += slope[m];
-    const double sigma_slope = 2.0 * unavailable_slope + tail_slope * current_A;
+    const double sigma_slope = 2.0 * slope.head(terms).sum() + tail_slope * current_A;
     // d(residual)/d(parameter) = -d(voltage)/d(parameter).
     double* row = factor.NextRow();
     const auto stride = factor.stride();
     row[0] = weight * open_circuit.slope_V * sigma_slope * inverse_alpha;
     row[stride] = weight * current_A;
-    for (std::size_t j = 0; j < branches; ++j) {
-      row[static_cast<Eigen::Index>(2 + j) * stride] = weight * state[terms + j];
-      row[static_cast<Eigen::Index>(2 + branches + j) * stride] =
-          weight * p.resistance_Ohm[j] * slope[terms + j];
+    for (Eigen::Index j = 0; j < branches; ++j) {
+      row[(2 + j) * stride] = weight * state[terms + j];
+      row[(2 + branches + j) * stride] = weight * resistance_Ohm[j] * slope[terms + j];
     }
     row[(columns - 1) * stride] = weight * residual;
     factor.Push();

@@ -119,12 +119,12 @@ class CellModel {
                             ? T(gain / p_.branches[j].time_constant_s)
                             : T(1.0);
         state.branch_V[j] =
-            decay * state.branch_V[j] + share * (p_.branches[j].resistance_Ohm(soc) * current_A);  // (4.50)
+            decay * state.branch_V[j] + (share * (p_.branches[j].resistance_Ohm(soc) * current_A) + kAlive);  // (4.50)
       }
     }
     for (std::size_t m = 0; m < rate_per_s_.size(); ++m) {
       state.unavailable_C[m] =
-          step.diffusion[m].decay * state.unavailable_C[m] + step.diffusion[m].gain * current_A;  // (4.46)
+          step.diffusion[m].decay * state.unavailable_C[m] + (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
     }
     state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
   }
