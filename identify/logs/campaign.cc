@@ -474,6 +474,7 @@ void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {
   if (problems.empty()) return;
   if (typed) throw OptionError(fmt::format("{}", fmt::join(problems, "\n")));
   std::vector<Diagnostic> diagnostics;
+  diagnostics.reserve(problems.size());
   for (auto& problem : problems) diagnostics.push_back({{campaign.file}, std::move(problem)});
   throw LoadError(std::move(diagnostics));
 }

@@ -51,6 +51,7 @@ struct Candidate {
 // The voltage at which most discharges end: a round one where they allow it.
 double FindCutoff(const std::vector<Candidate>& discharges) {
   std::vector<double> ends_V;
+  ends_V.reserve(discharges.size());
   for (const Candidate& each : discharges)
     ends_V.push_back(each.inspection->discharge->end_voltage_V);
   const double middle_V = Median(std::move(ends_V));
