@@ -253,6 +253,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.progress().Update(share(0.95), "writing");
     Json report = StagedToJson(result);
     result.cell.run = RecordOf(line, campaign, settings, report).ToJson();
+    result.cell.run["converged"] = result.converged;
     if (!residuals.empty()) WriteResiduals(result, logs, residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;

@@ -1,0 +1,203 @@
+// lipoid identify, end to end: synthesized logs whose truth is known, several cells, every refusal.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+// The lab's logs of a shipped cell with a branch that can be seen, sampled every second, in logs/.
+void SynthesizeLogs(const std::string& folder, const std::string& cell, const std::string& to,
+                    const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"synthesize", cell, "--with", "r_1=0.03,c_1=1500", "--sampling-s", "1",
+                                     "--quiet", "-o", to};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const auto run = RunLipoid(folder, arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+}
+
+std::size_t Lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+// Logs without noise, printed so that they read back to the same bits: only the solver's tolerance is left.
+TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--alpha-C", "1353.6",
+                                      "--open-circuit-voltage", "logs/truth.json", "--truth", "logs/truth.json",
+                                      "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Cell cell = ReadCellFile(folder + "/cell.json");
+  constexpr double kRelative = 1e-6;
+  EXPECT_EQ(cell.diffusion->alpha_C, 1353.6);
+  EXPECT_NEAR(cell.diffusion->beta_per_sqrt_s / 0.1924, 1.0, kRelative);
+  EXPECT_NEAR(cell.series_resistance_Ohm.resistance_Ohm[0] / 0.1314, 1.0, kRelative);
+  EXPECT_NEAR(cell.branches.at(0).resistance_Ohm.resistance_Ohm[0] / 0.03, 1.0, kRelative);
+  EXPECT_NEAR(*cell.branches.at(0).capacitance_F / 1500.0, 1.0, kRelative);
+  EXPECT_NE(run.out.find("Truth against estimate"), std::string::npos);
+  EXPECT_NE(run.out.find("Cell file: cell.json"), std::string::npos);
+
+  // The run record says what it was made from.
+  EXPECT_TRUE(cell.run.at("converged").get<bool>());
+  ASSERT_EQ(cell.run.at("inputs")[0].at("file"), "logs/campaign.toml");
+  EXPECT_EQ(cell.run.at("inputs")[0].at("sha256").get<std::string>().size(), 64U);
+  const Json summary = ReadJson(folder, "s.json");
+  for (const char* key : {"cell", "stages", "validation", "wall_s"}) EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
+}
+
+TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});
+  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--residuals", "r.csv",
+                                      "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json pulses = ReadJson(folder, "s.json").at("stages").at("pulses");
+  const auto validate =
+      RunLipoid(folder, {"validate", "cell.json", "logs/pulses.csv", "--summary", "v.json"});
+  ASSERT_EQ(validate.exit_code, 0) << validate.err;
+  const Json log = ReadJson(folder, "v.json").at("logs")[0];
+  constexpr double kSameSum_V = 1e-9;  // the same numbers from a file printed to round-trip
+  EXPECT_NEAR(log.at("rmse_V").get<double>(), pulses.at("rmse_V").get<double>(), kSameSum_V);
+  EXPECT_NEAR(log.at("mean_error_percent").get<double>(), pulses.at("mean_error_percent").get<double>(), kSameSum_V);
+
+  const std::string text = ReadTextFile(folder + "/r.csv");
+  EXPECT_EQ(text.substr(0, text.find('\n')), "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);
+  double squares = 0.0;
+  std::size_t rows = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int k = 0; k < 6; ++k) std::getline(cells, cell, ',');
+    squares += std::stod(cell) * std::stod(cell);
+    ++rows;
+  }
+  EXPECT_EQ(rows, pulses.at("rows").get<std::size_t>());
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(rows)), pulses.at("rmse_V").get<double>(), kSameSum_V);
+}
+
+TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
+  const auto folder = TestFolder();
+  for (const char* cell : {"gifi-600mAh-1", "gifi-600mAh-2", "gifi-600mAh-3"}) {
+    SynthesizeLogs(folder, cell, cell);
+  }
+  const auto run = RunLipoid(folder, {"identify", "gifi-600mAh-1/campaign.toml", "gifi-600mAh-2/campaign.toml",
+                                      "gifi-600mAh-3/campaign.toml", "-o", "cells", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(FilesIn(folder + "/cells"),
+            (std::vector<std::string>{"gifi-600mAh-1.cell.json", "gifi-600mAh-2.cell.json", "gifi-600mAh-3.cell.json"}));
+  EXPECT_NE(run.out.find("Spread over 3 cells"), std::string::npos);
+  const Json summary = ReadJson(folder, "s.json");
+  ASSERT_EQ(summary.at("cells").size(), 3U);
+  const Json& beta = summary.at("spread").at("beta");
+  double mean = 0.0;
+  for (const auto& cell : summary.at("cells")) {
+    mean += cell.at("cell").at("diffusion").at("beta_per_sqrt_s").get<double>() / 3.0;
+  }
+  EXPECT_NEAR(beta.at("mean").get<double>(), mean, 1e-15);
+  EXPECT_GT(beta.at("standard_deviation").get<double>(), 0.0);
+}
+
+TEST(Identify, SaysABadFileOnceAndWritesNothing) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  const auto run = RunLipoid(folder, {"identify", "--constant-current", "none.csv", "logs/cc_1C.csv", "--low-rate",
+                                      "none.csv", "--pulses", "none.csv", "--cutoff-V", "3", "-o", "cell.json",
+                                      "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(Lines(run.err), 1U) << run.err;
+  EXPECT_EQ(run.err.rfind("none.csv:1:1: error: ", 0), 0U) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("exit_code"), 3);
+  EXPECT_EQ(summary.at("error").at("diagnostics").size(), 1U);
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs", "s.json"}));
+}
+
+TEST(Identify, RefusesWhatDoesNotFitTogether) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string message;
+  };
+  const Case cases[] = {
+      {{}, "CAMPAIGN is missing: a campaign file, or logs by --constant-current"},
+      {{"logs/campaign.toml", "--pulses", "logs/pulses.csv"}, "give either a campaign file or logs by options"},
+      {{"logs/campaign.toml", "--cutoff-V", "3"}, "option --cutoff-V goes with logs given by options"},
+      {{"logs/campaign.toml", "--fix", "q_1=3"}, "--fix: no parameter 'q_1' in this fit; there are beta, r_s, r_1"},
+      {{"logs/campaign.toml", "--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
+      {{"logs/campaign.toml", "--bounds", "beta=0.1"}, "option --bounds: expected NAME=LOW,HIGH, found 'beta=0.1'"},
+      {{"logs/campaign.toml", "--method", "magic"}, "expected one of staged, found 'magic'"},
+      {{"logs/campaign.toml", "--branches", "6"}, "--branches: expected a whole number, 0 .. 5, found '6'"},
+      {{"--pulses", "logs/pulses.csv", "--initial-voltage-V", "4.1"}, "--initial-voltage-V needs v_oc(A)"},
+      {{"--pulses", "logs/pulses.csv"}, "expected a low-rate log for the open-circuit voltage, found none"},
+  };
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.message);
+    std::vector<std::string> arguments{"identify", "-o", "cell.json"};
+    arguments.insert(arguments.end(), one.arguments.begin(), one.arguments.end());
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(one.message), std::string::npos) << run.err;
+    EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs"}));
+  }
+}
+
+TEST(Identify, HoldsWhatIsGiven) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--fix", "beta=0.2",
+                                      "--fix", "tau_1=45", "--bounds", "r_s=0,0.1", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Cell cell = ReadCellFile(folder + "/cell.json");
+  EXPECT_EQ(cell.diffusion->beta_per_sqrt_s, 0.2);
+  EXPECT_EQ(cell.branches.at(0).time_constant_s, 45.0);
+  EXPECT_LE(cell.series_resistance_Ohm.resistance_Ohm[0], 0.1);
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_TRUE(summary.at("stages").at("pulses_beta_held").is_null());
+  EXPECT_EQ(summary.at("stages").at("pulses").at("at_bound"), Json::array({"r_s"}));
+}
+
+TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  const auto identify = [&](const std::string& curve) {
+    WriteFileAtomically(folder + "/curve.csv", curve);
+    return RunLipoid(folder, {"identify", "--pulses", "logs/pulses.csv", "--alpha-C", "1353.6",
+                              "--open-circuit-voltage", "curve.csv", "-o", "cell.json"});
+  };
+  const auto good = identify(
+      "soc,voltage_V\n1,4.2\n0.9,4.11\n.8,4.02\n.7,3.95\n.6,3.87\n.5,3.82\n.4,3.77\n.3,3.74\n.2,3.7\n.1,3.6\n"
+      ".05,3.45\n.02,3.3\n0,3\n");
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_NEAR(ReadCellFile(folder + "/cell.json").diffusion->beta_per_sqrt_s / 0.1924, 1.0, 1e-6);
+  const std::pair<std::string, std::string> bad[] = {
+      {"", "curve.csv:1:1: error: expected soc,voltage_V rows or a cell file, found nothing\n"},
+      {"a,b\n1,2\n", "curve.csv:1:1: error: expected the header 'soc,voltage_V', found 'a,b'\n"},
+      {"soc,voltage_V\n1,4.2\n", "curve.csv:1:1: error: expected at least two rows of soc and voltage_V, found 1\n"},
+      {"soc,voltage_V\n1,x\n", "curve.csv:2:3: error: expected a number for voltage_V, found 'x'\n"},
+      {"soc,voltage_V\n1,4.2\n0.5\n", "curve.csv:3:4: error: expected voltage_V, found the end of the line\n"},
+      {"soc,voltage_V\n100,4.2\n0,3\n",
+       "curve.csv:2:1: error: expected soc as a fraction, 1 when full, found 100 (a percentage?)\n"},
+      {"soc,voltage_V\n1,4.2\n0,3\n1,4.1\n", "curve.csv:4:1: error: expected every soc once, found 1 again\n"},
+  };
+  for (const auto& [text, message] : bad) {
+    const auto run = identify(text);
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_EQ(run.err, message);
+  }
+}
+
+}  // namespace
+}  // namespace lipoid::test
