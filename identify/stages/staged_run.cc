@@ -247,8 +247,11 @@ class StagedRun {
       }
     }
     if (result_.open_circuit_voltage && options_.pulses.diffusion) {
+      // Half-way through the discharge a branch has settled as far as its time constant lets it.
       double resistance = p.series_resistance_Ohm;
-      for (const double r : p.resistance_Ohm) resistance += r;
+      for (std::size_t j = 0; j < p.resistance_Ohm.size(); ++j) {
+        resistance += p.resistance_Ohm[j] * -std::expm1(-0.5 * low_rate_discharge_.time_s() / p.time_constant_s[j]);
+      }
       const double current_A = result_.open_circuit_voltage->current_A;
       result_.low_rate_offset_V = resistance * current_A;
       say.push_back(fmt::format(

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 #include "generated/shipped_cells.h"
@@ -199,6 +200,20 @@ Json CellToJson(const Cell& cell) {
 }
 
 void WriteCellFile(const Cell& cell, const std::string& file) {
+  // JSON has no NaN: it would be written as null, and the file could not be read back.
+  for (const double value : {cell.capacity_Ah, cell.cutoff_V, cell.alpha_C(),
+                             cell.diffusion ? cell.diffusion->beta_per_sqrt_s : 0.0}) {
+    Require(std::isfinite(value), "a cell of finite numbers", {{"value", value}});
+  }
+  for (const double r : cell.series_resistance_Ohm.resistance_Ohm) {
+    Require(std::isfinite(r), "a finite series resistance", {{"resistance_Ohm", r}});
+  }
+  for (const auto& branch : cell.branches) {
+    Require(std::isfinite(branch.time_constant_s), "finite time constants", {{"time_constant_s", branch.time_constant_s}});
+    for (const double r : branch.resistance_Ohm.resistance_Ohm) {
+      Require(std::isfinite(r), "finite resistances", {{"resistance_Ohm", r}});
+    }
+  }
   WriteFileAtomically(file, CellToJson(cell).dump(2) + "\n");
 }
 
