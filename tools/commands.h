@@ -10,6 +10,7 @@
 
 namespace lipoid {
 
+cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
@@ -18,6 +19,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
+    {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},

@@ -35,8 +35,9 @@ void CheckOptions(const ReadOptions& options) {
   }
   constexpr Quantity kOrder[] = {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage};
   if (!options.units.empty() && options.units.size() != std::size(kOrder)) {
-    throw OptionError(fmt::format("units: expected three, of time, current and voltage (s,A,V), found {}",
-                                  options.units.size()));
+    throw OptionError(
+        fmt::format("units: expected three, of time, current and voltage (s,A,V), found {}",
+                    options.units.size()));
   }
   for (std::size_t k = 0; k < options.units.size(); ++k) {
     if (FindUnit(kOrder[k], options.units[k])) continue;
@@ -46,23 +47,28 @@ void CheckOptions(const ReadOptions& options) {
                                   options.units[k]));
   }
   const auto& sign = options.current_sign;
-  if (!sign.empty() && sign != "auto" && sign != "discharge-positive" && sign != "discharge-negative") {
+  if (!sign.empty() && sign != "auto" && sign != "discharge-positive" &&
+      sign != "discharge-negative") {
     throw OptionError(fmt::format(
         "current_sign: expected auto, discharge-positive or discharge-negative, found '{}'", sign));
   }
   if (!(options.start_s <= options.end_s)) {
-    throw OptionError(fmt::format("start_s: expected no later than end_s, found {} and {}", options.start_s, options.end_s));
+    throw OptionError(fmt::format(
+        "start_s: expected no later than end_s, found {} and {}", options.start_s, options.end_s));
   }
   if (!std::isfinite(options.lead_resistance_Ohm)) {
-    throw OptionError(
-        fmt::format("lead_resistance_Ohm: expected a finite number, found {}", options.lead_resistance_Ohm));
+    throw OptionError(fmt::format("lead_resistance_Ohm: expected a finite number, found {}",
+                                  options.lead_resistance_Ohm));
   }
 }
 
 // Takes the blocks of a table into a record, row by row where something must be left out.
 class Collector {
  public:
-  Collector(const TextSource& source, const LogPlan& plan, const ReadOptions& options, TableReader& reader)
+  Collector(const TextSource& source,
+            const LogPlan& plan,
+            const ReadOptions& options,
+            TableReader& reader)
       : source_(source),
         plan_(plan),
         options_(options),
@@ -136,9 +142,11 @@ class Collector {
     const std::size_t needed = log_.record.size() + block.rows;
     if (needed <= log_.record.time_s.capacity()) return;
     constexpr double kMargin = 1.02;
-    const double still = std::max(bytes_left_ / static_cast<double>(block.bytes), 1.0) * static_cast<double>(block.rows);
-    const auto capacity = std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
-                                   bytes_left_ > 0.0 ? needed : needed + log_.record.size());
+    const double still = std::max(bytes_left_ / static_cast<double>(block.bytes), 1.0) *
+                         static_cast<double>(block.rows);
+    const auto capacity =
+        std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
+                 bytes_left_ > 0.0 ? needed : needed + log_.record.size());
     log_.record.time_s.reserve(capacity);
     log_.record.current_A.reserve(capacity);
     log_.record.voltage_V.reserve(capacity);
@@ -156,16 +164,20 @@ class Collector {
 
   void TakeAll(TableBlock& block) {
     Record& record = log_.record;
-    const auto append = [&](std::vector<double>& to, const double* from) { to.insert(to.end(), from, from + block.rows); };
+    const auto append = [&](std::vector<double>& to, const double* from) {
+      to.insert(to.end(), from, from + block.rows);
+    };
     append(record.time_s, Column(block, Quantity::kTime));
     append(record.current_A, Column(block, Quantity::kCurrent));
-    if (const double* voltage = Column(block, Quantity::kVoltage)) append(record.voltage_V, voltage);
+    if (const double* voltage = Column(block, Quantity::kVoltage))
+      append(record.voltage_V, voltage);
     if (const double* temperature = Column(block, Quantity::kTemperature)) {
       append(record.temperature_degC, temperature);
       for (std::size_t k = 0; k < block.rows; ++k) drops_temperature_ |= std::isnan(temperature[k]);
     }
     if (const double* state = Column(block, Quantity::kState)) {
-      for (std::size_t k = 0; k < block.rows; ++k) directions_.push_back(static_cast<std::int8_t>(state[k]));
+      for (std::size_t k = 0; k < block.rows; ++k)
+        directions_.push_back(static_cast<std::int8_t>(state[k]));
     }
   }
 
@@ -201,8 +213,8 @@ class Collector {
     }
   }
 
-  // The clock of the test, from one that starts anew with each step: a step begins where the one before
-  // it ended.
+  // The clock of the test, from one that starts anew with each step: a step begins where the one
+  // before it ended.
   double JoinedTime(std::size_t row, double clock_s, const double* step, const double* cycle) {
     const std::pair label(step ? step[row] : 0.0, cycle ? cycle[row] : 0.0);
     if (rows_joined_++ > 0) {
@@ -220,35 +232,47 @@ class Collector {
 
   bool IsSelected(double t_s, double step, double cycle) {
     const auto holds = [](const std::vector<int>& wanted, double value) {
-      return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](int w) { return w == value; });
+      return wanted.empty() ||
+             std::any_of(wanted.begin(), wanted.end(), [&](int w) { return w == value; });
     };
     if (!options_.steps.empty()) steps_seen_.insert(step);
     if (!options_.cycles.empty()) cycles_seen_.insert(cycle);
-    return holds(options_.steps, step) && holds(options_.cycles, cycle) && t_s >= options_.start_s && t_s <= options_.end_s;
+    return holds(options_.steps, step) && holds(options_.cycles, cycle) &&
+           t_s >= options_.start_s && t_s <= options_.end_s;
   }
 
   [[noreturn]] void FailBackwards(std::size_t row) const {
     const std::size_t column = plan_.Of(Quantity::kTime)->column;
-    const std::string last = log_.record.size() == 0 ? std::string() : fmt::format(" after {:.10g} s", log_.record.time_s.back());
-    throw LoadError(reader_.PositionOf(row, column),
-                    fmt::format("expected time to increase, found '{}'{}; if the clock starts anew with each step or "
-                                "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
-                                "`columns = {{time_s = \"...\"}}`",
-                                reader_.TextOf(row, column),
-                                last));
+    const std::string last = log_.record.size() == 0
+                                 ? std::string()
+                                 : fmt::format(" after {:.10g} s", log_.record.time_s.back());
+    throw LoadError(
+        reader_.PositionOf(row, column),
+        fmt::format(
+            "expected time to increase, found '{}'{}; if the clock starts anew with each step or "
+            "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
+            "`columns = {{time_s = \"...\"}}`",
+            reader_.TextOf(row, column),
+            last));
   }
 
   [[noreturn]] void FailUnselected() const {
     const auto seen = [](const std::set<double>& values) {
       constexpr std::size_t kMost = 20;
-      std::vector<double> some(values.begin(), std::next(values.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, values.size()))));
+      std::vector<double> some(
+          values.begin(),
+          std::next(values.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, values.size()))));
       return fmt::format("{}{}", fmt::join(some, ", "), values.size() > kMost ? ", ..." : "");
     };
     std::string found;
-    if (!options_.steps.empty()) found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
-    if (!options_.cycles.empty()) found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
-    throw LoadError({source_.file(), plan_.header_line, 1},
-                    fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}", found));
+    if (!options_.steps.empty())
+      found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
+    if (!options_.cycles.empty())
+      found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
+    throw LoadError(
+        {source_.file(), plan_.header_line, 1},
+        fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}",
+                    found));
   }
 
   const TextSource& source_;
@@ -274,7 +298,9 @@ class Collector {
 };
 
 // Volts under one name in either of two units: no cell lies between 10 V and 100 mV read as V.
-void SettleMillivolts(Record& record, const SourcePosition& position, std::vector<std::string>& notes) {
+void SettleMillivolts(Record& record,
+                      const SourcePosition& position,
+                      std::vector<std::string>& notes) {
   constexpr double kMost_V = 10.0;
   constexpr double kLeast_mV = 100.0;
   double largest = 0.0;
@@ -282,7 +308,8 @@ void SettleMillivolts(Record& record, const SourcePosition& position, std::vecto
   if (largest <= kMost_V) return;
   if (largest < kLeast_mV) {
     throw LoadError(position,
-                    fmt::format("expected voltages of a cell in V or mV, found {:.4g} at most, which could be either; say "
+                    fmt::format("expected voltages of a cell in V or mV, found {:.4g} at most, "
+                                "which could be either; say "
                                 "`units` (--units s,mA,mV)",
                                 largest));
   }
@@ -291,7 +318,10 @@ void SettleMillivolts(Record& record, const SourcePosition& position, std::vecto
 }
 
 // Makes discharge positive.
-void SettleSign(Log& log, const std::vector<std::int8_t>& directions, const ReadOptions& options, const SourcePosition& position) {
+void SettleSign(Log& log,
+                const std::vector<std::int8_t>& directions,
+                const ReadOptions& options,
+                const SourcePosition& position) {
   Record& record = log.record;
   LogReport& report = log.report;
   const SignFinding states = FindSignFromStates(record, directions);
@@ -299,44 +329,57 @@ void SettleSign(Log& log, const std::vector<std::int8_t>& directions, const Read
   if (!options.current_sign.empty() && options.current_sign != "auto") {
     if (states.sign == CurrentSign::kUnsigned && record.size() > 0 &&
         std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; })) {
-      throw LoadError(position,
-                      fmt::format("expected a current with a sign because of current_sign = \"{}\", found none: {}; "
-                                  "leave the option out",
-                                  options.current_sign,
-                                  states.reason));
+      throw LoadError(
+          position,
+          fmt::format(
+              "expected a current with a sign because of current_sign = \"{}\", found none: {}; "
+              "leave the option out",
+              options.current_sign,
+              states.reason));
     }
-    found = {options.current_sign == "discharge-positive" ? CurrentSign::kDischargePositive : CurrentSign::kDischargeNegative,
+    found = {options.current_sign == "discharge-positive" ? CurrentSign::kDischargePositive
+                                                          : CurrentSign::kDischargeNegative,
              "given by the option current_sign"};
   } else {
     found = states;
-    const bool has_states = std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });
+    const bool has_states =
+        std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });
     if (found.sign == CurrentSign::kUnclear && !has_states && !record.voltage_V.empty()) {
       found = FindSignFromPhysics(record);
       if (found.sign != CurrentSign::kUnclear) {
-        found.reason = (found.sign == CurrentSign::kDischargePositive ? "discharge is positive: " : "discharge is negative: ") + found.reason;
+        found.reason = (found.sign == CurrentSign::kDischargePositive ? "discharge is positive: "
+                                                                      : "discharge is negative: ") +
+                       found.reason;
       }
     }
   }
   if (found.sign == CurrentSign::kUnclear && record.voltage_V.empty()) {
-    found = {CurrentSign::kDischargePositive, "there is no voltage to tell; discharge is taken as positive"};
+    found = {CurrentSign::kDischargePositive,
+             "there is no voltage to tell; discharge is taken as positive"};
   }
   if (found.sign == CurrentSign::kUnclear) {
-    throw LoadError(position,
-                    fmt::format("expected a current whose sign the data settle, found that {}; say `current_sign` "
-                                "(--current-sign discharge-positive or discharge-negative), or read a part of the log",
-                                found.reason));
+    throw LoadError(
+        position,
+        fmt::format(
+            "expected a current whose sign the data settle, found that {}; say `current_sign` "
+            "(--current-sign discharge-positive or discharge-negative), or read a part of the log",
+            found.reason));
   }
   if (found.sign == CurrentSign::kDischargeNegative) {
     for (double& i : record.current_A) i = 0.0 - i;  // never -0
   }
   if (found.sign == CurrentSign::kUnsigned) {
-    for (std::size_t k = 0; k < directions.size(); ++k) record.current_A[k] = std::abs(record.current_A[k]) * directions[k];
+    for (std::size_t k = 0; k < directions.size(); ++k)
+      record.current_A[k] = std::abs(record.current_A[k]) * directions[k];
   }
   // What the states say must not fly in the face of the voltage.
-  if ((options.current_sign.empty() || options.current_sign == "auto") && !record.voltage_V.empty()) {
-    if (states.sign != CurrentSign::kUnclear && FindSignFromPhysics(record).sign == CurrentSign::kDischargeNegative) {
+  if ((options.current_sign.empty() || options.current_sign == "auto") &&
+      !record.voltage_V.empty()) {
+    if (states.sign != CurrentSign::kUnclear &&
+        FindSignFromPhysics(record).sign == CurrentSign::kDischargeNegative) {
       throw LoadError(position,
-                      fmt::format("expected the voltage to fall while charge leaves, found the opposite although {}; say "
+                      fmt::format("expected the voltage to fall while charge leaves, found the "
+                                  "opposite although {}; say "
                                   "`current_sign` (--current-sign)",
                                   states.reason));
     }
@@ -347,7 +390,11 @@ void SettleSign(Log& log, const std::vector<std::int8_t>& directions, const Read
   report.current_sign_reason = found.reason;
 }
 
-void AddNotes(const TextSource& source, const LogPlan& plan, const TableReader& reader, const Collector& collector, LogReport& report) {
+void AddNotes(const TextSource& source,
+              const LogPlan& plan,
+              const TableReader& reader,
+              const Collector& collector,
+              LogReport& report) {
   const auto note = [&](bool applies, std::string text) {
     if (applies) report.notes.push_back(std::move(text));
   };
@@ -356,9 +403,11 @@ void AddNotes(const TextSource& source, const LogPlan& plan, const TableReader& 
   note(reader.decimal_comma(), "numbers have a decimal comma");
   note(reader.blank_lines() > 0, fmt::format("{} blank lines skipped", reader.blank_lines()));
   note(reader.comment_lines() > 0, fmt::format("{} comment lines skipped", reader.comment_lines()));
-  note(plan.header_line > 1, fmt::format("{} lines before the header skipped", plan.header_line - 1));
+  note(plan.header_line > 1,
+       fmt::format("{} lines before the header skipped", plan.header_line - 1));
   note(reader.last_line_has_no_end(), "the last line has no line end and was taken as complete");
-  note(plan.clock_restarts_with_step, "the clock starts anew with each step; the steps were joined");
+  note(plan.clock_restarts_with_step,
+       "the clock starts anew with each step; the steps were joined");
   note(collector.unix_clock(), "times are counted from the first row");
   note(collector.drops_temperature(), "temperature left out: some cells hold no number");
 }
@@ -382,8 +431,11 @@ Log ReadLog(const std::string& file, const ReadOptions& options) {
     const auto& column = plan.Of(quantity);
     return SourcePosition{file, plan.header_line, column ? column->header_column : 1};
   };
-  if (plan.volts_or_millivolts) SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
-  CheckReadable(log.record, {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
+  if (plan.volts_or_millivolts)
+    SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
+  CheckReadable(
+      log.record,
+      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
   SettleSign(log, collector.directions(), options, position(Quantity::kCurrent));
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {

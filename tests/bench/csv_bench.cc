@@ -1,10 +1,12 @@
-// Reading and writing plain CSV: bytes per second on one core, after the sums of the columns were checked.
+// Reading and writing plain CSV: bytes per second on one core, after the sums of the columns were
+// checked.
 //
 //   lipoid_bench --benchmark_filter=ReadLog --csv-megabytes=200
 //
 // The file is made by this program: a pulse log at 10 ms with the shortest digits that read back.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -46,14 +48,21 @@ Record PulseLog(std::size_t rows) {
     const double i_A = (k / 3000) % 2 == 1 ? 3.6 + 1e-3 * noise(random) : 1e-4 * noise(random);
     record.time_s.push_back(static_cast<double>(k) / 100.0);
     record.current_A.push_back(i_A);
-    record.voltage_V.push_back(4.2 - 0.9 * static_cast<double>(k) / static_cast<double>(rows) - 0.13 * i_A +
-                               2e-4 * noise(random));
+    record.voltage_V.push_back(4.2 - 0.9 * static_cast<double>(k) / static_cast<double>(rows) -
+                               0.13 * i_A + 2e-4 * noise(random));
   }
   return record;
 }
 
 struct LogFile {
-  std::string path;
+  LogFile() = default;
+  LogFile(const LogFile&) = delete;
+  LogFile& operator=(const LogFile&) = delete;
+  ~LogFile() { std::filesystem::remove(path); }
+
+  std::string path =
+      (std::filesystem::temp_directory_path() / ("lipoid_csv_bench." + std::to_string(::getpid())))
+          .string();
   std::size_t rows = 0;
   std::uintmax_t bytes = 0;
   Sums sums;
@@ -61,20 +70,18 @@ struct LogFile {
 
 // Written once per run of the program.
 const LogFile& File() {
-  static const LogFile file = [] {
+  static LogFile made;
+  if (made.rows == 0) {
     constexpr double kBytesPerRow = 46.0;
-    LogFile made;
     made.rows = static_cast<std::size_t>(bench::CsvMegabytes() * 1e6 / kBytesPerRow);
-    made.path = (std::filesystem::temp_directory_path() / "lipoid_csv_bench.csv").string();
     const Record record = PulseLog(made.rows);
     for (std::size_t k = 0; k < record.size(); ++k) {
       made.sums.Add(record.time_s[k], record.current_A[k], record.voltage_V[k]);
     }
     WriteLog(record, made.path);
     made.bytes = std::filesystem::file_size(made.path);
-    return made;
-  }();
-  return file;
+  }
+  return made;
 }
 
 double PeakResidentMegabytes() {
@@ -92,12 +99,15 @@ void ReadTable(benchmark::State& state) {
     TableSpec spec;
     spec.first_line = 2;
     spec.fields = 3;
-    spec.columns = {{.name = "time_s", .field = 0}, {.name = "current_A", .field = 1}, {.name = "voltage_V", .field = 2}};
+    spec.columns = {{.name = "time_s", .field = 0},
+                    {.name = "current_A", .field = 1},
+                    {.name = "voltage_V", .field = 2}};
     TableReader reader(source, spec);
     TableBlock block;
     std::size_t rows = 0;
     while (reader.NextBlock(block)) {
-      for (std::size_t k = 0; k < block.rows; ++k) sums.Add(block.columns[0][k], block.columns[1][k], block.columns[2][k]);
+      for (std::size_t k = 0; k < block.rows; ++k)
+        sums.Add(block.columns[0][k], block.columns[1][k], block.columns[2][k]);
       rows += block.rows;
     }
     return rows;
@@ -144,7 +154,8 @@ void WriteCsv(benchmark::State& state) {
   const Record record = PulseLog(file.rows);
   const std::string path = file.path + ".written";
   for (auto _ : state) WriteLog(record, path);
-  if (std::filesystem::file_size(path) != file.bytes) state.SkipWithError("the file has another size");
+  if (std::filesystem::file_size(path) != file.bytes)
+    state.SkipWithError("the file has another size");
   std::filesystem::remove(path);
   state.SetBytesProcessed(static_cast<std::int64_t>(file.bytes) * state.iterations());
 }

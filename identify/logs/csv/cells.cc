@@ -42,7 +42,8 @@ struct Clock {
 bool ParseClock(std::string_view text, char decimal, Clock& clock) {
   if (!TakeInteger(text, clock.hours) || !TakeCharacter(text, ':')) return false;
   if (!TakeInteger(text, clock.minutes) || !TakeCharacter(text, ':')) return false;
-  if (text.empty() || !IsDigit(text.front()) || text.find_first_of("eE") != std::string_view::npos) return false;
+  if (text.empty() || !IsDigit(text.front()) || text.find_first_of("eE") != std::string_view::npos)
+    return false;
   return ParseNumber(text, decimal, clock.seconds) && clock.minutes < 60 && clock.seconds < 60.0;
 }
 
@@ -153,7 +154,8 @@ bool ParseDuration(std::string_view text, char decimal, double& seconds) {
 
 bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTime& value) {
   if (!TakeDate(text, order, value.days)) return false;
-  if (text.empty() || (text.front() != ' ' && text.front() != 'T' && text.front() != '\t')) return false;
+  if (text.empty() || (text.front() != ' ' && text.front() != 'T' && text.front() != '\t'))
+    return false;
   text = Trimmed(text.substr(1));
   enum class Half { kNone, kMorning, kAfternoon } half = Half::kNone;
   if (text.size() > 2) {
@@ -183,12 +185,14 @@ void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cel
     while (first < line.size() && line[first] == ' ') ++first;
     if (first < line.size() && line[first] == '"') {
       std::size_t close = first + 1;
-      while (close < line.size() && (line[close] != '"' || (close + 1 < line.size() && line[close + 1] == '"'))) {
+      while (close < line.size() &&
+             (line[close] != '"' || (close + 1 < line.size() && line[close + 1] == '"'))) {
         close += line[close] == '"' ? 2 : 1;
       }
       auto end = close < line.size() ? line.find(delimiter, close) : line.size();
       if (end == std::string_view::npos) end = line.size();
-      const bool nothing_after = close < line.size() && Trimmed(line.substr(close + 1, end - close - 1)).empty();
+      const bool nothing_after =
+          close < line.size() && Trimmed(line.substr(close + 1, end - close - 1)).empty();
       // A quote that never closes, or text after it, stays in the cell, which then is no number.
       cells.push_back({nothing_after ? Trimmed(line.substr(first + 1, close - first - 1))
                                      : Trimmed(line.substr(first, end - first)),
@@ -199,7 +203,8 @@ void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cel
     }
     const auto end = std::min(line.find(delimiter, begin), line.size());
     const std::string_view text = Trimmed(line.substr(begin, end - begin));
-    cells.push_back({text, text.empty() ? begin + 1 : static_cast<std::size_t>(text.data() - line.data()) + 1});
+    cells.push_back(
+        {text, text.empty() ? begin + 1 : static_cast<std::size_t>(text.data() - line.data()) + 1});
     if (end == line.size()) return;
     begin = end + 1;
   }
@@ -209,7 +214,8 @@ std::string_view Unwrapped(std::string_view line, char delimiter) {
   const std::string_view text = Trimmed(line);
   if (text.size() < 3 || text.front() != '"' || text.back() != '"') return line;
   const std::string_view inside = text.substr(1, text.size() - 2);
-  const bool one_text = inside.find('"') == std::string_view::npos && inside.find(delimiter) != std::string_view::npos;
+  const bool one_text = inside.find('"') == std::string_view::npos &&
+                        inside.find(delimiter) != std::string_view::npos;
   return one_text ? inside : line;
 }
 

@@ -3,7 +3,7 @@
 /// @file
 /// What stands in one cell of a delimited text file: a number, a duration, a date, a quoted text.
 /// No locale; anything that is not wholly what it should be is refused.
-/// Tests: tests/identify/logs/csv/cells_test.cc.
+/// Tests: tests/identify/logs/csv/table_reader_test.cc.
 
 #include <cstddef>
 #include <string>
@@ -18,7 +18,8 @@ namespace lipoid {
 /// A..Z to a..z; other bytes stay.
 [[nodiscard]] std::string LowerCase(std::string_view text);
 
-/// A decimal number, perhaps with a sign, an exponent, or the given decimal mark. `nan` and `inf` parse.
+/// A decimal number, perhaps with a sign, an exponent, or the given decimal mark. `nan` and `inf`
+/// parse.
 [[nodiscard]] bool ParseNumber(std::string_view text, char decimal, double& value);
 
 /// A duration as cyclers write it, in s: [days d] hours:minutes:seconds[.fraction].
@@ -27,15 +28,19 @@ namespace lipoid {
 /// How 03/04/2021 is to be read. kYearFirst refuses such a date.
 enum class DateOrder { kYearFirst, kMonthFirst, kDayFirst };
 
-/// A calendar date with a time of day, kept apart so that no digit of a fraction of a second is lost.
+/// A calendar date with a time of day, kept apart so that no digit of a fraction of a second is
+/// lost.
 struct DateTime {
-  long days = 0;           ///< since 1970-01-01
+  long days = 0;  ///< since 1970-01-01
   double second_of_day = 0.0;
 };
 
 /// 2021-03-26 17:01:33.5, 2021/03/26T17:01:33, 26.03.2021 17:01:33, 23-Nov-23 3:56:11 PM, and
 /// 03/26/2021 5:01:33 PM in the given order.
-[[nodiscard]] bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTime& value);
+[[nodiscard]] bool ParseDateTime(std::string_view text,
+                                 DateOrder order,
+                                 char decimal,
+                                 DateTime& value);
 
 /// One cell of a line: its text without quotes and blanks, and the column (from 1) where it begins.
 struct TextCell {
@@ -43,10 +48,12 @@ struct TextCell {
   std::size_t column = 1;
 };
 
-/// The cells of a line, which comes without its line end. A quoted cell keeps doubled quotes as they are.
+/// The cells of a line, which comes without its line end. A quoted cell keeps doubled quotes as
+/// they are.
 void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cells);
 
-/// What is inside a line that is one quoted text, "a,b,c": some exports wrap each row so. Other lines as they are.
+/// What is inside a line that is one quoted text, "a,b,c": some exports wrap each row so. Other
+/// lines as they are.
 [[nodiscard]] std::string_view Unwrapped(std::string_view line, char delimiter);
 
 }  // namespace lipoid

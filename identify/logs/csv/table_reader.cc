@@ -31,15 +31,19 @@ std::string Shown(std::string_view text) {
 
 std::string_view Expected(CellKind kind) {
   switch (kind) {
-    case CellKind::kDuration: return "a duration such as 00:01:02.5";
-    case CellKind::kDateTime: return "a date and time such as 2021-03-26 17:01:33";
+    case CellKind::kDuration:
+      return "a duration such as 00:01:02.5";
+    case CellKind::kDateTime:
+      return "a date and time such as 2021-03-26 17:01:33";
     case CellKind::kNumber:
-    case CellKind::kWord: break;
+    case CellKind::kWord:
+      break;
   }
   return "a number";
 }
 
-// Length of what follows the decimal mark, exponent included: the same in every row of a fixed format.
+// Length of what follows the decimal mark, exponent included: the same in every row of a fixed
+// format.
 std::size_t Decimals(std::string_view number) {
   const auto mark = number.find_last_of(".,");
   return mark == std::string_view::npos ? 0 : number.size() - mark - 1;
@@ -95,9 +99,10 @@ bool TableReader::NextBlock(TableBlock& block) {
       at = stop ? stop + 1 : end;
     }
     if (outcome == Row::kRead) {
-      if (short_line_) throw LoadError({*short_line_});  // it was not the last
+      if (short_line_ > 0) FailShort();  // it was not the last
       const std::size_t offset = line_ - block.rows;
-      if (row_lines_.empty() || row_lines_.back().second != offset) row_lines_.emplace_back(block.rows, offset);
+      if (row_lines_.empty() || row_lines_.back().second != offset)
+        row_lines_.emplace_back(block.rows, offset);
       ++block.rows;
     }
     ++line_;
@@ -106,7 +111,8 @@ bool TableReader::NextBlock(TableBlock& block) {
     for (const std::size_t k : order_) {
       if (spec_.columns[k].kind != CellKind::kNumber || spec_.columns[k].lenient) continue;
       const double* values = block.columns[k].get();
-      decimal_is_known_ |= std::any_of(values, values + block.rows, [](double x) { return x != std::floor(x); });
+      decimal_is_known_ |=
+          std::any_of(values, values + block.rows, [](double x) { return x != std::floor(x); });
     }
   }
   return true;
@@ -179,12 +185,14 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
   }
   const std::string_view inside = Unwrapped(line, spec_.delimiter);
   SplitLine(inside, spec_.delimiter, cells_);
-  for (TextCell& cell : cells_) cell.column += static_cast<std::size_t>(inside.data() - line.data());
-  if (std::all_of(cells_.begin(), cells_.end(), [](const TextCell& cell) { return cell.text.empty(); })) {
-    ++blank_lines_;
+  for (TextCell& cell : cells_)
+    cell.column += static_cast<std::size_t>(inside.data() - line.data());
+  if (std::all_of(
+          cells_.begin(), cells_.end(), [](const TextCell& cell) { return cell.text.empty(); })) {
+    ++(has_end || cells_.size() == 1 ? blank_lines_ : cut_last_lines_);
     return Row::kSkipped;
   }
-  if (short_line_) throw LoadError({*short_line_});
+  if (short_line_ > 0) FailShort();
   if (!spec_.levels.empty()) {
     std::size_t level = 0;
     while (level < spec_.levels.size() && cells_[level].text.empty()) ++level;
@@ -198,7 +206,8 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
     }
   }
   std::size_t fields = cells_.size();
-  while (fields > spec_.fields && cells_[fields - 1].text.empty()) {
+  while (fields > spec_.fields &&
+         (cells_[fields - 1].text.empty() || fields <= spec_.nameless_fields)) {
     --fields;
     trailing_delimiter_ = true;
   }
@@ -207,10 +216,9 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
     return Row::kSkipped;
   }
   if (fields != spec_.fields) {
-    Diagnostic wrong{{source_.file(), line_, 1},
-                     fmt::format("expected {} fields as in the header, found {}", spec_.fields, fields)};
-    if (fields > spec_.fields) throw LoadError({std::move(wrong)});
-    short_line_ = std::move(wrong);  // fine if nothing follows: the logger was stopped here
+    short_line_ = line_;  // fine if nothing follows: the logger was stopped here
+    short_fields_ = fields;
+    if (fields > spec_.fields) FailShort();
     return Row::kSkipped;
   }
   if (!has_end && !line.ends_with('\r')) last_line_has_no_end_ = true;
@@ -220,7 +228,8 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
     double& value = block_->columns[k][row];
     if (column.level) {
       value = heading_values_[k];
-      if (std::isnan(value)) FailAt(1, fmt::format("expected a line with '{}' above this row, found none", column.name));
+      if (std::isnan(value))
+        FailAt(1, fmt::format("expected a line with '{}' above this row, found none", column.name));
       continue;
     }
     const TextCell& cell = cells_[column.field];
@@ -230,9 +239,12 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
       continue;
     }
     if (!converted) {
-      const std::string found = cell.text.empty() ? "an empty cell" : fmt::format("'{}'", Shown(cell.text));
-      FailAt(cell.column,
-             fmt::format("expected {} in column '{}', found {}", Expected(column.kind), column.name, found));
+      const std::string found =
+          cell.text.empty() ? "an empty cell" : fmt::format("'{}'", Shown(cell.text));
+      FailAt(
+          cell.column,
+          fmt::format(
+              "expected {} in column '{}', found {}", Expected(column.kind), column.name, found));
     }
     if (!std::isfinite(value) || std::abs(value) >= kOverflow) {
       FailAt(cell.column,
@@ -253,8 +265,11 @@ void TableReader::ReadHeading(const std::vector<TextCell>& cells, std::size_t le
     for (std::size_t k = 0; k < spec_.columns.size(); ++k) {
       const WantedColumn& column = spec_.columns[k];
       if (column.level != level) continue;
-      if (begin + column.field >= cells.size() || !Convert(cells[begin + column.field].text, column, heading_values_[k])) {
-        FailAt(1, fmt::format("expected a line with '{}', found '{}'", column.name, Shown(cells[begin].text)));
+      if (begin + column.field >= cells.size() ||
+          !Convert(cells[begin + column.field].text, column, heading_values_[k])) {
+        FailAt(1,
+               fmt::format(
+                   "expected a line with '{}', found '{}'", column.name, Shown(cells[begin].text)));
       }
     }
     begin += spec_.levels[level];
@@ -296,25 +311,32 @@ void TableReader::DecideDecimalMark() {
     const double* values = block_->columns[k].get();
     return std::any_of(values, values + block_->rows, [](double x) { return x != std::floor(x); });
   };
-  if (std::none_of(order_.begin(), order_.end(), [&](std::size_t k) { return holds(k, ','); })) return;
+  if (std::none_of(order_.begin(), order_.end(), [&](std::size_t k) { return holds(k, ','); }))
+    return;
   decimal_is_known_ = true;
-  const bool points = std::any_of(
-      order_.begin(), order_.end(), [&](std::size_t k) { return holds(k, '.') || has_fraction(k); });
+  const bool points = std::any_of(order_.begin(), order_.end(), [&](std::size_t k) {
+    return holds(k, '.') || has_fraction(k);
+  });
   if (!points) decimal_ = ',';
 }
 
 bool TableReader::IsCut(std::string_view line, const std::vector<TextCell>& cells) const {
-  const auto last = std::find_if(spec_.columns.begin(), spec_.columns.end(), [&](const WantedColumn& column) {
-    return !column.level && column.field + 1 == spec_.fields;
-  });
-  // Only in the last field can digits be missing without a trace; where nobody wants it, nothing is lost.
-  if (last == spec_.columns.end() || cells.size() != spec_.fields || line.ends_with('\r')) return false;
+  const auto last =
+      std::find_if(spec_.columns.begin(), spec_.columns.end(), [&](const WantedColumn& column) {
+        return !column.level && column.field + 1 == spec_.fields;
+      });
+  // Only in the last field can digits be missing without a trace; where nobody wants it, nothing is
+  // lost.
+  if (last == spec_.columns.end() || cells.size() != spec_.fields || line.ends_with('\r'))
+    return false;
   const std::string_view text = cells.back().text;
-  if (text.empty() || std::string_view(".,eE+-").find(text.back()) != std::string_view::npos) return true;
+  if (text.empty() || std::string_view(".,eE+-").find(text.back()) != std::string_view::npos)
+    return true;
   if (trailing_delimiter_) return true;
   if (last->kind == CellKind::kWord) return std::isnan(spec_.word(text));
   constexpr std::size_t kEnoughRows = 3;
-  return last_field_rows_ >= kEnoughRows && !last_field_varies_ && Decimals(text) < last_field_decimals_;
+  return last_field_rows_ >= kEnoughRows && !last_field_varies_ &&
+         Decimals(text) < last_field_decimals_;
 }
 
 void TableReader::NoteLastFields(std::string_view text) {
@@ -332,9 +354,10 @@ void TableReader::NoteLastFields(std::string_view text) {
 }
 
 std::string_view TableReader::LineOfRow(std::size_t row, std::size_t& line) const {
-  auto place = std::upper_bound(row_lines_.begin(), row_lines_.end(), row, [](std::size_t r, const auto& entry) {
-    return r < entry.first;
-  });
+  auto place = std::upper_bound(
+      row_lines_.begin(), row_lines_.end(), row, [](std::size_t r, const auto& entry) {
+        return r < entry.first;
+      });
   line = row + std::prev(place)->second;
   std::string_view text = piece_;
   for (std::size_t k = piece_line_; k < line; ++k) text.remove_prefix(text.find(line_end_) + 1);
@@ -349,7 +372,8 @@ SourcePosition TableReader::PositionOf(std::size_t row, std::size_t column) cons
   const std::string_view inside = Unwrapped(text, spec_.delimiter);
   std::vector<TextCell> cells;
   SplitLine(inside, spec_.delimiter, cells);
-  position.column = cells[spec_.columns[column].field].column + static_cast<std::size_t>(inside.data() - text.data());
+  position.column = cells[spec_.columns[column].field].column +
+                    static_cast<std::size_t>(inside.data() - text.data());
   return position;
 }
 
@@ -359,6 +383,12 @@ std::string TableReader::TextOf(std::size_t row, std::size_t column) const {
   std::vector<TextCell> cells;
   SplitLine(Unwrapped(text, spec_.delimiter), spec_.delimiter, cells);
   return Shown(cells[spec_.columns[column].field].text);
+}
+
+void TableReader::FailShort() const {
+  throw LoadError(
+      {source_.file(), short_line_, 1},
+      fmt::format("expected {} fields as in the header, found {}", spec_.fields, short_fields_));
 }
 
 void TableReader::FailAt(std::size_t column, std::string message) const {

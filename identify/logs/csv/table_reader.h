@@ -3,9 +3,9 @@
 /// @file
 /// Reads the wanted columns of a delimited text file, block by block, as doubles.
 ///
-/// Strict: every row has the fields of the header, every wanted cell is wholly what it should be; otherwise
-/// a LoadError with line and column. Plain rows take a path with nothing but fast_float and comparisons; any
-/// row with a quote, a blank or trouble is taken again by the careful one.
+/// Strict: every row has the fields of the header, every wanted cell is wholly what it should be;
+/// otherwise a LoadError with line and column. Plain rows take a path with nothing but fast_float
+/// and comparisons; any row with a quote, a blank or trouble is taken again by the careful one.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc.
 
 #include <cstddef>
@@ -31,23 +31,24 @@ enum class CellKind {
 };
 
 struct WantedColumn {
-  std::string name = {};        ///< the header's, for messages
-  std::size_t field = 0;   ///< from 0
+  std::string name = {};  ///< the header's, for messages
+  std::size_t field = 0;  ///< from 0
   CellKind kind = CellKind::kNumber;
-  bool lenient = false;    ///< a cell that is not a number becomes NaN
+  bool lenient = false;  ///< a cell that is not a number becomes NaN
   /// Not in the rows but in the lines above them: see TableSpec::levels.
   std::optional<std::size_t> level = {};
 };
 
 struct TableSpec {
   char delimiter = ',';
-  std::size_t first_line = 1;  ///< number of the first line that NextBlock() sees
-  std::size_t fields = 0;      ///< of the header, up to its last name
+  std::size_t first_line = 1;         ///< number of the first line that NextBlock() sees
+  std::size_t fields = 0;             ///< of the header, up to its last name
+  std::size_t nameless_fields = 0;    ///< of the header, those without a name at its end included
   std::vector<WantedColumn> columns;  ///< any order
   DateOrder date_order = DateOrder::kYearFirst;
-  bool comments = false;       ///< lines that start with # are skipped
-  /// The fields of each level of heading above the rows; rows start with as many delimiters as there are
-  /// levels, a heading of level k with k.
+  bool comments = false;  ///< lines that start with # are skipped
+  /// The fields of each level of heading above the rows; rows start with as many delimiters as
+  /// there are levels, a heading of level k with k.
   std::vector<std::size_t> levels;
   std::function<double(std::string_view)> word;
 };
@@ -72,9 +73,11 @@ class TableReader {
   /// Its text, for messages.
   [[nodiscard]] std::string TextOf(std::size_t row, std::size_t column) const;
 
-  /// 1 where the last line of the file was dropped because it is certainly cut off: it lacks fields, or (without
-  /// a line end) digits that every other row has.
-  [[nodiscard]] std::size_t cut_last_lines() const { return cut_last_lines_ + (short_line_ ? 1 : 0); }
+  /// 1 where the last line of the file was dropped because it is certainly cut off: it lacks
+  /// fields, or (without a line end) digits that every other row has.
+  [[nodiscard]] std::size_t cut_last_lines() const {
+    return cut_last_lines_ + (short_line_ > 0 ? 1 : 0);
+  }
   [[nodiscard]] std::size_t blank_lines() const { return blank_lines_; }
   [[nodiscard]] std::size_t comment_lines() const { return comment_lines_; }
   [[nodiscard]] bool last_line_has_no_end() const { return last_line_has_no_end_; }
@@ -92,18 +95,21 @@ class TableReader {
   bool IsCut(std::string_view line, const std::vector<TextCell>& cells) const;
   void NoteLastFields(std::string_view piece);
   [[nodiscard]] std::string_view LineOfRow(std::size_t row, std::size_t& line) const;
+  [[noreturn]] void FailShort() const;
   [[noreturn]] void FailAt(std::size_t column, std::string message) const;
 
   TextSource& source_;
   TableSpec spec_;
-  std::vector<std::size_t> order_;  // columns in the order of their fields, those of levels left out
+  std::vector<std::size_t>
+      order_;  // columns in the order of their fields, those of levels left out
   char line_end_;
 
   TableBlock* block_ = nullptr;
   std::string_view piece_;
   std::size_t piece_line_ = 1;  // number of the first line of the piece
   std::size_t line_ = 1;        // number of the line at hand
-  std::vector<std::pair<std::size_t, std::size_t>> row_lines_;  // row, its line: where rows stop being adjacent
+  std::vector<std::pair<std::size_t, std::size_t>>
+      row_lines_;  // row, its line: where rows stop being adjacent
   std::vector<TextCell> cells_;
   std::vector<double> heading_values_;
   std::size_t capacity_ = 0;
@@ -112,12 +118,15 @@ class TableReader {
   bool decimal_is_known_ = false;
   std::optional<DateTime> first_date_;
   std::size_t cut_last_lines_ = 0;
-  std::optional<Diagnostic> short_line_;  // a line that lacks fields: an error if another row follows
+  std::size_t short_line_ =
+      0;  // number of a line that lacks fields: an error if another row follows
+  std::size_t short_fields_ = 0;
   std::size_t blank_lines_ = 0;
   std::size_t comment_lines_ = 0;
   bool last_line_has_no_end_ = false;
   bool trailing_delimiter_ = false;
-  // Digits after the decimal mark in the last field of the rows looked at, and whether that is a number.
+  // Digits after the decimal mark in the last field of the rows looked at, and whether that is a
+  // number.
   std::size_t last_field_rows_ = 0;
   std::size_t last_field_decimals_ = 0;
   bool last_field_varies_ = false;

@@ -18,7 +18,8 @@ std::string WhyNotOpened(const std::string& file, int error) {
   if (error == ENOENT || error == ENOTDIR) {
     return "expected a log file, found no file of this name; check the path";
   }
-  return fmt::format("expected a log file that can be read, found '{}': {}", file, std::strerror(error));
+  return fmt::format(
+      "expected a log file that can be read, found '{}': {}", file, std::strerror(error));
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ TextSource::TextSource(std::string file)
     ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
   }
   try {
-    Fill();
+    Fill(kBufferBytes);
     if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
   } catch (...) {
     ::close(descriptor_);  // no destructor runs for an object that was never made
@@ -59,9 +60,9 @@ void TextSource::Skip(std::size_t bytes) {
   begin_ += bytes;
 }
 
-void TextSource::Fill() {
-  while (!at_end_ && end_ < kBufferBytes) {
-    const auto count = ::read(descriptor_, buffer_.get() + end_, kBufferBytes - end_);
+void TextSource::Fill(std::size_t limit) {
+  while (!at_end_ && end_ < limit) {
+    const auto count = ::read(descriptor_, buffer_.get() + end_, limit - end_);
     if (count < 0) {
       if (errno == EINTR) continue;
       throw LoadError({file_}, fmt::format("reading failed: {}", std::strerror(errno)));
@@ -85,12 +86,13 @@ std::string_view TextSource::NextPiece(std::size_t line) {
     }
     if (filled && text.size() > kMaxLineBytes) {
       throw LoadError({file_, line, 1},
-                      fmt::format("expected a row of a log, found a line of more than {} bytes", kMaxLineBytes));
+                      fmt::format("expected a row of a log, found a line of more than {} bytes",
+                                  kMaxLineBytes));
     }
     std::memmove(buffer_.get(), text.data(), text.size());
     begin_ = 0;
     end_ = text.size();
-    Fill();
+    Fill(kPieceBytes);
   }
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// A text file in pieces of whole lines, by read(2) into one buffer: memory does not grow with the file.
-/// Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice.
-/// Tests: tests/identify/logs/csv/text_source_test.cc.
+/// A text file in pieces of whole lines, by read(2) into one buffer: memory does not grow with the
+/// file. Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice.
+/// Tests: tests/identify/logs/csv/table_reader_test.cc, tests/identify/logs/log_test.cc.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +17,13 @@ class TextSource {
  public:
   /// Bytes of the buffer, and the most that the preamble of a log may fill.
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+  /// Bytes read at a time after that: what stays in the cache between reading and parsing.
+  static constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
   /// A line longer than this is not a row of a log.
-  static constexpr std::size_t kMaxLineBytes = kBufferBytes / 2;
+  static constexpr std::size_t kMaxLineBytes = kPieceBytes / 2;
 
-  /// Opens the file and reads its beginning. LoadError where it is missing, a folder, unreadable or empty.
+  /// Opens the file and reads its beginning. LoadError where it is missing, a folder, unreadable or
+  /// empty.
   explicit TextSource(std::string file);
   ~TextSource();
   TextSource(const TextSource&) = delete;
@@ -40,12 +43,13 @@ class TextSource {
   /// Forgets the first bytes of head(): the preamble and the header.
   void Skip(std::size_t bytes);
 
-  /// The next whole lines; empty at the end of the file. Only the last piece may end without a line end.
-  /// `line` is the number of the piece's first line, for the message about a line that is too long.
+  /// The next whole lines; empty at the end of the file. Only the last piece may end without a line
+  /// end. `line` is the number of the piece's first line, for the message about a line that is too
+  /// long.
   [[nodiscard]] std::string_view NextPiece(std::size_t line);
 
  private:
-  void Fill();
+  void Fill(std::size_t limit);
 
   std::string file_;
   int descriptor_ = -1;

@@ -2,7 +2,7 @@
 
 /// @file
 /// Basytec text: preamble lines that start with '~', then ~Time[s] (or [h]), ..., U[V], I[A], ..., Command.
-/// Tests: tests/identify/logs/formats/basytec_test.cc.
+/// Tests: tests/identify/logs/formats/formats_test.cc.
 
 #include "identify/logs/formats/layout.h"
 

@@ -4,13 +4,15 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kHeader =
-    "Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,StepTime(s),Current(A),Voltage(V),Power(W),Capacity(Ah),"
+    "Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,StepTime(s),Current(A),Voltage(V),Power(W),Capacity("
+    "Ah),"
     "Energy(Wh),Mode,Data,";
 
 // No,1.0,1,1,1,1,3,1.0,0.00,3.147,0.0,0.00,0.00,REST, ,
 bool IsRow(std::span<const TextCell> cells) {
   constexpr std::size_t kFields = 15;
-  if (cells.size() != kFields && !(cells.size() == kFields + 1 && cells.back().text.empty())) return false;
+  if (cells.size() != kFields && !(cells.size() == kFields + 1 && cells.back().text.empty()))
+    return false;
   const auto exclude = LowerCase(cells[0].text);
   if (exclude != "no" && exclude != "yes") return false;
   for (std::size_t k = 1; k < 13; ++k) {
@@ -21,7 +23,8 @@ bool IsRow(std::span<const TextCell> cells) {
   return mode == "REST" || mode == "CHRG" || mode == "DCHG" || mode == "PAUS" || mode == "STOP";
 }
 
-constexpr std::string_view kSignature[] = {"loop", "step", "steptime", "current", "voltage", "mode"};
+constexpr std::string_view kSignature[] = {
+    "loop", "step", "steptime", "current", "voltage", "mode"};
 constexpr std::string_view kTime[] = {"time"};
 constexpr std::string_view kCurrent[] = {"current"};
 constexpr std::string_view kVoltage[] = {"voltage"};
@@ -33,16 +36,17 @@ constexpr std::string_view kState[] = {"mode"};
 
 constinit const Layout kBitrode{
     .name = "bitrode",
-    .summary = "Bitrode CSV: Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,...,Mode,Data, or the same without a header",
+    .summary =
+        "Bitrode CSV: Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,...,Mode,Data, or the same without "
+        "a header",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true},
-            ColumnNames{.names = kVoltage, .in_order = true},
-            ColumnNames{},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle},
-            ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true},
+                 ColumnNames{.names = kVoltage, .in_order = true},
+                 ColumnNames{},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle},
+                 ColumnNames{.names = kState}}},
     .implied_header = kHeader,
     .is_row = &IsRow,
 };

@@ -70,17 +70,17 @@ bool IsNumber(std::string_view text) {
 
 bool LooksLikeData(std::span<const TextCell> cells) {
   return cells.size() >= 2 && std::all_of(cells.begin(), cells.end(), [](const TextCell& cell) {
-    return cell.text.empty() || IsNumber(cell.text);
-  });
+           return cell.text.empty() || IsNumber(cell.text);
+         });
 }
 
 // A header that was found: in which line, in which format.
 struct Header {
   const Layout* layout = nullptr;
   char delimiter = ',';
-  std::size_t line = 1;        // number of the header's line; of the first row where it is implied
+  std::size_t line = 1;  // number of the header's line; of the first row where it is implied
   bool implied = false;
-  std::vector<HeaderName> names = {};   // of the rows' level, its indent included
+  std::vector<HeaderName> names = {};                // of the rows' level, its indent included
   std::vector<std::vector<HeaderName>> levels = {};  // above it
 };
 
@@ -147,7 +147,9 @@ bool FindLevels(const std::vector<Line>& lines, std::size_t index, Header& heade
   return true;
 }
 
-std::optional<Header> FindHeader(const std::vector<Line>& lines, const ReadOptions& options, Header& nearest) {
+std::optional<Header> FindHeader(const std::vector<Line>& lines,
+                                 const ReadOptions& options,
+                                 Header& nearest) {
   std::size_t nearest_count = 0;
   bool first_with_text = true;
   for (std::size_t index = 0; index < lines.size(); ++index) {
@@ -166,13 +168,16 @@ std::optional<Header> FindHeader(const std::vector<Line>& lines, const ReadOptio
     if (text.front() == '#' || (text.front() >= '0' && text.front() <= '9')) continue;
     for (const char delimiter : kDelimiters) {
       if (text.find(delimiter) == std::string_view::npos) continue;
-      Header header{.delimiter = delimiter, .line = index + 1, .names = NamesOf(lines[index].text, delimiter)};
+      Header header{.delimiter = delimiter,
+                    .line = index + 1,
+                    .names = NamesOf(lines[index].text, delimiter)};
       if (header.names.size() < 2) continue;
       for (const Layout* layout : kFormats) {
         header.layout = layout;
         header.levels.clear();
         if (layout->signature.empty()) continue;
-        if (Matches(header.names, layout->signature) && FindLevels(lines, index, header)) return header;
+        if (Matches(header.names, layout->signature) && FindLevels(lines, index, header))
+          return header;
       }
       header.layout = &kPlainCsv;
       if (HasNeeded(header, options)) return header;
@@ -195,25 +200,31 @@ std::string Listed(const std::vector<HeaderName>& names) {
   return fmt::format("{}{}", fmt::join(shown, ", "), names.size() > kMost ? ", ..." : "");
 }
 
-[[noreturn]] void RefuseUnknown(const TextSource& source, const std::vector<Line>& lines, const Header& nearest,
+[[noreturn]] void RefuseUnknown(const TextSource& source,
+                                const std::vector<Line>& lines,
+                                const Header& nearest,
                                 const ReadOptions& options) {
   for (const Line& line : lines) {
     if (line.text.find("***End_of_Header***") == std::string_view::npos) continue;
     throw LoadError({source.file()},
-                    "expected a header that names time, current and voltage, found a LabVIEW text (.lvm), which "
+                    "expected a header that names time, current and voltage, found a LabVIEW text "
+                    "(.lvm), which "
                     "describes its columns in prose; save the rows under a header such as "
                     "time_s,current_A,voltage_V");
   }
   const auto first = std::find_if(lines.begin(), lines.end(), [](const Line& line) {
     return !Trimmed(line.text).empty() && Trimmed(line.text).front() != '#';
   });
-  const std::size_t line = first == lines.end() ? 1 : static_cast<std::size_t>(first - lines.begin()) + 1;
-  if (first == lines.end()) throw LoadError({source.file()}, "expected a log, found only blank lines and comments");
+  const std::size_t line =
+      first == lines.end() ? 1 : static_cast<std::size_t>(first - lines.begin()) + 1;
+  if (first == lines.end())
+    throw LoadError({source.file()}, "expected a log, found only blank lines and comments");
   for (const char delimiter : kDelimiters) {
     if (!LooksLikeData(CellsOf(first->text, delimiter))) continue;
-    throw LoadError({source.file(), line, 1},
-                    "expected a header that names the columns, found numbers; add one line on top, such as "
-                    "time_s,current_A,voltage_V");
+    throw LoadError(
+        {source.file(), line, 1},
+        "expected a header that names the columns, found numbers; add one line on top, such as "
+        "time_s,current_A,voltage_V");
   }
   if (nearest.layout) {
     std::vector<std::string> missing;
@@ -223,27 +234,34 @@ std::string Listed(const std::vector<HeaderName>& names) {
       missing.push_back(named == options.columns.end() ? std::string(Name(quantity))
                                                        : fmt::format("'{}'", named->second));
     }
-    throw LoadError({source.file(), nearest.line, 1},
-                    fmt::format("expected columns for time, current and voltage, found none for {} among {}; name "
-                                "the columns with `columns = {{time_s = \"...\", current_A = \"...\", voltage_V = "
-                                "\"...\"}}`",
-                                fmt::join(missing, " and "),
-                                Listed(nearest.names)));
+    throw LoadError(
+        {source.file(), nearest.line, 1},
+        fmt::format(
+            "expected columns for time, current and voltage, found none for {} among {}; name "
+            "the columns with `columns = {{time_s = \"...\", current_A = \"...\", voltage_V = "
+            "\"...\"}}`",
+            fmt::join(missing, " and "),
+            Listed(nearest.names)));
   }
   std::string found(Trimmed(first->text).substr(0, 60));
   for (char& c : found) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  throw LoadError({source.file(), line, 1},
-                  fmt::format("expected a header that names time, current and voltage, such as "
-                              "time_s,current_A,voltage_V, found '{}'; `lipoid list formats` shows what is read",
-                              found));
+  throw LoadError(
+      {source.file(), line, 1},
+      fmt::format(
+          "expected a header that names time, current and voltage, such as "
+          "time_s,current_A,voltage_V, found '{}'; `lipoid list formats` shows what is read",
+          found));
 }
 
 // Resolves the columns of a header, one quantity at a time.
 class Planner {
  public:
-  Planner(const TextSource& source, const ReadOptions& options, Header header, const std::vector<Line>& lines)
+  Planner(const TextSource& source,
+          const ReadOptions& options,
+          Header header,
+          const std::vector<Line>& lines)
       : source_(source), options_(options), header_(std::move(header)), lines_(lines) {}
 
   LogPlan Plan() {
@@ -251,6 +269,10 @@ class Planner {
     plan_.header_line = header_.line;
     plan_.table.delimiter = header_.delimiter;
     plan_.table.fields = header_.names.size();
+    if (!header_.implied) {
+      plan_.table.nameless_fields =
+          CellsOf(lines_[header_.line - 1].text, header_.delimiter).size();
+    }
     plan_.table.date_order = header_.layout->date_order;
     plan_.table.comments = header_.layout->comments;
     plan_.table.word = &DirectionOfWord;
@@ -268,7 +290,9 @@ class Planner {
   }
 
   // Bytes of head() before the first line to read.
-  [[nodiscard]] std::size_t offset() const { return first_line_ == 0 ? 0 : lines_[first_line_ - 1].next; }
+  [[nodiscard]] std::size_t offset() const {
+    return first_line_ == 0 ? 0 : lines_[first_line_ - 1].next;
+  }
 
  private:
   [[noreturn]] void Fail(std::size_t column, std::string message) const {
@@ -277,7 +301,8 @@ class Planner {
 
   // Skips a line of units below the header, and collects a few rows to look at.
   void FindFirstRows() {
-    first_line_ = header_.implied ? header_.line - 1 : header_.line;  // index of the line to look at
+    first_line_ =
+        header_.implied ? header_.line - 1 : header_.line;  // index of the line to look at
     if (first_line_ < lines_.size()) {
       const auto cells = CellsOf(lines_[first_line_].text, header_.delimiter);
       bool any = false;
@@ -288,7 +313,8 @@ class Planner {
       if (any && all_units) {
         for (std::size_t k = 0; k < std::min(cells.size(), header_.names.size()); ++k) {
           const std::string_view text = cells[k].text;
-          if (text.size() > 2) header_.names[k].unit = LowerCase(Trimmed(text.substr(1, text.size() - 2)));
+          if (text.size() > 2)
+            header_.names[k].unit = LowerCase(Trimmed(text.substr(1, text.size() - 2)));
         }
         ++first_line_;
       }
@@ -298,20 +324,25 @@ class Planner {
       auto cells = CellsOf(lines_[k].text, header_.delimiter);
       if (cells.size() < header_.names.size()) continue;
       bool is_row = true;
-      for (std::size_t level = 0; level < header_.levels.size(); ++level) is_row &= cells[level].text.empty();
+      for (std::size_t level = 0; level < header_.levels.size(); ++level)
+        is_row &= cells[level].text.empty();
       if (is_row) rows_.push_back(std::move(cells));
     }
   }
 
   // The one column that holds the quantity, or none. Ambiguity is an error.
-  std::optional<HeaderMatch> Choose(Quantity quantity, std::vector<HeaderMatch> matches, bool in_order) const {
+  std::optional<HeaderMatch> Choose(Quantity quantity,
+                                    std::vector<HeaderMatch> matches,
+                                    bool in_order) const {
     if (matches.empty()) return std::nullopt;
-    std::stable_sort(
-        matches.begin(), matches.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+    std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
+      return a.rank < b.rank;
+    });
     if (matches.size() > 1 && (!in_order || matches[0].rank == matches[1].rank)) {
       const HeaderName& other = header_.names[matches[1].field];
       Fail(other.column,
-           fmt::format("expected one column for the {0}, found '{1}' and '{2}'; say which with `columns = {{{3} = "
+           fmt::format("expected one column for the {0}, found '{1}' and '{2}'; say which with "
+                       "`columns = {{{3} = "
                        "\"{1}\"}}`",
                        Name(quantity),
                        header_.names[matches[0].field].text,
@@ -331,7 +362,8 @@ class Planner {
     }
     if (!match) {
       Fail(1,
-           fmt::format("expected a column for the {} in this {} log, found none among {}; name it with `columns = "
+           fmt::format("expected a column for the {} in this {} log, found none among {}; name it "
+                       "with `columns = "
                        "{{{} = \"...\"}}`",
                        Name(quantity),
                        header_.layout->name,
@@ -350,7 +382,8 @@ class Planner {
     return *match;
   }
 
-  // The unit that the header states, or the user, or the format is known to mean; nullopt where nobody does.
+  // The unit that the header states, or the user, or the format is known to mean; nullopt where
+  // nobody does.
   std::optional<Unit> UnitOf(Quantity quantity, const HeaderMatch& match) const {
     const HeaderName& name = header_.names[match.field];
     std::optional<Unit> stated;
@@ -358,7 +391,9 @@ class Planner {
     if (const auto given = GivenUnit(quantity)) {
       if (stated && !stated->SameScale(*given)) {
         Fail(name.column,
-             fmt::format("expected a column in {} as the option units says, found '{}'", given->name, name.text));
+             fmt::format("expected a column in {} as the option units says, found '{}'",
+                         given->name,
+                         name.text));
       }
       return given;
     }
@@ -376,20 +411,24 @@ class Planner {
   [[noreturn]] void FailWithoutUnit(Quantity quantity, const HeaderMatch& match) const {
     const HeaderName& name = header_.names[match.field];
     Fail(name.column,
-         fmt::format("expected a header that states the unit of the {} ({}), found '{}'; add it there or say `units` "
+         fmt::format("expected a header that states the unit of the {} ({}), found '{}'; add it "
+                     "there or say `units` "
                      "(--units s,A,V)",
                      Name(quantity),
                      UsualUnits(quantity),
                      name.text));
   }
 
-  void Add(Quantity quantity, const HeaderMatch& match, CellKind kind, Unit unit, bool lenient = false) {
+  void Add(
+      Quantity quantity, const HeaderMatch& match, CellKind kind, Unit unit, bool lenient = false) {
     const HeaderName& name = header_.names[match.field];
-    plan_.columns[static_cast<std::size_t>(quantity)] = PlannedColumn{.column = plan_.table.columns.size(),
-                                                                      .unit = unit,
-                                                                      .header_column = name.column,
-                                                                      .header_text = name.text};
-    plan_.table.columns.push_back({.name = name.text, .field = match.field, .kind = kind, .lenient = lenient});
+    plan_.columns[static_cast<std::size_t>(quantity)] =
+        PlannedColumn{.column = plan_.table.columns.size(),
+                      .unit = unit,
+                      .header_column = name.column,
+                      .header_text = name.text};
+    plan_.table.columns.push_back(
+        {.name = name.text, .field = match.field, .kind = kind, .lenient = lenient});
   }
 
   CellKind KindOfTime(std::size_t field) const {
@@ -397,7 +436,8 @@ class Planner {
     const std::string_view text = rows_.front()[field].text;
     double seconds = 0.0;
     DateTime date;
-    if (ParseDuration(text, '.', seconds) || ParseDuration(text, ',', seconds)) return CellKind::kDuration;
+    if (ParseDuration(text, '.', seconds) || ParseDuration(text, ',', seconds))
+      return CellKind::kDuration;
     for (const DateOrder order : {DateOrder::kMonthFirst, DateOrder::kDayFirst}) {
       if (ParseDateTime(text, order, '.', date)) return CellKind::kDateTime;
     }
@@ -409,12 +449,14 @@ class Planner {
     const bool in_order = layout.Of(Quantity::kTime).in_order;
     auto match = Choose(Quantity::kTime, Find(header_, Quantity::kTime, options_), in_order);
     if ((!match || match->unit_is_wrong) && !options_.columns.contains("time_s")) {
-      auto other = Choose(Quantity::kTime, FindColumns(header_.names, Quantity::kTime, layout.step_clock), true);
+      auto other = Choose(
+          Quantity::kTime, FindColumns(header_.names, Quantity::kTime, layout.step_clock), true);
       if (other && !other->unit_is_wrong) {
         match = other;
         plan_.clock_restarts_with_step = true;
       } else {
-        other = Choose(Quantity::kTime, FindColumns(header_.names, Quantity::kTime, layout.date), true);
+        other =
+            Choose(Quantity::kTime, FindColumns(header_.names, Quantity::kTime, layout.date), true);
         if (other && !other->unit_is_wrong) match = other;
       }
     }
@@ -425,7 +467,8 @@ class Planner {
       return;
     }
     auto unit = UnitOf(Quantity::kTime, time);
-    if (unit && unit->is_duration) unit.reset();  // the header promises hh:mm:ss, the rows hold numbers
+    if (unit && unit->is_duration)
+      unit.reset();  // the header promises hh:mm:ss, the rows hold numbers
     if (!unit) unit = UnitFromDates(time.field);
     if (!unit) FailWithoutUnit(Quantity::kTime, time);
     Add(Quantity::kTime, time, kind, *unit);
@@ -443,7 +486,9 @@ class Planner {
     for (const auto& cells : rows_) {
       DateTime date;
       double value = 0.0;
-      if (!ParseNumber(cells[time_field].text, '.', value) && !ParseNumber(cells[time_field].text, ',', value)) break;
+      if (!ParseNumber(cells[time_field].text, '.', value) &&
+          !ParseNumber(cells[time_field].text, ',', value))
+        break;
       if (!ParseDateTime(cells[field].text, DateOrder::kMonthFirst, '.', date) &&
           !ParseDateTime(cells[field].text, DateOrder::kDayFirst, '.', date)) {
         break;
@@ -452,7 +497,8 @@ class Planner {
         first_date = date;
         first = value;
       }
-      if (date.days != first_date->days) break;  // which of 03/04 is the month does not matter within a day
+      if (date.days != first_date->days)
+        break;  // which of 03/04 is the month does not matter within a day
       date_s = date.second_of_day - first_date->second_of_day;
       clock = value - first;
     }
@@ -462,7 +508,8 @@ class Planner {
     for (const char* name : {"s", "min", "h"}) {
       const auto unit = FindUnit(Quantity::kTime, name);
       if (std::abs(unit->ToSi(clock) - date_s) > kResolution_s + 0.02 * date_s) continue;
-      plan_.notes.push_back(fmt::format("the header states no unit of time; the dates beside it say {}", name));
+      plan_.notes.push_back(
+          fmt::format("the header states no unit of time; the dates beside it say {}", name));
       return unit;
     }
     return std::nullopt;
@@ -470,7 +517,8 @@ class Planner {
 
   void PlanNumber(Quantity quantity) {
     const HeaderMatch match = Needed(
-        quantity, Choose(quantity, Find(header_, quantity, options_), header_.layout->Of(quantity).in_order));
+        quantity,
+        Choose(quantity, Find(header_, quantity, options_), header_.layout->Of(quantity).in_order));
     const auto unit = UnitOf(quantity, match);
     if (!unit) FailWithoutUnit(quantity, match);
     if (quantity == Quantity::kVoltage && !GivenUnit(quantity)) {
@@ -492,11 +540,13 @@ class Planner {
     auto matches = Find(header_, kQuantity, options_);
     if (named) Needed(kQuantity, Choose(kQuantity, matches, false));
     if (matches.empty()) return;
-    std::stable_sort(
-        matches.begin(), matches.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+    std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
+      return a.rank < b.rank;
+    });
     const HeaderMatch& match = matches.front();
     const auto unit = match.unit_is_wrong ? std::nullopt : UnitOf(kQuantity, match);
-    const bool one = matches.size() == 1 || (header_.layout->Of(kQuantity).in_order && matches[0].rank != matches[1].rank);
+    const bool one = matches.size() == 1 ||
+                     (header_.layout->Of(kQuantity).in_order && matches[0].rank != matches[1].rank);
     if (!unit || !one) {
       if (named) FailWithoutUnit(kQuantity, match);
       plan_.notes.push_back(fmt::format("temperature left out: {} '{}'",
@@ -511,30 +561,36 @@ class Planner {
   void PlanLabels() {
     const auto add = [&](Quantity quantity, CellKind kind, bool needed, std::string_view option) {
       for (std::size_t level = header_.levels.size(); level-- > 0;) {
-        const auto above = FindColumns(header_.levels[level], quantity, header_.layout->Of(quantity));
+        const auto above =
+            FindColumns(header_.levels[level], quantity, header_.layout->Of(quantity));
         if (above.empty()) continue;
         const HeaderName& name = header_.levels[level][above.front().field];
-        plan_.columns[static_cast<std::size_t>(quantity)] =
-            PlannedColumn{.column = plan_.table.columns.size(), .unit = {}, .header_text = name.text};
+        plan_.columns[static_cast<std::size_t>(quantity)] = PlannedColumn{
+            .column = plan_.table.columns.size(), .unit = {}, .header_text = name.text};
         plan_.table.columns.push_back(
             {.name = name.text, .field = above.front().field, .kind = kind, .level = level});
         return;
       }
       auto matches = FindColumns(header_.names, quantity, header_.layout->Of(quantity));
-      std::stable_sort(
-          matches.begin(), matches.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+      std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
+        return a.rank < b.rank;
+      });
       if (!matches.empty()) {
         Add(quantity, matches.front(), kind, Unit{});
       } else if (needed) {
         Fail(1,
-             fmt::format("expected a column for the {} because of the option {}, found none among {}",
-                         Name(quantity),
-                         option,
-                         Listed(header_.names)));
+             fmt::format(
+                 "expected a column for the {} because of the option {}, found none among {}",
+                 Name(quantity),
+                 option,
+                 Listed(header_.names)));
       }
     };
     if (!options_.steps.empty() || plan_.clock_restarts_with_step) {
-      add(Quantity::kStep, CellKind::kNumber, true, plan_.clock_restarts_with_step ? "columns.time_s" : "steps");
+      add(Quantity::kStep,
+          CellKind::kNumber,
+          true,
+          plan_.clock_restarts_with_step ? "columns.time_s" : "steps");
     }
     if (!options_.cycles.empty() || plan_.clock_restarts_with_step) {
       add(Quantity::kCycle, CellKind::kNumber, !options_.cycles.empty(), "cycles");

@@ -18,7 +18,8 @@ std::string Normal(std::string_view text) {
 }  // namespace
 
 HeaderName ParseHeaderName(const TextCell& cell) {
-  HeaderName header{.text = std::string(cell.text), .column = cell.column, .whole = Normal(cell.text)};
+  HeaderName header{
+      .text = std::string(cell.text), .column = cell.column, .whole = Normal(cell.text)};
   const std::string lower = LowerCase(cell.text);
   std::string_view name = lower;
   if (name.ends_with(')') || name.ends_with(']')) {
@@ -27,13 +28,15 @@ HeaderName ParseHeaderName(const TextCell& cell) {
       header.unit = Trimmed(name.substr(open + 1, name.size() - open - 2));
       name = name.substr(0, open);
     }
-  } else if (const auto mark = name.find_last_of("/#"); mark != std::string_view::npos && mark + 1 < name.size()) {
+  } else if (const auto mark = name.find_last_of("/#");
+             mark != std::string_view::npos && mark + 1 < name.size()) {
     header.unit = Trimmed(name.substr(mark + 1));
     name = name.substr(0, mark);
   }
   header.name = Normal(name);
   while (header.name.ends_with('_')) header.name.pop_back();
-  if (const auto last = header.name.rfind('_'); header.unit.empty() && last != std::string::npos && last > 0) {
+  if (const auto last = header.name.rfind('_');
+      header.unit.empty() && last != std::string::npos && last > 0) {
     header.stem = header.name.substr(0, last);
     header.suffix = header.name.substr(last + 1);
   }
@@ -49,11 +52,13 @@ std::vector<HeaderMatch> FindColumns(std::span<const HeaderName> header,
   for (std::size_t field = 0; field < header.size(); ++field) {
     const HeaderName& column = header[field];
     const auto rank_of = [&](const std::string& name) {
-      return static_cast<std::size_t>(std::find(names.names.begin(), names.names.end(), name) - names.names.begin());
+      return static_cast<std::size_t>(std::find(names.names.begin(), names.names.end(), name) -
+                                      names.names.begin());
     };
     HeaderMatch match{.field = field, .rank = rank_of(column.name), .unit = column.unit};
     if (match.rank < names.names.size()) {
-      if (match.unit.empty() && has_unit && FindUnit(quantity, column.name)) match.unit = column.name;  // Amps
+      if (match.unit.empty() && has_unit && FindUnit(quantity, column.name))
+        match.unit = column.name;  // Amps
     } else if (has_unit && !column.stem.empty()) {
       match.rank = rank_of(column.stem);
       match.unit = column.suffix;
@@ -71,7 +76,8 @@ bool Matches(std::span<const HeaderName> header, std::span<const std::string_vie
       const auto bar = alternatives.find('|');
       const std::string_view wanted = alternatives.substr(0, bar);
       const bool found = std::any_of(header.begin(), header.end(), [&](const HeaderName& column) {
-        return column.name == wanted || column.whole == wanted || (!column.stem.empty() && column.stem == wanted);
+        return column.name == wanted || column.whole == wanted ||
+               (!column.stem.empty() && column.stem == wanted);
       });
       if (found) return true;
       if (bar == std::string_view::npos) return false;

@@ -1,11 +1,12 @@
 #pragma once
 
 /// @file
-/// What a header line says: the name of each column and its unit, however the two are written together.
+/// What a header line says: the name of each column and its unit, however the two are written
+/// together.
 ///
 ///   time_s   Test Time (s)   U[V]   Voltage / V   Ecell/V   Current#A   test_time_second   Amps
 ///
-/// Tests: tests/identify/logs/formats/header_test.cc.
+/// Tests: tests/identify/logs/log_test.cc.
 
 #include <optional>
 #include <span>
@@ -19,12 +20,13 @@
 namespace lipoid {
 
 struct HeaderName {
-  std::string text = {};    ///< as written
+  std::string text = {};  ///< as written
   std::size_t column = 1;
-  std::string whole = {};   ///< lower case, blanks as '_'
-  std::string name = {};    ///< whole without what stands in brackets, after '/' or after '#'
-  std::string unit = {};    ///< that, in lower case
-  std::string stem = {};    ///< name without its last word, where that may be a unit: test_time of test_time_second
+  std::string whole = {};  ///< lower case, blanks as '_'
+  std::string name = {};   ///< whole without what stands in brackets, after '/' or after '#'
+  std::string unit = {};   ///< that, in lower case
+  std::string stem =
+      {};  ///< name without its last word, where that may be a unit: test_time of test_time_second
   std::string suffix = {};  ///< that word
 };
 
@@ -34,7 +36,7 @@ struct HeaderName {
 struct HeaderMatch {
   std::size_t field = 0;
   std::size_t rank = 0;        ///< place of its name in the list
-  std::string unit = {};            ///< as written, lower case; "" where the header states none
+  std::string unit = {};       ///< as written, lower case; "" where the header states none
   bool unit_is_wrong = false;  ///< the header states something that is no unit of this quantity
 };
 
@@ -44,6 +46,7 @@ struct HeaderMatch {
                                                    const ColumnNames& names);
 
 /// Every entry ("a|b": any of these) names a column of the header, with or without its unit.
-[[nodiscard]] bool Matches(std::span<const HeaderName> header, std::span<const std::string_view> signature);
+[[nodiscard]] bool Matches(std::span<const HeaderName> header,
+                           std::span<const std::string_view> signature);
 
 }  // namespace lipoid

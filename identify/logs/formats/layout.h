@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// One log format, declared: how its header is known and what its columns are called. Every format is read
-/// by the same engine; a format adds names, not code.
+/// One log format, declared: how its header is known and what its columns are called. Every format
+/// is read by the same engine; a format adds names, not code.
 
 #include <array>
 #include <cstddef>
@@ -20,28 +20,34 @@ struct ColumnNames {
   std::span<const std::string_view> names = {};
   /// The first name found in the order of the list is taken; otherwise two matches are an error.
   bool in_order = false;
-  /// The unit that the format is known to mean where its header states none; "" where the header must.
+  /// The unit that the format is known to mean where its header states none; "" where the header
+  /// must.
   std::string_view known_unit = {};
 };
 
 struct Layout {
   std::string_view name;
   std::string_view summary;
-  /// Each entry is a set of alternatives, "a|b"; a header that holds one of each is of this format. An
-  /// alternative matches a name with or without its unit.
+  /// Each entry is a set of alternatives, "a|b"; a header that holds one of each is of this format.
+  /// An alternative matches a name with or without its unit.
   std::span<const std::string_view> signature = {};
   std::array<ColumnNames, kQuantityCount> columns = {};
-  /// Names of a clock that runs through all steps when `columns` has none, and restarts with each step.
+  /// Names of a clock that runs through all steps when `columns` has none, and restarts with each
+  /// step.
   ColumnNames step_clock = {};
-  /// A column of dates: the time where no other column is, and the judge of a time column without a unit.
+  /// A column of dates: the time where no other column is, and the judge of a time column without a
+  /// unit.
   ColumnNames date = {};
   DateOrder date_order = DateOrder::kYearFirst;
-  /// For exports without a header: the header that belongs to them, and whether a first line is such a row.
+  /// For exports without a header: the header that belongs to them, and whether a first line is
+  /// such a row.
   std::string_view implied_header = {};
   bool (*is_row)(std::span<const TextCell> cells) = nullptr;
-  /// Headers of the levels above the rows, as signature entries, one set per level; rows are indented.
+  /// Headers of the levels above the rows, as signature entries, one set per level; rows are
+  /// indented.
   std::span<const std::span<const std::string_view>> level_signatures = {};
-  /// With a current column of this name, a voltage column without a unit may be in V or mV: the values decide.
+  /// With a current column of this name, a voltage column without a unit may be in V or mV: the
+  /// values decide.
   std::string_view millivolts_beside = {};
   /// Lines that start with # are comments.
   bool comments = false;
@@ -51,7 +57,8 @@ struct Layout {
   }
 };
 
-/// +1 for a word that says discharge, -1 for charge, 0 for any other: DCHG, D, CC DChg, Discharge, ...
+/// +1 for a word that says discharge, -1 for charge, 0 for any other: DCHG, D, CC DChg, Discharge,
+/// ...
 [[nodiscard]] double DirectionOfWord(std::string_view word);
 
 }  // namespace lipoid

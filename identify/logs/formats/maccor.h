@@ -4,7 +4,7 @@
 /// Maccor text and CSV: a few lines about the test, then Rec# (or Rec), Step, TestTime or Test (Sec), Amps or
 /// Current, Volts or Voltage, State or Md. Amps are often unsigned: the state says which way. A TestTime that is
 /// a plain number has no unit, and one program writes minutes: the dates beside it decide.
-/// Tests: tests/identify/logs/formats/maccor_test.cc.
+/// Tests: tests/identify/logs/formats/formats_test.cc.
 
 #include "identify/logs/formats/layout.h"
 

@@ -2,7 +2,7 @@
 
 /// @file
 /// Files that hold logs but not as text: recognised by their first bytes, whatever the name, and refused with
-/// advice. Tests: tests/identify/logs/formats/packed_test.cc.
+/// advice. Tests: tests/identify/logs/log_test.cc.
 
 #include <string>
 #include <string_view>

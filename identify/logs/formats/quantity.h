@@ -2,7 +2,7 @@
 
 /// @file
 /// What a column can hold and in which units. A unit is found by its usual names, without regard to case.
-/// Tests: tests/identify/logs/formats/header_test.cc.
+/// Tests: tests/identify/logs/log_test.cc.
 
 #include <array>
 #include <cstddef>

@@ -1,0 +1,197 @@
+#include "identify/logs/csv/table_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "tests/support/load_error.h"
+#include "tests/support/text_files.h"
+
+namespace lipoid {
+namespace {
+
+using test::WriteText;
+
+// Every column of a file that is all numbers under one header line.
+std::vector<std::vector<double>> ReadAll(const std::string& file,
+                                         char delimiter,
+                                         std::size_t fields) {
+  TextSource source(file);
+  source.Skip(source.head().find(source.line_end()) + 1);
+  TableSpec spec;
+  spec.delimiter = delimiter;
+  spec.first_line = 2;
+  spec.fields = fields;
+  for (std::size_t k = 0; k < fields; ++k)
+    spec.columns.push_back({.name = "c" + std::to_string(k), .field = k});
+  TableReader reader(source, spec);
+  TableBlock block;
+  std::vector<std::vector<double>> columns(fields);
+  while (reader.NextBlock(block)) {
+    for (std::size_t k = 0; k < fields; ++k) {
+      columns[k].insert(
+          columns[k].end(), block.columns[k].get(), block.columns[k].get() + block.rows);
+    }
+  }
+  return columns;
+}
+
+std::string Digits(double value, std::mt19937_64& random) {
+  char text[64];
+  const auto format = random() % 2 ? std::chars_format::scientific : std::chars_format::general;
+  const char* const end = std::to_chars(text, text + sizeof text, value, format).ptr;
+  std::string digits(text, static_cast<std::size_t>(end - text));
+  if (random() % 5 == 0 && value >= 0.0) digits = "+" + digits;
+  if (random() % 7 == 0) digits = " " + digits + "  ";
+  if (random() % 11 == 0) digits = "\"" + digits + "\"";
+  if (random() % 13 == 0 && digits.find('e') != std::string::npos) digits[digits.find('e')] = 'E';
+  return digits;
+}
+
+// Any doubles, printed in any way that says them fully, come back bit for bit.
+TEST(TableReader, RandomTablesComeBackBitForBit) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const char delimiter = ",;\t"[random() % 3];
+    const std::string line_end = std::vector<std::string>{"\n", "\r\n", "\r"}[random() % 3];
+    const bool decimal_comma = delimiter != ',' && random() % 2;
+    const std::size_t fields = 2 + random() % 6;
+    const std::size_t rows = 1 + random() % (seed % 20 == 0 ? 40000 : 50);
+    std::vector<std::vector<double>> expected(fields);
+    std::string text = "header" + line_end;
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t k = 0; k < fields; ++k) {
+        double value = 0.0;
+        do {
+          const std::uint64_t bits = random();
+          std::memcpy(&value, &bits, sizeof value);
+        } while (!(std::abs(value) < 1e30));
+        if (random() % 3 == 0) value = static_cast<double>(random() % 100000) / 1000.0;
+        expected[k].push_back(value);
+        std::string digits = Digits(value, random);
+        if (decimal_comma) {
+          if (row == 0 && k == 0 &&
+              digits.find('.') == std::string::npos) {  // the first fraction decides
+            expected[0][0] = 0.5;
+            digits = "0.5";
+          }
+          for (char& c : digits) c = c == '.' ? ',' : c;
+        }
+        text += digits + (k + 1 < fields ? std::string(1, delimiter) : line_end);
+      }
+      if (random() % 50 == 0) text += line_end;  // a blank line
+    }
+    const auto found = ReadAll(WriteText("table", text), delimiter, fields);
+    for (std::size_t k = 0; k < fields; ++k) {
+      ASSERT_EQ(found[k].size(), expected[k].size());
+      ASSERT_EQ(std::memcmp(found[k].data(), expected[k].data(), rows * sizeof(double)), 0)
+          << "column " << k;
+    }
+  }
+}
+
+TEST(TableReader, PicksColumnsOutOfOrderAndKeepsPositions) {
+  const std::string file = WriteText("table", "h\n# c\n1,x,\"2\",3\n\n4,\"y, z\",5,6\n7,w,bad,9\n");
+  TextSource source(file);
+  source.Skip(2);
+  TableSpec spec;
+  spec.first_line = 2;
+  spec.fields = 4;
+  spec.comments = true;
+  spec.columns = {{.name = "third", .field = 2}, {.name = "first", .field = 0}};
+  TableReader reader(source, spec);
+  TableBlock block;
+  EXPECT_EQ(test::LoadErrorOf([&] { (void)reader.NextBlock(block); }),
+            file + ":6:5: error: expected a number in column 'third', found 'bad'");
+  ASSERT_EQ(block.rows, 2U);
+  EXPECT_EQ(block.columns[0][1], 5.0);
+  EXPECT_EQ(block.columns[1][1], 4.0);
+  EXPECT_EQ(reader.PositionOf(0, 0), (SourcePosition{file, 3, 5}));
+  EXPECT_EQ(reader.PositionOf(1, 0), (SourcePosition{file, 5, 10}));
+  EXPECT_EQ(reader.TextOf(1, 0), "5");
+  EXPECT_EQ(reader.comment_lines(), 1U);
+  EXPECT_EQ(reader.blank_lines(), 1U);
+}
+
+// Rows that end on either side of every block boundary.
+TEST(TableReader, BlocksJoinWithoutASeam) {
+  std::string text = "h\n";
+  std::vector<double> expected;
+  for (int k = 0; k < 400000; ++k) {
+    text += std::to_string(k) + "," + std::string(static_cast<std::size_t>(k % 7), '0') +
+            std::to_string(k % 10) + "\n";
+    expected.push_back(k);
+  }
+  ASSERT_GT(text.size(), 2 * TextSource::kBufferBytes);
+  EXPECT_EQ(ReadAll(WriteText("table", text), ',', 2)[0], expected);
+}
+
+TEST(Cells, DurationsAndDates) {
+  double seconds = 0.0;
+  EXPECT_TRUE(ParseDuration("  0d 00:00:01.5", '.', seconds) ||
+              ParseDuration(Trimmed("  0d 00:00:01.5"), '.', seconds));
+  EXPECT_EQ(seconds, 1.5);
+  EXPECT_TRUE(ParseDuration("2d 03:04:05", '.', seconds));
+  EXPECT_EQ(seconds, 2 * 86400 + 3 * 3600 + 4 * 60 + 5);
+  EXPECT_TRUE(ParseDuration("75:24:59.326", '.', seconds));
+  EXPECT_EQ(seconds, 271499.326);
+  EXPECT_TRUE(ParseDuration("00:01:0,25", ',', seconds));
+  EXPECT_EQ(seconds, 60.25);
+  for (const char* wrong : {"",
+                            "1:2",
+                            "00:60:00",
+                            "00:00:60",
+                            "1:2:3:4",
+                            "x",
+                            "00:00:-1",
+                            "d 1:2:3",
+                            "00:00:1e1",
+                            "-1:00:00"}) {
+    EXPECT_FALSE(ParseDuration(wrong, '.', seconds)) << wrong;
+  }
+  // Days since 1970 by `date -u -d ... +%s` divided by 86400.
+  DateTime date;
+  for (const char* text : {"2021-03-26 17:01:33",
+                           "2021/03/26T17:01:33",
+                           "26.03.2021 17:01:33",
+                           "03/26/2021 5:01:33 PM",
+                           "26-Mar-21 5:01:33 pm",
+                           "26-MAR-2021 17:01:33Z"}) {
+    EXPECT_TRUE(ParseDateTime(text, DateOrder::kMonthFirst, '.', date)) << text;
+    EXPECT_EQ(date.days, 18712) << text;
+    EXPECT_EQ(date.second_of_day, 61293.0) << text;
+  }
+  EXPECT_TRUE(ParseDateTime("04/03/2021 12:00:00 AM", DateOrder::kDayFirst, '.', date));
+  EXPECT_EQ(date.days, 18690);
+  EXPECT_EQ(date.second_of_day, 0.0);
+  for (const char* wrong : {"03/04/2021 12:00:00",
+                            "2021-13-01 00:00:00",
+                            "2021-02-29 00:00:00",
+                            "2021-01-01",
+                            "2021-01-01 24:00:00",
+                            "2021-01-01 13:00:00 PM",
+                            "2021-257-01 00:00:00"}) {
+    EXPECT_FALSE(ParseDateTime(wrong, DateOrder::kYearFirst, '.', date)) << wrong;
+  }
+}
+
+TEST(Cells, QuotesAndColumns) {
+  std::vector<TextCell> cells;
+  SplitLine(R"(a, "b;c" ,"d ""e""",, "open)", ',', cells);
+  ASSERT_EQ(cells.size(), 5U);
+  EXPECT_EQ(cells[0].text, "a");
+  EXPECT_EQ(cells[1].text, "b;c");
+  EXPECT_EQ(cells[1].column, 4U);
+  EXPECT_EQ(cells[2].text, R"(d ""e"")");
+  EXPECT_EQ(cells[3].text, "");
+  EXPECT_EQ(cells[4].text, "\"open");
+  EXPECT_EQ(Unwrapped("\"a,b\"", ','), "a,b");
+  EXPECT_EQ(Unwrapped("\"a\",\"b\"", ','), "\"a\",\"b\"");
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,161 @@
+// The sign of the current: right or unclear, never wrong.
+#include "identify/logs/current_sign.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/support/paths.h"
+#include "tests/support/plain_csv.h"
+
+namespace lipoid {
+namespace {
+
+// A cell of 30 mOhm and a slower 20 mOhm in 30 s on a straight open-circuit voltage, 2 Ah; by its
+// own recurrence.
+Record Simulate(const std::vector<double>& current_A,
+                double interval_s,
+                double noise_V,
+                unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  Record record;
+  double slow_V = 0.0;
+  double charge_C = 0.0;
+  for (std::size_t k = 0; k < current_A.size(); ++k) {
+    const double i_A = current_A[k];
+    charge_C += k > 0 ? i_A * interval_s : 0.0;
+    slow_V += (0.02 * i_A - slow_V) * (1.0 - std::exp(-interval_s / 30.0));
+    record.time_s.push_back(interval_s * static_cast<double>(k));
+    record.current_A.push_back(i_A);
+    record.voltage_V.push_back(4.0 - 0.8 * charge_C / 7200.0 - 0.03 * i_A - slow_V +
+                               noise_V * noise(random));
+  }
+  return record;
+}
+
+std::vector<double> Profile(std::initializer_list<std::pair<int, double>> parts) {
+  std::vector<double> current_A;
+  for (const auto& [rows, i_A] : parts)
+    current_A.insert(current_A.end(), static_cast<std::size_t>(rows), i_A);
+  return current_A;
+}
+
+enum class Written { kAsItIs, kTurned, kUnsigned };
+
+CurrentSign Find(Record record, Written how) {
+  for (double& i : record.current_A)
+    i = how == Written::kTurned ? -i : how == Written::kUnsigned ? std::abs(i) : i;
+  return FindSignFromPhysics(record).sign;
+}
+
+TEST(CurrentSign, IsFoundFromTheVoltage) {
+  const std::vector<std::vector<double>> profiles{
+      Profile({{1, 0}, {1000, 2}}),                            // constant current from a rest row
+      Profile({{1000, 2}}),                                    // and without one
+      Profile({{10, 0}, {30, 6}, {60, 0}, {30, 6}, {60, 0}}),  // pulses
+      Profile({{1000, -2}}),                                   // a charge
+      Profile({{10, 0}, {30, 6}, {40, 0}, {10, -4}, {200, 2}, {60, 0}}),  // with regeneration
+      Profile({{60, 0.5}, {60, 5}, {60, 1}, {60, 4}, {60, 0.2}, {60, 3}}),
+  };
+  for (const double noise_V : {0.0, 1e-4, 1e-3, 3e-3}) {
+    for (std::size_t k = 0; k < profiles.size(); ++k) {
+      SCOPED_TRACE(testing::Message() << "profile " << k << " noise " << noise_V);
+      const Record record = Simulate(profiles[k], 1.0, noise_V, 1);
+      EXPECT_EQ(Find(record, Written::kAsItIs), CurrentSign::kDischargePositive);
+      EXPECT_EQ(Find(record, Written::kTurned), CurrentSign::kDischargeNegative);
+    }
+  }
+}
+
+TEST(CurrentSign, OfAnAmountAloneIsUnclear) {
+  for (const auto& profile :
+       {Profile({{10, 0}, {600, 2}, {100, 0}, {600, -2}, {10, 0}}),
+        Profile({{10, 0}, {30, 6}, {40, 0}, {10, -4}, {40, 0}, {30, 6}, {40, 0}, {10, -4}}),
+        Profile({{10, 0}, {900, 2}, {900, -2}})}) {
+    EXPECT_EQ(Find(Simulate(profile, 1.0, 1e-4, 2), Written::kUnsigned), CurrentSign::kUnclear);
+  }
+}
+
+TEST(CurrentSign, OfNothingIsUnclear) {
+  EXPECT_EQ(Find(Simulate(Profile({{100, 0}}), 1.0, 1e-3, 3), Written::kAsItIs),
+            CurrentSign::kUnclear);
+  // A current too small to move a noisy voltage.
+  EXPECT_EQ(Find(Simulate(Profile({{100, 0}, {100, 0.001}}), 1.0, 1e-3, 3), Written::kAsItIs),
+            CurrentSign::kUnclear);
+}
+
+// The recovery after a heavy load, under a light one, looks like charging.
+TEST(CurrentSign, RecoveryIsNotTakenForACharge) {
+  Record record = Simulate(Profile({{300, 6}, {40, 0.3}}), 1.0, 0.0, 4);
+  Record tail;
+  for (std::size_t k = 300; k < record.size(); ++k) {
+    tail.time_s.push_back(record.time_s[k]);
+    tail.current_A.push_back(record.current_A[k]);
+    tail.voltage_V.push_back(record.voltage_V[k]);
+  }
+  ASSERT_GT(tail.voltage_V.back(), tail.voltage_V.front()) << "it does rise";
+  EXPECT_EQ(Find(tail, Written::kAsItIs), CurrentSign::kUnclear);
+}
+
+// Windows of real logs whose discharge is known to be positive: cut anywhere, turned or not.
+TEST(CurrentSign, IsNeverWrongOnWindowsOfRealLogs) {
+  std::size_t found = 0;
+  std::size_t tried = 0;
+  for (const char* name : {"nissan_leaf_33ah/pulse.csv",
+                           "nissan_leaf_33ah/cc_1c.csv",
+                           "nissan_leaf_33ah/low_rate.csv",
+                           "dmegc_inr18650_26_r1/pulse.csv",
+                           "dmegc_inr18650_26_r1/random_walk_01.csv",
+                           "lg_m50_5ah/cc_0p5c.csv",
+                           "lg_m50_5ah/cc_2c.csv"}) {
+    const std::string path = test::LabDataPath(name);
+    LIPOID_SKIP_WITHOUT(path);
+    const Record whole = test::ReadPlainCsv(path);
+    std::mt19937_64 random(5);
+    for (int round = 0; round < 300; ++round) {
+      const std::size_t rows =
+          3 +
+          random() % (round % 2 ? std::min<std::size_t>(whole.size(), 300) - 3 : whole.size() - 3);
+      const auto first = static_cast<std::ptrdiff_t>(random() % (whole.size() - rows + 1));
+      const auto last = first + static_cast<std::ptrdiff_t>(rows);
+      Record window;
+      window.time_s.assign(whole.time_s.begin() + first, whole.time_s.begin() + last);
+      window.current_A.assign(whole.current_A.begin() + first, whole.current_A.begin() + last);
+      window.voltage_V.assign(whole.voltage_V.begin() + first, whole.voltage_V.begin() + last);
+      ++tried;
+      const auto as_it_is = Find(window, Written::kAsItIs);
+      found += as_it_is == CurrentSign::kDischargePositive ? 1 : 0;
+      EXPECT_NE(as_it_is, CurrentSign::kDischargeNegative)
+          << name << " rows " << first << " + " << rows;
+      EXPECT_NE(Find(window, Written::kTurned), CurrentSign::kDischargePositive)
+          << name << " rows " << first << " + " << rows;
+    }
+  }
+  EXPECT_GT(found, tried / 2) << "an answer that is always unclear is never wrong, and useless";
+}
+
+TEST(CurrentSign, IsFoundFromStates) {
+  Record record = Simulate(Profile({{2, 0}, {2, 2}, {2, 0}, {2, -1}}), 1.0, 0.0, 6);
+  const std::vector<std::int8_t> states{0, 0, 1, 1, 0, 0, -1, -1};
+  EXPECT_EQ(FindSignFromStates(record, states).sign, CurrentSign::kDischargePositive);
+  EXPECT_EQ(FindSignFromStates(record, states).reason,
+            "the state column says discharge where the current is positive (2 rows) and charge "
+            "where the current is "
+            "negative (2 rows)");
+  for (double& i : record.current_A) i = -i;
+  EXPECT_EQ(FindSignFromStates(record, states).sign, CurrentSign::kDischargeNegative);
+  for (double& i : record.current_A) i = std::abs(i);
+  EXPECT_EQ(FindSignFromStates(record, states).sign, CurrentSign::kUnsigned);
+  record.current_A = {0, 0, 2, -2, 0, 0, 1, -1};
+  EXPECT_EQ(FindSignFromStates(record, states).sign, CurrentSign::kUnclear);
+  record.current_A = {
+      0, 0, 2, 2, 2, 0, 1, 1};  // amounts, and one in a state that says no direction
+  EXPECT_EQ(FindSignFromStates(record, states).sign, CurrentSign::kUnclear);
+  EXPECT_EQ(FindSignFromStates(record, {}).sign, CurrentSign::kUnclear);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,373 @@
+// Plain CSV in all its spellings, what the options do, and the exact text of every refusal.
+#include "identify/logs/log.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ostream>
+
+#include "model/core/errors.h"
+#include "tests/support/load_error.h"
+#include "tests/support/text_files.h"
+
+namespace lipoid {
+namespace {
+
+using test::WriteText;
+
+// Rest, then 2 A: the voltage falls by 0.1 V at the edge and goes on falling.
+constexpr const char* kRows = "0,0,4.1\n1,0,4.1\n2,2,4\n3,2,3.99\n4,2,3.97\n";
+
+std::string Refusal(const std::string& text, const ReadOptions& options = {}) {
+  const std::string file = WriteText("log.csv", text);
+  std::string message = test::LoadErrorOf([&] { (void)ReadLog(file, options); });
+  if (message.starts_with(file)) message = "F" + message.substr(file.size());
+  return message;
+}
+
+Log Read(const std::string& text, const ReadOptions& options = {}) {
+  return ReadLog(WriteText("log.csv", text), options);
+}
+
+TEST(PlainCsv, HeaderNamesAreUnderstood) {
+  for (const char* header : {"time_s,current_A,voltage_V",
+                             "TIME_S,CURRENT_A,VOLTAGE_V",
+                             "t/s,I/A,U/V",
+                             "t [s],i [a],u [v]",
+                             "Time (s),Current (A),Voltage (V)",
+                             "Test Time (Sec), Amps, Volts",
+                             "elapsed_seconds,current_ampere,voltage_volt",
+                             "seconds,amps,volts",
+                             "Elapsed Time / s,I_cell / A,Ecell/V",
+                             "total_time_s,I_A,V_V",
+                             "Time#s,Current#A,Voltage#V",
+                             "\"time_s\",\"current_A\",\"voltage_V\""}) {
+    SCOPED_TRACE(header);
+    const Log log = Read(std::string(header) + "\n" + kRows);
+    EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
+    EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
+  }
+}
+
+TEST(PlainCsv, UnitsAreConverted) {
+  // Dividing by 1000 and multiplying by 60 or 3600 are exact for these numbers.
+  const Log log = Read(
+      "time_h,current_mA,voltage_mV,temperature_K\n0,0,4100,300\n0.5,0,4100,300\n1,2000,4000,300\n"
+      "1.5,2000,3990,300\n2,2000,3970,300\n");
+  EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1800, 3600, 5400, 7200}));
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
+  EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
+  EXPECT_EQ(log.record.temperature_degC, (std::vector<double>(5, 300 - 273.15)));
+  EXPECT_EQ(Read("time_min,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(),
+            240.0);
+  EXPECT_EQ(Read("time_ms,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(), 0.004);
+}
+
+TEST(PlainCsv, NegativeDischargeIsTurnedRound) {
+  const Log log =
+      Read("time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n");
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
+  EXPECT_FALSE(std::signbit(log.record.current_A[0]));
+  EXPECT_EQ(log.report.current_sign, "discharge-negative");
+}
+
+TEST(PlainCsv, WhatIsSkippedIsCounted) {
+  const Log log = Read(
+      "\xEF\xBB\xBF# lab 3\ntime_s,current_A,voltage_V,\n0,0,4.1,\n1,0,4.1,\n1,0,4.2,\n\n2,2,4,\n# "
+      "pause\n"
+      "3,2,3.99,\n4,2,3.97,\n5,2");
+  EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(log.record.voltage_V[1], 4.1) << "of repeated time stamps the first is kept";
+  EXPECT_EQ(log.report.dropped_repeated_times, 1U);
+  EXPECT_EQ(log.report.dropped_cut_last_line, 1U);
+  EXPECT_EQ(log.report.dropped_rows(), 2U);
+  EXPECT_EQ(log.report.notes,
+            (std::vector<std::string>{"byte order mark skipped",
+                                      "a delimiter at the end of lines skipped",
+                                      "1 blank lines skipped",
+                                      "1 comment lines skipped",
+                                      "1 lines before the header skipped"}));
+}
+
+TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
+  const std::string text =
+      "time_s,current_A,voltage_V\n0,0,4.100\n1,0,4.100\n2,2,4.000\n3,2,3.990\n4,2,3.970";
+  EXPECT_EQ(Read(text).record.size(), 5U);
+  for (const std::size_t missing : {1U, 2U, 3U, 4U}) {
+    const Log log = Read(text.substr(0, text.size() - missing));
+    EXPECT_EQ(log.record.size(), 4U);
+    EXPECT_EQ(log.report.dropped_cut_last_line, 1U);
+  }
+  // With a line end it is what the logger wrote.
+  EXPECT_EQ(Read(text.substr(0, text.size() - 1) + "\n").record.size(), 5U);
+}
+
+TEST(PlainCsv, ALeadResistanceRaisesTheVoltageUnderDischarge) {
+  const Log log =
+      Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.lead_resistance_Ohm = 0.25});
+  EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4.5, 4.49, 4.470000000000001}));
+}
+
+TEST(PlainCsv, OnlyATimeSpanIsReadAndTimeRestarts) {
+  const Log log =
+      Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.start_s = 1, .end_s = 3});
+  EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4, 3.99}));
+  EXPECT_EQ(log.report.dropped_unselected, 2U);
+}
+
+TEST(PlainCsv, HoldIsPassedOn) {
+  EXPECT_EQ(Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.hold = Hold::kForward})
+                .record.hold,
+            Hold::kForward);
+}
+
+TEST(PlainCsv, ColumnsCanBeNamed) {
+  const std::string text =
+      "Zeit [s],I1 [A],I2 [A],Spannung [mV]\n0,0,9,4100\n1,0,9,4100\n2,2,9,4000\n3,2,9,3990\n";
+  const Log log =
+      Read(text,
+           {.columns = {
+                {"time_s", "zeit [s]"}, {"current_A", "I1 [A]"}, {"voltage_V", "Spannung [mV]"}}});
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2}));
+  EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99}));
+}
+
+TEST(PlainCsv, TheSignCanBeGiven) {
+  const std::string text = "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,0,4.1\n";
+  EXPECT_EQ(Read(text, {.current_sign = "discharge-negative"}).report.current_sign,
+            "discharge-negative");
+  EXPECT_EQ(Read(text, {.current_sign = "discharge-positive"}).report.current_sign_reason,
+            "given by the option current_sign");
+}
+
+struct Wrong {
+  const char* what;
+  std::string text;
+  std::string message;
+  ReadOptions options = {};
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* os) { *os << wrong.what; }
+
+const std::string kHeader = "time_s,current_A,voltage_V\n";
+
+const Wrong kWrong[] = {
+    {"empty", "", "F:1:1: error: expected a log, found an empty file"},
+    {"blank", "\n\n", "F:1:1: error: expected a log, found only blank lines and comments"},
+    {"header only", kHeader, "F:1:1: error: expected rows below the header, found none"},
+    {"cut row only",
+     kHeader + "1,2",
+     "F:1:1: error: expected rows below the header, found only one that is cut off"},
+    {"unknown header",
+     "foo,bar,baz\n1,2,3\n",
+     "F:1:1: error: expected a header that names time, current and voltage, such as "
+     "time_s,current_A,voltage_V, found "
+     "'foo,bar,baz'; `lipoid list formats` shows what is read"},
+    {"no current",
+     "time_s,voltage_V,foo\n1,2,3\n",
+     "F:1:1: error: expected columns for time, current and voltage, found none for current among "
+     "time_s, voltage_V, "
+     "foo; name the columns with `columns = {time_s = \"...\", current_A = \"...\", voltage_V = "
+     "\"...\"}`"},
+    {"no header",
+     kRows,
+     "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
+     "such as "
+     "time_s,current_A,voltage_V"},
+    {"no header, overflow",
+     "\xEF\xBB\xBF"
+     "0,3.40E+38,4.1506,0.25433\n1.001332,-2.9975,4.043,-12.118\n",
+     "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
+     "such as "
+     "time_s,current_A,voltage_V"},
+    {"no units",
+     "Time,Current,Voltage\n1,2,3\n",
+     "F:1:1: error: expected a header that states the unit of the time (s, ms, min, h), found "
+     "'Time'; add it there or "
+     "say `units` (--units s,A,V)"},
+    {"no unit of the current",
+     "time_s,Current,voltage_V\n1,2,3\n",
+     "F:1:8: error: expected a header that states the unit of the current (A, mA), found "
+     "'Current'; add it there or say "
+     "`units` (--units s,A,V)"},
+    {"a unit that cannot be",
+     "time_kg,current_A,voltage_V\n1,2,3\n",
+     "F:1:1: error: expected a unit of time (s, ms, min, h) in 'time_kg', found 'kg'"},
+    {"another quantity's unit",
+     "time_s,current_V,voltage_V\n1,2,3\n",
+     "F:1:8: error: expected a unit of current (A, mA) in 'current_V', found 'v'"},
+    {"units contradict",
+     kHeader + kRows,
+     "F:1:8: error: expected a column in ma as the option units says, found 'current_A'",
+     {.units = {"s", "mA", "V"}}},
+    {"two currents",
+     "time_s,current_A,I (mA),voltage_V\n1,2,3,4\n",
+     "F:1:18: error: expected one column for the current, found 'current_A' and 'I (mA)'; say "
+     "which with `columns = "
+     "{current_A = \"current_A\"}`"},
+    {"named column missing",
+     kHeader + kRows,
+     "F:1:1: error: expected columns for time, current and voltage, found none for 'Zeit' among "
+     "time_s, current_A, "
+     "voltage_V; name the columns with `columns = {time_s = \"...\", current_A = \"...\", "
+     "voltage_V = \"...\"}`",
+     {.columns = {{"time_s", "Zeit"}}}},
+    {"text",
+     kHeader + "0,0,4.1\n1,abc,4\n",
+     "F:3:3: error: expected a number in column 'current_A', found 'abc'"},
+    {"an empty cell",
+     kHeader + "0,0,4.1\n1,,4\n",
+     "F:3:3: error: expected a number in column 'current_A', found an empty cell"},
+    {"nan",
+     kHeader + "0,0,4.1\n1, nan,4\n",
+     "F:3:4: error: expected a finite number in column 'current_A', found 'nan'"},
+    {"inf",
+     kHeader + "0,0,4.1\n1,2,-inf\n",
+     "F:3:5: error: expected a finite number in column 'voltage_V', found '-inf'"},
+    {"overflow",
+     kHeader + "0,3.40E+38,4.1\n1,2,3\n",
+     "F:2:3: error: expected a finite number in column 'current_A', found '3.40E+38', which "
+     "loggers write for an "
+     "overflow"},
+    {"beyond doubles",
+     kHeader + "0,1e999,4.1\n1,2,3\n",
+     "F:2:3: error: expected a finite number in column 'current_A', found '1e999'"},
+    {"too few fields",
+     kHeader + "0,0,4.1\n1,2\n2,2,4\n",
+     "F:3:1: error: expected 3 fields as in the header, found 2"},
+    {"decimal comma in a comma file",
+     kHeader + "0,0,0,0,4,1\n",
+     "F:2:1: error: expected 3 fields as in the header, found 6"},
+    {"two decimal marks",
+     "time_s;current_A;voltage_V\n0;0,5;4.1\n",
+     "F:2:3: error: expected a number in column 'current_A', found '0,5'"},
+    {"a thousands mark",
+     "time_s;current_A;voltage_V\n0;1.000,5;4,1\n",
+     "F:2:3: error: expected a number in column 'current_A', found '1.000,5'"},
+    {"backwards",
+     kHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
+     "F:4:1: error: expected time to increase, found '1' after 2 s; if the clock starts anew with "
+     "each step or cycle, "
+     "pick some with `steps` or `cycles`, or name a column that runs on with `columns = {time_s = "
+     "\"...\"}`"},
+    {"mV labelled as V",
+     kHeader + "0,0,4100\n1,0,4100\n2,2,4000\n",
+     "F:1:18: error: expected a voltage in V, found 4100 V; are these mV? Say so in the header or "
+     "with `units`"},
+    {"absurd currents",
+     kHeader + "0,0,4.1\n1,1000000,4\n2,1000000,3.9\n",
+     "F:1:8: error: expected a current in A, found 1e+06 A; are these mA? Say so in the header or "
+     "with `units`"},
+    {"absurd times",
+     kHeader + "0,0,4.1\n1e12,2,4\n2e12,2,3.9\n",
+     "F:1:1: error: expected times in s, found a log of 6.34e+04 years; are these ms? Say so in "
+     "the header or with "
+     "`units`"},
+    {"all rest",
+     kHeader + "0,0,4.1\n1,0,4.1\n2,0,4.1\n",
+     "F:1:8: error: expected a current whose sign the data settle, found that no current flows; "
+     "say `current_sign` "
+     "(--current-sign discharge-positive or discharge-negative), or read a part of the log"},
+    {"no such step",
+     "time_s,step,current_A,voltage_V\n0,1,0,4.1\n1,2,2,4\n",
+     "F:1:1: error: expected rows within steps, cycles, start_s and end_s as given, found none "
+     "(steps of the file: 1, 2)",
+     {.steps = {3}}},
+    {"steps without a step column",
+     kHeader + kRows,
+     "F:1:1: error: expected a column for the step because of the option steps, found none among "
+     "time_s, current_A, "
+     "voltage_V",
+     {.steps = {3}}},
+    {"LabVIEW",
+     "LabVIEW Measurement\nWriter_Version\t2\n***End_of_Header***\nDescription\tColumns are time, "
+     "Current\n",
+     "F:1:1: error: expected a header that names time, current and voltage, found a LabVIEW text "
+     "(.lvm), which describes "
+     "its columns in prose; save the rows under a header such as time_s,current_A,voltage_V"},
+    {"gzip",
+     "\x1f\x8b\x08",
+     "F:1:1: error: expected a log as text, found a gzip file; unpack it and name the log inside"},
+    {"Excel",
+     "PK\x03\x04 [Content_Types].xml",
+     "F:1:1: error: expected a log as text, found an Excel workbook (.xlsx); save the sheet as "
+     "CSV"},
+    {"Neware packed",
+     "PK\x03\x04 data.ndc",
+     "F:1:1: error: expected a log as text, found a Neware packed file (.ndax); export it as CSV "
+     "in BTSDA"},
+    {"BioLogic",
+     "BIO-LOGIC MODULAR FILE\x1a",
+     "F:1:1: error: expected a log as text, found a BioLogic binary file (.mpr); export it as text "
+     "(.mpt) in EC-Lab or "
+     "BT-Lab"},
+    {"Access",
+     std::string("\0\1\0\0Standard Jet DB\0", 20),
+     "F:1:1: error: expected a log as text, found an Access database (Arbin .res or .mdb); export "
+     "the channel as CSV in "
+     "Arbin MITS Pro"},
+    {"UTF-16",
+     "\xFF\xFEt",
+     "F:1:1: error: expected a log as text, found UTF-16 text; save it as UTF-8"},
+    {"bytes",
+     std::string("\1\2\3\4\5abc"),
+     "F:1:1: error: expected a log as text, found binary data; export the test as text (CSV) from "
+     "the cycler's program"},
+};
+
+class RefusedLog : public testing::TestWithParam<Wrong> {};
+TEST_P(RefusedLog, SaysWhatIsWrong) {
+  EXPECT_EQ(Refusal(GetParam().text, GetParam().options), GetParam().message);
+}
+INSTANTIATE_TEST_SUITE_P(All, RefusedLog, testing::ValuesIn(kWrong));
+
+TEST(RefusedLog, MissingFilesAndFolders) {
+  const std::string folder = test::FreshFolder("log_test_folder");
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { (void)ReadLog(folder + "/none.csv"); }),
+      folder +
+          "/none.csv:1:1: error: expected a log file, found no file of this name; check the path");
+  EXPECT_EQ(test::LoadErrorOf([&] { (void)ReadLog(folder); }),
+            folder + ":1:1: error: expected a log file, found a folder; name the files in it");
+}
+
+TEST(RefusedLog, AVeryLongLine) {
+  const std::string message = Refusal(kHeader + kRows + std::string(3000000, '7'));
+  EXPECT_EQ(message,
+            "F:7:1: error: expected a row of a log, found a line of more than 131072 bytes");
+}
+
+TEST(RefusedLog, AMillionColumns) {
+  std::string text = "a";
+  for (int k = 0; k < 1000000; ++k) text += ",";
+  EXPECT_NE(Refusal(text + "\n1\n").find(": error: expected "), std::string::npos);
+}
+
+TEST(ReadOptions, AreChecked) {
+  const std::string file = WriteText("log.csv", kHeader + kRows);
+  const auto complaint = [&](const ReadOptions& options) {
+    try {
+      (void)ReadLog(file, options);
+    } catch (const OptionError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(complaint({.columns = {{"time", "t"}}}),
+            "columns: expected time_s, current_A, voltage_V or temperature_degC, found 'time'");
+  EXPECT_EQ(complaint({.units = {"s", "A"}}),
+            "units: expected three, of time, current and voltage (s,A,V), found 2");
+  EXPECT_EQ(complaint({.units = {"s", "A", "kg"}}),
+            "units: expected a unit of voltage (V, mV), found 'kg'");
+  EXPECT_EQ(complaint({.current_sign = "+"}),
+            "current_sign: expected auto, discharge-positive or discharge-negative, found '+'");
+  EXPECT_EQ(complaint({.start_s = 2, .end_s = 1}),
+            "start_s: expected no later than end_s, found 2 and 1");
+  EXPECT_EQ(complaint({.lead_resistance_Ohm = std::nan("")}),
+            "lead_resistance_Ohm: expected a finite number, found nan");
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,141 @@
+// lipoid convert LOG -o CSV: a log of any known format as plain CSV or Battery Data Format.
+#include <algorithm>
+#include <charconv>
+
+#include "identify/logs/log.h"
+#include "identify/logs/log_writer.h"
+#include "model/core/errors.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+
+namespace lipoid {
+namespace {
+
+// Which part of the file to read, and how its columns are called.
+struct Selection {
+  std::vector<std::string> columns;  // "time_s=Zeit"
+  std::vector<std::string> steps;
+  std::vector<std::string> cycles;
+  std::optional<double> start_s;
+  std::optional<double> end_s;
+  double lead_resistance_Ohm = 0.0;
+
+  void AddTo(cli::CommandLine& line) {
+    line.Texts("columns",
+               columns,
+               "KEY=NAME",
+               "the header's names of time_s, current_A, voltage_V, temperature_degC, where they "
+               "are not found");
+    line.Texts("steps", steps, "N", "only rows of these steps of the cycler's program");
+    line.Texts("cycles", cycles, "N", "only rows of these cycles");
+    line.Option("start-s",
+                start_s,
+                Range{},
+                "only rows from this time of the file on; time then restarts at 0");
+    line.Option("end-s", end_s, Range{}, "only rows up to this time of the file");
+    line.Option("lead-resistance-Ohm",
+                lead_resistance_Ohm,
+                Range{-1e3, 1e3},
+                "resistance R of leads within the measured voltage: v + R i is written");
+  }
+
+  void ApplyTo(ReadOptions& read) const {
+    for (const auto& column : columns) {
+      const auto equals = column.find('=');
+      if (equals == std::string::npos) {
+        throw OptionError(
+            fmt::format("option --columns: expected KEY=NAME (time_s=Zeit), found '{}'", column));
+      }
+      read.columns[column.substr(0, equals)] = column.substr(equals + 1);
+    }
+    read.steps = Numbers("steps", steps);
+    read.cycles = Numbers("cycles", cycles);
+    if (start_s) read.start_s = *start_s;
+    if (end_s) read.end_s = *end_s;
+    read.lead_resistance_Ohm = lead_resistance_Ohm;
+  }
+
+  static std::vector<int> Numbers(std::string_view option, const std::vector<std::string>& words) {
+    std::vector<int> numbers;
+    for (const auto& word : words) {
+      for (std::size_t from = 0; from <= word.size();) {
+        const auto to = std::min(word.find(',', from), word.size());
+        numbers.push_back(options_internal::ParseInt(
+            fmt::format("--{}", option), word.substr(from, to - from), Range{-1e9, 1e9}));
+        from = to + 1;
+      }
+    }
+    return numbers;
+  }
+};
+
+Json Describe(const std::string& file,
+              const Log& log,
+              const std::string& output,
+              LogFileFormat format) {
+  const Record& record = log.record;
+  const LogReport& report = log.report;
+  Json gaps = Json::array();
+  for (const Gap& gap : report.gaps) {
+    gaps.push_back({{"row", gap.row}, {"start_s", gap.start_s}, {"length_s", gap.length_s}});
+  }
+  return {{"file", file},
+          {"format", report.format},
+          {"output", output},
+          {"output_format", options_internal::ToText(format)},
+          {"rows", report.rows},
+          {"duration_s", record.time_s.back() - record.time_s.front()},
+          {"current_sign", report.current_sign},
+          {"current_sign_reason", report.current_sign_reason},
+          {"dropped_rows", report.dropped_rows()},
+          {"dropped_repeated_times", report.dropped_repeated_times},
+          {"dropped_unselected", report.dropped_unselected},
+          {"dropped_cut_last_line", report.dropped_cut_last_line},
+          {"gaps", std::move(gaps)},
+          {"notes", report.notes}};
+}
+
+}  // namespace
+
+cli::ExitCode ConvertCommand(cli::CommandLine& line) {
+  std::string file;
+  std::string output;
+  std::optional<LogFileFormat> given_format;
+  LogOptions log_options;
+  Selection selection;
+  line.Describe(
+      "Reads a log of any known format (`lipoid list formats`) and writes time, current and "
+      "voltage in SI units. "
+      "Plain CSV counts discharging as positive, Battery Data Format charging.",
+      "lipoid convert cycler_export.txt -o discharge.csv");
+  line.Example("lipoid convert cycler_export.txt --steps 7 -o discharge.bdf.csv");
+  line.Argument("LOG", file, "the log to read");
+  line.Output(output,
+              "CSV",
+              "the file to write; as Battery Data Format where its name ends in .bdf or .bdf.csv");
+  line.Option("format", given_format, Names(), "format to write, whatever the name");
+  log_options.AddTo(line);
+  selection.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  ReadOptions read = log_options.ToReadOptions();
+  selection.ApplyTo(read);
+  const bool named_bdf = output.ends_with(".bdf") || output.ends_with(".bdf.csv");
+  const LogFileFormat format =
+      given_format.value_or(named_bdf ? LogFileFormat::kBdf : LogFileFormat::kCsv);
+  const Log log = ReadLog(file, read);
+  WriteLog(log.record, output, format);
+
+  line.summary()["files"] = Json::array({Describe(file, log, output, format)});
+  line.Message("{}: {}, {} rows kept, {} dropped; {} ({})",
+               file,
+               log.report.format,
+               log.report.rows,
+               log.report.dropped_rows(),
+               log.report.current_sign,
+               log.report.current_sign_reason);
+  for (const auto& note : log.report.notes) line.Message("  {}", note);
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
