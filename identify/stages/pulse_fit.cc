@@ -440,7 +440,6 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     result.parameters = problem.Parameters(result.summary.x);
     result.evaluations += result.summary.evaluations;
   };
-  LiftZeroResistances(best, variables);
   fit_all_rows();
 
   // A branch that has no inertia left is a part of r_s, and one without resistance has no time constant:
