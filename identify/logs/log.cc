@@ -1,5 +1,7 @@
 #include "identify/logs/log.h"
 
+#include <sys/mman.h>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -60,6 +62,15 @@ void CheckOptions(const ReadOptions& options) {
     throw OptionError(fmt::format("lead_resistance_Ohm: expected a finite number, found {}",
                                   options.lead_resistance_Ohm));
   }
+}
+
+// A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of the time
+// that reading takes. Only a hint: where the system has no large pages nothing changes.
+void PreferHugePages(void* begin, std::size_t bytes) {
+  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
+  const auto first = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;
+  const auto last = (reinterpret_cast<std::uintptr_t>(begin) + bytes) / kPage * kPage;
+  if (first < last) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
 }
 
 // Takes the blocks of a table into a record, row by row where something must be left out.
@@ -147,9 +158,10 @@ class Collector {
     const auto capacity =
         std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
                  bytes_left_ > 0.0 ? needed : needed + log_.record.size());
-    log_.record.time_s.reserve(capacity);
-    log_.record.current_A.reserve(capacity);
-    log_.record.voltage_V.reserve(capacity);
+    for (auto* column : {&log_.record.time_s, &log_.record.current_A, &log_.record.voltage_V}) {
+      column->reserve(capacity);
+      PreferHugePages(column->data(), capacity * sizeof(double));
+    }
     if (plan_.Of(Quantity::kTemperature)) log_.record.temperature_degC.reserve(capacity);
     if (plan_.Of(Quantity::kState)) directions_.reserve(capacity);
   }

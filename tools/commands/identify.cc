@@ -269,7 +269,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       cells.back()["truth"] = ComparisonToJson(comparison);
     }
     line.Print("\nCell file: {}\n", paths[k]);
-    line.Message("Next: lipoid validate {} LOG...", paths[k]);
+    if (campaigns.size() == 1) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
     if (k + 1 < campaigns.size()) line.Print("\n");
     results.push_back(std::move(result));
   }
