@@ -19,7 +19,8 @@ double MedianInterval(const std::vector<double>& time_s, std::size_t first, std:
   }
   if (count == 0) return 0.0;
   const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(intervals.begin(), middle, intervals.begin() + static_cast<std::ptrdiff_t>(count));
+  std::nth_element(
+      intervals.begin(), middle, intervals.begin() + static_cast<std::ptrdiff_t>(count));
   return *middle;
 }
 

@@ -9,8 +9,8 @@
 
 namespace lipoid {
 
-/// Intervals longer than ten times the usual one on either side. A logger that changes its rate at a new
-/// step leaves none: the interval fits one of its sides.
+/// Intervals longer than ten times the usual one on either side. A logger that changes its rate at
+/// a new step leaves none: the interval fits one of its sides.
 [[nodiscard]] std::vector<Gap> FindGaps(const std::vector<double>& time_s);
 
 }  // namespace lipoid

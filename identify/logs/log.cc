@@ -1,9 +1,8 @@
 #include "identify/logs/log.h"
 
-#include <sys/mman.h>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
@@ -64,8 +63,8 @@ void CheckOptions(const ReadOptions& options) {
   }
 }
 
-// A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of the time
-// that reading takes. Only a hint: where the system has no large pages nothing changes.
+// A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of
+// the time that reading takes. Only a hint: where the system has no large pages nothing changes.
 void PreferHugePages(void* begin, std::size_t bytes) {
   constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
   const auto first = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;

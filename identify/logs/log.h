@@ -3,9 +3,10 @@
 /// @file
 /// Reading a log of any known format into a Record, with a report of what was found and done.
 ///
-/// The format is recognised from the content. The sign of the current is found from the physics or from the
-/// cycler's state column. What is dropped is counted. Anything else that is wrong is a LoadError with
-/// file:line:column. Formats: identify/logs/formats/formats.h. Tests: tests/identify/logs/.
+/// The format is recognised from the content. The sign of the current is found from the physics or
+/// from the cycler's state column. What is dropped is counted. Anything else that is wrong is a
+/// LoadError with file:line:column. Formats: identify/logs/formats/formats.h. Tests:
+/// tests/identify/logs/.
 
 #include <cstddef>
 #include <limits>
@@ -22,8 +23,8 @@ namespace lipoid {
 struct ReadOptions {
   /// Keys time_s, current_A, voltage_V, temperature_degC: the header's name for that column.
   std::map<std::string, std::string> columns = {};
-  /// Units of time, current and voltage, for headers that state none: {"s", "A", "V"}. Empty: as the header
-  /// says. An entry that contradicts the header is an error.
+  /// Units of time, current and voltage, for headers that state none: {"s", "A", "V"}. Empty: as
+  /// the header says. An entry that contradicts the header is an error.
   std::vector<std::string> units = {};
   /// "" or "auto": found from the data; "discharge-positive"; "discharge-negative".
   std::string current_sign = {};
@@ -34,8 +35,9 @@ struct ReadOptions {
   /// Only rows with start_s <= time <= end_s, in the time of the file; time then restarts at 0.
   double start_s = -std::numeric_limits<double>::infinity();
   double end_s = std::numeric_limits<double>::infinity();
-  /// Take a log without a voltage too: the record's voltage_V is then empty and, unless the states or
-  /// current_sign say otherwise, discharge counts as positive. For currents that drive a simulation.
+  /// Take a log without a voltage too: the record's voltage_V is then empty and, unless the states
+  /// or current_sign say otherwise, discharge counts as positive. For currents that drive a
+  /// simulation.
   bool voltage_optional = false;
   /// Added drop of the leads: v_true = v + R i.
   double lead_resistance_Ohm = 0.0;
@@ -55,10 +57,10 @@ struct LogReport {
   std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
-  std::string current_sign;                ///< "discharge-positive", "discharge-negative", "unsigned"
-  std::string current_sign_reason;         ///< one sentence
+  std::string current_sign;         ///< "discharge-positive", "discharge-negative", "unsigned"
+  std::string current_sign_reason;  ///< one sentence
   std::vector<Gap> gaps;
-  std::vector<std::string> notes;          ///< byte order mark, trailing comma, decimal comma, ...
+  std::vector<std::string> notes;  ///< byte order mark, trailing comma, decimal comma, ...
 
   [[nodiscard]] std::size_t dropped_rows() const {
     return dropped_repeated_times + dropped_unselected + dropped_cut_last_line;

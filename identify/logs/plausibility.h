@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// Values that cannot be: a unit that was mislabelled or left out shows as a factor of 60, 1000 or 3600.
-/// Tests: tests/identify/logs/plausibility_test.cc.
+/// Values that cannot be: a unit that was mislabelled or left out shows as a factor of 60, 1000 or
+/// 3600. Tests: tests/identify/logs/plausibility_test.cc.
 
 #include <string>
 
@@ -21,8 +21,8 @@ struct ColumnPositions {
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
 void CheckReadable(const Record& record, const ColumnPositions& positions);
 
-/// For a record of one cell, after DivideByPack(). capacity_Ah is the cell's nominal one, 0 where it is not
-/// known. LoadError with advice.
+/// For a record of one cell, after DivideByPack(). capacity_Ah is the cell's nominal one, 0 where
+/// it is not known. LoadError with advice.
 void CheckPlausible(const Record& record, double capacity_Ah);
 
 }  // namespace lipoid

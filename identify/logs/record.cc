@@ -20,7 +20,8 @@ std::vector<double> DeliveredCharge(const Record& record) {
   std::vector<double> charge_C(record.size(), 0.0);
   for (std::size_t k = 1; k < record.size(); ++k) {
     const double current_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
-    charge_C[k] = charge_C[k - 1] + current_A * (record.time_s[k] - record.time_s[k - 1]);  // (4.59)
+    charge_C[k] =
+        charge_C[k - 1] + current_A * (record.time_s[k] - record.time_s[k - 1]);  // (4.59)
   }
   return charge_C;
 }

@@ -11,14 +11,14 @@
 
 namespace lipoid {
 
-/// Columns of equal length, SI units, discharge current positive, time strictly increasing. All values are
-/// finite. Rows are those of the whole pack until DivideByPack() made them one cell's.
+/// Columns of equal length, SI units, discharge current positive, time strictly increasing. All
+/// values are finite. Rows are those of the whole pack until DivideByPack() made them one cell's.
 struct Record {
-  std::string file;                       ///< where it came from, for messages
+  std::string file;  ///< where it came from, for messages
   std::vector<double> time_s;
   std::vector<double> current_A;
-  std::vector<double> voltage_V;          ///< empty where only a current was wanted
-  std::vector<double> temperature_degC;   ///< empty where the log has none
+  std::vector<double> voltage_V;         ///< empty where only a current was wanted
+  std::vector<double> temperature_degC;  ///< empty where the log has none
   Hold hold = Hold::kBackward;
 
   [[nodiscard]] std::size_t size() const { return time_s.size(); }

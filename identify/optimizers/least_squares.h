@@ -1,13 +1,15 @@
 #pragma once
 
 /// @file
-/// Bounded nonlinear least squares as every optimizer here sees it: minimize 1/2 ||r(x)||² with lo <= x <= hi.
+/// Bounded nonlinear least squares as every optimizer here sees it: minimize 1/2 ||r(x)||² with lo
+/// <= x <= hi.
 ///
-/// A log has millions of rows and a cell four parameters, so a problem does not hand out r and its Jacobian J
-/// but the triangular factor R of [J r]: n+1 rows whose norms, gradients and Gauss-Newton matrix are those of
-/// all rows (docs/theory.md, "One sweep"). Being a QR factor it keeps the digits that J'J would square away.
-/// Parameters are what the optimizer moves: scaled, of order one; see PulseProblem for the physical ones.
-/// Tests: tests/identify/optimizers/levenberg_marquardt_test.cc.
+/// A log has millions of rows and a cell four parameters, so a problem does not hand out r and its
+/// Jacobian J but the triangular factor R of [J r]: n+1 rows whose norms, gradients and
+/// Gauss-Newton matrix are those of all rows (docs/theory.md, "One sweep"). Being a QR factor it
+/// keeps the digits that J'J would square away. Parameters are what the optimizer moves: scaled, of
+/// order one; see PulseProblem for the physical ones. Tests:
+/// tests/identify/optimizers/levenberg_marquardt_test.cc.
 
 #include <Eigen/Core>
 #include <array>
@@ -28,16 +30,17 @@ class LeastSquaresProblem {
   [[nodiscard]] virtual Eigen::VectorXd lower() const = 0;
   [[nodiscard]] virtual Eigen::VectorXd upper() const = 0;
 
-  /// The (n+1) x (n+1) upper triangular factor of [J r] at x; its last column alone where the Jacobian is not
-  /// wanted: the norm of r stands at the bottom right. Not finite where the model has no value.
+  /// The (n+1) x (n+1) upper triangular factor of [J r] at x; its last column alone where the
+  /// Jacobian is not wanted: the norm of r stands at the bottom right. Not finite where the model
+  /// has no value.
   [[nodiscard]] virtual Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const = 0;
 };
 
 enum class Termination {
   kNotRun,
-  kConverged,       ///< a tolerance was met
+  kConverged,  ///< a tolerance was met
   kMaxIterations,
-  kFailure,         ///< no finite value where it started, or no step that helps
+  kFailure,  ///< no finite value where it started, or no step that helps
 };
 
 constexpr std::array<std::pair<Termination, std::string_view>, 4> OptionNames(Termination) {

@@ -7,8 +7,9 @@
 namespace lipoid {
 namespace {
 
-// Asks the problem once per point, always with the Jacobian: what accepts a step wants it next, and most
-// steps are accepted. The best point is kept while others are tried: rejected steps lead back to it.
+// Asks the problem once per point, always with the Jacobian: what accepts a step wants it next, and
+// most steps are accepted. The best point is kept while others are tried: rejected steps lead back
+// to it.
 class Evaluations {
  public:
   Evaluations(const LeastSquaresProblem& problem, LeastSquaresSummary& summary)
@@ -40,8 +41,8 @@ class Evaluations {
   Point best_, last_;
 };
 
-// The parameters that stand at a bound and would gain nothing by leaving it: the slope points outward, or
-// what it promises, g²/(2 J'J), is below the tolerance.
+// The parameters that stand at a bound and would gain nothing by leaving it: the slope points
+// outward, or what it promises, g²/(2 J'J), is below the tolerance.
 class Bounds {
  public:
   Bounds(const LeastSquaresProblem& problem, double function_tolerance)
@@ -50,14 +51,15 @@ class Bounds {
   [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
   [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
 
-  [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x, const Eigen::MatrixXd& factor) const {
+  [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x,
+                                       const Eigen::MatrixXd& factor) const {
     const Eigen::Index n = x.size();
     const auto residual = factor.col(n);
     std::vector<bool> held(static_cast<std::size_t>(n));
     for (Eigen::Index k = 0; k < n; ++k) {
       const double slope = factor.col(k).dot(residual);
-      const bool worthless =
-          slope * slope <= function_tolerance_ * residual.squaredNorm() * factor.col(k).squaredNorm();
+      const bool worthless = slope * slope <= function_tolerance_ * residual.squaredNorm() *
+                                                  factor.col(k).squaredNorm();
       held[static_cast<std::size_t>(k)] = lower_[k] == upper_[k] ||
                                           (x[k] <= lower_[k] && (slope >= 0.0 || worthless)) ||
                                           (x[k] >= upper_[k] && (slope <= 0.0 || worthless));
@@ -85,13 +87,16 @@ class FactorCost : public ceres::CostFunction {
     return x;
   }
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
     const Eigen::MatrixXd& factor = evaluations_.At(Whole(parameters[0]));
     if (!factor.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, factor.rows()) = factor.rightCols(1);
     if (jacobians != nullptr && jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-          jacobians[0], factor.rows(), static_cast<Eigen::Index>(free_.size())) = factor(Eigen::all, free_);
+          jacobians[0], factor.rows(), static_cast<Eigen::Index>(free_.size())) =
+          factor(Eigen::all, free_);
     }
     return true;
   }
@@ -102,8 +107,8 @@ class FactorCost : public ceres::CostFunction {
   const std::vector<int>& free_;
 };
 
-// Stops Ceres when a bound takes hold of a parameter: it projects joint steps onto the box, and one that
-// wants to go on beyond a bound spoils the steps of the others.
+// Stops Ceres when a bound takes hold of a parameter: it projects joint steps onto the box, and one
+// that wants to go on beyond a bound spoils the steps of the others.
 class BoundWatch : public ceres::IterationCallback {
  public:
   BoundWatch(const FactorCost& cost,
@@ -176,8 +181,8 @@ LeastSquaresSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
   }
   result.cost = 0.5 * evaluations.At(result.x).rightCols(1).squaredNorm();
 
-  // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets go only
-  // when the others have converged.
+  // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets
+  // go only when the others have converged.
   std::vector<bool> held = bounds.Held(result.x, evaluations.At(result.x));
   while (true) {
     const std::vector<int> free = Free(held);
@@ -189,8 +194,10 @@ LeastSquaresSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
     ceres::Problem ceres_problem(ownership);
     ceres_problem.AddResidualBlock(&cost, nullptr, part.data());
     for (std::size_t k = 0; k < free.size(); ++k) {
-      ceres_problem.SetParameterLowerBound(part.data(), static_cast<int>(k), bounds.lower()[free[k]]);
-      ceres_problem.SetParameterUpperBound(part.data(), static_cast<int>(k), bounds.upper()[free[k]]);
+      ceres_problem.SetParameterLowerBound(
+          part.data(), static_cast<int>(k), bounds.lower()[free[k]]);
+      ceres_problem.SetParameterUpperBound(
+          part.data(), static_cast<int>(k), bounds.upper()[free[k]]);
     }
     BoundWatch watch(cost, part.data(), held, bounds, evaluations);
     solver.callbacks = {&watch};

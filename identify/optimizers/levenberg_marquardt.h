@@ -3,11 +3,11 @@
 /// @file
 /// Levenberg-Marquardt with bounds, from Ceres. The default solver of stage 3.
 ///
-/// A parameter that reaches a bound is held there while the others converge, and let go where the slope then
-/// leads back inside: the answer satisfies the conditions of Karush, Kuhn and Tucker. One evaluation per
-/// step, of value and Jacobian together. A start outside the bounds is moved onto them; one without a finite
-/// value is a kFailure with the cost NaN.
-/// Tests: tests/identify/optimizers/levenberg_marquardt_test.cc.
+/// A parameter that reaches a bound is held there while the others converge, and let go where the
+/// slope then leads back inside: the answer satisfies the conditions of Karush, Kuhn and Tucker.
+/// One evaluation per step, of value and Jacobian together. A start outside the bounds is moved
+/// onto them; one without a finite value is a kFailure with the cost NaN. Tests:
+/// tests/identify/optimizers/levenberg_marquardt_test.cc.
 
 #include "identify/optimizers/least_squares.h"
 #include "model/core/options.h"
@@ -26,15 +26,22 @@ struct LevenbergMarquardtOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("function_tolerance", self.function_tolerance, Range{0.0, 1.0}, "relative change of the cost");
+    v("function_tolerance",
+      self.function_tolerance,
+      Range{0.0, 1.0},
+      "relative change of the cost");
     v("step_tolerance", self.step_tolerance, Range{0.0, 1.0}, "relative size of the step");
-    v("gradient_tolerance", self.gradient_tolerance, Range{0.0, 1.0}, "largest component of the gradient");
+    v("gradient_tolerance",
+      self.gradient_tolerance,
+      Range{0.0, 1.0},
+      "largest component of the gradient");
     v("max_iterations", self.max_iterations, Range{1.0, 1e6}, "accepted and rejected steps");
   }
 };
 
-[[nodiscard]] LeastSquaresSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& problem,
-                                                             const Eigen::VectorXd& start,
-                                                             const LevenbergMarquardtOptions& options = {});
+[[nodiscard]] LeastSquaresSummary MinimizeLevenbergMarquardt(
+    const LeastSquaresProblem& problem,
+    const Eigen::VectorXd& start,
+    const LevenbergMarquardtOptions& options = {});
 
 }  // namespace lipoid

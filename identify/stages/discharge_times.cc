@@ -17,15 +17,15 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLargestBeta = 1.0;  // (4.53)
-// Where the times imply nothing about beta, stage 3 starts at a typical value of lithium-polymer cells
-// (Tables 4.8-4.13: 0.18 to 0.21).
+// Where the times imply nothing about beta, stage 3 starts at a typical value of lithium-polymer
+// cells (Tables 4.8-4.13: 0.18 to 0.21).
 constexpr double kTypicalBeta = 0.2;
 
 // What both forms report: the optimum and how sharp it is.
 struct Estimate {
   double alpha_C = kNaN;
-  double lag_s = kNaN;                  // pi²/(3 beta²), at least that of beta = 1
-  double unconstrained_lag_s = kNaN;    // may be negative
+  double lag_s = kNaN;                // pi²/(3 beta²), at least that of beta = 1
+  double unconstrained_lag_s = kNaN;  // may be negative
   double alpha_standard_error_C = kNaN;
   double lag_standard_error_s = kNaN;
 };
@@ -71,7 +71,8 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   estimate.lag_s = std::max(solution[1], least_lag);
   if (estimate.lag_s != solution[1]) estimate.alpha_C = alpha_for(estimate.lag_s);
   if (count > 2) {
-    const double variance = (times - design * solution).squaredNorm() / static_cast<double>(count - 2);
+    const double variance =
+        (times - design * solution).squaredNorm() / static_cast<double>(count - 2);
     const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse();
     estimate.alpha_standard_error_C = std::sqrt(covariance(0, 0));
     estimate.lag_standard_error_s = std::sqrt(covariance(1, 1));
@@ -102,13 +103,15 @@ class ExactProblem : public LeastSquaresProblem {
   }
 
   // d L/d alpha and d L/d lag follow from F(L, alpha, beta) = L + U(L; beta) - alpha/I = 0, with
-  // dU/dL = theta(beta² L) - 1 = 2 sum e^{-beta² k² L} and U = lag * u(beta² L), beta² = pi²/(3 lag).
+  // dU/dL = theta(beta² L) - 1 = 2 sum e^{-beta² k² L} and U = lag * u(beta² L), beta² = pi²/(3
+  // lag).
   [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool) const override {
     const double lag = std::exp(x[0]);
     const double alpha = Alpha(x);
     const double beta = BetaOfSteadyLag(lag);
     const auto count = static_cast<Eigen::Index>(discharges_.size());
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(count, size() + 1), size() + 1);
+    Eigen::MatrixXd rows =
+        Eigen::MatrixXd::Zero(std::max<Eigen::Index>(count, size() + 1), size() + 1);
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto& d = discharges_[static_cast<std::size_t>(k)];
       const double w = Weight(d, weighting_);
@@ -116,9 +119,10 @@ class ExactProblem : public LeastSquaresProblem {
       const double unavailable = UnavailableLag(beta, time_s);
       const double z = beta * beta * time_s;
       const double theta = Theta(z);
-      // U = lag u(z), z = pi² L/(3 lag): dU/dlag at fixed L = U/lag - z u'(z), u' = 3/pi² (theta - 1).
+      // U = lag u(z), z = pi² L/(3 lag): dU/dlag at fixed L = U/lag - z u'(z), u' = 3/pi² (theta -
+      // 1).
       const double lag_slope = unavailable / lag - z * 3.0 / (kPi * kPi) * (theta - 1.0);
-      rows(k, 0) = w * lag_slope / theta * lag;                     // -dL/dlog(lag)
+      rows(k, 0) = w * lag_slope / theta * lag;                            // -dL/dlog(lag)
       if (!given_alpha_C_) rows(k, 1) = -w * alpha / d.current_A / theta;  // -dL/dlog(alpha)
       rows(k, size()) = w * (d.time_s - time_s);
     }
@@ -157,8 +161,9 @@ Estimate FitExact(const std::vector<DischargeTime>& discharges,
   estimate.alpha_C = problem.Alpha(fit.x);
   estimate.lag_s = std::exp(fit.x[0]);
   // At the bound the unconstrained optimum is on its other side; the steady form says where.
-  estimate.unconstrained_lag_s =
-      fit.x[0] > problem.lower()[0] + 1e-9 ? estimate.lag_s : std::min(steady.unconstrained_lag_s, estimate.lag_s);
+  estimate.unconstrained_lag_s = fit.x[0] > problem.lower()[0] + 1e-9
+                                     ? estimate.lag_s
+                                     : std::min(steady.unconstrained_lag_s, estimate.lag_s);
   const auto freedom = static_cast<double>(discharges.size()) - problem.size();
   if (freedom > 0) {
     const Eigen::MatrixXd factor = problem.Factor(fit.x, true);
@@ -173,7 +178,8 @@ Estimate FitExact(const std::vector<DischargeTime>& discharges,
 }
 
 // Mean charge of the discharges at each different current, by rising current.
-std::vector<std::pair<double, double>> ChargeByCurrent(const std::vector<DischargeTime>& discharges) {
+std::vector<std::pair<double, double>> ChargeByCurrent(
+    const std::vector<DischargeTime>& discharges) {
   auto sorted = discharges;
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
     return a.current_A != b.current_A ? a.current_A < b.current_A : a.time_s < b.time_s;
@@ -231,11 +237,16 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
                                                     estimate.unconstrained_lag_s > 0.0;
   if (!charge_falls) {
     result.reason = fmt::format(
-        "the delivered charge does not fall with the current ({:.4g} C at {:.4g} A, {:.4g} C at {:.4g} A)",
-        groups.front().second, groups.front().first, groups.back().second, groups.back().first);
+        "the delivered charge does not fall with the current ({:.4g} C at {:.4g} A, {:.4g} C at "
+        "{:.4g} A)",
+        groups.front().second,
+        groups.front().first,
+        groups.back().second,
+        groups.back().first);
   } else if (estimate.lag_standard_error_s >= estimate.unconstrained_lag_s) {
     result.reason = fmt::format("pi²/(3 beta²) is {:.3g} s with a standard error of {:.3g} s",
-                                estimate.unconstrained_lag_s, estimate.lag_standard_error_s);
+                                estimate.unconstrained_lag_s,
+                                estimate.lag_standard_error_s);
   }
   result.identifiable = result.reason.empty();
 
@@ -248,8 +259,9 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
     result.beta_lower_bound_per_sqrt_s = std::min(BetaOfSteadyLag(largest_lag), kLargestBeta);
   }
   result.beta_start_per_sqrt_s =
-      result.identifiable ? result.beta_per_sqrt_s
-                          : std::clamp(kTypicalBeta, result.beta_lower_bound_per_sqrt_s, kLargestBeta);
+      result.identifiable
+          ? result.beta_per_sqrt_s
+          : std::clamp(kTypicalBeta, result.beta_lower_bound_per_sqrt_s, kLargestBeta);
 
   ErrorAccumulator errors;
   for (const auto& d : discharges) {
@@ -258,7 +270,10 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
             ? ExactDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A)
             : SteadyDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A);
     errors.Add(d.time_s, predicted_s);
-    result.rows.push_back({d.file, d.current_A, d.time_s, predicted_s,
+    result.rows.push_back({d.file,
+                           d.current_A,
+                           d.time_s,
+                           predicted_s,
                            100.0 * std::abs(d.time_s - predicted_s) / d.time_s});  // (4.56)
   }
   result.mean_error_percent = errors.Result().mean_error_percent;

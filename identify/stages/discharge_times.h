@@ -5,13 +5,13 @@
 ///
 ///   L(k) = alpha/I(k) - pi²/(3 beta²),   beta in [0, 1]
 ///
-/// is linear in alpha and the lag c = pi²/(3 beta²): the least squares has a closed form. The exact form
-/// solves (4.37) for every L instead, which matters when beta² L is not large.
+/// is linear in alpha and the lag c = pi²/(3 beta²): the least squares has a closed form. The exact
+/// form solves (4.37) for every L instead, which matters when beta² L is not large.
 ///
-/// beta is not identifiable from the times when one standard error of c is as large as c itself, or when
-/// the delivered charge does not fall with the current. That is a result: the bound that the times do imply
-/// and the value from which stage 3 starts are stated.
-/// Tests: tests/identify/stages/discharge_times_test.cc.
+/// beta is not identifiable from the times when one standard error of c is as large as c itself, or
+/// when the delivered charge does not fall with the current. That is a result: the bound that the
+/// times do imply and the value from which stage 3 starts are stated. Tests:
+/// tests/identify/stages/discharge_times_test.cc.
 
 #include <array>
 #include <limits>
@@ -85,8 +85,9 @@ inline constexpr double kCurrentTolerance = 0.02;
 [[nodiscard]] int CountDifferentCurrents(const std::vector<DischargeTime>& discharges);
 
 /// At least two different currents (PreconditionError otherwise), or one where alpha is given.
-[[nodiscard]] DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& discharges,
-                                                     const DischargeTimesOptions& options = {},
-                                                     std::optional<double> given_alpha_C = std::nullopt);
+[[nodiscard]] DischargeTimesResult FitDischargeTimes(
+    const std::vector<DischargeTime>& discharges,
+    const DischargeTimesOptions& options = {},
+    std::optional<double> given_alpha_C = std::nullopt);
 
 }  // namespace lipoid

@@ -42,38 +42,47 @@ OpenCircuitVoltage ParseTable(const std::string& text, const std::string& file) 
         if (name == "voltage_v") voltage_field = static_cast<std::ptrdiff_t>(k);
       }
       if (soc_field < 0 || voltage_field < 0) {
-        throw LoadError({file, line, 1}, fmt::format("expected the header 'soc,voltage_V', found '{}'", content));
+        throw LoadError({file, line, 1},
+                        fmt::format("expected the header 'soc,voltage_V', found '{}'", content));
       }
       continue;
     }
     const auto number = [&](std::ptrdiff_t field, const char* name) {
       const auto index = static_cast<std::size_t>(field);
       if (index >= cells.size()) {
-        throw LoadError({file, line, content.size() + 1}, fmt::format("expected {}, found the end of the line", name));
+        throw LoadError({file, line, content.size() + 1},
+                        fmt::format("expected {}, found the end of the line", name));
       }
       double value = 0.0;
       if (!ParseNumber(cells[index].text, '.', value) || !std::isfinite(value)) {
-        throw LoadError({file, line, cells[index].column},
-                        fmt::format("expected a number for {}, found '{}'", name, cells[index].text));
+        throw LoadError(
+            {file, line, cells[index].column},
+            fmt::format("expected a number for {}, found '{}'", name, cells[index].text));
       }
       return value;
     };
     const Row row{number(soc_field, "soc"), number(voltage_field, "voltage_V"), line};
     if (row.soc > kLargestSoc) {
-      throw LoadError({file, line, 1},
-                      fmt::format("expected soc as a fraction, 1 when full, found {} (a percentage?)", row.soc));
+      throw LoadError(
+          {file, line, 1},
+          fmt::format("expected soc as a fraction, 1 when full, found {} (a percentage?)",
+                      row.soc));
     }
     rows.push_back(row);
   }
   if (rows.size() < 2) {
-    throw LoadError({file}, fmt::format("expected at least two rows of soc and voltage_V, found {}", rows.size()));
+    throw LoadError(
+        {file},
+        fmt::format("expected at least two rows of soc and voltage_V, found {}", rows.size()));
   }
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.soc < b.soc; });
+  std::stable_sort(
+      rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.soc < b.soc; });
   std::vector<double> soc;
   std::vector<double> voltage_V;
   for (const Row& row : rows) {
     if (!soc.empty() && row.soc == soc.back()) {
-      throw LoadError({file, row.line, 1}, fmt::format("expected every soc once, found {} again", row.soc));
+      throw LoadError({file, row.line, 1},
+                      fmt::format("expected every soc once, found {} again", row.soc));
     }
     soc.push_back(row.soc);
     voltage_V.push_back(row.voltage_V);
@@ -86,7 +95,8 @@ OpenCircuitVoltage ParseTable(const std::string& text, const std::string& file) 
 OpenCircuitVoltage ReadOpenCircuitVoltageFile(const std::string& file) {
   const std::string text = ReadTextFile(file);
   const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos) throw LoadError({file}, "expected soc,voltage_V rows or a cell file, found nothing");
+  if (first == std::string::npos)
+    throw LoadError({file}, "expected soc,voltage_V rows or a cell file, found nothing");
   if (text[first] == '{') return ParseCell(text, file).open_circuit_voltage;
   return ParseTable(text, file);
 }

@@ -1,8 +1,9 @@
 #pragma once
 
 /// @file
-/// A given v_oc(A): a CSV with the columns soc (a fraction) and voltage_V, joined by straight lines, or the
-/// curve of a cell file. Tests: tests/identify/stages/open_circuit_voltage_file_test.cc.
+/// A given v_oc(A): a CSV with the columns soc (a fraction) and voltage_V, joined by straight
+/// lines, or the curve of a cell file. Tests:
+/// tests/identify/stages/open_circuit_voltage_file_test.cc.
 
 #include <string>
 
@@ -10,8 +11,8 @@
 
 namespace lipoid {
 
-/// Rows in any order of soc. LoadError with line and column where a row is wrong, a soc is repeated or reads
-/// like a percentage, or there are fewer than two rows.
+/// Rows in any order of soc. LoadError with line and column where a row is wrong, a soc is repeated
+/// or reads like a percentage, or there are fewer than two rows.
 [[nodiscard]] OpenCircuitVoltage ReadOpenCircuitVoltageFile(const std::string& file);
 
 }  // namespace lipoid

@@ -32,12 +32,13 @@ struct Share {
 
   [[nodiscard]] bool Has(std::size_t row) const {
     if (every == 0) return true;
-    return (row % static_cast<std::size_t>(every) == static_cast<std::size_t>(every / 2)) == left_out;
+    return (row % static_cast<std::size_t>(every) == static_cast<std::size_t>(every / 2)) ==
+           left_out;
   }
 };
 
-// Node positions that share out the length of the curve. Its length is measured on averages over equal
-// shares of charge: noise would make a dense log as long as one likes.
+// Node positions that share out the length of the curve. Its length is measured on averages over
+// equal shares of charge: noise would make a dense log as long as one likes.
 std::vector<double> PlaceNodes(const Points& points, int count) {
   const double lo = points.lo;
   const double hi = points.hi;
@@ -47,7 +48,8 @@ std::vector<double> PlaceNodes(const Points& points, int count) {
   std::vector<double> members(bins, 0.0);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const auto bin = std::min(
-        bins - 1, static_cast<std::size_t>((points.soc[k] - lo) / (hi - lo) * static_cast<double>(bins)));
+        bins - 1,
+        static_cast<std::size_t>((points.soc[k] - lo) / (hi - lo) * static_cast<double>(bins)));
     sum[bin] += points.voltage_V[k];
     members[bin] += 1.0;
   }
@@ -99,7 +101,9 @@ std::vector<double> DropEmptyIntervals(const std::vector<double>& nodes,
 }
 
 // Least squares over the values at the nodes, straight lines between them: a tridiagonal system.
-std::vector<double> FitNodes(const std::vector<double>& nodes, const Points& points, const Share& share) {
+std::vector<double> FitNodes(const std::vector<double>& nodes,
+                             const Points& points,
+                             const Share& share) {
   const std::size_t n = nodes.size();
   std::vector<double> diagonal(n, 0.0);
   std::vector<double> beside(n, 0.0);  // entry k couples k and k+1
@@ -134,9 +138,12 @@ std::vector<double> FitNodes(const std::vector<double>& nodes, const Points& poi
   return values;
 }
 
-// Few rows are joined as they are. Rising states of charge; the row nearest the full end is carried on to
-// where the log started, along the slope of its neighbours.
-void TakeRows(const Points& points, const Share& share, std::vector<double>& nodes, std::vector<double>& values) {
+// Few rows are joined as they are. Rising states of charge; the row nearest the full end is carried
+// on to where the log started, along the slope of its neighbours.
+void TakeRows(const Points& points,
+              const Share& share,
+              std::vector<double>& nodes,
+              std::vector<double>& values) {
   std::vector<std::pair<double, double>> rows;
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (share.Has(k)) rows.emplace_back(points.soc[k], points.voltage_V[k]);
@@ -156,8 +163,8 @@ void TakeRows(const Points& points, const Share& share, std::vector<double>& nod
   }
 }
 
-// The nearest values that do not fall with soc (pool adjacent violators): noise must not make a curve that
-// is to be monotone go back.
+// The nearest values that do not fall with soc (pool adjacent violators): noise must not make a
+// curve that is to be monotone go back.
 void MakeMonotone(std::vector<double>& values) {
   struct Pool {
     double mean;
@@ -171,7 +178,8 @@ void MakeMonotone(std::vector<double>& values) {
       pools.pop_back();
       Pool& into = pools.back();
       const auto count = into.count + last.count;
-      into.mean += (last.mean - into.mean) * static_cast<double>(last.count) / static_cast<double>(count);
+      into.mean +=
+          (last.mean - into.mean) * static_cast<double>(last.count) / static_cast<double>(count);
       into.count = count;
     }
   }
@@ -181,8 +189,9 @@ void MakeMonotone(std::vector<double>& values) {
   }
 }
 
-// The mean of neighbouring rows, and how many there were. A smooth curve of a few dozen coefficients is
-// straight to 1e-6 V over a ten-thousandth of its range, so nothing is lost and millions of rows are few.
+// The mean of neighbouring rows, and how many there were. A smooth curve of a few dozen
+// coefficients is straight to 1e-6 V over a ten-thousandth of its range, so nothing is lost and
+// millions of rows are few.
 struct WeightedPoint {
   double soc, voltage_V, weight;
 };
@@ -199,14 +208,18 @@ std::vector<WeightedPoint> Compress(const Points& points, const Share& share) {
       sum.voltage_V += points.voltage_V[k];
       sum.weight += 1.0;
     }
-    if (sum.weight > 0.0) means.push_back({sum.soc / sum.weight, sum.voltage_V / sum.weight, sum.weight});
+    if (sum.weight > 0.0)
+      means.push_back({sum.soc / sum.weight, sum.voltage_V / sum.weight, sum.weight});
   }
   return means;
 }
 
 // Least squares over the coefficients of `columns` basis functions; norm receives ||residual||.
 template <class Basis>
-Eigen::VectorXd FitBasis(const std::vector<WeightedPoint>& points, int columns, Basis&& basis, double* norm) {
+Eigen::VectorXd FitBasis(const std::vector<WeightedPoint>& points,
+                         int columns,
+                         Basis&& basis,
+                         double* norm) {
   RowFactor rows(columns + 1);
   Eigen::VectorXd values(columns);
   for (const WeightedPoint& point : points) {
@@ -231,7 +244,10 @@ Eigen::VectorXd FitBasis(const std::vector<WeightedPoint>& points, int columns, 
   return solution;
 }
 
-OpenCircuitVoltage FitPolynomial(const std::vector<WeightedPoint>& points, int degree, double lo, double hi) {
+OpenCircuitVoltage FitPolynomial(const std::vector<WeightedPoint>& points,
+                                 int degree,
+                                 double lo,
+                                 double hi) {
   const auto chebyshev = [&](double soc, Eigen::VectorXd& t) {
     const double x = (2.0 * soc - lo - hi) / (hi - lo);
     t[0] = 1.0;
@@ -243,7 +259,10 @@ OpenCircuitVoltage FitPolynomial(const std::vector<WeightedPoint>& points, int d
 }
 
 // The frequency is the only nonlinear unknown: a grid finds its valley, Brent's method the bottom.
-OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points, int harmonics, double lo, double hi) {
+OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points,
+                              int harmonics,
+                              double lo,
+                              double hi) {
   const int columns = 2 * harmonics + 1;
   const auto solve = [&](double frequency, double* norm) {
     const auto basis = [&](double soc, Eigen::VectorXd& values) {
@@ -269,8 +288,8 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points, int harm
   };
   constexpr double kPi = 3.14159265358979323846;
   constexpr int kGrid = 12;
-  const double least = 0.5 * kPi / (hi - lo);   // a quarter of a period over the range
-  const double most = 2.0 * kPi / (hi - lo);    // one period
+  const double least = 0.5 * kPi / (hi - lo);  // a quarter of a period over the range
+  const double most = 2.0 * kPi / (hi - lo);   // one period
   const double step = (most - least) / kGrid;
   int best = 0;
   double best_cost = cost(least);
@@ -281,8 +300,11 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points, int harm
       best = k;
     }
   }
-  const auto [frequency, unused] = boost::math::tools::brent_find_minima(
-      cost, std::max(least, least + (best - 1) * step), std::min(most, least + (best + 1) * step), 16);
+  const auto [frequency, unused] =
+      boost::math::tools::brent_find_minima(cost,
+                                            std::max(least, least + (best - 1) * step),
+                                            std::min(most, least + (best + 1) * step),
+                                            16);
   static_cast<void>(unused);
   const Eigen::VectorXd solution = solve(frequency, nullptr);
   std::vector<double> cosine{solution[0]};
@@ -294,19 +316,23 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points, int harm
   return OpenCircuitVoltage::Fourier(lo, hi, frequency, std::move(cosine), std::move(sine));
 }
 
-OpenCircuitVoltage FitCurve(const Points& points, const Share& share, const OcvFitOptions& options) {
+OpenCircuitVoltage FitCurve(const Points& points,
+                            const Share& share,
+                            const OcvFitOptions& options) {
   switch (options.method) {
     case OcvMethod::kPolynomial:
       return FitPolynomial(Compress(points, share), options.degree, points.lo, points.hi);
     case OcvMethod::kFourier:
       return FitFourier(Compress(points, share), options.harmonics, points.lo, points.hi);
     case OcvMethod::kLinear:
-    case OcvMethod::kMonotoneCubic: break;
+    case OcvMethod::kMonotoneCubic:
+      break;
   }
   std::vector<double> nodes;
   std::vector<double> values;
   if (points.size() > static_cast<std::size_t>(options.interpolate_up_to)) {
-    const int count = std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
+    const int count =
+        std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
     nodes = DropEmptyIntervals(PlaceNodes(points, count), points, share);
   }
   if (nodes.size() >= 4) {
@@ -340,12 +366,16 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
     loads.push_back(record.current_A[k]);
   }
   const std::size_t coefficients = options.method == OcvMethod::kPolynomial ? options.degree + 1
-                                   : options.method == OcvMethod::kFourier  ? 2 * options.harmonics + 1
-                                                                            : 4;
+                                   : options.method == OcvMethod::kFourier
+                                       ? 2 * options.harmonics + 1
+                                       : 4;
   if (points.size() < 3 * coefficients) {
-    throw LoadError({record.file},
-                    fmt::format("expected at least {} rows under load for this open-circuit voltage curve, found {}",
-                                3 * coefficients, points.size()));
+    throw LoadError(
+        {record.file},
+        fmt::format(
+            "expected at least {} rows under load for this open-circuit voltage curve, found {}",
+            3 * coefficients,
+            points.size()));
   }
 
   // The curve reaches up to where the log started, a row above the first one under load.
@@ -356,7 +386,8 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   const OpenCircuitVoltage judged = FitCurve(points, {options.leave_out_every, false}, options);
   ErrorAccumulator errors;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (Share{options.leave_out_every, true}.Has(k)) errors.Add(points.voltage_V[k], judged(points.soc[k]));
+    if (Share{options.leave_out_every, true}.Has(k))
+      errors.Add(points.voltage_V[k], judged(points.soc[k]));
   }
   result.mean_error_percent = errors.Result().mean_error_percent;
   result.max_error_percent = errors.Result().max_error_percent;
@@ -364,7 +395,8 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   result.curve = FitCurve(points, {}, options);
   result.rows = points.size();
   result.charge_C = *std::max_element(charge_C.begin(), charge_C.end());
-  std::nth_element(loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2), loads.end());
+  std::nth_element(
+      loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2), loads.end());
   result.current_A = loads[loads.size() / 2];
   result.soc_lo = result.curve.soc_lo();
   result.soc_hi = result.curve.soc_hi();

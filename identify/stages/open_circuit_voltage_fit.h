@@ -5,13 +5,13 @@
 ///
 ///   A(k) = (alpha - sigma(k))/alpha,   sigma(k) = i(k) dt + sigma(k-1)
 ///
-/// minimizes the squared voltage error over the curve's coefficients: least squares on nodes for the linear
-/// form, the same nodes joined by monotone cubics, Chebyshev polynomials or harmonics for the others. Nodes
-/// stand densely where the curve falls fast: they share out its length. A log of few rows is joined row by
-/// row. Rest rows take no part.
+/// minimizes the squared voltage error over the curve's coefficients: least squares on nodes for
+/// the linear form, the same nodes joined by monotone cubics, Chebyshev polynomials or harmonics
+/// for the others. Nodes stand densely where the curve falls fast: they share out its length. A log
+/// of few rows is joined row by row. Rest rows take no part.
 ///
-/// The errors reported are those on rows that a first fit was not shown; the curve returned has seen all.
-/// Tests: tests/identify/stages/open_circuit_voltage_fit_test.cc.
+/// The errors reported are those on rows that a first fit was not shown; the curve returned has
+/// seen all. Tests: tests/identify/stages/open_circuit_voltage_fit_test.cc.
 
 #include <limits>
 #include <vector>
@@ -33,12 +33,19 @@ struct OcvFitOptions {
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     v("method", self.method, Names{}, "how v_oc(A) is written");
-    v("knots", self.knots, Range{4.0, 100000.0}, "nodes of linear and monotone-cubic, at most a third of the rows");
-    v("interpolate_up_to", self.interpolate_up_to, Range{0.0, 1e6},
+    v("knots",
+      self.knots,
+      Range{4.0, 100000.0},
+      "nodes of linear and monotone-cubic, at most a third of the rows");
+    v("interpolate_up_to",
+      self.interpolate_up_to,
+      Range{0.0, 1e6},
       "a log of so few rows is joined row by row, as in the thesis, instead of fitted");
     v("degree", self.degree, Range{1.0, 60.0}, "of the polynomial");
     v("harmonics", self.harmonics, Range{1.0, 30.0}, "of the Fourier series");
-    v("leave_out_every", self.leave_out_every, Range{2.0, 1e6},
+    v("leave_out_every",
+      self.leave_out_every,
+      Range{2.0, 1e6},
       "one row in so many judges the fit and is not shown to it");
   }
 };
@@ -49,15 +56,15 @@ struct OcvFitResult {
   double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
   double max_error_percent = std::numeric_limits<double>::quiet_NaN();
   double rmse_V = std::numeric_limits<double>::quiet_NaN();
-  std::size_t rows = 0;           ///< shown to the final fit
-  double charge_C = 0.0;          ///< that the log delivered
-  double current_A = 0.0;         ///< its median under load
-  double soc_lo = 0.0;            ///< reached by the log
+  std::size_t rows = 0;    ///< shown to the final fit
+  double charge_C = 0.0;   ///< that the log delivered
+  double current_A = 0.0;  ///< its median under load
+  double soc_lo = 0.0;     ///< reached by the log
   double soc_hi = 1.0;
 };
 
-/// The record is a discharge that starts at initial_soc; alpha_C > 0. LoadError where it has too few rows
-/// under load for the curve that is asked for.
+/// The record is a discharge that starts at initial_soc; alpha_C > 0. LoadError where it has too
+/// few rows under load for the curve that is asked for.
 [[nodiscard]] OcvFitResult FitOpenCircuitVoltage(const Record& record,
                                                  double alpha_C,
                                                  double initial_soc = 1.0,

@@ -43,7 +43,9 @@ double& Entry(SweepParameters& p, int column) {
   if (column < 2 + n) return p.resistance_Ohm[static_cast<std::size_t>(column - 2)];
   return p.time_constant_s[static_cast<std::size_t>(column - 2 - n)];
 }
-double Entry(const SweepParameters& p, int column) { return Entry(const_cast<SweepParameters&>(p), column); }
+double Entry(const SweepParameters& p, int column) {
+  return Entry(const_cast<SweepParameters&>(p), column);
+}
 
 class PulseProblem : public LeastSquaresProblem {
  public:
@@ -71,8 +73,8 @@ class PulseProblem : public LeastSquaresProblem {
     return x;
   }
 
-  // The rows of the sweep's factor, of which only the columns of the free parameters are kept, are few:
-  // triangular again after one small QR.
+  // The rows of the sweep's factor, of which only the columns of the free parameters are kept, are
+  // few: triangular again after one small QR.
   [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override {
     const SweepParameters p = Parameters(x);
     const Eigen::MatrixXd all = sweep_.Factor(p, jacobian);
@@ -88,7 +90,7 @@ class PulseProblem : public LeastSquaresProblem {
   }
 
  private:
-  [[nodiscard]] Eigen::VectorXd Bound(double Variable::* which) const {
+  [[nodiscard]] Eigen::VectorXd Bound(double Variable::*which) const {
     Eigen::VectorXd bound(size());
     for (int k = 0; k < size(); ++k) {
       const Variable& v = variables_[static_cast<std::size_t>(k)];
@@ -125,15 +127,20 @@ class Knowledge {
     }
     return names;
   }
-  [[nodiscard]] std::optional<double> Fixed(const std::string& name) const { return Find(given_.fixed, name); }
-  [[nodiscard]] std::optional<double> Start(const std::string& name) const { return Find(given_.start, name); }
+  [[nodiscard]] std::optional<double> Fixed(const std::string& name) const {
+    return Find(given_.fixed, name);
+  }
+  [[nodiscard]] std::optional<double> Start(const std::string& name) const {
+    return Find(given_.start, name);
+  }
   void Apply(Variable& v) const {
     const auto found = given_.bounds.find(v.name);
     if (found == given_.bounds.end()) return;
     v.lower = v.logarithmic ? std::max(found->second.first, v.lower) : found->second.first;
     v.upper = found->second.second;
     if (v.lower > v.upper) {
-      throw OptionError(fmt::format("--bounds {}: expected an upper bound of at least {}", v.name, v.lower));
+      throw OptionError(
+          fmt::format("--bounds {}: expected an upper bound of at least {}", v.name, v.lower));
     }
   }
 
@@ -141,8 +148,8 @@ class Knowledge {
   void CheckName(std::string_view option, const std::string& name) const {
     const auto names = Names();
     if (std::find(names.begin(), names.end(), name) != names.end()) return;
-    throw OptionError(
-        fmt::format("--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
+    throw OptionError(fmt::format(
+        "--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
   }
 
   void CheckValue(std::string_view option, const std::string& name, double value) const {
@@ -151,7 +158,10 @@ class Knowledge {
     const bool valid = std::isfinite(value) && (resistance ? value >= 0.0 : value > 0.0) &&
                        (name != "beta" || value <= kLargestBeta);
     if (!valid) {
-      throw OptionError(fmt::format("--{} {}={}: expected a number {}", option, name, value,
+      throw OptionError(fmt::format("--{} {}={}: expected a number {}",
+                                    option,
+                                    name,
+                                    value,
                                     resistance       ? "of at least 0"
                                     : name == "beta" ? "above 0 and at most 1"
                                                      : "above 0"));
@@ -162,17 +172,22 @@ class Knowledge {
     const auto& [low, high] = range;
     CheckName("bounds", name);
     if (name[0] == 'c') {
-      throw OptionError(fmt::format("--bounds {0}: this solver moves time constants; bound tau_{1} = r_{1} c_{1}",
-                                    name, name.substr(2)));
+      throw OptionError(
+          fmt::format("--bounds {0}: this solver moves time constants; bound tau_{1} = r_{1} c_{1}",
+                      name,
+                      name.substr(2)));
     }
     if (!(low >= 0.0 && low <= high) || (name == "beta" && high > kLargestBeta)) {
-      throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high{}", name, low, high,
+      throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high{}",
+                                    name,
+                                    low,
+                                    high,
                                     name == "beta" ? " <= 1" : ""));
     }
     const auto fixed = given_.fixed.find(name);
     if (fixed != given_.fixed.end() && !(fixed->second >= low && fixed->second <= high)) {
-      throw OptionError(
-          fmt::format("--fix {0}={1} lies outside --bounds {0}={2},{3}", name, fixed->second, low, high));
+      throw OptionError(fmt::format(
+          "--fix {0}={1} lies outside --bounds {0}={2},{3}", name, fixed->second, low, high));
     }
   }
 
@@ -186,12 +201,16 @@ class Knowledge {
     const auto resistance = known.count(r) ? Find(known, r) : Find(given_.fixed, r);
     if (!resistance || *resistance == 0.0) {
       throw OptionError(fmt::format(
-          "{0} is known to this fit only together with {1}: give {1} too, or tau_{2} instead", c, r, j));
+          "{0} is known to this fit only together with {1}: give {1} too, or tau_{2} instead",
+          c,
+          r,
+          j));
     }
     known[tau] = *resistance * known.at(c);
   }
 
-  static std::optional<double> Find(const std::map<std::string, double>& map, const std::string& name) {
+  static std::optional<double> Find(const std::map<std::string, double>& map,
+                                    const std::string& name) {
     const auto found = map.find(name);
     if (found == map.end()) return std::nullopt;
     return found->second;
@@ -203,7 +222,9 @@ class Knowledge {
 };
 
 // min ||b + A y|| with lower <= y: few unknowns, so every set of those at their bound is tried.
-Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double* norm) {
+Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a,
+                                        const Eigen::VectorXd& b,
+                                        double* norm) {
   const auto n = static_cast<int>(a.cols());
   Eigen::VectorXd best = Eigen::VectorXd::Zero(n);
   *norm = b.norm();
@@ -213,20 +234,23 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a, const Eigen::V
       if (free & (1U << k)) columns.push_back(k);
     }
     Eigen::MatrixXd part(a.rows(), static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t k = 0; k < columns.size(); ++k) part.col(static_cast<Eigen::Index>(k)) = a.col(columns[k]);
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      part.col(static_cast<Eigen::Index>(k)) = a.col(columns[k]);
     const Eigen::VectorXd y = part.colPivHouseholderQr().solve(-b);
     const double here = (part * y + b).norm();
     if (y.minCoeff() < 0.0 || !(here < *norm)) continue;
     *norm = here;
     best.setZero();
-    for (std::size_t k = 0; k < columns.size(); ++k) best[columns[k]] = y[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      best[columns[k]] = y[static_cast<Eigen::Index>(k)];
   }
   return best;
 }
 
 std::vector<double> LogGrid(double low, double high, int count) {
   std::vector<double> grid;
-  for (int k = 0; k < count; ++k) grid.push_back(low * std::pow(high / low, count > 1 ? double(k) / (count - 1) : 0.5));
+  for (int k = 0; k < count; ++k)
+    grid.push_back(low * std::pow(high / low, count > 1 ? double(k) / (count - 1) : 0.5));
   return grid;
 }
 
@@ -272,15 +296,20 @@ std::vector<Candidate> SearchStarts(const VoltageSweep& thinned,
       const Eigen::MatrixXd factor = thinned.Factor(p, true);
       if (!factor.allFinite()) continue;
       Eigen::MatrixXd design(factor.rows(), static_cast<Eigen::Index>(linear.size()));
-      for (std::size_t k = 0; k < linear.size(); ++k) design.col(static_cast<Eigen::Index>(k)) = factor.col(linear[k]);
+      for (std::size_t k = 0; k < linear.size(); ++k)
+        design.col(static_cast<Eigen::Index>(k)) = factor.col(linear[k]);
       Candidate candidate;
-      const Eigen::VectorXd y = NonNegativeLeastSquares(design, factor.rightCols(1), &candidate.cost);
-      for (std::size_t k = 0; k < linear.size(); ++k) Entry(p, linear[k]) = y[static_cast<Eigen::Index>(k)];
+      const Eigen::VectorXd y =
+          NonNegativeLeastSquares(design, factor.rightCols(1), &candidate.cost);
+      for (std::size_t k = 0; k < linear.size(); ++k)
+        Entry(p, linear[k]) = y[static_cast<Eigen::Index>(k)];
       candidate.parameters = std::move(p);
       candidates.push_back(std::move(candidate));
     }
   }
-  std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.cost < b.cost;
+  });
   return candidates;
 }
 
@@ -308,7 +337,8 @@ ErrorMetrics SweepErrors(const VoltageSweep& sweep,
   cell.open_circuit_voltage = setup.open_circuit_voltage;
   cell.series_resistance_Ohm = parameters.series_resistance_Ohm;
   for (std::size_t j = 0; j < parameters.time_constant_s.size(); ++j) {
-    cell.branches.push_back({Resistance<double>(parameters.resistance_Ohm[j]), parameters.time_constant_s[j]});
+    cell.branches.push_back(
+        {Resistance<double>(parameters.resistance_Ohm[j]), parameters.time_constant_s[j]});
   }
   const CellModel<double> model(std::move(cell));
   ErrorAccumulator errors;
@@ -337,10 +367,11 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   const StartValues& data = start.data;
 
   // Start values, read off the data or typical where it shows none.
-  const double series =
-      data.series_resistance_Ohm > 0.0 ? data.series_resistance_Ohm
-                                       : 36.0 / sweep.setup().alpha_C;  // 10 mOhm for 1 Ah, and in proportion
-  const double relaxation = data.relaxation_s > 0.0 ? data.relaxation_s : std::sqrt(data.shortest_s * data.longest_s);
+  const double series = data.series_resistance_Ohm > 0.0
+                            ? data.series_resistance_Ohm
+                            : 36.0 / sweep.setup().alpha_C;  // 10 mOhm for 1 Ah, and in proportion
+  const double relaxation =
+      data.relaxation_s > 0.0 ? data.relaxation_s : std::sqrt(data.shortest_s * data.longest_s);
   const double recovery = data.relaxation_Ohm > 0.0 ? data.relaxation_Ohm : 0.3 * series;
   const double shortest_tau = 0.1 * data.shortest_s;
   const double longest_tau = 10.0 * data.longest_s;
@@ -352,7 +383,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   for (int j = 0; j < n; ++j) {
     base.resistance_Ohm.push_back(0.5 * recovery / n);
     // Spread over the decades around what relaxes most.
-    base.time_constant_s.push_back(std::clamp(relaxation * std::pow(5.0, j - 0.5 * (n - 1)), shortest_tau, longest_tau));
+    base.time_constant_s.push_back(
+        std::clamp(relaxation * std::pow(5.0, j - 0.5 * (n - 1)), shortest_tau, longest_tau));
   }
 
   std::vector<Variable> variables;
@@ -381,7 +413,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     add({fmt::format("tau_{}", j + 1), 2 + n + j, true, relaxation, shortest_tau, longest_tau});
   }
   const auto free_named = [&](const std::string& name) {
-    return std::any_of(variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
+    return std::any_of(
+        variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
   };
 
   // Many starts on a thinned log.
@@ -390,7 +423,9 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   thinned_records.reserve(sweep.logs().size());
   for (const SweepLog& log : sweep.logs()) {
     thinned_records.push_back(Thin(*log.record, static_cast<std::size_t>(options.thinned_rows)));
-    thinned_logs.push_back({&thinned_records.back().record, log.initial_soc, log.weight,
+    thinned_logs.push_back({&thinned_records.back().record,
+                            log.initial_soc,
+                            log.weight,
                             thinned_records.back().row_weight});
   }
   const VoltageSweep thinned(sweep.setup(), std::move(thinned_logs));
@@ -399,10 +434,12 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     for (const double beta : LogGrid(0.03, 1.0, 7)) betas.push_back(beta);
   }
   bool all_taus_free = true;
-  for (int j = 1; j <= n; ++j) all_taus_free = all_taus_free && free_named(fmt::format("tau_{}", j));
+  for (int j = 1; j <= n; ++j)
+    all_taus_free = all_taus_free && free_named(fmt::format("tau_{}", j));
   std::vector<std::vector<double>> choices{base.time_constant_s};
   if (n > 0 && all_taus_free) {
-    const auto grid = LogGrid(2.0 * data.shortest_s, std::max(data.longest_s, 4.0 * data.shortest_s), n <= 2 ? 8 : 6);
+    const auto grid = LogGrid(
+        2.0 * data.shortest_s, std::max(data.longest_s, 4.0 * data.shortest_s), n <= 2 ? 8 : 6);
     for (auto& choice : Choices(grid, n)) choices.push_back(std::move(choice));
   }
   auto candidates = SearchStarts(thinned, betas, choices, variables, base);
@@ -442,8 +479,9 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   };
   fit_all_rows();
 
-  // A branch that has no inertia left is a part of r_s, and one without resistance has no time constant:
-  // either way it is gone. What it carried goes to r_s, and the rest is fitted without it.
+  // A branch that has no inertia left is a part of r_s, and one without resistance has no time
+  // constant: either way it is gone. What it carried goes to r_s, and the rest is fitted without
+  // it.
   std::vector<bool> gone(static_cast<std::size_t>(n), false);
   best = result.parameters;
   for (int j = 0; j < n; ++j) {
@@ -451,8 +489,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     const auto tau = fmt::format("tau_{}", j + 1);
     if (!free_named(r) || !free_named(tau)) continue;
     const auto at = static_cast<std::size_t>(j);
-    const bool instant =
-        free_named("r_s") && result.parameters.time_constant_s[at] <= shortest_tau * (1.0 + kTouching);
+    const bool instant = free_named("r_s") &&
+                         result.parameters.time_constant_s[at] <= shortest_tau * (1.0 + kTouching);
     if (!instant && result.parameters.resistance_Ohm[at] > kTouching * series) continue;
     if (instant) best.series_resistance_Ohm += best.resistance_Ohm[at];
     best.resistance_Ohm[at] = 0.0;
@@ -479,7 +517,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     if (gone[static_cast<std::size_t>(j)]) touches[static_cast<std::size_t>(2 + j)] = true;
   }
 
-  // Branches come in any order: by rising time constant, those that are gone last, unless the user named one.
+  // Branches come in any order: by rising time constant, those that are gone last, unless the user
+  // named one.
   const auto names_a_branch = [](const auto& map) {
     return std::any_of(map.begin(), map.end(), [](const auto& entry) {
       return entry.first != "beta" && entry.first != "r_s";
@@ -487,7 +526,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   };
   std::vector<std::size_t> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (!names_a_branch(given.fixed) && !names_a_branch(given.bounds) && !names_a_branch(given.start)) {
+  if (!names_a_branch(given.fixed) && !names_a_branch(given.bounds) &&
+      !names_a_branch(given.start)) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       if (gone[a] != gone[b]) return static_cast<bool>(gone[b]);
       return result.parameters.time_constant_s[a] < result.parameters.time_constant_s[b];
@@ -500,7 +540,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     result.parameters.resistance_Ohm[j] = found.resistance_Ohm[order[j]];
     result.parameters.time_constant_s[j] = found.time_constant_s[order[j]];
     if (touches[2 + order[j]]) result.at_bound.push_back(fmt::format("r_{}", j + 1));
-    if (touches[2 + order.size() + order[j]]) result.at_bound.push_back(fmt::format("tau_{}", j + 1));
+    if (touches[2 + order.size() + order[j]])
+      result.at_bound.push_back(fmt::format("tau_{}", j + 1));
   }
   result.errors = SweepErrors(sweep, result.parameters, &result.rows_outside_curve);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -6,13 +6,14 @@
 ///   (4.60)  r_s, r_j, c_j with beta held
 ///   (4.61)  the same and beta, in [0, 1]
 ///
-/// minimize the squared voltage error over all rows. Resistances and capacitances are >= 0. Starts come from
-/// the data: steps of the current give r_s, relaxations time constants; around them a grid of (beta, tau_j),
-/// for each of which r_s and r_j follow by linear least squares, is searched on a thinned log, so that the
-/// optimum is found from the best of many starts. Then all rows decide.
+/// minimize the squared voltage error over all rows. Resistances and capacitances are >= 0. Starts
+/// come from the data: steps of the current give r_s, relaxations time constants; around them a
+/// grid of (beta, tau_j), for each of which r_s and r_j follow by linear least squares, is searched
+/// on a thinned log, so that the optimum is found from the best of many starts. Then all rows
+/// decide.
 ///
-/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one; c_j = tau_j/r_j is reported.
-/// Tests: tests/identify/stages/pulse_fit_test.cc.
+/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one; c_j = tau_j/r_j is
+/// reported. Tests: tests/identify/stages/pulse_fit_test.cc.
 
 #include <limits>
 #include <map>
@@ -48,8 +49,8 @@ struct PulseFitOptions {
   }
 };
 
-/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}. c_j needs r_j
-/// beside it, or fixed, and has no bounds: the solver moves tau_j.
+/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}. c_j
+/// needs r_j beside it, or fixed, and has no bounds: the solver moves tau_j.
 struct PulseFitKnowledge {
   std::map<std::string, double> fixed = {};
   std::map<std::string, double> start = {};
@@ -72,13 +73,14 @@ struct PulseFitResult {
 /// What a fit starts from.
 struct PulseFitStart {
   double beta_per_sqrt_s = 0.2;
-  bool hold_beta = false;             ///< (4.60); else (4.61)
-  StartValues data = {};              ///< of the same records
+  bool hold_beta = false;                     ///< (4.60); else (4.61)
+  StartValues data = {};                      ///< of the same records
   const SweepParameters* previous = nullptr;  ///< one more start, for example the answer of (4.60)
 };
 
-/// The setup of the sweep says how the diffusion is modelled; options.branches how many branches there are.
-/// Throws OptionError where `knowledge` names a parameter that is not there or contradicts itself.
+/// The setup of the sweep says how the diffusion is modelled; options.branches how many branches
+/// there are. Throws OptionError where `knowledge` names a parameter that is not there or
+/// contradicts itself.
 [[nodiscard]] PulseFitResult FitPulses(const VoltageSweep& sweep,
                                        const PulseFitStart& start,
                                        const PulseFitOptions& options = {},

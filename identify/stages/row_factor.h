@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// Accumulates the triangular factor R of a tall matrix, row by row: R'R = sum of the rows' outer products,
-/// without ever forming them. Memory does not grow with the rows.
-/// Tests: tests/identify/stages/row_factor_test.cc.
+/// Accumulates the triangular factor R of a tall matrix, row by row: R'R = sum of the rows' outer
+/// products, without ever forming them. Memory does not grow with the rows. Tests:
+/// tests/identify/stages/row_factor_test.cc.
 
 #include <Eigen/Dense>
 
@@ -12,7 +12,9 @@ namespace lipoid {
 class RowFactor {
  public:
   explicit RowFactor(int columns)
-      : columns_(columns), filled_(columns), block_(Eigen::MatrixXd::Zero(columns + kRows, columns)) {}
+      : columns_(columns),
+        filled_(columns),
+        block_(Eigen::MatrixXd::Zero(columns + kRows, columns)) {}
 
   /// Where the next row goes: write entry j to data[j * stride()], then call Push().
   [[nodiscard]] double* NextRow() { return block_.data() + filled_; }

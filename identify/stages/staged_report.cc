@@ -99,14 +99,17 @@ Json StagedToJson(const StagedResult& result) {
   stages["pulses"] = PulsesToJson(result.pulses, diffusion);
   Json validation = Json::array();
   for (const auto& errors : result.validation) validation.push_back(LogErrorsToJson(errors));
-  const double ratio = result.low_rate_charge_C > 0.0 ? result.alpha_C / result.low_rate_charge_C : std::nan("");
+  const double ratio =
+      result.low_rate_charge_C > 0.0 ? result.alpha_C / result.low_rate_charge_C : std::nan("");
   return {{"method", "staged"},
           {"converged", result.converged},
           {"alpha_C", result.alpha_C},
           {"alpha_source", result.alpha_source},
-          {"low_rate_charge_C", result.low_rate_charge_C > 0.0 ? Json(result.low_rate_charge_C) : Json(nullptr)},
+          {"low_rate_charge_C",
+           result.low_rate_charge_C > 0.0 ? Json(result.low_rate_charge_C) : Json(nullptr)},
           {"alpha_over_low_rate_charge", Number(ratio)},
-          {"low_rate_offset_V", result.open_circuit_voltage ? Number(result.low_rate_offset_V) : Json(nullptr)},
+          {"low_rate_offset_V",
+           result.open_circuit_voltage ? Number(result.low_rate_offset_V) : Json(nullptr)},
           {"stages", stages},
           {"validation", validation},
           {"done_instead", result.done_instead},

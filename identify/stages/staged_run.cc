@@ -65,9 +65,11 @@ class StagedRun {
       Cell one = result_.cell;
       one.series = one.parallel = 1;
       const Validation v = Validate(one, log->log.record, log->entry.initial_soc);
-      result_.validation.push_back({log->entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve});
+      result_.validation.push_back(
+          {log->entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve});
     }
-    result_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    result_.wall_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return std::move(result_);
   }
 
@@ -103,52 +105,64 @@ class StagedRun {
             shortest_pulse_s_ = std::min(shortest_pulse_s_, segment.duration_s());
           }
           break;
-        case LogKind::kValidation: break;
+        case LogKind::kValidation:
+          break;
       }
     });
     if (low_rate_ != nullptr) result_.low_rate_charge_C = low_rate_discharge_.charge_C;
     if (low_rate.size() > 1) {
-      result_.done_instead.push_back(fmt::format("{} low-rate logs were given: v_oc(A) is that of the first, {}",
-                                                 low_rate.size(), low_rate_->entry.file));
+      result_.done_instead.push_back(
+          fmt::format("{} low-rate logs were given: v_oc(A) is that of the first, {}",
+                      low_rate.size(),
+                      low_rate_->entry.file));
     }
   }
 
   void FindAlphaAndBeta() {
     const int currents = CountDifferentCurrents(discharges_);
     if (currents >= (given_.alpha_C ? 1 : 2)) {
-      result_.discharge_times = FitDischargeTimes(discharges_, options_.discharge_times, given_.alpha_C);
+      result_.discharge_times =
+          FitDischargeTimes(discharges_, options_.discharge_times, given_.alpha_C);
       beta_start_ = result_.discharge_times->beta_start_per_sqrt_s;
       result_.alpha_C = result_.discharge_times->alpha_C;
       result_.alpha_source = given_.alpha_C ? "given" : "discharge-times";
       if (!result_.discharge_times->identifiable) {
         result_.done_instead.push_back(
-            fmt::format("beta is not identifiable from the discharge times: {}; stage 3 starts at {:.3g} s^-1/2",
-                        result_.discharge_times->reason, beta_start_));
+            fmt::format("beta is not identifiable from the discharge times: {}; stage 3 starts at "
+                        "{:.3g} s^-1/2",
+                        result_.discharge_times->reason,
+                        beta_start_));
       }
       return;
     }
-    const std::string found = currents == 0 ? "no constant-current log" : "constant currents that do not differ";
+    const std::string found =
+        currents == 0 ? "no constant-current log" : "constant currents that do not differ";
     if (given_.alpha_C) {
       result_.alpha_C = *given_.alpha_C;
       result_.alpha_source = "given";
     } else if (low_rate_ != nullptr) {
       result_.alpha_C = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
       result_.alpha_source = "low-rate-charge";
-      result_.done_instead.push_back(
-          fmt::format("{}: alpha is the charge of the low-rate log, {:.6g} C, and beta waits for stage 3", found,
-                      result_.alpha_C));
+      result_.done_instead.push_back(fmt::format(
+          "{}: alpha is the charge of the low-rate log, {:.6g} C, and beta waits for stage 3",
+          found,
+          result_.alpha_C));
     } else if (campaign_.capacity_Ah > 0.0) {
       result_.alpha_C = 3600.0 * campaign_.capacity_Ah;
       result_.alpha_source = "nominal-capacity";
-      result_.done_instead.push_back(fmt::format(
-          "{} and no low-rate log: alpha is the nominal capacity, {:.6g} C, and beta waits for stage 3; "
-          "--alpha-C gives a better one",
-          found, result_.alpha_C));
+      result_.done_instead.push_back(
+          fmt::format("{} and no low-rate log: alpha is the nominal capacity, {:.6g} C, and beta "
+                      "waits for stage 3; "
+                      "--alpha-C gives a better one",
+                      found,
+                      result_.alpha_C));
     } else {
-      throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
-                      fmt::format("expected a way to alpha (two constant currents, a low-rate log, capacity_Ah or "
-                                  "--alpha-C), found {}",
-                                  found));
+      throw LoadError(
+          {campaign_.file.empty() ? "(command line)" : campaign_.file},
+          fmt::format(
+              "expected a way to alpha (two constant currents, a low-rate log, capacity_Ah or "
+              "--alpha-C), found {}",
+              found));
     }
     beta_start_ = kTypicalBeta;
   }
@@ -158,8 +172,10 @@ class StagedRun {
       result_.cell.open_circuit_voltage = *given_.open_circuit_voltage;
       return;
     }
-    result_.open_circuit_voltage = FitOpenCircuitVoltage(
-        low_rate_->log.record, result_.alpha_C, low_rate_->entry.initial_soc, options_.open_circuit_voltage);
+    result_.open_circuit_voltage = FitOpenCircuitVoltage(low_rate_->log.record,
+                                                         result_.alpha_C,
+                                                         low_rate_->entry.initial_soc,
+                                                         options_.open_circuit_voltage);
     result_.cell.open_circuit_voltage = result_.open_circuit_voltage->curve;
   }
 
@@ -169,7 +185,8 @@ class StagedRun {
       fitted = OfKind(logs_, LogKind::kConstantCurrent);
       result_.fitted_kind = LogKind::kConstantCurrent;
       result_.done_instead.push_back(
-          "no pulses log: stage 3 uses the constant-current logs; without rests beta and the branches are weak, "
+          "no pulses log: stage 3 uses the constant-current logs; without rests beta and the "
+          "branches are weak, "
           "and the series resistance contains what is faster than the sampling");
     }
     std::vector<SweepLog> sweep_logs;
@@ -186,10 +203,10 @@ class StagedRun {
                              std::move(sweep_logs));
     result_.start = FindStartValues(records);
     PulseFitStart start{.beta_per_sqrt_s = beta_start_, .hold_beta = true, .data = result_.start};
-    const bool beta_is_free =
-        options_.pulses.diffusion && !IsFixed("beta");
+    const bool beta_is_free = options_.pulses.diffusion && !IsFixed("beta");
     if (beta_is_free) {
-      result_.pulses_beta_held = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
+      result_.pulses_beta_held =
+          FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
       start.previous = &result_.pulses_beta_held->parameters;
     }
     Tell("pulses, with beta", 0.5);
@@ -204,8 +221,9 @@ class StagedRun {
     cell.name = campaign_.name;
     cell.series = campaign_.series;
     cell.parallel = campaign_.parallel;
-    cell.capacity_Ah = campaign_.capacity_Ah > 0.0 && options_.pulses.diffusion ? campaign_.capacity_Ah
-                                                                                 : result_.alpha_C / 3600.0;
+    cell.capacity_Ah = campaign_.capacity_Ah > 0.0 && options_.pulses.diffusion
+                           ? campaign_.capacity_Ah
+                           : result_.alpha_C / 3600.0;
     if (campaign_.cutoff_V) {
       cell.cutoff_V = *campaign_.cutoff_V;
     } else {
@@ -214,7 +232,8 @@ class StagedRun {
         for (const double v : log.log.record.voltage_V) cell.cutoff_V = std::min(cell.cutoff_V, v);
       }
       result_.done_instead.push_back(
-          fmt::format("no cutoff_V: the cell file takes the lowest voltage of the logs, {:.4g} V", cell.cutoff_V));
+          fmt::format("no cutoff_V: the cell file takes the lowest voltage of the logs, {:.4g} V",
+                      cell.cutoff_V));
     }
     if (options_.pulses.diffusion) {
       cell.diffusion = Cell::Diffusion{.alpha_C = result_.alpha_C,
@@ -228,7 +247,8 @@ class StagedRun {
       branch.resistance_Ohm = p.resistance_Ohm[j];
       branch.time_constant_s = p.time_constant_s[j];
       // A branch without resistance has no capacitance to speak of: its time constant is kept.
-      if (p.resistance_Ohm[j] > 0.0) branch.capacitance_F = p.time_constant_s[j] / p.resistance_Ohm[j];
+      if (p.resistance_Ohm[j] > 0.0)
+        branch.capacitance_F = p.time_constant_s[j] / p.resistance_Ohm[j];
       cell.branches.push_back(std::move(branch));
     }
   }
@@ -241,47 +261,60 @@ class StagedRun {
       const double full = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
       const double ratio = result_.alpha_C / full;
       if (std::abs(ratio - 1.0) > 0.01) {
-        say.push_back(fmt::format(
-            "alpha is {:.4f} of the charge of the low-rate log ({:.6g} C): they should measure the same thing",
-            ratio, full));
+        say.push_back(
+            fmt::format("alpha is {:.4f} of the charge of the low-rate log ({:.6g} C): they should "
+                        "measure the same thing",
+                        ratio,
+                        full));
       }
     }
     if (result_.open_circuit_voltage && options_.pulses.diffusion) {
       // Half-way through the discharge a branch has settled as far as its time constant lets it.
       double resistance = p.series_resistance_Ohm;
       for (std::size_t j = 0; j < p.resistance_Ohm.size(); ++j) {
-        resistance += p.resistance_Ohm[j] * -std::expm1(-0.5 * low_rate_discharge_.time_s() / p.time_constant_s[j]);
+        resistance += p.resistance_Ohm[j] *
+                      -std::expm1(-0.5 * low_rate_discharge_.time_s() / p.time_constant_s[j]);
       }
       const double current_A = result_.open_circuit_voltage->current_A;
       result_.low_rate_offset_V = resistance * current_A;
-      say.push_back(fmt::format(
-          "v_oc(A) is taken as the low-rate voltage, which lies below it by (r_s + sum r_j) i = {:.2g} mV and lags by "
-          "{:.2g} % of the charge",
-          1e3 * result_.low_rate_offset_V,
-          100.0 * SteadyLag(p.beta_per_sqrt_s) * current_A / result_.alpha_C));
+      say.push_back(
+          fmt::format("v_oc(A) is taken as the low-rate voltage, which lies below it by (r_s + sum "
+                      "r_j) i = {:.2g} mV and lags by "
+                      "{:.2g} % of the charge",
+                      1e3 * result_.low_rate_offset_V,
+                      100.0 * SteadyLag(p.beta_per_sqrt_s) * current_A / result_.alpha_C));
     }
     if (result_.pulses.rows_outside_curve > 0) {
-      say.push_back(fmt::format("{} rows reach states of charge beyond v_oc(A), which goes on with its end slope there",
-                                result_.pulses.rows_outside_curve));
+      say.push_back(fmt::format(
+          "{} rows reach states of charge beyond v_oc(A), which goes on with its end slope there",
+          result_.pulses.rows_outside_curve));
     }
     for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
       const double tau = p.time_constant_s[j];
       const auto name = fmt::format("r_{}", j + 1);
       if (!IsFixed(name) && p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
-        say.push_back(fmt::format(
-            "branch {} was not found: its resistance went to zero, and its time constant is arbitrary", j + 1));
+        say.push_back(
+            fmt::format("branch {} was not found: its resistance went to zero, and its time "
+                        "constant is arbitrary",
+                        j + 1));
       } else if (tau < result_.start.shortest_s) {
-        say.push_back(fmt::format(
-            "branch {0} is faster than the sampling (tau_{0} = {1:.2g} s, rows every {2:.2g} s): it cannot be told from "
-            "r_s, and c_{0} is arbitrary",
-            j + 1, tau, result_.start.shortest_s));
+        say.push_back(
+            fmt::format("branch {0} is faster than the sampling (tau_{0} = {1:.2g} s, rows every "
+                        "{2:.2g} s): it cannot be told from "
+                        "r_s, and c_{0} is arbitrary",
+                        j + 1,
+                        tau,
+                        result_.start.shortest_s));
       } else if (options_.pulses.diffusion) {
         const double slowest = 1.0 / (p.beta_per_sqrt_s * p.beta_per_sqrt_s);
         if (tau > slowest / 3.0 && tau < slowest * 3.0) {
-          say.push_back(fmt::format(
-              "branch {0} (tau_{0} = {1:.3g} s) is as slow as the diffusion (1/beta² = {2:.3g} s): the two can stand in "
-              "for one another",
-              j + 1, tau, slowest));
+          say.push_back(
+              fmt::format("branch {0} (tau_{0} = {1:.3g} s) is as slow as the diffusion (1/beta² = "
+                          "{2:.3g} s): the two can stand in "
+                          "for one another",
+                          j + 1,
+                          tau,
+                          slowest));
         }
       }
     }
@@ -289,16 +322,20 @@ class StagedRun {
       const double beta = p.beta_per_sqrt_s * (options_.pulses.terms + 1);
       const double first_neglected_s = 1.0 / (beta * beta);
       if (first_neglected_s > shortest_pulse_s_) {
-        say.push_back(fmt::format(
-            "the first diffusion mode left to the tail ({:.2g} s) is slower than the shortest pulse ({:.2g} s): raise "
-            "the number of terms (--set pulses.terms=N)",
-            first_neglected_s, shortest_pulse_s_));
+        say.push_back(
+            fmt::format("the first diffusion mode left to the tail ({:.2g} s) is slower than the "
+                        "shortest pulse ({:.2g} s): raise "
+                        "the number of terms (--set pulses.terms=N)",
+                        first_neglected_s,
+                        shortest_pulse_s_));
       }
     }
-    if (result_.fitted_kind == LogKind::kConstantCurrent) say.push_back("beta and the branches come from constant-current logs: take them as weak");
+    if (result_.fitted_kind == LogKind::kConstantCurrent)
+      say.push_back("beta and the branches come from constant-current logs: take them as weak");
     for (const auto& name : result_.pulses.at_bound) {
       if (name.rfind("r_", 0) == 0 && name != "r_s") continue;  // said above: the branch is gone
-      say.push_back(fmt::format("{} stands at a bound: the logs ask for a value beyond it, or do not need it", name));
+      say.push_back(fmt::format(
+          "{} stands at a bound: the logs ask for a value beyond it, or do not need it", name));
     }
   }
 

@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// The thesis' method from logs to cell: discharge times -> alpha, beta; low rate -> v_oc(A); pulses -> beta
-/// again, r_s, r_j, c_j. A missing kind of log is not the end: what was done instead is said, and stands in
-/// the cell file. Logs come as records of one cell (packs already divided).
+/// The thesis' method from logs to cell: discharge times -> alpha, beta; low rate -> v_oc(A);
+/// pulses -> beta again, r_s, r_j, c_j. A missing kind of log is not the end: what was done instead
+/// is said, and stands in the cell file. Logs come as records of one cell (packs already divided).
 /// Tests: tests/identify/stages/staged_run_test.cc.
 
 #include <functional>
@@ -54,10 +54,10 @@ struct StagedResult {
   StartValues start;
   double alpha_C = 0.0;
   std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given", "nominal-capacity"
-  double low_rate_charge_C = 0.0;           ///< 0 without such a log
-  double low_rate_offset_V = 0.0;           ///< by which the low-rate log lies below v_oc
-  std::vector<std::string> done_instead;    ///< for a kind of log that is missing
-  std::vector<std::string> cautions;        ///< what the method leaves out, where it matters here
+  double low_rate_charge_C = 0.0;         ///< 0 without such a log
+  double low_rate_offset_V = 0.0;         ///< by which the low-rate log lies below v_oc
+  std::vector<std::string> done_instead;  ///< for a kind of log that is missing
+  std::vector<std::string> cautions;      ///< what the method leaves out, where it matters here
   std::vector<LogErrors> validation;
   double wall_s = 0.0;
 };

@@ -52,7 +52,9 @@ StartValues FindStartValues(const std::vector<const Record*>& records) {
     const auto segments = FindSegments(*record);
     for (std::size_t s = 0; s < segments.size(); ++s) {
       start.longest_s = std::max(start.longest_s, segments[s].duration_s());
-      if (s == 0 || segments[s].kind != SegmentKind::kRest || segments[s - 1].kind == SegmentKind::kRest) continue;
+      if (s == 0 || segments[s].kind != SegmentKind::kRest ||
+          segments[s - 1].kind == SegmentKind::kRest)
+        continue;
       const Segment& rest = segments[s];
       if (rest.last < rest.first + 4) continue;
       // From the first row at rest, when the series resistance has let go, to the last.
@@ -72,7 +74,8 @@ StartValues FindStartValues(const std::vector<const Record*>& records) {
   std::sort(intervals.begin(), intervals.end());
   std::vector<double> resistances;
   for (const Edge& edge : edges) {
-    if (edge.interval_s <= 1.5 * intervals[intervals.size() / 4]) resistances.push_back(edge.resistance_Ohm);
+    if (edge.interval_s <= 1.5 * intervals[intervals.size() / 4])
+      resistances.push_back(edge.resistance_Ohm);
   }
   start.edges = static_cast<int>(resistances.size());
   start.relaxations = static_cast<int>(times.size());
@@ -96,7 +99,8 @@ ThinnedRecord Thin(const Record& record, std::size_t most_rows) {
   // Rows of one level differ by their noise: six deviations, or a noisy log would not get short.
   const double noise_A = n > 0 ? RowNoise(record.current_A, 0, n - 1) : 0.0;
   const double tolerance_A = std::max(1e-3 * largest, 6.0 * noise_A);
-  // Steps grow geometrically after each change of the current, so that quick relaxations keep their rows.
+  // Steps grow geometrically after each change of the current, so that quick relaxations keep their
+  // rows.
   for (double growth = 0.02;; growth *= 2.0) {
     auto& out = thinned.record;
     out.time_s.clear();
@@ -115,16 +119,19 @@ ThinnedRecord Thin(const Record& record, std::size_t most_rows) {
       double charge_C = k > 0 ? held(k) * (record.time_s[k] - record.time_s[k - 1]) : 0.0;
       while (k > 0 && last + 1 < n && std::abs(held(last + 1) - held(k)) <= tolerance_A &&
              std::abs(record.current_A[last + 1] - record.current_A[k]) <= tolerance_A &&
-             record.time_s[last + 1] - record.time_s[k - 1] <= growth * (record.time_s[last + 1] - change_s)) {
+             record.time_s[last + 1] - record.time_s[k - 1] <=
+                 growth * (record.time_s[last + 1] - change_s)) {
         ++last;
         charge_C += held(last) * (record.time_s[last] - record.time_s[last - 1]);
       }
       out.time_s.push_back(record.time_s[last]);
       out.voltage_V.push_back(record.voltage_V[last]);
       out.current_A.push_back(record.current_A[last]);
-      // A merged step carries its mean current, named by the row that closes it or, forward, that opens it.
+      // A merged step carries its mean current, named by the row that closes it or, forward, that
+      // opens it.
       if (last > k) {
-        out.current_A[out.size() - (backward ? 1 : 2)] = charge_C / (record.time_s[last] - record.time_s[k - 1]);
+        out.current_A[out.size() - (backward ? 1 : 2)] =
+            charge_C / (record.time_s[last] - record.time_s[k - 1]);
       }
       thinned.row_weight.push_back(static_cast<double>(last - k + 1));
       k = last + 1;

@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// Where stage 3 starts, read off the data: steps of the current show the series resistance, the voltage
-/// after a load is switched off shows time constants.
-/// Tests: tests/identify/stages/start_values_test.cc.
+/// Where stage 3 starts, read off the data: steps of the current show the series resistance, the
+/// voltage after a load is switched off shows time constants. Tests:
+/// tests/identify/stages/start_values_test.cc.
 
 #include <limits>
 #include <vector>
@@ -13,14 +13,15 @@
 namespace lipoid {
 
 struct StartValues {
-  /// Median of -dv/di over the steps of the current that the sampling resolves best; NaN without a step.
+  /// Median of -dv/di over the steps of the current that the sampling resolves best; NaN without a
+  /// step.
   double series_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
   /// Median time to 63 % of the recovery seen in each rest after a load; NaN without one.
   double relaxation_s = std::numeric_limits<double>::quiet_NaN();
   /// Median recovery per ampere of the load before; NaN without one.
   double relaxation_Ohm = std::numeric_limits<double>::quiet_NaN();
-  /// The shortest interval between rows at a step, and the longest rest: the time constants that the log
-  /// can show lie between them.
+  /// The shortest interval between rows at a step, and the longest rest: the time constants that
+  /// the log can show lie between them.
   double shortest_s = 1.0;
   double longest_s = 4.0;
   int edges = 0;
@@ -29,10 +30,11 @@ struct StartValues {
 
 [[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records);
 
-/// The record with neighbouring rows of equal current, up to noise, merged into longer steps that carry their
-/// mean current: to about most_rows rows, or as few as there are different currents. The charge is kept, and
-/// where the currents are equal the model gives the very same voltages (zero-order hold over a constant
-/// current knows no difference). row_weight counts the rows that each one stands for.
+/// The record with neighbouring rows of equal current, up to noise, merged into longer steps that
+/// carry their mean current: to about most_rows rows, or as few as there are different currents.
+/// The charge is kept, and where the currents are equal the model gives the very same voltages
+/// (zero-order hold over a constant current knows no difference). row_weight counts the rows that
+/// each one stands for.
 struct ThinnedRecord {
   Record record;
   std::vector<double> row_weight;

@@ -56,7 +56,8 @@ VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs)
     : setup_(std::move(setup)), logs_(std::move(logs)) {
   Require(setup_.alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", setup_.alpha_C}});
   for (const SweepLog& log : logs_) {
-    Require(log.record != nullptr && (log.row_weight.empty() || log.row_weight.size() == log.record->size()),
+    Require(log.record != nullptr &&
+                (log.row_weight.empty() || log.row_weight.size() == log.record->size()),
             "a record, and a weight for every row or none");
   }
   if (!setup_.diffusion) {
@@ -91,7 +92,8 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
     }
   }
   Eigen::MatrixXd factor = all.Factor();
-  if (!jacobian) factor(columns - 1, columns - 1) = std::abs(factor(columns - 1, columns - 1));  // a norm
+  if (!jacobian)
+    factor(columns - 1, columns - 1) = std::abs(factor(columns - 1, columns - 1));  // a norm
   return factor;
 }
 
@@ -142,18 +144,21 @@ Eigen::MatrixXd VoltageSweep::LogFactor(const SweepLog& log,
       const double held_A = backward ? current_A : record.current_A[k - 1];
       const double dt_s = record.time_s[k] - record.time_s[k - 1];
       const StepCoefficients& step = cache.Get(dt_s, record.time_s[k], make);
-      if (jacobian) slope = step.decay * slope + step.decay_slope * state + (step.gain_slope * held_A + kAlive);
+      if (jacobian)
+        slope = step.decay * slope + step.decay_slope * state + (step.gain_slope * held_A + kAlive);
       state = step.decay * state + (step.gain * held_A + kAlive);
       delivered_C += dt_s * held_A;
     }
-    const double sigma = delivered_C + 2.0 * state.head(terms).sum() + tail_s * current_A;           // (4.47)
-    const double soc = (setup_.alpha_C - sigma) * inverse_alpha;                         // (4.48)
-    const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);                 // (4.49)
+    const double sigma =
+        delivered_C + 2.0 * state.head(terms).sum() + tail_s * current_A;  // (4.47)
+    const double soc = (setup_.alpha_C - sigma) * inverse_alpha;           // (4.48)
+    const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);   // (4.49)
     const double voltage = open_circuit.value_V - p.series_resistance_Ohm * current_A -
-                           (resistance_Ohm * state.tail(branches)).sum();                // (4.51)
-    const double residual = record.voltage_V[k] - voltage;                               // (4.61)
+                           (resistance_Ohm * state.tail(branches)).sum();  // (4.51)
+    const double residual = record.voltage_V[k] - voltage;                 // (4.61)
 
-    const double weight = log.row_weight.empty() ? log_weight : log_weight * std::sqrt(log.row_weight[k]);
+    const double weight =
+        log.row_weight.empty() ? log_weight : log_weight * std::sqrt(log.row_weight[k]);
     if (!jacobian) {
       sum_of_squares += weight * weight * residual * residual;
       continue;

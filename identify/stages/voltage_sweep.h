@@ -5,8 +5,8 @@
 ///
 ///   r(k) = v_b(k) - v^_b(k | beta, r_s, r_j, tau_j)
 ///
-/// Every state is a first-order mode (exact_hold.h), so its sensitivity to the mode's own rate obeys a
-/// recurrence of the same shape,
+/// Every state is a first-order mode (exact_hold.h), so its sensitivity to the mode's own rate
+/// obeys a recurrence of the same shape,
 ///
 ///   x+  = p x  + g i
 ///   x'+ = p x' + p' x + g' i
@@ -53,11 +53,12 @@ class VoltageSweep {
  public:
   VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs);
 
-  /// Columns of the Jacobian: beta, r_s, r_1 .. r_n, tau_1 .. tau_n; the residual is the last column.
+  /// Columns of the Jacobian: beta, r_s, r_1 .. r_n, tau_1 .. tau_n; the residual is the last
+  /// column.
   [[nodiscard]] static int Columns(int branches) { return 2 + 2 * branches; }
 
-  /// Upper triangular factor of [J r], Columns + 1 square. Without the Jacobian only its last column is filled:
-  /// zeros, and the norm of r at the bottom.
+  /// Upper triangular factor of [J r], Columns + 1 square. Without the Jacobian only its last
+  /// column is filled: zeros, and the norm of r at the bottom.
   [[nodiscard]] Eigen::MatrixXd Factor(const SweepParameters& parameters, bool jacobian) const;
 
   [[nodiscard]] const SweepSetup& setup() const { return setup_; }

@@ -19,14 +19,14 @@ namespace lipoid {
 
 struct Cell {
   struct Diffusion {
-    double alpha_C = 0.0;           ///< charge from A = 1 to A = 0 at vanishing rate, > 0
-    double beta_per_sqrt_s = 0.0;   ///< in (0, 1]
-    int terms = 10;                 ///< M in (4.46), 0 .. 1000
-    bool tail = true;               ///< quasi-static share of the modes beyond M
+    double alpha_C = 0.0;          ///< charge from A = 1 to A = 0 at vanishing rate, > 0
+    double beta_per_sqrt_s = 0.0;  ///< in (0, 1]
+    int terms = 10;                ///< M in (4.46), 0 .. 1000
+    bool tail = true;              ///< quasi-static share of the modes beyond M
   };
   struct Branch {
     Resistance<double> resistance_Ohm;
-    double time_constant_s = 0.0;   ///< tau = r c
+    double time_constant_s = 0.0;  ///< tau = r c
     /// Set where the branch is written by its capacitance (only with a constant resistance).
     std::optional<double> capacitance_F;
   };

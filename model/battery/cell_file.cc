@@ -38,9 +38,11 @@ OpenCircuitVoltage ReadCurve(const JsonReader& json) {
     auto soc = Increasing(json.At("soc"));
     auto voltage = json.At("voltage_V").Numbers(-kInfinity, kInfinity);
     if (soc.size() < least) json.At("soc").Fail(fmt::format("at least {} states of charge", least));
-    if (voltage.size() != soc.size()) json.At("voltage_V").Fail(fmt::format("{} voltages", soc.size()));
-    return method == "linear" ? OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage))
-                              : OpenCircuitVoltage::MonotoneCubic(std::move(soc), std::move(voltage));
+    if (voltage.size() != soc.size())
+      json.At("voltage_V").Fail(fmt::format("{} voltages", soc.size()));
+    return method == "linear"
+               ? OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage))
+               : OpenCircuitVoltage::MonotoneCubic(std::move(soc), std::move(voltage));
   }
   if (method != "polynomial" && method != "fourier") {
     json.At("method").Fail("linear, polynomial, fourier or monotone-cubic");
@@ -97,7 +99,8 @@ Resistance<double> ReadResistance(const JsonReader& json) {
   auto soc = Increasing(json.At("soc"));
   auto values = json.At("resistance_Ohm").Numbers(0.0, kInfinity);
   if (soc.empty()) json.At("soc").Fail("at least one state of charge");
-  if (values.size() != soc.size()) json.At("resistance_Ohm").Fail(fmt::format("{} resistances", soc.size()));
+  if (values.size() != soc.size())
+    json.At("resistance_Ohm").Fail(fmt::format("{} resistances", soc.size()));
   return {std::move(soc), std::move(values)};
 }
 
@@ -119,7 +122,8 @@ Cell::Branch ReadBranch(const JsonReader& json) {
     branch.time_constant_s = time_constant->Number(0.0, kInfinity);
   } else {
     if (!branch.resistance_Ohm.constant()) {
-      capacitance->FailWith("expected time_constant_s, found capacitance_F beside a table of resistances");
+      capacitance->FailWith(
+          "expected time_constant_s, found capacitance_F beside a table of resistances");
     }
     branch.capacitance_F = capacitance->Number(0.0, kInfinity);
     branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
@@ -135,8 +139,17 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   if (!json.IsObject()) json.Fail(fmt::format("a cell file, \"schema\": \"{}\"", kCellSchema));
   const auto schema = json.At("schema");
   if (schema.Text() != kCellSchema) schema.Fail(fmt::format("schema \"{}\"", kCellSchema));
-  json.OnlyKeys({"schema", "name", "series", "parallel", "capacity_Ah", "cutoff_V", "diffusion",
-                 "open_circuit_voltage", "series_resistance_Ohm", "branches", "run"});
+  json.OnlyKeys({"schema",
+                 "name",
+                 "series",
+                 "parallel",
+                 "capacity_Ah",
+                 "cutoff_V",
+                 "diffusion",
+                 "open_circuit_voltage",
+                 "series_resistance_Ohm",
+                 "branches",
+                 "run"});
   Cell cell;
   cell.name = json.At("name").Text();
   if (const auto series = json.Find("series")) cell.series = series->Integer(1, 100000);
@@ -146,17 +159,20 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   cell.cutoff_V = json.At("cutoff_V").Number(0.0, kInfinity);
   if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
     diffusion.OnlyKeys({"alpha_C", "beta_per_sqrt_s", "terms", "tail"});
-    cell.diffusion = Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(least, kInfinity),
-                                     .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(least, 1.0),
-                                     .terms = diffusion.At("terms").Integer(0, 1000),
-                                     .tail = diffusion.At("tail").Boolean()};
+    cell.diffusion =
+        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(least, kInfinity),
+                        .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(least, 1.0),
+                        .terms = diffusion.At("terms").Integer(0, 1000),
+                        .tail = diffusion.At("tail").Boolean()};
   }
   const auto curve = json.At("open_circuit_voltage");
   cell.open_circuit_voltage = ReadCurve(curve);
-  if (const auto assumed = curve.Find("assumed")) cell.open_circuit_voltage_assumed = assumed->Boolean();
+  if (const auto assumed = curve.Find("assumed"))
+    cell.open_circuit_voltage_assumed = assumed->Boolean();
   cell.series_resistance_Ohm = ReadResistance(json.At("series_resistance_Ohm"));
   const auto branches = json.At("branches");
-  for (std::size_t j = 0; j < branches.Size(); ++j) cell.branches.push_back(ReadBranch(branches.Item(j)));
+  for (std::size_t j = 0; j < branches.Size(); ++j)
+    cell.branches.push_back(ReadBranch(branches.Item(j)));
   if (const auto run = json.Find("run")) {
     if (!run->IsObject()) run->Fail("an object");
     cell.run = document.at("run");
@@ -201,7 +217,9 @@ Json CellToJson(const Cell& cell) {
 
 void WriteCellFile(const Cell& cell, const std::string& file) {
   // JSON has no NaN: it would be written as null, and the file could not be read back.
-  for (const double value : {cell.capacity_Ah, cell.cutoff_V, cell.alpha_C(),
+  for (const double value : {cell.capacity_Ah,
+                             cell.cutoff_V,
+                             cell.alpha_C(),
                              cell.diffusion ? cell.diffusion->beta_per_sqrt_s : 0.0}) {
     Require(std::isfinite(value), "a cell of finite numbers", {{"value", value}});
   }
@@ -209,7 +227,9 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
     Require(std::isfinite(r), "a finite series resistance", {{"resistance_Ohm", r}});
   }
   for (const auto& branch : cell.branches) {
-    Require(std::isfinite(branch.time_constant_s), "finite time constants", {{"time_constant_s", branch.time_constant_s}});
+    Require(std::isfinite(branch.time_constant_s),
+            "finite time constants",
+            {{"time_constant_s", branch.time_constant_s}});
     for (const double r : branch.resistance_Ohm.resistance_Ohm) {
       Require(std::isfinite(r), "finite resistances", {{"resistance_Ohm", r}});
     }
@@ -225,17 +245,21 @@ std::vector<std::string> ShippedCellNames() {
 
 Cell LoadCell(const std::string& name_or_file) {
   for (const auto& shipped : kShippedCells) {
-    if (shipped.name == name_or_file) return ParseCell(std::string(shipped.text), std::string(shipped.name));
+    if (shipped.name == name_or_file)
+      return ParseCell(std::string(shipped.text), std::string(shipped.name));
   }
   const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
   try {
     return ReadCellFile(name_or_file);
   } catch (const LoadError& error) {
-    if (looks_like_file || error.diagnostics().front().message.find("found none") == std::string::npos) throw;
+    if (looks_like_file ||
+        error.diagnostics().front().message.find("found none") == std::string::npos)
+      throw;
     std::string names;
     for (const auto& name : ShippedCellNames()) names += (names.empty() ? "" : ", ") + name;
-    throw LoadError({name_or_file},
-                    fmt::format("expected a cell file or one of the shipped cells ({}), found neither", names));
+    throw LoadError(
+        {name_or_file},
+        fmt::format("expected a cell file or one of the shipped cells ({}), found neither", names));
   }
 }
 

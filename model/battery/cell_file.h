@@ -13,8 +13,8 @@ namespace lipoid {
 
 inline constexpr const char* kCellSchema = "lipoid.cell/1";
 
-/// Reads a cell file strictly: another schema, an unknown or missing key, a value outside its range are
-/// LoadErrors with line, column and pointer.
+/// Reads a cell file strictly: another schema, an unknown or missing key, a value outside its range
+/// are LoadErrors with line, column and pointer.
 [[nodiscard]] Cell ReadCellFile(const std::string& file);
 [[nodiscard]] Cell ParseCell(const std::string& text, const std::string& file);
 
@@ -26,7 +26,8 @@ void WriteCellFile(const Cell& cell, const std::string& file);
 /// Names of the cells that are shipped, sorted.
 [[nodiscard]] std::vector<std::string> ShippedCellNames();
 
-/// A shipped cell by name, else the cell file of that name. LoadError names both ways where neither is.
+/// A shipped cell by name, else the cell file of that name. LoadError names both ways where neither
+/// is.
 [[nodiscard]] Cell LoadCell(const std::string& name_or_file);
 
 }  // namespace lipoid

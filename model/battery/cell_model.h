@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// The complete lithium-polymer cell: Rakhmatov-Vrudhula diffusion, open-circuit voltage, series resistance
-/// and n resistor-capacitor branches, stepped by exact zero-order hold.
+/// The complete lithium-polymer cell: Rakhmatov-Vrudhula diffusion, open-circuit voltage, series
+/// resistance and n resistor-capacitor branches, stepped by exact zero-order hold.
 ///
 ///   sigma_um' = -beta² m² sigma_um + i,  m = 1 .. M          (4.46)
 ///   sigma_d'  = i                                            (4.46)
@@ -13,14 +13,15 @@
 ///   v_b       = v_oc - r_s(A) i - sum_j v_cj                 (4.51)
 ///
 /// The tail replaces the modes beyond M, which are fast, by their steady value
-/// 2 i/beta² sum_{m>M} 1/m²: without it 5.8 % of the steady unavailable charge is lost at M = 10 (4.41).
+/// 2 i/beta² sum_{m>M} 1/m²: without it 5.8 % of the steady unavailable charge is lost at M = 10
+/// (4.41).
 ///
-/// Discharge is i > 0; A is 1 when full and may leave [0, 1]: nothing is clamped. Amperes, volts, seconds
-/// and coulombs of one cell: a pack divides before and multiplies after (see prediction.h).
-/// T is double, or an automatic-differentiation scalar to differentiate in the parameters, the state or the
-/// current. Advance() and Voltage() do not allocate.
-/// Where r_j depends on A, a step takes r_j at the A with which it starts.
-/// Symbols: docs/notation.md. Tests: tests/model/battery/cell_model_test.cc.
+/// Discharge is i > 0; A is 1 when full and may leave [0, 1]: nothing is clamped. Amperes, volts,
+/// seconds and coulombs of one cell: a pack divides before and multiplies after (see prediction.h).
+/// T is double, or an automatic-differentiation scalar to differentiate in the parameters, the
+/// state or the current. Advance() and Voltage() do not allocate. Where r_j depends on A, a step
+/// takes r_j at the A with which it starts. Symbols: docs/notation.md. Tests:
+/// tests/model/battery/cell_model_test.cc.
 
 #include <boost/math/special_functions/trigamma.hpp>
 #include <limits>
@@ -42,10 +43,10 @@ struct CellParameters {
     T time_constant_s;  ///< > 0, or 0: the branch is gone
   };
 
-  T alpha_C = T(1.0);           ///< charge from A = 1 to A = 0 at vanishing rate, > 0
-  T beta_per_sqrt_s = T(0.0);   ///< > 0 where diffusion is on
-  bool diffusion = true;        ///< false: beta is infinite, A follows the charge alone
-  int terms = 10;               ///< M >= 0
+  T alpha_C = T(1.0);          ///< charge from A = 1 to A = 0 at vanishing rate, > 0
+  T beta_per_sqrt_s = T(0.0);  ///< > 0 where diffusion is on
+  bool diffusion = true;       ///< false: beta is infinite, A follows the charge alone
+  int terms = 10;              ///< M >= 0
   bool tail = true;
   Resistance<T> series_resistance_Ohm;
   std::vector<Branch> branches;
@@ -56,16 +57,17 @@ template <class T>
 class CellModel {
  public:
   struct State {
-    T delivered_C = T(0.0);         ///< sigma_d
-    std::vector<T> unavailable_C;   ///< sigma_um, m = 1 .. M
-    std::vector<T> branch_V;        ///< v_cj
+    T delivered_C = T(0.0);        ///< sigma_d
+    std::vector<T> unavailable_C;  ///< sigma_um, m = 1 .. M
+    std::vector<T> branch_V;       ///< v_cj
   };
 
   /// What a step of one length needs; computed once per distinct length.
   struct Step {
     double dt_s = -1.0;
     std::vector<HoldCoefficients<T>> diffusion;
-    std::vector<HoldCoefficients<T>> branch;  ///< gain is per second of tau: multiply by r_j i/tau_j
+    std::vector<HoldCoefficients<T>>
+        branch;  ///< gain is per second of tau: multiply by r_j i/tau_j
   };
 
   explicit CellModel(CellParameters<T> parameters) : p_(std::move(parameters)) {
@@ -114,17 +116,19 @@ class CellModel {
       const T soc = branches_depend_on_soc_ ? Soc(state, current_A) : T(1.0);
       for (std::size_t j = 0; j < p_.branches.size(); ++j) {
         const auto& [decay, gain] = step.branch[j];
-        // (1 - decay) without cancellation is gain/tau; it is 1 where the branch has no inertia at all.
+        // (1 - decay) without cancellation is gain/tau; it is 1 where the branch has no inertia at
+        // all.
         const T share = ScalarPart(p_.branches[j].time_constant_s) > 0.0
                             ? T(gain / p_.branches[j].time_constant_s)
                             : T(1.0);
         state.branch_V[j] =
-            decay * state.branch_V[j] + (share * (p_.branches[j].resistance_Ohm(soc) * current_A) + kAlive);  // (4.50)
+            decay * state.branch_V[j] +
+            (share * (p_.branches[j].resistance_Ohm(soc) * current_A) + kAlive);  // (4.50)
       }
     }
     for (std::size_t m = 0; m < rate_per_s_.size(); ++m) {
-      state.unavailable_C[m] =
-          step.diffusion[m].decay * state.unavailable_C[m] + (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
+      state.unavailable_C[m] = step.diffusion[m].decay * state.unavailable_C[m] +
+                               (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
     }
     state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
   }
@@ -141,7 +145,7 @@ class CellModel {
   /// A, a fraction, while current_A flows.
   [[nodiscard]] T Soc(const State& state, const T& current_A) const {
     const T sigma = state.delivered_C + UnavailableCharge(state, current_A);  // (4.47)
-    return (p_.alpha_C - sigma) / p_.alpha_C;                                  // (4.48)
+    return (p_.alpha_C - sigma) / p_.alpha_C;                                 // (4.48)
   }
 
   [[nodiscard]] T OpenCircuit(const State& state, const T& current_A) const {

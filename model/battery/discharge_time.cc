@@ -48,7 +48,9 @@ double ExactDischargeTime(double alpha_C, double beta_per_sqrt_s, double current
           {{"alpha_C", alpha_C}, {"current_A", current_A}});
   const double target = alpha_C / current_A;
   // L + U(L) rises from 0; U >= 0 puts L below the target, U <= SteadyLag above the difference.
-  const auto excess = [&](double time_s) { return time_s + UnavailableLag(beta_per_sqrt_s, time_s) - target; };
+  const auto excess = [&](double time_s) {
+    return time_s + UnavailableLag(beta_per_sqrt_s, time_s) - target;
+  };
   double low = std::max(0.0, target - SteadyLag(beta_per_sqrt_s));
   double high = target;
   if (excess(low) >= 0.0) return low;

@@ -5,10 +5,10 @@
 ///
 ///   x+ = decay x + gain i,   decay = e^{-rate dt},   gain = (1 - e^{-rate dt})/rate
 ///
-/// Every state of the cell is such a mode: the unavailable charges of (4.46) with rate beta² m², the
-/// delivered charge with rate 0, the branches of (4.50) with rate 1/(r c) and the drive r i.
-/// Both coefficients are written with phi(z) = (e^z - 1)/z, so that neither they nor their derivatives
-/// lose digits when rate dt is tiny (beta = 0.01 sampled at 10 ms has rate dt = 1e-6).
+/// Every state of the cell is such a mode: the unavailable charges of (4.46) with rate beta² m²,
+/// the delivered charge with rate 0, the branches of (4.50) with rate 1/(r c) and the drive r i.
+/// Both coefficients are written with phi(z) = (e^z - 1)/z, so that neither they nor their
+/// derivatives lose digits when rate dt is tiny (beta = 0.01 sampled at 10 ms has rate dt = 1e-6).
 /// T may be double or any automatic-differentiation scalar with +, - and * by double.
 /// Tests: tests/model/battery/exact_hold_test.cc.
 
@@ -16,15 +16,16 @@
 
 namespace lipoid {
 
-/// The double inside an automatic-differentiation scalar: overload it for others (Jets carry it in `.a`).
+/// The double inside an automatic-differentiation scalar: overload it for others (Jets carry it in
+/// `.a`).
 inline double ScalarPart(double x) { return x; }
 template <class T>
 auto ScalarPart(const T& x) -> decltype(double(x.a)) {
   return x.a;
 }
 
-/// f(x) of a scalar type of which only the double function and its slope are known: exact to first order,
-/// which is all that first derivatives need.
+/// f(x) of a scalar type of which only the double function and its slope are known: exact to first
+/// order, which is all that first derivatives need.
 template <class T>
 T Linearized(double value, double slope, const T& x) {
   return T(value) + slope * (x - T(ScalarPart(x)));
@@ -47,8 +48,9 @@ inline double PhiSlope(double z) {
   return sum;
 }
 
-/// To be added to a mode in every step: nothing beside any charge or voltage, yet it keeps a mode that dies out in
-/// a long rest from ending in denormal numbers, with which processors are ten times slower.
+/// To be added to a mode in every step: nothing beside any charge or voltage, yet it keeps a mode
+/// that dies out in a long rest from ending in denormal numbers, with which processors are ten
+/// times slower.
 inline constexpr double kAlive = 1e-200;
 
 template <class T>
@@ -57,7 +59,8 @@ struct HoldCoefficients {
   T gain;  ///< s
 };
 
-/// Coefficients of a step of dt_s >= 0 for a mode of rate >= 0 in 1/s (infinite: the mode is at rest).
+/// Coefficients of a step of dt_s >= 0 for a mode of rate >= 0 in 1/s (infinite: the mode is at
+/// rest).
 template <class T>
 HoldCoefficients<T> ExactHold(const T& rate_per_s, double dt_s) {
   if (std::isinf(ScalarPart(rate_per_s))) return {T(0.0), T(0.0)};

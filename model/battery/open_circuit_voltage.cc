@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-void RequireNodes(const std::vector<double>& soc, const std::vector<double>& voltage_V, std::size_t least) {
+void RequireNodes(const std::vector<double>& soc,
+                  const std::vector<double>& voltage_V,
+                  std::size_t least) {
   Require(soc.size() == voltage_V.size() && soc.size() >= least,
           "as many voltages as states of charge, and enough of them",
           {{"soc.size()", static_cast<double>(soc.size())},
@@ -26,8 +28,9 @@ void RequireNodes(const std::vector<double>& soc, const std::vector<double>& vol
   }
 }
 
-// Slope at an end node by the parabola through the first three nodes, kept from turning the curve around:
-// what pchip of MATLAB and SciPy do. Boost's own default is the first chord, which is only first order.
+// Slope at an end node by the parabola through the first three nodes, kept from turning the curve
+// around: what pchip of MATLAB and SciPy do. Boost's own default is the first chord, which is only
+// first order.
 double EndSlope(double h0, double h1, double chord0, double chord1) {
   const double slope = ((2.0 * h0 + h1) * chord0 - h0 * chord1) / (h0 + h1);
   if (!(slope * chord0 > 0.0)) return 0.0;
@@ -37,7 +40,8 @@ double EndSlope(double h0, double h1, double chord0, double chord1) {
 
 }  // namespace
 
-OpenCircuitVoltage OpenCircuitVoltage::Linear(std::vector<double> soc, std::vector<double> voltage_V) {
+OpenCircuitVoltage OpenCircuitVoltage::Linear(std::vector<double> soc,
+                                              std::vector<double> voltage_V) {
   RequireNodes(soc, voltage_V, 2);
   OpenCircuitVoltage curve;
   curve.method_ = OcvMethod::kLinear;
@@ -174,8 +178,8 @@ OpenCircuitVoltage::ValueAndSlope OpenCircuitVoltage::EvaluateSeries(double soc)
 }
 
 double OpenCircuitVoltage::SocAtVoltage(double voltage_V) const {
-  // Curves may dip a little: look from the full end for the first interval that brackets the voltage, then
-  // bisect it down to neighbouring doubles.
+  // Curves may dip a little: look from the full end for the first interval that brackets the
+  // voltage, then bisect it down to neighbouring doubles.
   constexpr int kIntervals = 4096;
   double above = hi_;
   if (voltage_V >= Evaluate(above).value_V) return above;

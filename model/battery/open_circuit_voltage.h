@@ -9,8 +9,8 @@
 ///   polynomial      sum_k c_k T_k(x), Chebyshev polynomials of x = (2 A - lo - hi)/(hi - lo)
 ///   fourier         a_0 + sum_k a_k cos(k w A) + b_k sin(k w A)
 ///
-/// A is a fraction: 1 full, 0 at cut-off at vanishing rate. Outside the range it was made for the curve
-/// continues with its end slope; who needs to know counts with InRange(). Volts of one cell.
+/// A is a fraction: 1 full, 0 at cut-off at vanishing rate. Outside the range it was made for the
+/// curve continues with its end slope; who needs to know counts with InRange(). Volts of one cell.
 /// Tests: tests/model/battery/open_circuit_voltage_test.cc.
 
 #include <algorithm>
@@ -47,7 +47,9 @@ class OpenCircuitVoltage {
   static OpenCircuitVoltage Linear(std::vector<double> soc, std::vector<double> voltage_V);
   /// At least four nodes; voltage_V must not fall with soc if the curve is to be monotone.
   static OpenCircuitVoltage MonotoneCubic(std::vector<double> soc, std::vector<double> voltage_V);
-  static OpenCircuitVoltage Polynomial(double soc_lo, double soc_hi, std::vector<double> chebyshev_V);
+  static OpenCircuitVoltage Polynomial(double soc_lo,
+                                       double soc_hi,
+                                       std::vector<double> chebyshev_V);
   /// cosine_V[0] is the constant; sine_V[0] belongs to the first harmonic, as cosine_V[1] does.
   static OpenCircuitVoltage Fourier(double soc_lo,
                                     double soc_hi,
@@ -88,8 +90,8 @@ class OpenCircuitVoltage {
     return Linearized(at.value_V, at.slope_V, soc);
   }
 
-  /// The state of charge at which the curve has this voltage: the highest such A in range, or the nearest
-  /// end where the voltage is never reached.
+  /// The state of charge at which the curve has this voltage: the highest such A in range, or the
+  /// nearest end where the voltage is never reached.
   [[nodiscard]] double SocAtVoltage(double voltage_V) const;
 
  private:
@@ -110,8 +112,8 @@ class OpenCircuitVoltage {
   std::vector<double> sine_V_;
   double frequency_rad_ = 0.0;
 
-  std::vector<Piece> pieces_;            // one per interval between nodes
-  std::vector<std::uint32_t> bucket_;    // piece in which an equal share of [lo, hi] starts
+  std::vector<Piece> pieces_;          // one per interval between nodes
+  std::vector<std::uint32_t> bucket_;  // piece in which an equal share of [lo, hi] starts
   double buckets_per_soc_ = 0.0;
   ValueAndSlope first_{std::numeric_limits<double>::quiet_NaN(), 0.0};
   ValueAndSlope last_ = first_;

@@ -11,7 +11,8 @@ Prediction Predict(const Cell& cell,
                    double initial_soc) {
   Require(time_s.size() == current_A.size(),
           "as many times as currents",
-          {{"times", static_cast<double>(time_s.size())}, {"currents", static_cast<double>(current_A.size())}});
+          {{"times", static_cast<double>(time_s.size())},
+           {"currents", static_cast<double>(current_A.size())}});
   const CellModel<double> model(cell.Parameters());
   RecordStepper<double> stepper(model, hold, model.Relaxed(initial_soc));
   Prediction prediction;

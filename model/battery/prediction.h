@@ -20,8 +20,9 @@ struct Prediction {
   std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
 };
 
-/// Terminal voltage, open-circuit voltage and state of charge at every row. Times in s, strictly increasing;
-/// currents in A of the whole pack, discharge positive. The cell starts relaxed at initial_soc.
+/// Terminal voltage, open-circuit voltage and state of charge at every row. Times in s, strictly
+/// increasing; currents in A of the whole pack, discharge positive. The cell starts relaxed at
+/// initial_soc.
 [[nodiscard]] Prediction Predict(const Cell& cell,
                                  std::span<const double> time_s,
                                  std::span<const double> current_A,

@@ -3,12 +3,12 @@
 /// @file
 /// Walks a cell along the rows of a log, whatever their sampling.
 ///
-///   backward   the current of row k flowed over (t[k-1], t[k]], as cyclers log; row 0 moves no charge
-///   forward    the current of row k flows until row k+1, the thesis' (4.46)
+///   backward   the current of row k flowed over (t[k-1], t[k]], as cyclers log; row 0 moves no
+///   charge forward    the current of row k flows until row k+1, the thesis' (4.46)
 ///
-/// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current of row k.
-/// Rows may come in any number of pieces: the stepper remembers the last one.
-/// Tests: tests/model/battery/record_stepper_test.cc.
+/// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current
+/// of row k. Rows may come in any number of pieces: the stepper remembers the last one. Tests:
+/// tests/model/battery/record_stepper_test.cc.
 
 #include <array>
 #include <cmath>
@@ -29,8 +29,9 @@ constexpr std::array<std::pair<Hold, std::string_view>, 2> OptionNames(Hold) {
   return {{{Hold::kBackward, "backward"}, {Hold::kForward, "forward"}}};
 }
 
-/// Remembers what was computed for an interval length. Time stamps are rounded, so that "every 10 ms" comes
-/// as many neighbouring doubles: lengths that agree within the rounding of the stamps share one value.
+/// Remembers what was computed for an interval length. Time stamps are rounded, so that "every 10
+/// ms" comes as many neighbouring doubles: lengths that agree within the rounding of the stamps
+/// share one value.
 template <class Value>
 class IntervalCache {
  public:
@@ -40,7 +41,8 @@ class IntervalCache {
     const double tolerance = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(time_s);
     if (std::abs(dt_s - last_->dt_s) <= tolerance) return last_->value;
     // Neighbouring lengths fall into one slot, or at worst into two.
-    const auto key = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30));
+    const auto key =
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30));
     last_ = &slots_[((key + 1) * 0x9E3779B97F4A7C15ULL) >> (64 - kBits)];
     if (!(std::abs(dt_s - last_->dt_s) <= tolerance)) {
       make(dt_s, last_->value);
@@ -78,8 +80,9 @@ class RecordStepper {
       if (!(dt_s > 0.0)) {  // asked first: the row is a hot path
         Require(false, "time strictly increasing", {{"time_s", time_s}, {"before", time_s_}});
       }
-      auto& step = cache_.Get(
-          dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) { model_.MakeStep(dt, made); });
+      auto& step = cache_.Get(dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) {
+        model_.MakeStep(dt, made);
+      });
       step.dt_s = dt_s;  // the charge is counted with the stamps themselves
       model_.Advance(state_, hold_ == Hold::kBackward ? current_A : current_A_, step);
     }

@@ -22,7 +22,8 @@ std::string JoinLines(const std::vector<Diagnostic>& diagnostics) {
     if (k > 0) text += '\n';
     text += diagnostics[k].Text();
   }
-  if (diagnostics.size() > shown) text += fmt::format("\n... and {} more", diagnostics.size() - shown);
+  if (diagnostics.size() > shown)
+    text += fmt::format("\n... and {} more", diagnostics.size() - shown);
   return text;
 }
 

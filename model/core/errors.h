@@ -8,9 +8,9 @@
 ///   an option is not what it should be       OptionError
 ///   a caller broke a precondition            PreconditionError, thrown by Require()
 ///
-/// Numerical trouble (no convergence, a residual that is not finite) is a result with a reason and never
-/// an exception: see Termination in identify/optimizers/least_squares.h.
-/// Tests: tests/model/core/errors_test.cc.
+/// Numerical trouble (no convergence, a residual that is not finite) is a result with a reason and
+/// never an exception: see Termination in identify/optimizers/least_squares.h. Tests:
+/// tests/model/core/errors_test.cc.
 
 #include <cstddef>
 #include <initializer_list>
@@ -22,8 +22,8 @@
 
 namespace lipoid {
 
-/// A place in a text file; lines and columns count from 1. Where a whole file is meant (it is missing,
-/// it is empty) both are 1.
+/// A place in a text file; lines and columns count from 1. Where a whole file is meant (it is
+/// missing, it is empty) both are 1.
 struct SourcePosition {
   std::string file;
   std::size_t line = 1;
@@ -32,7 +32,8 @@ struct SourcePosition {
   friend bool operator==(const SourcePosition&, const SourcePosition&) = default;
 };
 
-/// One thing that is wrong with an input file: what was expected and what was found, as one sentence.
+/// One thing that is wrong with an input file: what was expected and what was found, as one
+/// sentence.
 struct Diagnostic {
   SourcePosition position;
   std::string message;
@@ -42,8 +43,8 @@ struct Diagnostic {
   friend bool operator==(const Diagnostic&, const Diagnostic&) = default;
 };
 
-/// Something is wrong with an input file. what() holds one line per diagnostic: repeated ones once, at most
-/// kMaxLines of them, and a last line that counts the rest.
+/// Something is wrong with an input file. what() holds one line per diagnostic: repeated ones once,
+/// at most kMaxLines of them, and a last line that counts the rest.
 class LoadError : public std::runtime_error {
  public:
   static constexpr std::size_t kMaxLines = 5;
@@ -57,7 +58,8 @@ class LoadError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
-/// Something is wrong with an option or an argument; what() is a sentence that says what to do instead.
+/// Something is wrong with an option or an argument; what() is a sentence that says what to do
+/// instead.
 class OptionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -33,10 +33,12 @@ SourcePosition PositionOfByte(const std::string& file, std::string_view text, st
 }
 
 // "/key", escaped as JSON pointers are.
-std::string PointerOfKey(const std::string& key) { return (Json::json_pointer() / key).to_string(); }
+std::string PointerOfKey(const std::string& key) {
+  return (Json::json_pointer() / key).to_string();
+}
 
-// Calls visit(pointer, byte, is_key) where each key and each value starts, until it returns true: nlohmann
-// does not keep positions. The text is known to be JSON.
+// Calls visit(pointer, byte, is_key) where each key and each value starts, until it returns true:
+// nlohmann does not keep positions. The text is known to be JSON.
 template <class Visit>
 void WalkTokens(std::string_view text, Visit&& visit) {
   struct Level {
@@ -72,7 +74,8 @@ void WalkTokens(std::string_view text, Visit&& visit) {
     }
     const bool is_key = std::exchange(expect_key, false);
     if (is_key) {
-      levels.back().key = PointerOfKey(Json::parse(text.substr(start, k + 1 - start)).get<std::string>());
+      levels.back().key =
+          PointerOfKey(Json::parse(text.substr(start, k + 1 - start)).get<std::string>());
     }
     if (visit(pointer(), start, is_key)) return;
     if (c == '{' || c == '[') {
@@ -116,13 +119,16 @@ std::string Describe(const Json& value) {
 std::string ReadTextFile(const std::string& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) {
-    throw LoadError({file}, fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
+    throw LoadError({file},
+                    fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
   }
   if (S_ISDIR(status.st_mode)) throw LoadError({file}, "expected a file, found a folder");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
+                                                               &std::fclose);
   if (!stream) {
-    throw LoadError({file}, fmt::format("expected a readable file, found one that cannot be opened ({})",
-                                        std::strerror(errno)));
+    throw LoadError({file},
+                    fmt::format("expected a readable file, found one that cannot be opened ({})",
+                                std::strerror(errno)));
   }
   std::string text;
   char buffer[1 << 16];
@@ -130,8 +136,9 @@ std::string ReadTextFile(const std::string& file) {
     text.append(buffer, got);
   }
   if (std::ferror(stream.get()) != 0) {
-    throw LoadError({file}, fmt::format("expected a readable file, found one that cannot be read ({})",
-                                        std::strerror(errno)));
+    throw LoadError({file},
+                    fmt::format("expected a readable file, found one that cannot be read ({})",
+                                std::strerror(errno)));
   }
   return text;
 }
@@ -142,7 +149,8 @@ Json ParseJson(std::string_view text, const std::string& file) {
     document = Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     std::string what = error.what();
-    if (const auto colon = what.find("syntax error"); colon != std::string::npos) what = what.substr(colon);
+    if (const auto colon = what.find("syntax error"); colon != std::string::npos)
+      what = what.substr(colon);
     throw LoadError(PositionOfByte(file, text, error.byte == 0 ? 0 : error.byte - 1),
                     fmt::format("expected JSON, found a {}", what));
   } catch (const nlohmann::json::out_of_range& error) {
@@ -227,11 +235,10 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
   for (const auto& [key, unused] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string pointer = pointer_ + PointerOfKey(key);
-    throw LoadError(PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer, true)),
-                    fmt::format("{}: expected one of the keys {}, found '{}'",
-                                pointer,
-                                fmt::join(known, ", "),
-                                key));
+    throw LoadError(
+        PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer, true)),
+        fmt::format(
+            "{}: expected one of the keys {}, found '{}'", pointer, fmt::join(known, ", "), key));
   }
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 /// @file
-/// JSON, strictly: a syntax error or a repeated key has a line and a column, a value of the wrong type has
-/// its pointer (/diffusion/beta_per_sqrt_s), an unknown key is an error that lists the known ones.
-/// nlohmann alone reads 2.7 into an int, true into a double, and keeps the last of two equal keys.
-/// Tests: tests/model/core/json_test.cc.
+/// JSON, strictly: a syntax error or a repeated key has a line and a column, a value of the wrong
+/// type has its pointer (/diffusion/beta_per_sqrt_s), an unknown key is an error that lists the
+/// known ones. nlohmann alone reads 2.7 into an int, true into a double, and keeps the last of two
+/// equal keys. Tests: tests/model/core/json_test.cc.
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>
@@ -29,10 +29,10 @@ class JsonReader {
  public:
   JsonReader(const Json& document, const std::string& file, std::string_view text);
 
-  [[nodiscard]] JsonReader At(std::string_view key) const;            ///< required member
+  [[nodiscard]] JsonReader At(std::string_view key) const;                   ///< required member
   [[nodiscard]] std::optional<JsonReader> Find(std::string_view key) const;  ///< optional member
   [[nodiscard]] JsonReader Item(std::size_t index) const;
-  [[nodiscard]] std::size_t Size() const;                             ///< of an array
+  [[nodiscard]] std::size_t Size() const;  ///< of an array
   [[nodiscard]] bool IsNull() const { return value_->is_null(); }
   [[nodiscard]] bool IsObject() const { return value_->is_object(); }
   [[nodiscard]] bool IsNumber() const { return value_->is_number(); }

@@ -60,7 +60,8 @@ bool ParseBool(std::string_view name, std::string_view text) {
 void ThrowUnknownChoice(std::string_view name,
                         std::string_view text,
                         const std::vector<std::string>& choices) {
-  throw OptionError(fmt::format("option {}: expected one of {}, found '{}'", name, Join(choices), text));
+  throw OptionError(
+      fmt::format("option {}: expected one of {}, found '{}'", name, Join(choices), text));
 }
 
 void ThrowUnknownOption(std::string_view name, const std::vector<std::string>& known) {

@@ -1,8 +1,9 @@
 #pragma once
 
 /// @file
-/// One declaration of an option serves its default, its range, its help text, `--set name=value`, the JSON
-/// of the run record and the table in the docs. A struct of options declares itself by a static Visit:
+/// One declaration of an option serves its default, its range, its help text, `--set name=value`,
+/// the JSON of the run record and the table in the docs. A struct of options declares itself by a
+/// static Visit:
 ///
 ///   struct PulseOptions {
 ///     int branches = 1;
@@ -15,9 +16,9 @@
 ///     }
 ///   };
 ///
-/// Members may be bool, int, double, std::string, or an enum E with `OptionNames(E)` returning an array of
-/// {value, name} found by argument-dependent lookup. NaN is outside every range.
-/// Tests: tests/model/core/options_test.cc.
+/// Members may be bool, int, double, std::string, or an enum E with `OptionNames(E)` returning an
+/// array of {value, name} found by argument-dependent lookup. NaN is outside every range. Tests:
+/// tests/model/core/options_test.cc.
 
 #include <fmt/format.h>
 
@@ -125,7 +126,8 @@ std::string DescribeValid(const Valid& valid) {
 
 /// Every option with its value as text, in the order of declaration.
 template <class Options>
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> OptionValues(const Options& options) {
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> OptionValues(
+    const Options& options) {
   std::vector<std::pair<std::string, std::string>> values;
   Options::Visit(options, [&](std::string_view name, const auto& member, const auto&, const char*) {
     values.emplace_back(std::string(name), options_internal::ToText(member));
@@ -138,14 +140,15 @@ template <class Options>
 [[nodiscard]] std::vector<OptionDescription> DescribeOptions() {
   std::vector<OptionDescription> all;
   const Options defaults{};
-  Options::Visit(defaults,
-                 [&](std::string_view name, const auto& member, const auto& valid, const char* help) {
-                   using T = std::remove_cvref_t<decltype(member)>;
-                   all.push_back({std::string(name),
-                                  options_internal::ToText(member),
-                                  options_internal::DescribeValid<T>(valid),
-                                  help});
-                 });
+  Options::Visit(
+      defaults,
+      [&](std::string_view name, const auto& member, const auto& valid, const char* help) {
+        using T = std::remove_cvref_t<decltype(member)>;
+        all.push_back({std::string(name),
+                       options_internal::ToText(member),
+                       options_internal::DescribeValid<T>(valid),
+                       help});
+      });
   return all;
 }
 
@@ -154,16 +157,18 @@ template <class Options>
 void SetOption(Options& options, std::string_view name, std::string_view text) {
   bool found = false;
   std::vector<std::string> known;
-  Options::Visit(options, [&](std::string_view candidate, auto& member, const auto& valid, const char*) {
-    known.emplace_back(candidate);
-    if (candidate != name) return;
-    found = true;
-    options_internal::FromText(name, text, valid, member);
-  });
+  Options::Visit(options,
+                 [&](std::string_view candidate, auto& member, const auto& valid, const char*) {
+                   known.emplace_back(candidate);
+                   if (candidate != name) return;
+                   found = true;
+                   options_internal::FromText(name, text, valid, member);
+                 });
   if (!found) options_internal::ThrowUnknownOption(name, known);
 }
 
-/// The options as a JSON object: numbers as numbers, enums by name. Include nlohmann/json.hpp to use it.
+/// The options as a JSON object: numbers as numbers, enums by name. Include nlohmann/json.hpp to
+/// use it.
 template <class Json, class Options>
 [[nodiscard]] Json OptionsToJson(const Options& options) {
   Json json = Json::object();

@@ -19,7 +19,9 @@ class Sha256 {
   Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
     EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
   }
-  void Update(const void* bytes, std::size_t size) { EVP_DigestUpdate(context_.get(), bytes, size); }
+  void Update(const void* bytes, std::size_t size) {
+    EVP_DigestUpdate(context_.get(), bytes, size);
+  }
   std::string Hex() {
     unsigned char digest[EVP_MAX_MD_SIZE];
     unsigned int size = 0;
@@ -39,18 +41,22 @@ const char* Version() { return LIPOID_VERSION; }
 const char* GitCommit() { return LIPOID_GIT_COMMIT; }
 
 std::string Sha256OfFile(const std::string& file) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
+                                                               &std::fclose);
   if (!stream) {
-    throw LoadError({file}, fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
+    throw LoadError({file},
+                    fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
   }
   Sha256 hash;
   std::vector<char> buffer(1 << 20);
-  for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) > 0;) {
+  for (std::size_t got = 0;
+       (got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) > 0;) {
     hash.Update(buffer.data(), got);
   }
   if (std::ferror(stream.get()) != 0) {  // a folder opens, but cannot be read
-    throw LoadError({file}, fmt::format("expected a readable file, found one that cannot be read ({})",
-                                        std::strerror(errno)));
+    throw LoadError({file},
+                    fmt::format("expected a readable file, found one that cannot be read ({})",
+                                std::strerror(errno)));
   }
   return hash.Hex();
 }
@@ -64,8 +70,13 @@ std::string Sha256OfBytes(const std::string& bytes) {
 Json RunRecord::ToJson() const {
   Json files = Json::array();
   for (const auto& file : inputs) files.push_back({{"file", file}, {"sha256", Sha256OfFile(file)}});
-  return {{"command", command}, {"options", options}, {"seed", seed},   {"version", Version()},
-          {"commit", GitCommit()}, {"inputs", files},  {"metrics", metrics}};
+  return {{"command", command},
+          {"options", options},
+          {"seed", seed},
+          {"version", Version()},
+          {"commit", GitCommit()},
+          {"inputs", files},
+          {"metrics", metrics}};
 }
 
 }  // namespace lipoid

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// What a result written to disk carries with it: which program, with which options, from which inputs.
-/// Tests: tests/model/core/run_record_test.cc.
+/// What a result written to disk carries with it: which program, with which options, from which
+/// inputs. Tests: tests/model/core/run_record_test.cc.
 
 #include <cstdint>
 #include <string>
@@ -22,7 +22,7 @@ namespace lipoid {
 
 /// The "run" object of a cell file.
 struct RunRecord {
-  std::string command;            ///< as typed, or the function called
+  std::string command;  ///< as typed, or the function called
   Json options = Json::object();
   std::uint64_t seed = 0;
   std::vector<std::string> inputs;  ///< files; hashed by ToJson()

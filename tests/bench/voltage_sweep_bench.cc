@@ -1,6 +1,6 @@
-// The residual of (4.61) over a pulse log of the thesis: 2.2 million rows at 10 ms. Rows per second of one sweep, of
-// value alone and with its Jacobian, after the norm was checked against the prediction; of the whole of stage 3; and of
-// the v_oc(A) of a low-rate log of 4.7 million rows.
+// The residual of (4.61) over a pulse log of the thesis: 2.2 million rows at 10 ms. Rows per second
+// of one sweep, of value alone and with its Jacobian, after the norm was checked against the
+// prediction; of the whole of stage 3; and of the v_oc(A) of a low-rate log of 4.7 million rows.
 //
 //   lipoid_bench --benchmark_filter='Sweep|Fit'
 #include <benchmark/benchmark.h>
@@ -24,8 +24,9 @@ Cell BenchCell(int terms, int branches) {
   cell.diffusion = Cell::Diffusion{.alpha_C = 1353.6, .beta_per_sqrt_s = 0.1924, .terms = terms};
   cell.series_resistance_Ohm = Resistance<double>(0.1314);
   for (int j = 0; j < branches; ++j) {
-    cell.branches.push_back(
-        {.resistance_Ohm = Resistance<double>(0.03), .time_constant_s = 45.0 * std::pow(0.1, j), .capacitance_F = {}});
+    cell.branches.push_back({.resistance_Ohm = Resistance<double>(0.03),
+                             .time_constant_s = 45.0 * std::pow(0.1, j),
+                             .capacitance_F = {}});
   }
   std::vector<double> soc;
   std::vector<double> voltage_V;
@@ -70,7 +71,10 @@ void Sweep(benchmark::State& state) {
   const Cell cell = BenchCell(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const Record record = BenchLog(cell, 12, 3.6, 30.0, 1800.0);
   const VoltageSweep sweep = BenchSweep(cell, record);
-  SweepParameters p{.beta_per_sqrt_s = 0.1924, .series_resistance_Ohm = 0.1314, .resistance_Ohm = {}, .time_constant_s = {}};
+  SweepParameters p{.beta_per_sqrt_s = 0.1924,
+                    .series_resistance_Ohm = 0.1314,
+                    .resistance_Ohm = {},
+                    .time_constant_s = {}};
   for (const auto& branch : cell.branches) {
     p.resistance_Ohm.push_back(branch.resistance_Ohm.resistance_Ohm[0]);
     p.time_constant_s.push_back(branch.time_constant_s);
@@ -80,7 +84,8 @@ void Sweep(benchmark::State& state) {
     const Eigen::MatrixXd factor = sweep.Factor(p, jacobian);
     return factor.rightCols(1).norm();
   };
-  const double expected = SweepErrors(sweep, p).rmse * std::sqrt(static_cast<double>(record.size()));
+  const double expected =
+      SweepErrors(sweep, p).rmse * std::sqrt(static_cast<double>(record.size()));
   if (!(std::abs(norm() - expected) < 1e-9 * expected)) {
     state.SkipWithError("the norm is not that of the prediction");
     return;
@@ -103,7 +108,8 @@ void FitPulseLog(benchmark::State& state) {
   const VoltageSweep sweep = BenchSweep(cell, record);
   PulseFitResult fit;
   for (auto _ : state) fit = FitPulses(sweep, {.data = FindStartValues({&record})});
-  if (!(std::abs(fit.errors.rmse - kNoise_V) < 0.01 * kNoise_V)) state.SkipWithError("the noise was not reached");
+  if (!(std::abs(fit.errors.rmse - kNoise_V) < 0.01 * kNoise_V))
+    state.SkipWithError("the noise was not reached");
   state.counters["sweeps"] = fit.evaluations;
   state.SetItemsProcessed(static_cast<std::int64_t>(record.size()) * state.iterations());
 }
@@ -115,7 +121,8 @@ void FitLowRateLog(benchmark::State& state) {
   const Record record = BenchLog(cell, 1, 0.0288, 47000.0, 0.0);
   OcvFitResult fit;
   for (auto _ : state) {
-    fit = FitOpenCircuitVoltage(record, cell.diffusion->alpha_C, 1.0, {.method = static_cast<OcvMethod>(state.range(0))});
+    fit = FitOpenCircuitVoltage(
+        record, cell.diffusion->alpha_C, 1.0, {.method = static_cast<OcvMethod>(state.range(0))});
   }
   if (!(fit.rmse_V < 0.02)) state.SkipWithError("the curve is not that of the log");
   state.SetItemsProcessed(static_cast<std::int64_t>(record.size()) * state.iterations());

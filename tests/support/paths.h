@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// Where tests find files: the project's own, the lab logs beside the project, and a folder to write to.
+/// Where tests find files: the project's own, the lab logs beside the project, and a folder to
+/// write to.
 
 #include <filesystem>
 #include <string>
@@ -31,4 +32,5 @@ inline std::string FreshFolder(const std::string& name) {
 
 /// Skips a test, and says so, where the real lab logs are absent.
 #define LIPOID_SKIP_WITHOUT(path) \
-  if ((path).empty()) GTEST_SKIP() << "skipped: the real lab logs (../shared/data) are not beside the project"
+  if ((path).empty())             \
+  GTEST_SKIP() << "skipped: the real lab logs (../shared/data) are not beside the project"

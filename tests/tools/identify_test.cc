@@ -13,10 +13,12 @@ namespace lipoid::test {
 namespace {
 
 // The lab's logs of a shipped cell with a branch that can be seen, sampled every second, in logs/.
-void SynthesizeLogs(const std::string& folder, const std::string& cell, const std::string& to,
+void SynthesizeLogs(const std::string& folder,
+                    const std::string& cell,
+                    const std::string& to,
                     const std::vector<std::string>& more = {}) {
-  std::vector<std::string> arguments{"synthesize", cell, "--with", "r_1=0.03,c_1=1500", "--sampling-s", "1",
-                                     "--quiet", "-o", to};
+  std::vector<std::string> arguments{
+      "synthesize", cell, "--with", "r_1=0.03,c_1=1500", "--sampling-s", "1", "--quiet", "-o", to};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const auto run = RunLipoid(folder, arguments);
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -26,13 +28,24 @@ std::size_t Lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-// Logs without noise, printed so that they read back to the same bits: only the solver's tolerance is left.
+// Logs without noise, printed so that they read back to the same bits: only the solver's tolerance
+// is left.
 TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
-  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--alpha-C", "1353.6",
-                                      "--open-circuit-voltage", "logs/truth.json", "--truth", "logs/truth.json",
-                                      "--summary", "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "-o",
+                              "cell.json",
+                              "--alpha-C",
+                              "1353.6",
+                              "--open-circuit-voltage",
+                              "logs/truth.json",
+                              "--truth",
+                              "logs/truth.json",
+                              "--summary",
+                              "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Cell cell = ReadCellFile(folder + "/cell.json");
   constexpr double kRelative = 1e-6;
@@ -49,15 +62,23 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   ASSERT_EQ(cell.run.at("inputs")[0].at("file"), "logs/campaign.toml");
   EXPECT_EQ(cell.run.at("inputs")[0].at("sha256").get<std::string>().size(), 64U);
   const Json summary = ReadJson(folder, "s.json");
-  for (const char* key : {"cell", "stages", "validation", "wall_s"}) EXPECT_TRUE(summary.contains(key)) << key;
+  for (const char* key : {"cell", "stages", "validation", "wall_s"})
+    EXPECT_TRUE(summary.contains(key)) << key;
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }
 
 TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});
-  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--residuals", "r.csv",
-                                      "--summary", "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "-o",
+                              "cell.json",
+                              "--residuals",
+                              "r.csv",
+                              "--summary",
+                              "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json pulses = ReadJson(folder, "s.json").at("stages").at("pulses");
   const auto validate =
@@ -66,10 +87,13 @@ TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const Json log = ReadJson(folder, "v.json").at("logs")[0];
   constexpr double kSameSum_V = 1e-9;  // the same numbers from a file printed to round-trip
   EXPECT_NEAR(log.at("rmse_V").get<double>(), pulses.at("rmse_V").get<double>(), kSameSum_V);
-  EXPECT_NEAR(log.at("mean_error_percent").get<double>(), pulses.at("mean_error_percent").get<double>(), kSameSum_V);
+  EXPECT_NEAR(log.at("mean_error_percent").get<double>(),
+              pulses.at("mean_error_percent").get<double>(),
+              kSameSum_V);
 
   const std::string text = ReadTextFile(folder + "/r.csv");
-  EXPECT_EQ(text.substr(0, text.find('\n')), "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
+  EXPECT_EQ(text.substr(0, text.find('\n')),
+            "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
   std::istringstream lines(text);
   std::string line;
   std::getline(lines, line);
@@ -83,7 +107,9 @@ TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
     ++rows;
   }
   EXPECT_EQ(rows, pulses.at("rows").get<std::size_t>());
-  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(rows)), pulses.at("rmse_V").get<double>(), kSameSum_V);
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(rows)),
+              pulses.at("rmse_V").get<double>(),
+              kSameSum_V);
 }
 
 TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
@@ -91,11 +117,19 @@ TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
   for (const char* cell : {"gifi-600mAh-1", "gifi-600mAh-2", "gifi-600mAh-3"}) {
     SynthesizeLogs(folder, cell, cell);
   }
-  const auto run = RunLipoid(folder, {"identify", "gifi-600mAh-1/campaign.toml", "gifi-600mAh-2/campaign.toml",
-                                      "gifi-600mAh-3/campaign.toml", "-o", "cells", "--summary", "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "gifi-600mAh-1/campaign.toml",
+                              "gifi-600mAh-2/campaign.toml",
+                              "gifi-600mAh-3/campaign.toml",
+                              "-o",
+                              "cells",
+                              "--summary",
+                              "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(FilesIn(folder + "/cells"),
-            (std::vector<std::string>{"gifi-600mAh-1.cell.json", "gifi-600mAh-2.cell.json", "gifi-600mAh-3.cell.json"}));
+            (std::vector<std::string>{
+                "gifi-600mAh-1.cell.json", "gifi-600mAh-2.cell.json", "gifi-600mAh-3.cell.json"}));
   EXPECT_NE(run.out.find("Spread over 3 cells"), std::string::npos);
   const Json summary = ReadJson(folder, "s.json");
   ASSERT_EQ(summary.at("cells").size(), 3U);
@@ -111,9 +145,21 @@ TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
 TEST(Identify, SaysABadFileOnceAndWritesNothing) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
-  const auto run = RunLipoid(folder, {"identify", "--constant-current", "none.csv", "logs/cc_1C.csv", "--low-rate",
-                                      "none.csv", "--pulses", "none.csv", "--cutoff-V", "3", "-o", "cell.json",
-                                      "--summary", "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "--constant-current",
+                              "none.csv",
+                              "logs/cc_1C.csv",
+                              "--low-rate",
+                              "none.csv",
+                              "--pulses",
+                              "none.csv",
+                              "--cutoff-V",
+                              "3",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(Lines(run.err), 1U) << run.err;
@@ -133,15 +179,22 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
   };
   const Case cases[] = {
       {{}, "CAMPAIGN is missing: a campaign file, or logs by --constant-current"},
-      {{"logs/campaign.toml", "--pulses", "logs/pulses.csv"}, "give either a campaign file or logs by options"},
-      {{"logs/campaign.toml", "--cutoff-V", "3"}, "option --cutoff-V goes with logs given by options"},
-      {{"logs/campaign.toml", "--fix", "q_1=3"}, "--fix: no parameter 'q_1' in this fit; there are beta, r_s, r_1"},
+      {{"logs/campaign.toml", "--pulses", "logs/pulses.csv"},
+       "give either a campaign file or logs by options"},
+      {{"logs/campaign.toml", "--cutoff-V", "3"},
+       "option --cutoff-V goes with logs given by options"},
+      {{"logs/campaign.toml", "--fix", "q_1=3"},
+       "--fix: no parameter 'q_1' in this fit; there are beta, r_s, r_1"},
       {{"logs/campaign.toml", "--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
-      {{"logs/campaign.toml", "--bounds", "beta=0.1"}, "option --bounds: expected NAME=LOW,HIGH, found 'beta=0.1'"},
+      {{"logs/campaign.toml", "--bounds", "beta=0.1"},
+       "option --bounds: expected NAME=LOW,HIGH, found 'beta=0.1'"},
       {{"logs/campaign.toml", "--method", "magic"}, "expected one of staged, found 'magic'"},
-      {{"logs/campaign.toml", "--branches", "6"}, "--branches: expected a whole number, 0 .. 5, found '6'"},
-      {{"--pulses", "logs/pulses.csv", "--initial-voltage-V", "4.1"}, "--initial-voltage-V needs v_oc(A)"},
-      {{"--pulses", "logs/pulses.csv"}, "expected a low-rate log for the open-circuit voltage, found none"},
+      {{"logs/campaign.toml", "--branches", "6"},
+       "--branches: expected a whole number, 0 .. 5, found '6'"},
+      {{"--pulses", "logs/pulses.csv", "--initial-voltage-V", "4.1"},
+       "--initial-voltage-V needs v_oc(A)"},
+      {{"--pulses", "logs/pulses.csv"},
+       "expected a low-rate log for the open-circuit voltage, found none"},
   };
   for (const auto& one : cases) {
     SCOPED_TRACE(one.message);
@@ -157,8 +210,19 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
 TEST(Identify, HoldsWhatIsGiven) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
-  const auto run = RunLipoid(folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--fix", "beta=0.2",
-                                      "--fix", "tau_1=45", "--bounds", "r_s=0,0.1", "--summary", "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "-o",
+                              "cell.json",
+                              "--fix",
+                              "beta=0.2",
+                              "--fix",
+                              "tau_1=45",
+                              "--bounds",
+                              "r_s=0,0.1",
+                              "--summary",
+                              "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Cell cell = ReadCellFile(folder + "/cell.json");
   EXPECT_EQ(cell.diffusion->beta_per_sqrt_s, 0.2);
@@ -174,23 +238,37 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto identify = [&](const std::string& curve) {
     WriteFileAtomically(folder + "/curve.csv", curve);
-    return RunLipoid(folder, {"identify", "--pulses", "logs/pulses.csv", "--alpha-C", "1353.6",
-                              "--open-circuit-voltage", "curve.csv", "-o", "cell.json"});
+    return RunLipoid(folder,
+                     {"identify",
+                      "--pulses",
+                      "logs/pulses.csv",
+                      "--alpha-C",
+                      "1353.6",
+                      "--open-circuit-voltage",
+                      "curve.csv",
+                      "-o",
+                      "cell.json"});
   };
   const auto good = identify(
-      "soc,voltage_V\n1,4.2\n0.9,4.11\n.8,4.02\n.7,3.95\n.6,3.87\n.5,3.82\n.4,3.77\n.3,3.74\n.2,3.7\n.1,3.6\n"
+      "soc,voltage_V\n1,4.2\n0.9,4.11\n.8,4.02\n.7,3.95\n.6,3.87\n.5,3.82\n.4,3.77\n.3,3.74\n.2,3."
+      "7\n.1,3.6\n"
       ".05,3.45\n.02,3.3\n0,3\n");
   ASSERT_EQ(good.exit_code, 0) << good.err;
   EXPECT_NEAR(ReadCellFile(folder + "/cell.json").diffusion->beta_per_sqrt_s / 0.1924, 1.0, 1e-6);
   const std::pair<std::string, std::string> bad[] = {
       {"", "curve.csv:1:1: error: expected soc,voltage_V rows or a cell file, found nothing\n"},
       {"a,b\n1,2\n", "curve.csv:1:1: error: expected the header 'soc,voltage_V', found 'a,b'\n"},
-      {"soc,voltage_V\n1,4.2\n", "curve.csv:1:1: error: expected at least two rows of soc and voltage_V, found 1\n"},
-      {"soc,voltage_V\n1,x\n", "curve.csv:2:3: error: expected a number for voltage_V, found 'x'\n"},
-      {"soc,voltage_V\n1,4.2\n0.5\n", "curve.csv:3:4: error: expected voltage_V, found the end of the line\n"},
+      {"soc,voltage_V\n1,4.2\n",
+       "curve.csv:1:1: error: expected at least two rows of soc and voltage_V, found 1\n"},
+      {"soc,voltage_V\n1,x\n",
+       "curve.csv:2:3: error: expected a number for voltage_V, found 'x'\n"},
+      {"soc,voltage_V\n1,4.2\n0.5\n",
+       "curve.csv:3:4: error: expected voltage_V, found the end of the line\n"},
       {"soc,voltage_V\n100,4.2\n0,3\n",
-       "curve.csv:2:1: error: expected soc as a fraction, 1 when full, found 100 (a percentage?)\n"},
-      {"soc,voltage_V\n1,4.2\n0,3\n1,4.1\n", "curve.csv:4:1: error: expected every soc once, found 1 again\n"},
+       "curve.csv:2:1: error: expected soc as a fraction, 1 when full, found 100 (a "
+       "percentage?)\n"},
+      {"soc,voltage_V\n1,4.2\n0,3\n1,4.1\n",
+       "curve.csv:4:1: error: expected every soc once, found 1 again\n"},
   };
   for (const auto& [text, message] : bad) {
     const auto run = identify(text);

@@ -51,8 +51,8 @@ std::vector<std::pair<std::string, std::vector<double>>> ParseAssignments(
   return all;
 }
 
-// Where the cell of a campaign goes: the file named, or one in the folder named, called after the campaign
-// (or after its folder, where all are called the same).
+// Where the cell of a campaign goes: the file named, or one in the folder named, called after the
+// campaign (or after its folder, where all are called the same).
 std::string CellPath(const std::string& output, const Campaign& campaign, bool folder) {
   if (!folder) return output;
   namespace fs = std::filesystem;
@@ -67,9 +67,12 @@ struct Settings {
 };
 
 // The rest voltage before the first row tells where the logs start, once v_oc(A) is known.
-double InitialSoc(const StartOptions& start, const CampaignArguments& typed, const StagedGiven& given) {
+double InitialSoc(const StartOptions& start,
+                  const CampaignArguments& typed,
+                  const StagedGiven& given) {
   if (start.initial_voltage_V && !given.open_circuit_voltage) {
-    throw OptionError("option --initial-voltage-V needs v_oc(A): give --open-circuit-voltage FILE too");
+    throw OptionError(
+        "option --initial-voltage-V needs v_oc(A): give --open-circuit-voltage FILE too");
   }
   Cell cell;
   cell.series = typed.series;
@@ -137,23 +140,32 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   bool no_diffusion = false;
 
   line.Describe(
-      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file: discharge times "
-      "give alpha and beta, a low-rate discharge v_oc(A), pulses beta again with r_s and the branches. What is "
-      "missing is done otherwise, and said. Several campaigns give one cell file each, in a folder, and a table of "
+      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file: "
+      "discharge times "
+      "give alpha and beta, a low-rate discharge v_oc(A), pulses beta again with r_s and the "
+      "branches. What is "
+      "missing is done otherwise, and said. Several campaigns give one cell file each, in a "
+      "folder, and a table of "
       "their spread.",
       "lipoid identify campaign.toml -o cell.json");
   line.Example(
-      "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv --cutoff-V 3.0 -o "
+      "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
+      "--cutoff-V 3.0 -o "
       "cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
-  line.Arguments("CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
+  line.Arguments(
+      "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
   line.Option("method", method, Names{}, "how");
-  line.Texts("constant-current", typed.constant_current, "LOG", "discharges at constant current, to cut-off");
+  line.Texts("constant-current",
+             typed.constant_current,
+             "LOG",
+             "discharges at constant current, to cut-off");
   line.Texts("low-rate", typed.low_rate, "LOG", "a discharge so slow that it shows v_oc");
   line.Texts("pulses", typed.pulses, "LOG", "pulses with rests");
   line.Texts("validation", typed.validation, "LOG", "logs to judge the cell by, not to fit");
-  line.Option("cutoff-V", typed.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
+  line.Option(
+      "cutoff-V", typed.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
   line.Option("capacity-Ah", capacity_Ah, Range{1e-9, 1e9}, "nominal capacity of one cell");
   line.Text("name", typed.name, "TEXT", "name of the cell");
   line.Option("series", typed.series, Range{1, 100000}, "cells in series in the logs");
@@ -161,14 +173,17 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   log_options.AddTo(line);
   start_options.AddTo(line);
   line.Option("alpha-C", settings.given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
-  line.Text("open-circuit-voltage", curve_file, "FILE",
+  line.Text("open-circuit-voltage",
+            curve_file,
+            "FILE",
             "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
   line.Option("branches", branches, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
   line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   line.Texts("fix", fix, "NAME=VALUE", "hold a parameter: beta, r_s, r_1, c_1, tau_1, ...");
   line.Texts("start", start, "NAME=VALUE", "start a parameter here");
   line.Texts("bounds", bounds, "NAME=LOW,HIGH", "keep a parameter within");
-  line.OutputOption("residuals", residuals, "CSV", "write measured and fitted voltages of stage 3, row by row");
+  line.OutputOption(
+      "residuals", residuals, "CSV", "write measured and fitted voltages of stage 3, row by row");
   line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
   line.Group("discharge_times", settings.options.discharge_times);
   line.Group("open_circuit_voltage", settings.options.open_circuit_voltage);
@@ -182,20 +197,32 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   auto& known = settings.given.parameters;
   for (auto& [name, values] : ParseAssignments("--fix", fix, 1)) known.fixed[name] = values[0];
   for (auto& [name, values] : ParseAssignments("--start", start, 1)) known.start[name] = values[0];
-  for (auto& [name, values] : ParseAssignments("--bounds", bounds, 2)) known.bounds[name] = {values[0], values[1]};
+  for (auto& [name, values] : ParseAssignments("--bounds", bounds, 2))
+    known.bounds[name] = {values[0], values[1]};
 
-  const bool by_options = !typed.constant_current.empty() || !typed.low_rate.empty() || !typed.pulses.empty() ||
-                          !typed.validation.empty();
+  const bool by_options = !typed.constant_current.empty() || !typed.low_rate.empty() ||
+                          !typed.pulses.empty() || !typed.validation.empty();
   if (by_options == !campaign_files.empty()) {
-    throw OptionError(by_options ? "give either a campaign file or logs by options, not both"
-                                 : "CAMPAIGN is missing: a campaign file, or logs by --constant-current, --low-rate "
-                                   "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
+    throw OptionError(
+        by_options
+            ? "give either a campaign file or logs by options, not both"
+            : "CAMPAIGN is missing: a campaign file, or logs by --constant-current, --low-rate "
+              "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
   }
   if (!by_options) {
-    for (const char* option : {"cutoff-V", "capacity-Ah", "name", "series", "parallel", "units", "current-sign",
-                               "hold", "initial-soc", "initial-voltage-V"}) {
+    for (const char* option : {"cutoff-V",
+                               "capacity-Ah",
+                               "name",
+                               "series",
+                               "parallel",
+                               "units",
+                               "current-sign",
+                               "hold",
+                               "initial-soc",
+                               "initial-voltage-V"}) {
       if (line.Given(option)) {
-        throw OptionError(fmt::format("option --{} goes with logs given by options; in a campaign file it is a key", option));
+        throw OptionError(fmt::format(
+            "option --{} goes with logs given by options; in a campaign file it is a key", option));
       }
     }
   }
@@ -215,19 +242,22 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
   }
-  if (folder && by_options) throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
+  if (folder && by_options)
+    throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
   std::vector<std::string> paths;
   if (folder) std::filesystem::create_directories(output);
   for (const auto& campaign : campaigns) {
     paths.push_back(CellPath(output, campaign, folder));
     cli::CheckWritable(paths.back());
     if (std::count(paths.begin(), paths.end(), paths.back()) > 1) {
-      throw OptionError(fmt::format("two campaigns would write '{}'; name the campaign files differently", paths.back()));
+      throw OptionError(fmt::format(
+          "two campaigns would write '{}'; name the campaign files differently", paths.back()));
     }
     for (const auto& log : campaign.logs) {
       std::error_code ignored;
       if (std::filesystem::equivalent(paths.back(), log.path, ignored)) {
-        throw OptionError(fmt::format("option -o: '{}' is also an input; name another file", paths.back()));
+        throw OptionError(
+            fmt::format("option -o: '{}' is also an input; name another file", paths.back()));
       }
     }
   }
@@ -260,7 +290,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
     entry.update(report);
-    entry["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    entry["wall_s"] =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
     line.Print("{}", IdentifyReport(campaign, result));
     if (truth) {
@@ -281,7 +312,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.summary()["cells"] = std::move(cells);
     line.summary()["spread"] = spread.json;
   }
-  if (!converged) line.Message("not converged: the cell file says so; see `message` in its metrics");
+  if (!converged)
+    line.Message("not converged: the cell file says so; see `message` in its metrics");
   return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 

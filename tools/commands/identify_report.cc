@@ -34,21 +34,28 @@ std::string UnitOf(std::string_view name) {
 std::string DischargeTimesText(const StagedResult& result) {
   std::string text = "1  discharge times (4.53)\n";
   if (!result.discharge_times) {
-    return text + fmt::format("   none; alpha {} C ({})\n", Significant(result.alpha_C, 5), result.alpha_source);
+    return text + fmt::format("   none; alpha {} C ({})\n",
+                              Significant(result.alpha_C, 5),
+                              result.alpha_source);
   }
   const auto& stage = *result.discharge_times;
   text += fmt::format("   alpha {}\n", PlusMinus(stage.alpha_C, stage.alpha_standard_error_C, "C"));
   if (stage.identifiable) {
-    text += fmt::format("   beta  {}\n",
-                        PlusMinus(stage.beta_per_sqrt_s, stage.beta_standard_error_per_sqrt_s, "s^-1/2"));
+    text += fmt::format(
+        "   beta  {}\n",
+        PlusMinus(stage.beta_per_sqrt_s, stage.beta_standard_error_per_sqrt_s, "s^-1/2"));
   } else {
     text += fmt::format("   beta  not identifiable; at least {} s^-1/2 (95 %)\n",
                         Significant(stage.beta_lower_bound_per_sqrt_s, 3));
   }
-  TextTable table({{"   log", Align::kLeft}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}});
+  TextTable table(
+      {{"   log", Align::kLeft}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}});
   for (const auto& row : stage.rows) {
-    table.Row({"   " + row.file, Significant(row.current_A), Significant(row.measured_s, 5),
-               Significant(row.predicted_s, 5), Significant(row.error_percent, 3)});
+    table.Row({"   " + row.file,
+               Significant(row.current_A),
+               Significant(row.measured_s, 5),
+               Significant(row.predicted_s, 5),
+               Significant(row.error_percent, 3)});
   }
   return text + table.Text();
 }
@@ -59,38 +66,49 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
   const auto& stage = *result.open_circuit_voltage;
   const auto method = options_internal::ToText(stage.curve.method());
   text += stage.curve.soc().empty()
-              ? fmt::format("   {}, {} coefficients", method,
+              ? fmt::format("   {}, {} coefficients",
+                            method,
                             stage.curve.coefficients_V().size() + stage.curve.sine_V().size())
               : fmt::format("   {}, {} nodes", method, stage.curve.soc().size());
-  return text + fmt::format(" from {} rows; on rows left out: mean {} %, max {} %, rmse {} mV\n", stage.rows,
-                            Significant(stage.mean_error_percent, 3), Significant(stage.max_error_percent, 3),
+  return text + fmt::format(" from {} rows; on rows left out: mean {} %, max {} %, rmse {} mV\n",
+                            stage.rows,
+                            Significant(stage.mean_error_percent, 3),
+                            Significant(stage.max_error_percent, 3),
                             Significant(1e3 * stage.rmse_V, 3));
 }
 
 std::string PulsesText(const StagedResult& result) {
   TextTable table({{"3  pulses", Align::kLeft}, {"beta held (4.60)"}, {"beta free (4.61)"}});
   const auto row = [&](const std::string& name, const auto& value) {
-    table.Row({"   " + name, result.pulses_beta_held ? value(*result.pulses_beta_held) : "-", value(result.pulses)});
+    table.Row({"   " + name,
+               result.pulses_beta_held ? value(*result.pulses_beta_held) : "-",
+               value(result.pulses)});
   };
   const bool diffusion = result.cell.diffusion.has_value();
   if (diffusion) {
-    row("beta / s^-1/2", [](const auto& fit) { return Significant(fit.parameters.beta_per_sqrt_s, 5); });
+    row("beta / s^-1/2",
+        [](const auto& fit) { return Significant(fit.parameters.beta_per_sqrt_s, 5); });
   }
-  row("r_s / Ohm", [](const auto& fit) { return Significant(fit.parameters.series_resistance_Ohm, 5); });
+  row("r_s / Ohm",
+      [](const auto& fit) { return Significant(fit.parameters.series_resistance_Ohm, 5); });
   for (std::size_t j = 0; j < result.pulses.parameters.time_constant_s.size(); ++j) {
     const auto gone = [j](const auto& fit) { return fit.parameters.resistance_Ohm[j] <= 0.0; };
     row(fmt::format("r_{} / Ohm", j + 1),
         [j](const auto& fit) { return Significant(fit.parameters.resistance_Ohm[j], 5); });
     row(fmt::format("c_{} / F", j + 1), [&](const auto& fit) {
-      return gone(fit) ? std::string("-")
-                       : Significant(fit.parameters.time_constant_s[j] / fit.parameters.resistance_Ohm[j], 5);
+      return gone(fit)
+                 ? std::string("-")
+                 : Significant(fit.parameters.time_constant_s[j] / fit.parameters.resistance_Ohm[j],
+                               5);
     });
     row(fmt::format("tau_{} / s", j + 1), [&](const auto& fit) {
       return gone(fit) ? std::string("-") : Significant(fit.parameters.time_constant_s[j], 5);
     });
   }
-  row("mean error / %", [](const auto& fit) { return Significant(fit.errors.mean_error_percent, 3); });
-  row("max error / %", [](const auto& fit) { return Significant(fit.errors.max_error_percent, 3); });
+  row("mean error / %",
+      [](const auto& fit) { return Significant(fit.errors.mean_error_percent, 3); });
+  row("max error / %",
+      [](const auto& fit) { return Significant(fit.errors.max_error_percent, 3); });
   row("rmse / mV", [](const auto& fit) { return Significant(1e3 * fit.errors.rmse); });
   row("evaluations", [](const auto& fit) { return fmt::format("{}", fit.evaluations); });
   row("time / s", [](const auto& fit) { return Significant(fit.wall_s, 2); });
@@ -126,12 +144,20 @@ std::string Bullets(std::string_view title, const std::vector<std::string>& sent
 
 std::string IdentifyReport(const Campaign& campaign, const StagedResult& result) {
   std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
-  text += DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" + PulsesText(result);
+  text += DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
+          PulsesText(result);
   if (!result.validation.empty()) {
-    TextTable table({{"validation", Align::kLeft}, {"mean_%"}, {"max_%"}, {"rmse_mV"}, {"mean_% above 10 % SOC"}});
+    TextTable table({{"validation", Align::kLeft},
+                     {"mean_%"},
+                     {"max_%"},
+                     {"rmse_mV"},
+                     {"mean_% above 10 % SOC"}});
     for (const auto& log : result.validation) {
-      table.Row({"   " + log.file, Significant(log.all.mean_error_percent, 3), Significant(log.all.max_error_percent, 3),
-                 Significant(1e3 * log.all.rmse), Significant(log.above_10_soc.mean_error_percent, 3)});
+      table.Row({"   " + log.file,
+                 Significant(log.all.mean_error_percent, 3),
+                 Significant(log.all.max_error_percent, 3),
+                 Significant(1e3 * log.all.rmse),
+                 Significant(log.above_10_soc.mean_error_percent, 3)});
     }
     text += "\n" + table.Text();
   }
@@ -142,21 +168,35 @@ std::string IdentifyReport(const Campaign& campaign, const StagedResult& result)
 
 TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {
   TextAndJson spread{"", Json::object()};
-  TextTable table({{"parameter", Align::kLeft}, {"mean"}, {"std. dev."}, {"std. dev. / %"}, {"least"}, {"most"},
+  TextTable table({{"parameter", Align::kLeft},
+                   {"mean"},
+                   {"std. dev."},
+                   {"std. dev. / %"},
+                   {"least"},
+                   {"most"},
                    {"unit", Align::kLeft}});
-  const auto add = [&](const std::string& name, const std::string& unit, const std::vector<double>& values) {
-    if (values.size() < 2) return;
-    double mean = 0.0;
-    for (const double v : values) mean += v / static_cast<double>(values.size());
-    double squares = 0.0;
-    for (const double v : values) squares += (v - mean) * (v - mean);
-    const double deviation = std::sqrt(squares / static_cast<double>(values.size() - 1));
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    table.Row({name, Significant(mean, 5), Significant(deviation, 3), Significant(100.0 * deviation / mean, 3),
-               Significant(*least, 5), Significant(*most, 5), unit});
-    spread.json[name] = {{"mean", mean}, {"standard_deviation", deviation}, {"least", *least}, {"most", *most},
-                         {"values", values}};
-  };
+  const auto add =
+      [&](const std::string& name, const std::string& unit, const std::vector<double>& values) {
+        if (values.size() < 2) return;
+        double mean = 0.0;
+        for (const double v : values) mean += v / static_cast<double>(values.size());
+        double squares = 0.0;
+        for (const double v : values) squares += (v - mean) * (v - mean);
+        const double deviation = std::sqrt(squares / static_cast<double>(values.size() - 1));
+        const auto [least, most] = std::minmax_element(values.begin(), values.end());
+        table.Row({name,
+                   Significant(mean, 5),
+                   Significant(deviation, 3),
+                   Significant(100.0 * deviation / mean, 3),
+                   Significant(*least, 5),
+                   Significant(*most, 5),
+                   unit});
+        spread.json[name] = {{"mean", mean},
+                             {"standard_deviation", deviation},
+                             {"least", *least},
+                             {"most", *most},
+                             {"values", values}};
+      };
   for (const auto& name : CellParameterNames(results.front().cell)) {
     std::vector<double> values;
     for (const auto& result : results) {
@@ -171,17 +211,25 @@ TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {
   return spread;
 }
 
-void WriteResiduals(const StagedResult& result, const std::vector<LoadedLog>& logs, const std::string& file) {
+void WriteResiduals(const StagedResult& result,
+                    const std::vector<LoadedLog>& logs,
+                    const std::string& file) {
   CsvWriter csv(file, "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
   Cell one = result.cell;  // the records are those of one cell
   one.series = one.parallel = 1;
   for (std::size_t n = 0; n < logs.size(); ++n) {
     if (logs[n].entry.kind != result.fitted_kind) continue;
     const Record& record = logs[n].log.record;
-    const auto fitted = Predict(one, record.time_s, record.current_A, record.hold, logs[n].entry.initial_soc);
+    const auto fitted =
+        Predict(one, record.time_s, record.current_A, record.hold, logs[n].entry.initial_soc);
     for (std::size_t k = 0; k < record.size(); ++k) {
-      csv.Row(static_cast<double>(n + 1), record.time_s[k], record.current_A[k], record.voltage_V[k],
-              fitted.voltage_V[k], record.voltage_V[k] - fitted.voltage_V[k], fitted.soc[k]);
+      csv.Row(static_cast<double>(n + 1),
+              record.time_s[k],
+              record.current_A[k],
+              record.voltage_V[k],
+              fitted.voltage_V[k],
+              record.voltage_V[k] - fitted.voltage_V[k],
+              fitted.soc[k]);
     }
   }
   csv.Commit();

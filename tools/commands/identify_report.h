@@ -23,8 +23,10 @@ struct TextAndJson {
 /// Mean, standard deviation and range of each parameter over several cells.
 [[nodiscard]] TextAndJson SpreadOfCells(const std::vector<StagedResult>& results);
 
-/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs that stage 3 used; `log`
-/// counts the logs of the campaign from 1.
-void WriteResiduals(const StagedResult& result, const std::vector<LoadedLog>& logs, const std::string& file);
+/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs that stage 3
+/// used; `log` counts the logs of the campaign from 1.
+void WriteResiduals(const StagedResult& result,
+                    const std::vector<LoadedLog>& logs,
+                    const std::string& file);
 
 }  // namespace lipoid

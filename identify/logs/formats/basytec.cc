@@ -18,14 +18,13 @@ constinit const Layout kBasytec{
     .name = "basytec",
     .summary = "Basytec text: lines that start with ~, then ~Time[s] or [h], Command, U[V], I[A]",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true},
-            ColumnNames{.names = kVoltage, .in_order = true},
-            ColumnNames{.names = kTemperature, .in_order = true},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle},
-            ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true},
+                 ColumnNames{.names = kVoltage, .in_order = true},
+                 ColumnNames{.names = kTemperature, .in_order = true},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle},
+                 ColumnNames{.names = kState}}},
 };
 
 }  // namespace lipoid

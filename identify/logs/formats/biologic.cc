@@ -17,14 +17,13 @@ constinit const Layout kBiologic{
     .name = "biologic",
     .summary = "BioLogic EC-Lab and BT-Lab text export: time/s, Ecell/V or Ewe/V, I/mA",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true},
-            ColumnNames{.names = kVoltage, .in_order = true},
-            ColumnNames{.names = kTemperature, .in_order = true},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle},
-            ColumnNames{}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true},
+                 ColumnNames{.names = kVoltage, .in_order = true},
+                 ColumnNames{.names = kTemperature, .in_order = true},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle},
+                 ColumnNames{}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

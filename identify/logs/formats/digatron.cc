@@ -3,7 +3,10 @@
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {"prog_time|program_duration|progtime", "status", "step_time|step_duration|steptime", "procedure|cycle_level"};
+constexpr std::string_view kSignature[] = {"prog_time|program_duration|progtime",
+                                           "status",
+                                           "step_time|step_duration|steptime",
+                                           "procedure|cycle_level"};
 constexpr std::string_view kTime[] = {"prog_time", "program_duration", "progtime"};
 constexpr std::string_view kCurrent[] = {"current"};
 constexpr std::string_view kVoltage[] = {"voltage"};
@@ -16,16 +19,17 @@ constexpr std::string_view kState[] = {"status"};
 
 constinit const Layout kDigatron{
     .name = "digatron",
-    .summary = "Digatron CSV: Prog Time, Step, Status, Voltage, Current over a line of units, or Current#A and Voltage#V",
+    .summary =
+        "Digatron CSV: Prog Time, Step, Status, Voltage, Current over a line of units, or "
+        "Current#A and Voltage#V",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true},
-            ColumnNames{.names = kVoltage, .in_order = true},
-            ColumnNames{.names = kTemperature, .in_order = true},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle},
-            ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true},
+                 ColumnNames{.names = kVoltage, .in_order = true},
+                 ColumnNames{.names = kTemperature, .in_order = true},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle},
+                 ColumnNames{.names = kState}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

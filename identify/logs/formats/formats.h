@@ -46,8 +46,8 @@ struct LogPlan {
   }
 };
 
-/// Recognises the file, resolves its columns and units, and leaves the source at the first line after the
-/// header. LoadError with a position and advice where that cannot be done.
+/// Recognises the file, resolves its columns and units, and leaves the source at the first line
+/// after the header. LoadError with a position and advice where that cannot be done.
 [[nodiscard]] LogPlan PlanReading(TextSource& source, const ReadOptions& options);
 
 }  // namespace lipoid

@@ -4,7 +4,8 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kDate[] = {"dpt_time"};
-constexpr std::string_view kSignature[] = {"rec#|rec", "step", "testtime|test_time|test", "es|dpt_time|state|md|step_time|steptime"};
+constexpr std::string_view kSignature[] = {
+    "rec#|rec", "step", "testtime|test_time|test", "es|dpt_time|state|md|step_time|steptime"};
 constexpr std::string_view kTime[] = {"testtime", "test_time", "test"};
 constexpr std::string_view kCurrent[] = {"amps", "mamps", "current"};
 constexpr std::string_view kVoltage[] = {"volts", "voltage"};
@@ -17,16 +18,17 @@ constexpr std::string_view kState[] = {"state", "md"};
 
 constinit const Layout kMaccor{
     .name = "maccor",
-    .summary = "Maccor text and CSV: Rec#, Cyc#, Step, TestTime or Test (Sec), Amps, Volts, State; also Current [A], Md",
+    .summary =
+        "Maccor text and CSV: Rec#, Cyc#, Step, TestTime or Test (Sec), Amps, Volts, State; also "
+        "Current [A], Md",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true, .known_unit = "A"},
-            ColumnNames{.names = kVoltage, .in_order = true, .known_unit = "V"},
-            ColumnNames{.names = kTemperature, .in_order = true, .known_unit = "degC"},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle, .in_order = true},
-            ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true, .known_unit = "A"},
+                 ColumnNames{.names = kVoltage, .in_order = true, .known_unit = "V"},
+                 ColumnNames{.names = kTemperature, .in_order = true, .known_unit = "degC"},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle, .in_order = true},
+                 ColumnNames{.names = kState}}},
     .date = {.names = kDate},
     .date_order = DateOrder::kMonthFirst,
     .millivolts_beside = "mamps",

@@ -20,16 +20,17 @@ constexpr std::string_view kState[] = {"step_type"};
 
 constinit const Layout kNeware{
     .name = "neware",
-    .summary = "Neware BTSDA CSV, flat or in three levels: DataPoint, Step Type, Time, Total Time, Current(A), Voltage(V)",
+    .summary =
+        "Neware BTSDA CSV, flat or in three levels: DataPoint, Step Type, Time, Total Time, "
+        "Current(A), Voltage(V)",
     .signature = kSignature,
-    .columns = {{
-            ColumnNames{.names = kTime, .in_order = true},
-            ColumnNames{.names = kCurrent, .in_order = true},
-            ColumnNames{.names = kVoltage, .in_order = true},
-            ColumnNames{.names = kTemperature, .in_order = true},
-            ColumnNames{.names = kStep, .in_order = true},
-            ColumnNames{.names = kCycle, .in_order = true},
-            ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = kTime, .in_order = true},
+                 ColumnNames{.names = kCurrent, .in_order = true},
+                 ColumnNames{.names = kVoltage, .in_order = true},
+                 ColumnNames{.names = kTemperature, .in_order = true},
+                 ColumnNames{.names = kStep, .in_order = true},
+                 ColumnNames{.names = kCycle, .in_order = true},
+                 ColumnNames{.names = kState}}},
     .step_clock = {.names = kStepClock, .in_order = true},
     .level_signatures = kLevels,
 };

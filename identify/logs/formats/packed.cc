@@ -23,7 +23,10 @@ constexpr std::string_view kSaveAsCsv = "save the sheet as CSV";
 constexpr std::string_view kExportCsv = "write the columns time, current and voltage to CSV";
 
 constexpr Packed kPacked[] = {
-    {"BIO-LOGIC MODULAR FILE"sv, 0, "a BioLogic binary file (.mpr)", "export it as text (.mpt) in EC-Lab or BT-Lab"},
+    {"BIO-LOGIC MODULAR FILE"sv,
+     0,
+     "a BioLogic binary file (.mpr)",
+     "export it as text (.mpt) in EC-Lab or BT-Lab"},
     {"\x1f\x8b"sv, 0, "a gzip file", kUnpack},
     {"BZh"sv, 0, "a bzip2 file", kUnpack},
     {"\xFD\x37zXZ\0"sv, 0, "an xz file", kUnpack},
@@ -31,8 +34,14 @@ constexpr Packed kPacked[] = {
     {"7z\xBC\xAF\x27\x1C"sv, 0, "a 7z archive", kUnpack},
     {"Rar!\x1A"sv, 0, "a rar archive", kUnpack},
     {"ustar"sv, 257, "a tar archive", kUnpack},
-    {"Standard Jet DB"sv, 4, "an Access database (Arbin .res or .mdb)", "export the channel as CSV in Arbin MITS Pro"},
-    {"Standard ACE DB"sv, 4, "an Access database (.accdb)", "export the channel as CSV in Arbin MITS Pro"},
+    {"Standard Jet DB"sv,
+     4,
+     "an Access database (Arbin .res or .mdb)",
+     "export the channel as CSV in Arbin MITS Pro"},
+    {"Standard ACE DB"sv,
+     4,
+     "an Access database (.accdb)",
+     "export the channel as CSV in Arbin MITS Pro"},
     {"NEWARE"sv, 0, "a Neware binary file (.nda)", "export it as CSV in BTSDA"},
     {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv, 0, "an old Office document (.xls)", kSaveAsCsv},
     {"MATLAB 5.0 MAT-file"sv, 0, "a MATLAB file (.mat)", kExportCsv},
@@ -45,12 +54,17 @@ constexpr Packed kPacked[] = {
     {"%PDF-"sv, 0, "a PDF document", "export the data of the test as CSV"},
     {"\xFF\xFE"sv, 0, "UTF-16 text", "save it as UTF-8"},
     {"\xFE\xFF"sv, 0, "UTF-16 text", "save it as UTF-8"},
-    {"version https://git-lfs"sv, 0, "a Git LFS pointer", "fetch the file itself with `git lfs pull`"},
+    {"version https://git-lfs"sv,
+     0,
+     "a Git LFS pointer",
+     "fetch the file itself with `git lfs pull`"},
     {"<!DOCTYPE"sv, 0, "a web page", "download the file itself"},
     {"<html"sv, 0, "a web page", "download the file itself"},
 };
 
-bool Contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+bool Contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
 
 [[noreturn]] void Refuse(const std::string& file, std::string_view what, std::string_view advice) {
   throw LoadError({file}, fmt::format("expected a log as text, found {}; {}", what, advice));
@@ -60,8 +74,10 @@ bool Contains(std::string_view text, std::string_view part) { return text.find(p
 
 void RefusePacked(const std::string& file, std::string_view head) {
   if (head.starts_with("PK\x03\x04") || head.starts_with("PK\x05\x06")) {
-    if (Contains(head, "xl/") || Contains(head, "[Content_Types]")) Refuse(file, "an Excel workbook (.xlsx)", kSaveAsCsv);
-    if (Contains(head, ".ndc") || Contains(head, "VersionInfo.xml") || Contains(head, "TestInfo.xml")) {
+    if (Contains(head, "xl/") || Contains(head, "[Content_Types]"))
+      Refuse(file, "an Excel workbook (.xlsx)", kSaveAsCsv);
+    if (Contains(head, ".ndc") || Contains(head, "VersionInfo.xml") ||
+        Contains(head, "TestInfo.xml")) {
       Refuse(file, "a Neware packed file (.ndax)", "export it as CSV in BTSDA");
     }
     Refuse(file, "a zip archive", kUnpack);

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// Files that hold logs but not as text: recognised by their first bytes, whatever the name, and refused with
-/// advice. Tests: tests/identify/logs/log_test.cc.
+/// Files that hold logs but not as text: recognised by their first bytes, whatever the name, and
+/// refused with advice. Tests: tests/identify/logs/log_test.cc.
 
 #include <string>
 #include <string_view>

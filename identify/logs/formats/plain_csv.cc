@@ -3,11 +3,75 @@
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kDate[] = {"timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
-constexpr std::string_view kTime[] = {"time", "t", "test_time", "testtime", "elapsed", "elapsed_time", "time_elapsed", "total_time", "run_time", "runtime", "prog_time", "cumulative_time", "relative_time", "experiment_time", "seconds", "minutes", "hours"};
-constexpr std::string_view kCurrent[] = {"current", "i", "amps", "amp", "ampere", "amperes", "mamps", "milliamps", "curr", "cell_current", "battery_current", "pack_current", "measured_current", "current_measured", "i_cell", "i_b", "i_bat", "i_batt", "ibat", "i_battery"};
-constexpr std::string_view kVoltage[] = {"voltage", "v", "u", "e", "volt", "volts", "potential", "cell_voltage", "battery_voltage", "pack_voltage", "terminal_voltage", "measured_voltage", "voltage_measured", "ecell", "ewe", "v_cell", "u_cell", "v_b", "v_bat", "v_batt", "vbat", "v_battery", "u_bat"};
-constexpr std::string_view kTemperature[] = {"temperature", "temp", "cell_temperature", "temperature_cell", "t_cell", "battery_temperature", "battery_temp"};
+constexpr std::string_view kDate[] = {
+    "timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
+constexpr std::string_view kTime[] = {"time",
+                                      "t",
+                                      "test_time",
+                                      "testtime",
+                                      "elapsed",
+                                      "elapsed_time",
+                                      "time_elapsed",
+                                      "total_time",
+                                      "run_time",
+                                      "runtime",
+                                      "prog_time",
+                                      "cumulative_time",
+                                      "relative_time",
+                                      "experiment_time",
+                                      "seconds",
+                                      "minutes",
+                                      "hours"};
+constexpr std::string_view kCurrent[] = {"current",
+                                         "i",
+                                         "amps",
+                                         "amp",
+                                         "ampere",
+                                         "amperes",
+                                         "mamps",
+                                         "milliamps",
+                                         "curr",
+                                         "cell_current",
+                                         "battery_current",
+                                         "pack_current",
+                                         "measured_current",
+                                         "current_measured",
+                                         "i_cell",
+                                         "i_b",
+                                         "i_bat",
+                                         "i_batt",
+                                         "ibat",
+                                         "i_battery"};
+constexpr std::string_view kVoltage[] = {"voltage",
+                                         "v",
+                                         "u",
+                                         "e",
+                                         "volt",
+                                         "volts",
+                                         "potential",
+                                         "cell_voltage",
+                                         "battery_voltage",
+                                         "pack_voltage",
+                                         "terminal_voltage",
+                                         "measured_voltage",
+                                         "voltage_measured",
+                                         "ecell",
+                                         "ewe",
+                                         "v_cell",
+                                         "u_cell",
+                                         "v_b",
+                                         "v_bat",
+                                         "v_batt",
+                                         "vbat",
+                                         "v_battery",
+                                         "u_bat"};
+constexpr std::string_view kTemperature[] = {"temperature",
+                                             "temp",
+                                             "cell_temperature",
+                                             "temperature_cell",
+                                             "t_cell",
+                                             "battery_temperature",
+                                             "battery_temp"};
 constexpr std::string_view kStep[] = {"step", "step_index", "step_number", "step_id"};
 constexpr std::string_view kCycle[] = {"cycle", "cycle_index", "cycle_number", "cycle_count"};
 constexpr std::string_view kState[] = {"state", "status", "mode", "md", "step_type", "step_name"};
@@ -16,15 +80,15 @@ constexpr std::string_view kState[] = {"state", "status", "mode", "md", "step_ty
 
 constinit const Layout kPlainCsv{
     .name = "plain-csv",
-    .summary = "time_s,current_A,voltage_V under any usual names and units, any of , ; TAB between them",
-    .columns = {{
-            ColumnNames{.names = kTime},
-            ColumnNames{.names = kCurrent},
-            ColumnNames{.names = kVoltage},
-            ColumnNames{.names = kTemperature},
-            ColumnNames{.names = kStep},
-            ColumnNames{.names = kCycle},
-            ColumnNames{.names = kState}}},
+    .summary =
+        "time_s,current_A,voltage_V under any usual names and units, any of , ; TAB between them",
+    .columns = {{ColumnNames{.names = kTime},
+                 ColumnNames{.names = kCurrent},
+                 ColumnNames{.names = kVoltage},
+                 ColumnNames{.names = kTemperature},
+                 ColumnNames{.names = kStep},
+                 ColumnNames{.names = kCycle},
+                 ColumnNames{.names = kState}}},
     .date = {.names = kDate, .in_order = true},
     .date_order = DateOrder::kYearFirst,
     .comments = true,

@@ -10,7 +10,10 @@ struct UnitRow {
   Unit unit;
 };
 
-constexpr UnitRow Row(Quantity quantity, std::string_view name, double multiply = 1.0, double divide = 1.0) {
+constexpr UnitRow Row(Quantity quantity,
+                      std::string_view name,
+                      double multiply = 1.0,
+                      double divide = 1.0) {
   return {quantity, {.name = name, .multiply = multiply, .divide = divide}};
 }
 
@@ -19,22 +22,62 @@ constexpr auto I = Quantity::kCurrent;
 constexpr auto V = Quantity::kVoltage;
 constexpr auto C = Quantity::kTemperature;
 
-// All names in lower case; other than ASCII bytes are gone (a degree or micro sign has too many spellings).
+// All names in lower case; other than ASCII bytes are gone (a degree or micro sign has too many
+// spellings).
 constexpr UnitRow kUnits[] = {
-    Row(T, "s"), Row(T, "sec"), Row(T, "secs"), Row(T, "second"), Row(T, "seconds"),
-    Row(T, "ms", 1, 1000), Row(T, "msec", 1, 1000), Row(T, "millisecond", 1, 1000), Row(T, "milliseconds", 1, 1000),
-    Row(T, "us", 1, 1e6), Row(T, "microsecond", 1, 1e6), Row(T, "microseconds", 1, 1e6),
-    Row(T, "min", 60), Row(T, "mins", 60), Row(T, "minute", 60), Row(T, "minutes", 60),
-    Row(T, "h", 3600), Row(T, "hr", 3600), Row(T, "hrs", 3600), Row(T, "hour", 3600), Row(T, "hours", 3600),
-    Row(T, "d", 86400), Row(T, "day", 86400), Row(T, "days", 86400),
-    Row(I, "a"), Row(I, "amp"), Row(I, "amps"), Row(I, "ampere"), Row(I, "amperes"),
-    Row(I, "ma", 1, 1000), Row(I, "mamps", 1, 1000), Row(I, "mamp", 1, 1000), Row(I, "milliamp", 1, 1000), Row(I, "milliamps", 1, 1000),
-    Row(I, "milliampere", 1, 1000), Row(I, "milliamperes", 1, 1000),
-    Row(I, "ua", 1, 1e6), Row(I, "microampere", 1, 1e6), Row(I, "microamperes", 1, 1e6),
-    Row(V, "v"), Row(V, "volt"), Row(V, "volts"),
-    Row(V, "mv", 1, 1000), Row(V, "millivolt", 1, 1000), Row(V, "millivolts", 1, 1000),
-    Row(C, "c"), Row(C, "degc"), Row(C, "deg_c"), Row(C, "deg c"), Row(C, "celsius"), Row(C, "degree_celsius"),
-    {C, {.name = "k", .offset = -273.15}}, {C, {.name = "kelvin", .offset = -273.15}},
+    Row(T, "s"),
+    Row(T, "sec"),
+    Row(T, "secs"),
+    Row(T, "second"),
+    Row(T, "seconds"),
+    Row(T, "ms", 1, 1000),
+    Row(T, "msec", 1, 1000),
+    Row(T, "millisecond", 1, 1000),
+    Row(T, "milliseconds", 1, 1000),
+    Row(T, "us", 1, 1e6),
+    Row(T, "microsecond", 1, 1e6),
+    Row(T, "microseconds", 1, 1e6),
+    Row(T, "min", 60),
+    Row(T, "mins", 60),
+    Row(T, "minute", 60),
+    Row(T, "minutes", 60),
+    Row(T, "h", 3600),
+    Row(T, "hr", 3600),
+    Row(T, "hrs", 3600),
+    Row(T, "hour", 3600),
+    Row(T, "hours", 3600),
+    Row(T, "d", 86400),
+    Row(T, "day", 86400),
+    Row(T, "days", 86400),
+    Row(I, "a"),
+    Row(I, "amp"),
+    Row(I, "amps"),
+    Row(I, "ampere"),
+    Row(I, "amperes"),
+    Row(I, "ma", 1, 1000),
+    Row(I, "mamps", 1, 1000),
+    Row(I, "mamp", 1, 1000),
+    Row(I, "milliamp", 1, 1000),
+    Row(I, "milliamps", 1, 1000),
+    Row(I, "milliampere", 1, 1000),
+    Row(I, "milliamperes", 1, 1000),
+    Row(I, "ua", 1, 1e6),
+    Row(I, "microampere", 1, 1e6),
+    Row(I, "microamperes", 1, 1e6),
+    Row(V, "v"),
+    Row(V, "volt"),
+    Row(V, "volts"),
+    Row(V, "mv", 1, 1000),
+    Row(V, "millivolt", 1, 1000),
+    Row(V, "millivolts", 1, 1000),
+    Row(C, "c"),
+    Row(C, "degc"),
+    Row(C, "deg_c"),
+    Row(C, "deg c"),
+    Row(C, "celsius"),
+    Row(C, "degree_celsius"),
+    {C, {.name = "k", .offset = -273.15}},
+    {C, {.name = "kelvin", .offset = -273.15}},
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// What a column can hold and in which units. A unit is found by its usual names, without regard to case.
-/// Tests: tests/identify/logs/log_test.cc.
+/// What a column can hold and in which units. A unit is found by its usual names, without regard to
+/// case. Tests: tests/identify/logs/log_test.cc.
 
 #include <array>
 #include <cstddef>
@@ -18,11 +18,12 @@ inline constexpr std::size_t kQuantityCount = 7;
 
 /// "time", "current", ...
 [[nodiscard]] std::string_view Name(Quantity quantity);
-/// What the user may write: "time_s", "current_A", "voltage_V", "temperature_degC"; "" for the others.
+/// What the user may write: "time_s", "current_A", "voltage_V", "temperature_degC"; "" for the
+/// others.
 [[nodiscard]] std::string_view Key(Quantity quantity);
 
-/// value in SI = value * multiply / divide + offset. Two factors, because dividing by 1000 is exact where
-/// multiplying by 0.001 is not.
+/// value in SI = value * multiply / divide + offset. Two factors, because dividing by 1000 is exact
+/// where multiplying by 0.001 is not.
 struct Unit {
   std::string_view name;
   double multiply = 1.0;

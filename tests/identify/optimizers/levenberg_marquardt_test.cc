@@ -21,7 +21,8 @@ constexpr double kUnbounded = 1e300;
 class DenseProblem : public LeastSquaresProblem {
  public:
   // Fills r and, where it is not null, J.
-  using Function = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* j)>;
+  using Function =
+      std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* j)>;
 
   DenseProblem(int size, Function function)
       : lower_(Eigen::VectorXd::Constant(size, -kUnbounded)),
@@ -137,10 +138,13 @@ TEST_P(NistStrd, IsSolvedToSixDigits) {
     const auto fit = MinimizeLevenbergMarquardt(problem, from, {.function_tolerance = kSharp});
     EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
     for (std::size_t k = 0; k < start.size(); ++k) {
-      EXPECT_NEAR(fit.x[static_cast<Eigen::Index>(k)], nist.certified[k], kSixDigits * std::abs(nist.certified[k]))
+      EXPECT_NEAR(fit.x[static_cast<Eigen::Index>(k)],
+                  nist.certified[k],
+                  kSixDigits * std::abs(nist.certified[k]))
           << "b" << k + 1 << " from start b1 = " << start[0];
     }
-    EXPECT_NEAR(2.0 * fit.cost, nist.certified_sum_of_squares, 1e-9 * nist.certified_sum_of_squares);
+    EXPECT_NEAR(
+        2.0 * fit.cost, nist.certified_sum_of_squares, 1e-9 * nist.certified_sum_of_squares);
     EXPECT_EQ(fit.evaluations, problem.evaluations);
     EXPECT_EQ(fit.gradient_evaluations, problem.gradient_evaluations);
   }
@@ -158,7 +162,8 @@ TEST(LevenbergMarquardt, FindsTheOptimumOfBoundedLinearProblems) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     std::mt19937 engine(seed);
     std::normal_distribution<double> normal;
-    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(8, kSize, [&] { return normal(engine); });
+    const Eigen::MatrixXd a =
+        Eigen::MatrixXd::NullaryExpr(8, kSize, [&] { return normal(engine); });
     const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(8, [&] { return 3.0 * normal(engine); });
     DenseProblem problem = LinearProblem(a, b);
     for (int k = 0; k < kSize; ++k) problem.Bound(k, -0.3, 0.5);
@@ -182,8 +187,8 @@ TEST(LevenbergMarquardt, FindsTheOptimumOfBoundedLinearProblems) {
       }
     }
 
-    const auto fit =
-        MinimizeLevenbergMarquardt(problem, Eigen::VectorXd::Constant(kSize, 0.1), {.function_tolerance = kSharp});
+    const auto fit = MinimizeLevenbergMarquardt(
+        problem, Eigen::VectorXd::Constant(kSize, 0.1), {.function_tolerance = kSharp});
     EXPECT_EQ(fit.termination, Termination::kConverged) << "seed " << seed << ": " << fit.message;
     // The square root of the relative change of the cost at which it stops, and a margin of 30.
     EXPECT_LT((fit.x - best).norm(), 1e-6) << "seed " << seed << ", expected " << best.transpose();
@@ -253,7 +258,8 @@ TEST(LevenbergMarquardt, TakesABoundThatLeavesNoRoom) {
 }
 
 TEST(LevenbergMarquardt, ReachesABoundInFewSteps) {
-  // A valley along which the cost falls towards a bound, in log x, as beta's does: x -> 1 from below.
+  // A valley along which the cost falls towards a bound, in log x, as beta's does: x -> 1 from
+  // below.
   DenseProblem problem(2, [](const auto& x, auto& r, auto* j) {
     const double beta = std::exp(x[0]);
     constexpr int kRows = 40;
@@ -328,14 +334,17 @@ TEST(LevenbergMarquardt, KeepsToItsIterationsOverAllRounds) {
   for (const int most : {1, 2, 5, 10}) {
     DenseProblem problem = Rosenbrock();
     problem.Bound(0, -2.0, 0.5).Bound(1, -2.0, 0.2);
-    const auto fit = MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-1.2, 0.2), {.max_iterations = most});
+    const auto fit =
+        MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-1.2, 0.2), {.max_iterations = most});
     EXPECT_LE(fit.iterations, most);
-    EXPECT_LE(problem.evaluations, most + 4);  // the start, every step, and one that confirms each of three rounds
+    EXPECT_LE(problem.evaluations,
+              most + 4);  // the start, every step, and one that confirms each of three rounds
     EXPECT_TRUE(fit.usable());
   }
   // Far from the optimum after two steps: it says so.
   const DenseProblem problem = Rosenbrock();
-  const auto fit = MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-1.2, 1.0), {.max_iterations = 2});
+  const auto fit =
+      MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-1.2, 1.0), {.max_iterations = 2});
   EXPECT_EQ(fit.termination, Termination::kMaxIterations);
   EXPECT_EQ(fit.iterations, 2);
 }

@@ -23,13 +23,16 @@ std::vector<DischargeTime> Times(const std::vector<double>& currents_A,
   for (const double current_A : currents_A) {
     times.push_back({.file = "cc.csv",
                      .current_A = current_A,
-                     .time_s = form == DischargeForm::kSteady ? SteadyDischargeTime(alpha_C, beta, current_A)
-                                                              : ExactDischargeTime(alpha_C, beta, current_A)});
+                     .time_s = form == DischargeForm::kSteady
+                                   ? SteadyDischargeTime(alpha_C, beta, current_A)
+                                   : ExactDischargeTime(alpha_C, beta, current_A)});
   }
   return times;
 }
 
-std::vector<DischargeTime> Noisy(std::vector<DischargeTime> times, double noise_s, std::mt19937& engine) {
+std::vector<DischargeTime> Noisy(std::vector<DischargeTime> times,
+                                 double noise_s,
+                                 std::mt19937& engine) {
   std::normal_distribution<double> normal;
   for (auto& d : times) d.time_s += noise_s * normal(engine);
   return times;
@@ -38,10 +41,12 @@ std::vector<DischargeTime> Noisy(std::vector<DischargeTime> times, double noise_
 // Real discharges: charge over time, and the time, as an independent reader found them.
 const std::vector<DischargeTime> kNissan = {
     {"cc_1c.csv", 30.6, 3568.8}, {"cc_2c.csv", 61.2, 1763.0}, {"cc_3c.csv", 91.798635, 1126.4}};
-const std::vector<DischargeTime> kDmegc = {
-    {"cc_0p5c.csv", 1.299899, 7125.0}, {"cc_1c.csv", 2.600769, 3498.0}, {"cc_2c.csv", 5.199746, 1735.0}};
-const std::vector<DischargeTime> kLgM50 = {
-    {"cc_0p5c.csv", 2.499827, 6973.04}, {"cc_1c.csv", 4.999909, 3443.478}, {"cc_2c.csv", 9.999869, 1749.554}};
+const std::vector<DischargeTime> kDmegc = {{"cc_0p5c.csv", 1.299899, 7125.0},
+                                           {"cc_1c.csv", 2.600769, 3498.0},
+                                           {"cc_2c.csv", 5.199746, 1735.0}};
+const std::vector<DischargeTime> kLgM50 = {{"cc_0p5c.csv", 2.499827, 6973.04},
+                                           {"cc_1c.csv", 4.999909, 3443.478},
+                                           {"cc_2c.csv", 9.999869, 1749.554}};
 
 // Cramer's rule for min sum w² (L - alpha/I + c)².
 struct NormalEquations {
@@ -66,7 +71,9 @@ NormalEquations Solve(const std::vector<DischargeTime>& times, bool relative) {
     squares += e * e;
   }
   const long double variance = squares / static_cast<long double>(times.size() - 2);
-  return {static_cast<double>(alpha), static_cast<double>(lag), static_cast<double>(std::sqrt(variance * cc / det)),
+  return {static_cast<double>(alpha),
+          static_cast<double>(lag),
+          static_cast<double>(std::sqrt(variance * cc / det)),
           static_cast<double>(std::sqrt(variance * aa / det))};
 }
 
@@ -74,7 +81,8 @@ TEST(DischargeTimes, RecoverTheirTruthInBothForms) {
   for (const double beta : {0.05, 0.2, 0.9}) {
     for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
       for (const auto weighting : {TimeWeighting::kSeconds, TimeWeighting::kRelative}) {
-        const auto fit = FitDischargeTimes(Times(kCurrents_A, kAlpha_C, beta, form), {.form = form, .weighting = weighting});
+        const auto fit = FitDischargeTimes(Times(kCurrents_A, kAlpha_C, beta, form),
+                                           {.form = form, .weighting = weighting});
         EXPECT_NEAR(fit.alpha_C, kAlpha_C, 1e-8 * kAlpha_C);
         // 1e-12 of 10 000 s in a lag that is 4 s at beta = 0.9.
         EXPECT_NEAR(fit.beta_per_sqrt_s, beta, 1e-7 * beta);
@@ -106,7 +114,8 @@ TEST(DischargeTimes, OfRealCellsAgreeWithNormalEquationsInLongDouble) {
           times, {.weighting = relative ? TimeWeighting::kRelative : TimeWeighting::kSeconds});
       EXPECT_NEAR(fit.alpha_C, expected.alpha_C, 1e-9 * expected.alpha_C);
       EXPECT_NEAR(fit.beta_per_sqrt_s, BetaOfSteadyLag(expected.lag_s), 1e-9);
-      EXPECT_NEAR(fit.alpha_standard_error_C, expected.alpha_error_C, 1e-8 * expected.alpha_error_C);
+      EXPECT_NEAR(
+          fit.alpha_standard_error_C, expected.alpha_error_C, 1e-8 * expected.alpha_error_C);
       EXPECT_NEAR(fit.beta_standard_error_per_sqrt_s,
                   fit.beta_per_sqrt_s * expected.lag_error_s / (2.0 * expected.lag_s),
                   1e-9);
@@ -133,7 +142,8 @@ TEST(DischargeTimes, OfRealCellsAgreeWithAnotherImplementation) {
   }
   EXPECT_NEAR(nissan.mean_error_percent, (0.112 + 0.908 + 1.066) / 3.0, 6e-4);
   EXPECT_NEAR(nissan.max_error_percent, 1.066, 6e-4);
-  EXPECT_NEAR(nissan.rmse_s, std::sqrt((4.002 * 4.002 + 16.008 * 16.008 + 12.006 * 12.006) / 3.0), 1e-3);
+  EXPECT_NEAR(
+      nissan.rmse_s, std::sqrt((4.002 * 4.002 + 16.008 * 16.008 + 12.006 * 12.006) / 3.0), 1e-3);
 
   const auto dmegc = FitDischargeTimes(kDmegc);
   EXPECT_NEAR(dmegc.alpha_C, 9353.88696, 0.01);  // its currents are printed to 7 digits
@@ -146,8 +156,11 @@ TEST(DischargeTimes, OfRealCellsAgreeWithAnotherImplementation) {
     const auto steady = FitDischargeTimes(times);
     EXPECT_NEAR(exact.alpha_C, steady.alpha_C, 1e-7 * steady.alpha_C);
     EXPECT_NEAR(exact.beta_per_sqrt_s, steady.beta_per_sqrt_s, 1e-6 * steady.beta_per_sqrt_s);
-    EXPECT_NEAR(exact.alpha_standard_error_C, steady.alpha_standard_error_C, 1e-5 * steady.alpha_standard_error_C);
-    EXPECT_NEAR(exact.beta_standard_error_per_sqrt_s, steady.beta_standard_error_per_sqrt_s,
+    EXPECT_NEAR(exact.alpha_standard_error_C,
+                steady.alpha_standard_error_C,
+                1e-5 * steady.alpha_standard_error_C);
+    EXPECT_NEAR(exact.beta_standard_error_per_sqrt_s,
+                steady.beta_standard_error_per_sqrt_s,
                 1e-5 * steady.beta_standard_error_per_sqrt_s);
   }
 }
@@ -164,16 +177,18 @@ TEST(DischargeTimes, OfTheLgCellDoNotIdentifyBeta) {
     EXPECT_FALSE(fit.identifiable);
     // 17431, 17217, 17495 C: the last is the largest.
     EXPECT_EQ(fit.reason,
-              "the delivered charge does not fall with the current (1.743e+04 C at 2.5 A, 1.75e+04 C at 10 A)");
+              "the delivered charge does not fall with the current (1.743e+04 C at 2.5 A, 1.75e+04 "
+              "C at 10 A)");
     EXPECT_NEAR(fit.alpha_C, 17443.756, 0.01);
     EXPECT_GT(fit.beta_lower_bound_per_sqrt_s, 0.0);
     EXPECT_GE(fit.beta_start_per_sqrt_s, fit.beta_lower_bound_per_sqrt_s);
     EXPECT_LE(fit.beta_start_per_sqrt_s, 1.0);
   }
-  // The lag is 15.04164 s with a standard error of 46.27497 s and one degree of freedom, whose 95 % quantile of
-  // Student's t is 6.313752: at most 307.2 s.
+  // The lag is 15.04164 s with a standard error of 46.27497 s and one degree of freedom, whose 95 %
+  // quantile of Student's t is 6.313752: at most 307.2 s.
   const auto fit = FitDischargeTimes(kLgM50);
-  EXPECT_NEAR(fit.beta_lower_bound_per_sqrt_s, BetaOfSteadyLag(15.04163 + 6.313752 * 46.27497), 1e-5);
+  EXPECT_NEAR(
+      fit.beta_lower_bound_per_sqrt_s, BetaOfSteadyLag(15.04163 + 6.313752 * 46.27497), 1e-5);
   EXPECT_EQ(fit.beta_start_per_sqrt_s, 0.2);  // a typical value, above the bound of 0.103
 }
 
@@ -225,8 +240,9 @@ TEST(DischargeTimes, WithAlphaGivenFindBetaFromOneLog) {
   EXPECT_NEAR(one.beta_per_sqrt_s, kBeta, 1e-12);
   EXPECT_TRUE(one.identifiable);
   EXPECT_TRUE(std::isnan(one.beta_standard_error_per_sqrt_s));
-  const auto exact = FitDischargeTimes(
-      Times({2.0, 50.0}, kAlpha_C, kBeta, DischargeForm::kExact), {.form = DischargeForm::kExact}, kAlpha_C);
+  const auto exact = FitDischargeTimes(Times({2.0, 50.0}, kAlpha_C, kBeta, DischargeForm::kExact),
+                                       {.form = DischargeForm::kExact},
+                                       kAlpha_C);
   EXPECT_EQ(exact.alpha_C, kAlpha_C);
   EXPECT_EQ(exact.alpha_standard_error_C, 0.0);
   EXPECT_NEAR(exact.beta_per_sqrt_s, kBeta, 1e-8);
@@ -238,13 +254,15 @@ TEST(DischargeTimes, WithAlphaGivenFindBetaFromOneLog) {
 }
 
 TEST(DischargeTimes, StandardErrorsAreTheSpreadOfManyDraws) {
-  // 2000 draws: the spread is known to 1/sqrt(4000) = 1.6 %, the mean of the estimated variances to less.
+  // 2000 draws: the spread is known to 1/sqrt(4000) = 1.6 %, the mean of the estimated variances to
+  // less.
   constexpr int kDraws = 2000;
   constexpr double kNoise_s = 4.0;
   for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
     const auto truth = Times({1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}, kAlpha_C, kBeta, form);
     std::mt19937 engine(20);
-    double alpha = 0.0, alpha_squares = 0.0, beta = 0.0, beta_squares = 0.0, alpha_variance = 0.0, beta_variance = 0.0;
+    double alpha = 0.0, alpha_squares = 0.0, beta = 0.0, beta_squares = 0.0, alpha_variance = 0.0,
+           beta_variance = 0.0;
     const int draws = form == DischargeForm::kSteady ? kDraws : 400;
     for (int draw = 0; draw < draws; ++draw) {
       const auto fit = FitDischargeTimes(Noisy(truth, kNoise_s, engine), {.form = form});
@@ -256,23 +274,29 @@ TEST(DischargeTimes, StandardErrorsAreTheSpreadOfManyDraws) {
       beta_variance += std::pow(fit.beta_standard_error_per_sqrt_s, 2);
     }
     const double tolerance = 4.0 / std::sqrt(2.0 * draws);  // four deviations of a sample's spread
-    EXPECT_NEAR(std::sqrt(alpha_variance / draws) / std::sqrt(alpha_squares / draws), 1.0, tolerance);
+    EXPECT_NEAR(
+        std::sqrt(alpha_variance / draws) / std::sqrt(alpha_squares / draws), 1.0, tolerance);
     // beta is curved in the lag: a lag of 82 +- 3 s makes 1 % more of it.
-    EXPECT_NEAR(std::sqrt(beta_variance / draws) / std::sqrt(beta_squares / draws), 1.0, tolerance + 0.02);
-    EXPECT_LT(std::abs(alpha / draws), 4.0 * std::sqrt(alpha_squares / draws) / std::sqrt(1.0 * draws));
-    EXPECT_LT(std::abs(beta / draws), 4.0 * std::sqrt(beta_squares / draws) / std::sqrt(1.0 * draws) + 0.002);
+    EXPECT_NEAR(
+        std::sqrt(beta_variance / draws) / std::sqrt(beta_squares / draws), 1.0, tolerance + 0.02);
+    EXPECT_LT(std::abs(alpha / draws),
+              4.0 * std::sqrt(alpha_squares / draws) / std::sqrt(1.0 * draws));
+    EXPECT_LT(std::abs(beta / draws),
+              4.0 * std::sqrt(beta_squares / draws) / std::sqrt(1.0 * draws) + 0.002);
   }
 }
 
 TEST(DischargeTimes, BoundHoldsInNineteenOfTwentyDraws) {
   constexpr int kDraws = 4000;
-  // Large noise too: the bound must hold where beta is not identifiable, cut off at beta = 1 as it is.
+  // Large noise too: the bound must hold where beta is not identifiable, cut off at beta = 1 as it
+  // is.
   for (const double noise_s : {5.0, 60.0}) {
     const auto truth = Times(kCurrents_A, kAlpha_C, kBeta);
     std::mt19937 engine(7);
     int covered = 0;
     for (int draw = 0; draw < kDraws; ++draw) {
-      covered += FitDischargeTimes(Noisy(truth, noise_s, engine)).beta_lower_bound_per_sqrt_s <= kBeta;
+      covered +=
+          FitDischargeTimes(Noisy(truth, noise_s, engine)).beta_lower_bound_per_sqrt_s <= kBeta;
     }
     // Binomial: 95 % +- 3 * 0.34 %; a negative lag is lifted to 0, which can only widen the bound.
     EXPECT_GE(covered, 0.94 * kDraws) << noise_s;
@@ -283,8 +307,11 @@ TEST(DischargeTimes, BoundHoldsInNineteenOfTwentyDraws) {
 }
 
 TEST(DischargeTimes, RepeatsAreOneCurrent) {
-  const std::vector<DischargeTime> repeats = {
-      {"a", 30.6, 3568.8}, {"b", 30.6, 3564.0}, {"c", 30.59, 3570.0}, {"d", 61.2, 1763.0}, {"e", 61.21, 1759.0}};
+  const std::vector<DischargeTime> repeats = {{"a", 30.6, 3568.8},
+                                              {"b", 30.6, 3564.0},
+                                              {"c", 30.59, 3570.0},
+                                              {"d", 61.2, 1763.0},
+                                              {"e", 61.21, 1759.0}};
   EXPECT_EQ(CountDifferentCurrents(repeats), 2);
   EXPECT_EQ(CountDifferentCurrents({repeats[0], repeats[1], repeats[2]}), 1);
   EXPECT_EQ(CountDifferentCurrents({}), 0);
@@ -310,8 +337,10 @@ TEST(DischargeTimes, DoNotDependOnTheirOrder) {
 
 TEST(DischargeTimes, RefuseWhatHasNoMeaning) {
   EXPECT_THROW(static_cast<void>(FitDischargeTimes({})), PreconditionError);
-  EXPECT_THROW(static_cast<void>(FitDischargeTimes({{"a", 1.0, 100.0}, {"b", -2.0, 50.0}})), PreconditionError);
-  EXPECT_THROW(static_cast<void>(FitDischargeTimes({{"a", 1.0, 100.0}, {"b", 2.0, 0.0}})), PreconditionError);
+  EXPECT_THROW(static_cast<void>(FitDischargeTimes({{"a", 1.0, 100.0}, {"b", -2.0, 50.0}})),
+               PreconditionError);
+  EXPECT_THROW(static_cast<void>(FitDischargeTimes({{"a", 1.0, 100.0}, {"b", 2.0, 0.0}})),
+               PreconditionError);
   EXPECT_THROW(static_cast<void>(FitDischargeTimes({{"a", 1.0, 100.0}})), PreconditionError);
 }
 

@@ -19,8 +19,8 @@ constexpr double kAlpha_C = 10000.0;
 // Sums of a few thousand rows in double precision, through a fit of moderate condition.
 constexpr double kExact_V = 1e-9;
 
-// A discharge from full at constant current in `rows` steps, after one row at rest; the voltage is that of
-// the curve at the charge counted.
+// A discharge from full at constant current in `rows` steps, after one row at rest; the voltage is
+// that of the curve at the charge counted.
 Record Discharge(const std::function<double(double)>& curve,
                  int rows,
                  double from_soc = 1.0,
@@ -45,7 +45,10 @@ void AddNoise(Record& record, double noise_V, unsigned seed) {
   for (double& v : record.voltage_V) v += noise_V * normal(engine);
 }
 
-double WorstDifference(const OpenCircuitVoltage& a, const std::function<double(double)>& b, double lo, double hi) {
+double WorstDifference(const OpenCircuitVoltage& a,
+                       const std::function<double(double)>& b,
+                       double lo,
+                       double hi) {
   double worst = 0.0;
   for (int k = 0; k <= 1000; ++k) {
     const double soc = lo + (hi - lo) * k / 1000;
@@ -55,13 +58,16 @@ double WorstDifference(const OpenCircuitVoltage& a, const std::function<double(d
 }
 
 // A knee at the empty end, a plateau, a rise: like a lithium-polymer cell, without a kink.
-double Smooth(double soc) { return 3.7 + 0.4 * soc - 0.6 * std::exp(-30.0 * soc) + 0.05 * std::sin(6.0 * soc); }
+double Smooth(double soc) {
+  return 3.7 + 0.4 * soc - 0.6 * std::exp(-30.0 * soc) + 0.05 * std::sin(6.0 * soc);
+}
 
 TEST(OcvFit, FindsAPolynomialAgain) {
   const auto truth = OpenCircuitVoltage::Polynomial(
       0.0, 1.0, {3.72, 0.45, -0.05, 0.08, -0.04, 0.03, -0.02, 0.015, -0.01, 0.005});
   for (const int rows : {200, 5000}) {
-    const auto fit = FitOpenCircuitVoltage(Discharge(truth, rows), kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial});
+    const auto fit = FitOpenCircuitVoltage(
+        Discharge(truth, rows), kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial});
     EXPECT_EQ(fit.curve.method(), OcvMethod::kPolynomial);
     EXPECT_EQ(fit.curve.coefficients_V().size(), 10U);
     EXPECT_LT(WorstDifference(fit.curve, truth, 0.0, 1.0), kExact_V);
@@ -69,16 +75,19 @@ TEST(OcvFit, FindsAPolynomialAgain) {
     EXPECT_EQ(fit.rows, static_cast<std::size_t>(rows));
   }
   // Averages of 10 neighbours: v'' h²/24 with h = 1e-4 and v'' of at most 70 V at the ends.
-  const auto many = FitOpenCircuitVoltage(Discharge(truth, 100000), kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial});
+  const auto many = FitOpenCircuitVoltage(
+      Discharge(truth, 100000), kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial});
   EXPECT_LT(WorstDifference(many.curve, truth, 0.0, 1.0), 1e-7);
 }
 
 TEST(OcvFit, FindsAFourierSeriesAgain) {
-  const auto truth = OpenCircuitVoltage::Fourier(0.0, 1.0, 3.9, {3.7, -0.2, 0.02, 0.01}, {0.3, -0.05, 0.02});
+  const auto truth =
+      OpenCircuitVoltage::Fourier(0.0, 1.0, 3.9, {3.7, -0.2, 0.02, 0.01}, {0.3, -0.05, 0.02});
   const auto fit = FitOpenCircuitVoltage(
       Discharge(truth, 3000), kAlpha_C, 1.0, {.method = OcvMethod::kFourier, .harmonics = 3});
   EXPECT_EQ(fit.curve.method(), OcvMethod::kFourier);
-  // The frequency is found by values of the cost, to 16 bits: their share of volts, well below 0.1 mV.
+  // The frequency is found by values of the cost, to 16 bits: their share of volts, well below 0.1
+  // mV.
   EXPECT_LT(WorstDifference(fit.curve, truth, 0.0, 1.0), 1e-5);
   EXPECT_NEAR(fit.curve.frequency_rad(), 3.9, 1e-3);
   EXPECT_LT(fit.rmse_V, 1e-5);
@@ -102,20 +111,29 @@ TEST(OcvFit, JoinsTheRowsOfAShortLog) {
 
 TEST(OcvFit, JoinsRowsUpToTheNumberThatIsAskedFor) {
   const auto record = Discharge(Smooth, 600);
-  EXPECT_GE(FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = 600}).curve.soc().size(), 600U);
-  EXPECT_LE(FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = 599}).curve.soc().size(), 200U);
-  EXPECT_LE(FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.knots = 50, .interpolate_up_to = 0}).curve.soc().size(), 50U);
+  EXPECT_GE(
+      FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = 600}).curve.soc().size(),
+      600U);
+  EXPECT_LE(
+      FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = 599}).curve.soc().size(),
+      200U);
+  EXPECT_LE(FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.knots = 50, .interpolate_up_to = 0})
+                .curve.soc()
+                .size(),
+            50U);
 }
 
 TEST(OcvFit, FitsNodesToALongLog) {
   // One straight line is of every such family.
   const auto line = [](double soc) { return 3.0 + 1.2 * soc; };
   for (const auto method : {OcvMethod::kLinear, OcvMethod::kMonotoneCubic}) {
-    const auto fit = FitOpenCircuitVoltage(Discharge(line, 20000), kAlpha_C, 1.0, {.method = method});
+    const auto fit =
+        FitOpenCircuitVoltage(Discharge(line, 20000), kAlpha_C, 1.0, {.method = method});
     EXPECT_LT(WorstDifference(fit.curve, line, 0.0, 1.0), kExact_V);
     EXPECT_LT(fit.rmse_V, kExact_V);
   }
-  // Kinks lie between nodes: off by at most a quarter of the interval times the change of slope, and only there.
+  // Kinks lie between nodes: off by at most a quarter of the interval times the change of slope,
+  // and only there.
   const auto kinked = OpenCircuitVoltage::Linear({0.0, 0.2, 0.7, 1.0}, {3.0, 3.6, 3.8, 4.2});
   const auto fit = FitOpenCircuitVoltage(Discharge(kinked, 20000), kAlpha_C, 1.0);
   double widest = 0.0;
@@ -146,7 +164,8 @@ TEST(OcvFit, ErrorsOnRowsLeftOutAreHonest) {
   const auto seen = [&](const OpenCircuitVoltage& curve) {
     double squares = 0.0;
     for (int k = 1; k <= 20000; ++k) {
-      squares += std::pow(record.voltage_V[static_cast<std::size_t>(k)] - curve(1.0 - k / 20000.0), 2);
+      squares +=
+          std::pow(record.voltage_V[static_cast<std::size_t>(k)] - curve(1.0 - k / 20000.0), 2);
     }
     return std::sqrt(squares / 20000.0);
   };
@@ -155,7 +174,8 @@ TEST(OcvFit, ErrorsOnRowsLeftOutAreHonest) {
   EXPECT_NEAR(few.rmse_V, kNoise_V, 0.05 * kNoise_V);
   EXPECT_NEAR(few.mean_error_percent, 100.0 * kNoise_V * std::sqrt(2.0 / M_PI) / 3.85, 0.1 * 0.021);
   EXPECT_GT(few.max_error_percent, 3.0 * kNoise_V / 3.85 * 100.0);
-  const auto smooth = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial, .degree = 25});
+  const auto smooth = FitOpenCircuitVoltage(
+      record, kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial, .degree = 25});
   EXPECT_NEAR(smooth.rmse_V, kNoise_V, 0.05 * kNoise_V);
   // A node for every third row follows the noise it is shown, and is caught.
   const auto many = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.knots = 100000});
@@ -189,7 +209,8 @@ TEST(OcvFit, LeavesOutRestRows) {
 }
 
 TEST(OcvFit, CountsChargeThatComesBack) {
-  // Every 100 rows five rows of charging at 1 A: A goes back, the rows under load see the same curve again.
+  // Every 100 rows five rows of charging at 1 A: A goes back, the rows under load see the same
+  // curve again.
   for (const int interpolate_up_to : {0, 100000}) {
     Record record;
     record.file = "low_rate.csv";
@@ -201,7 +222,8 @@ TEST(OcvFit, CountsChargeThatComesBack) {
       record.current_A.push_back(current_A);
       record.voltage_V.push_back(Smooth(soc) + (current_A < 0.0 ? 0.2 : 0.0));
     }
-    const auto fit = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = interpolate_up_to});
+    const auto fit =
+        FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.interpolate_up_to = interpolate_up_to});
     EXPECT_LT(WorstDifference(fit.curve, Smooth, 0.01, 0.98), 1e-3);
     EXPECT_LT(fit.rmse_V, 1e-3);
   }
@@ -219,7 +241,8 @@ TEST(OcvFit, MonotoneCubicNeverFallsWhateverTheNoise) {
   for (const int rows : {600, 20000}) {
     Record record = Discharge(Smooth, rows);
     AddNoise(record, 0.01, 5);
-    const auto fit = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = OcvMethod::kMonotoneCubic});
+    const auto fit =
+        FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = OcvMethod::kMonotoneCubic});
     double before = fit.curve(-0.1);
     for (int k = 1; k <= 20000; ++k) {
       const double voltage_V = fit.curve(-0.1 + 1.2 * k / 20000);
@@ -233,10 +256,12 @@ TEST(OcvFit, MonotoneCubicNeverFallsWhateverTheNoise) {
 TEST(OcvFit, StaysFiniteAtHighDegrees) {
   Record record = Discharge(Smooth, 5000);
   AddNoise(record, 1e-4, 6);
-  const auto polynomial = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial, .degree = 60});
+  const auto polynomial = FitOpenCircuitVoltage(
+      record, kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial, .degree = 60});
   EXPECT_LT(WorstDifference(polynomial.curve, Smooth, 0.0, 1.0), 1e-3);
   EXPECT_TRUE(std::isfinite(polynomial.curve(-0.5)) && std::isfinite(polynomial.curve(1.5)));
-  const auto fourier = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = OcvMethod::kFourier, .harmonics = 30});
+  const auto fourier = FitOpenCircuitVoltage(
+      record, kAlpha_C, 1.0, {.method = OcvMethod::kFourier, .harmonics = 30});
   EXPECT_LT(WorstDifference(fourier.curve, Smooth, 0.0, 1.0), 5e-3);
 }
 
@@ -252,16 +277,20 @@ TEST(OcvFit, CopesWithRowsThatStandTogether) {
     record.current_A.push_back(0.5);
     record.voltage_V.push_back(3.7 - 1e-6 * k);
   }
-  for (const auto method :
-       {OcvMethod::kLinear, OcvMethod::kMonotoneCubic, OcvMethod::kPolynomial, OcvMethod::kFourier}) {
-    const auto fit = FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = method, .harmonics = 1});
+  for (const auto method : {OcvMethod::kLinear,
+                            OcvMethod::kMonotoneCubic,
+                            OcvMethod::kPolynomial,
+                            OcvMethod::kFourier}) {
+    const auto fit =
+        FitOpenCircuitVoltage(record, kAlpha_C, 1.0, {.method = method, .harmonics = 1});
     EXPECT_NEAR(fit.curve(fit.soc_lo), 3.7 - 0.003, 0.002);
     EXPECT_TRUE(std::isfinite(fit.curve(1.0)));
   }
 }
 
 TEST(OcvFit, TakesRowsAtAnyTimes) {
-  // As loggers do that write when the voltage moved: rows bunch, and intervals between nodes may hold few.
+  // As loggers do that write when the voltage moved: rows bunch, and intervals between nodes may
+  // hold few.
   std::mt19937 engine(4);
   std::exponential_distribution<double> wait(1.0);
   Record record;
@@ -282,19 +311,23 @@ TEST(OcvFit, TakesRowsAtAnyTimes) {
 
 TEST(OcvFit, RefusesALogOfTooFewRows) {
   const Record eleven = Discharge(Smooth, 11);
-  EXPECT_EQ(test::LoadErrorOf([&] { static_cast<void>(FitOpenCircuitVoltage(eleven, kAlpha_C, 1.0)); }),
-            "low_rate.csv:1:1: error: expected at least 12 rows under load for this open-circuit voltage curve, found 11");
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { static_cast<void>(FitOpenCircuitVoltage(eleven, kAlpha_C, 1.0)); }),
+      "low_rate.csv:1:1: error: expected at least 12 rows under load for this open-circuit voltage "
+      "curve, found 11");
   EXPECT_NO_THROW(static_cast<void>(FitOpenCircuitVoltage(Discharge(Smooth, 12), kAlpha_C, 1.0)));
   EXPECT_EQ(test::LoadErrorOf([&] {
               static_cast<void>(FitOpenCircuitVoltage(
                   Discharge(Smooth, 29), kAlpha_C, 1.0, {.method = OcvMethod::kPolynomial}));
             }),
-            "low_rate.csv:1:1: error: expected at least 30 rows under load for this open-circuit voltage curve, found 29");
+            "low_rate.csv:1:1: error: expected at least 30 rows under load for this open-circuit "
+            "voltage curve, found 29");
   EXPECT_EQ(test::LoadErrorOf([&] {
-              static_cast<void>(
-                  FitOpenCircuitVoltage(Discharge(Smooth, 40), kAlpha_C, 1.0, {.method = OcvMethod::kFourier}));
+              static_cast<void>(FitOpenCircuitVoltage(
+                  Discharge(Smooth, 40), kAlpha_C, 1.0, {.method = OcvMethod::kFourier}));
             }),
-            "low_rate.csv:1:1: error: expected at least 45 rows under load for this open-circuit voltage curve, found 40");
+            "low_rate.csv:1:1: error: expected at least 45 rows under load for this open-circuit "
+            "voltage curve, found 40");
   EXPECT_THROW(static_cast<void>(FitOpenCircuitVoltage(eleven, 0.0, 1.0)), PreconditionError);
 }
 
@@ -313,7 +346,8 @@ TEST(OcvFit, OfRealLogsIsAsSharpAsTheInstrument) {
   EXPECT_LT(cell.rmse_V, 1e-4);
   EXPECT_LT(cell.mean_error_percent, 0.002);
   EXPECT_NEAR(cell.charge_C, 9909.25, 0.1);
-  EXPECT_NEAR(cell.soc_lo, -0.0594, 1e-4);  // the times of the discharges say less than the slow one gave
+  EXPECT_NEAR(
+      cell.soc_lo, -0.0594, 1e-4);  // the times of the discharges say less than the slow one gave
 }
 
 }  // namespace

@@ -25,8 +25,9 @@ using test::CurrentStep;
 using test::MessageOf;
 
 OpenCircuitVoltage Curve() {
-  return OpenCircuitVoltage::Linear({0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0},
-                                    {3.0, 3.3, 3.45, 3.6, 3.7, 3.74, 3.77, 3.82, 3.87, 3.95, 4.02, 4.11, 4.2});
+  return OpenCircuitVoltage::Linear(
+      {0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0},
+      {3.0, 3.3, 3.45, 3.6, 3.7, 3.74, 3.77, 3.82, 3.87, 3.95, 4.02, 4.11, 4.2});
 }
 
 struct Truth {
@@ -70,15 +71,20 @@ Cell CellOf(const Truth& truth) {
   cell.open_circuit_voltage = Curve();
   cell.series_resistance_Ohm = Resistance<double>(truth.parameters.series_resistance_Ohm);
   for (std::size_t j = 0; j < truth.parameters.resistance_Ohm.size(); ++j) {
-    cell.branches.push_back({.resistance_Ohm = Resistance<double>(truth.parameters.resistance_Ohm[j]),
-                             .time_constant_s = truth.parameters.time_constant_s[j],
-                             .capacitance_F = {}});
+    cell.branches.push_back(
+        {.resistance_Ohm = Resistance<double>(truth.parameters.resistance_Ohm[j]),
+         .time_constant_s = truth.parameters.time_constant_s[j],
+         .capacitance_F = {}});
   }
   return cell;
 }
 
 // 30 s pulses of a twentieth of the charge with rests of 600 s, until 3/4 of it have left.
-Record Pulses(const Truth& truth, double pulse_sampling_s, double rest_sampling_s, Hold hold, int pulses = 15) {
+Record Pulses(const Truth& truth,
+              double pulse_sampling_s,
+              double rest_sampling_s,
+              Hold hold,
+              int pulses = 15) {
   const double current_A = truth.alpha_C / 20.0 / 30.0;
   std::vector<CurrentStep> steps = {{60.0, 0.0, rest_sampling_s}};
   for (int k = 0; k < pulses; ++k) {
@@ -127,11 +133,17 @@ PulseFitResult Fit(const VoltageSweep& sweep,
 
 void ExpectSame(const SweepParameters& found, const SweepParameters& truth, double relative) {
   EXPECT_NEAR(found.beta_per_sqrt_s, truth.beta_per_sqrt_s, relative * truth.beta_per_sqrt_s);
-  EXPECT_NEAR(found.series_resistance_Ohm, truth.series_resistance_Ohm, relative * truth.series_resistance_Ohm);
+  EXPECT_NEAR(found.series_resistance_Ohm,
+              truth.series_resistance_Ohm,
+              relative * truth.series_resistance_Ohm);
   ASSERT_EQ(found.resistance_Ohm.size(), truth.resistance_Ohm.size());
   for (std::size_t j = 0; j < truth.resistance_Ohm.size(); ++j) {
-    EXPECT_NEAR(found.resistance_Ohm[j], truth.resistance_Ohm[j], relative * truth.resistance_Ohm[j]) << "r_" << j + 1;
-    EXPECT_NEAR(found.time_constant_s[j], truth.time_constant_s[j], relative * truth.time_constant_s[j]) << "tau_" << j + 1;
+    EXPECT_NEAR(
+        found.resistance_Ohm[j], truth.resistance_Ohm[j], relative * truth.resistance_Ohm[j])
+        << "r_" << j + 1;
+    EXPECT_NEAR(
+        found.time_constant_s[j], truth.time_constant_s[j], relative * truth.time_constant_s[j])
+        << "tau_" << j + 1;
   }
 }
 
@@ -159,8 +171,11 @@ TEST(PulseFit, FindsEveryParameterOfACellWithoutNoise) {
   };
   for (const Case& one : cases) {
     SCOPED_TRACE(one.name);
-    const Record record =
-        Pulses(one.truth, one.pulse_sampling_s, one.rest_sampling_s, one.hold, one.pulse_sampling_s < 0.05 ? 4 : 15);
+    const Record record = Pulses(one.truth,
+                                 one.pulse_sampling_s,
+                                 one.rest_sampling_s,
+                                 one.hold,
+                                 one.pulse_sampling_s < 0.05 ? 4 : 15);
     const auto sweep = SweepOf(one.truth, {&record});
     const auto fit = Fit(sweep, static_cast<int>(one.truth.parameters.resistance_Ohm.size()));
     EXPECT_EQ(fit.summary.termination, Termination::kConverged) << fit.summary.message;
@@ -206,16 +221,18 @@ TEST(PulseFit, FindsAPlainEquivalentCircuit) {
   cell.capacity_Ah = truth.alpha_C / 3600.0;
   Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward);
   record.voltage_V = Predict(cell, record.time_s, record.current_A, record.hold).voltage_V;
-  const VoltageSweep sweep({.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
-                           {{.record = &record}});
+  const VoltageSweep sweep(
+      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
+      {{.record = &record}});
   const auto fit = FitPulses(sweep, {.data = FindStartValues({&record})});
   EXPECT_NEAR(fit.parameters.series_resistance_Ohm, 0.1314, 1e-6 * 0.1314);
   EXPECT_NEAR(fit.parameters.resistance_Ohm[0], 0.03, 1e-6 * 0.03);
   EXPECT_NEAR(fit.parameters.time_constant_s[0], 45.0, 1e-6 * 45.0);
 }
 
-// The rule: with independent noise of 0.2 mV every estimate lies within 4.5 standard errors of the truth (80 normal
-// deviates exceed that in one of 2000 runs), and their rms in standard errors is 1 within 35 %.
+// The rule: with independent noise of 0.2 mV every estimate lies within 4.5 standard errors of the
+// truth (80 normal deviates exceed that in one of 2000 runs), and their rms in standard errors is 1
+// within 35 %.
 TEST(PulseFit, IsAsSharpAsTheNoiseAllows) {
   constexpr double kNoise_V = 2e-4;
   const Truth truth = SmallCell();
@@ -228,14 +245,17 @@ TEST(PulseFit, IsAsSharpAsTheNoiseAllows) {
     const auto sweep = SweepOf(truth, {&record});
     const auto fit = Fit(sweep, 1);
     EXPECT_EQ(fit.summary.termination, Termination::kConverged) << fit.summary.message;
-    EXPECT_NEAR(fit.errors.rmse, kNoise_V, 4.0 * kNoise_V / std::sqrt(2.0 * static_cast<double>(record.size())));
+    EXPECT_NEAR(fit.errors.rmse,
+                kNoise_V,
+                4.0 * kNoise_V / std::sqrt(2.0 * static_cast<double>(record.size())));
     const Eigen::Matrix4d r = sweep.Factor(fit.parameters, true).topLeftCorner(4, 4);
     const Eigen::Matrix4d inverse = r.inverse();
     const Eigen::Vector4d errors = kNoise_V * inverse.rowwise().norm();
-    const Eigen::Vector4d off(fit.parameters.beta_per_sqrt_s - truth.parameters.beta_per_sqrt_s,
-                              fit.parameters.series_resistance_Ohm - truth.parameters.series_resistance_Ohm,
-                              fit.parameters.resistance_Ohm[0] - truth.parameters.resistance_Ohm[0],
-                              fit.parameters.time_constant_s[0] - truth.parameters.time_constant_s[0]);
+    const Eigen::Vector4d off(
+        fit.parameters.beta_per_sqrt_s - truth.parameters.beta_per_sqrt_s,
+        fit.parameters.series_resistance_Ohm - truth.parameters.series_resistance_Ohm,
+        fit.parameters.resistance_Ohm[0] - truth.parameters.resistance_Ohm[0],
+        fit.parameters.time_constant_s[0] - truth.parameters.time_constant_s[0]);
     for (int k = 0; k < 4; ++k) {
       EXPECT_LT(std::abs(off[k]), 4.5 * errors[k]) << "seed " << seed << ", parameter " << k;
       squares += std::pow(off[k] / errors[k], 2);
@@ -315,7 +335,8 @@ TEST(PulseFit, HoldsWhatItIsTold) {
   EXPECT_EQ(branch.fixed, (Names{"r_1", "tau_1"}));
   ExpectSame(branch.parameters, truth.parameters, 1e-6);
 
-  const auto all = Fit(sweep, 1, {.fixed = {{"beta", 0.2}, {"r_s", 0.1}, {"r_1", 0.02}, {"tau_1", 30.0}}});
+  const auto all =
+      Fit(sweep, 1, {.fixed = {{"beta", 0.2}, {"r_s", 0.1}, {"r_1", 0.02}, {"tau_1", 30.0}}});
   EXPECT_EQ(all.fixed, (Names{"beta", "r_s", "r_1", "tau_1"}));
   EXPECT_EQ(all.parameters.beta_per_sqrt_s, 0.2);
   EXPECT_EQ(all.parameters.time_constant_s[0], 30.0);
@@ -343,7 +364,8 @@ TEST(PulseFit, KeepsToBounds) {
   EXPECT_NEAR(beta.parameters.beta_per_sqrt_s, 0.3, 1e-12);
   EXPECT_EQ(beta.at_bound, Names{"beta"});
   // Bounds that hold the truth change nothing.
-  const auto wide = Fit(sweep, 1, {.bounds = {{"beta", {0.0, 1.0}}, {"r_s", {0.1, 0.2}}, {"r_1", {0.01, 1.0}}}});
+  const auto wide =
+      Fit(sweep, 1, {.bounds = {{"beta", {0.0, 1.0}}, {"r_s", {0.1, 0.2}}, {"r_1", {0.01, 1.0}}}});
   ExpectSame(wide.parameters, truth.parameters, 1e-6);
   EXPECT_EQ(wide.at_bound, Names{});
 }
@@ -352,8 +374,12 @@ TEST(PulseFit, TakesAStartThatItIsGiven) {
   const Truth truth = SmallCell();
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
   const auto sweep = SweepOf(truth, {&record});
-  ExpectSame(Fit(sweep, 1, {.start = {{"beta", 0.5}, {"r_1", 0.01}, {"c_1", 100.0}}}).parameters, truth.parameters, 1e-6);
-  ExpectSame(Fit(sweep, 1, {.fixed = {{"r_1", 0.03}}, .start = {{"c_1", 900.0}}}).parameters, truth.parameters, 1e-6);
+  ExpectSame(Fit(sweep, 1, {.start = {{"beta", 0.5}, {"r_1", 0.01}, {"c_1", 100.0}}}).parameters,
+             truth.parameters,
+             1e-6);
+  ExpectSame(Fit(sweep, 1, {.fixed = {{"r_1", 0.03}}, .start = {{"c_1", 900.0}}}).parameters,
+             truth.parameters,
+             1e-6);
   // The answer of (4.60) as one more start of (4.61).
   const auto held = Fit(sweep, 1, {}, 0.25);
   const auto data = FindStartValues({&record});
@@ -371,30 +397,42 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
   };
   EXPECT_EQ(message({.fixed = {{"r_2", 0.1}}}),
             "--fix: no parameter 'r_2' in this fit; there are beta, r_s, r_1, tau_1, c_1");
-  EXPECT_EQ(message({.start = {{"alpha", 0.1}}}, 0), "--start: no parameter 'alpha' in this fit; there are beta, r_s");
+  EXPECT_EQ(message({.start = {{"alpha", 0.1}}}, 0),
+            "--start: no parameter 'alpha' in this fit; there are beta, r_s");
   EXPECT_EQ(message({.bounds = {{"R_s", {0.0, 1.0}}}}, 2),
-            "--bounds: no parameter 'R_s' in this fit; there are beta, r_s, r_1, r_2, tau_1, tau_2, c_1, c_2");
+            "--bounds: no parameter 'R_s' in this fit; there are beta, r_s, r_1, r_2, tau_1, "
+            "tau_2, c_1, c_2");
   EXPECT_EQ(message({.fixed = {{"r_s", -0.1}}}), "--fix r_s=-0.1: expected a number of at least 0");
-  EXPECT_EQ(message({.fixed = {{"r_s", std::nan("")}}}), "--fix r_s=nan: expected a number of at least 0");
-  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}), "--fix beta=2: expected a number above 0 and at most 1");
-  EXPECT_EQ(message({.start = {{"beta", 0.0}}}), "--start beta=0: expected a number above 0 and at most 1");
+  EXPECT_EQ(message({.fixed = {{"r_s", std::nan("")}}}),
+            "--fix r_s=nan: expected a number of at least 0");
+  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}),
+            "--fix beta=2: expected a number above 0 and at most 1");
+  EXPECT_EQ(message({.start = {{"beta", 0.0}}}),
+            "--start beta=0: expected a number above 0 and at most 1");
   EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}), "--fix tau_1=0: expected a number above 0");
   EXPECT_EQ(message({.start = {{"tau_1", std::numeric_limits<double>::infinity()}}}),
             "--start tau_1=inf: expected a number above 0");
-  EXPECT_EQ(message({.bounds = {{"r_s", {0.2, 0.1}}}}), "--bounds r_s=0.2,0.1: expected 0 <= low <= high");
-  EXPECT_EQ(message({.bounds = {{"beta", {0.1, 2.0}}}}), "--bounds beta=0.1,2: expected 0 <= low <= high <= 1");
-  EXPECT_EQ(message({.bounds = {{"tau_1", {0.0, 1e-9}}}}), "--bounds tau_1: expected an upper bound of at least 1");
+  EXPECT_EQ(message({.bounds = {{"r_s", {0.2, 0.1}}}}),
+            "--bounds r_s=0.2,0.1: expected 0 <= low <= high");
+  EXPECT_EQ(message({.bounds = {{"beta", {0.1, 2.0}}}}),
+            "--bounds beta=0.1,2: expected 0 <= low <= high <= 1");
+  EXPECT_EQ(message({.bounds = {{"tau_1", {0.0, 1e-9}}}}),
+            "--bounds tau_1: expected an upper bound of at least 1");
   EXPECT_EQ(message({.bounds = {{"c_1", {1.0, 2.0}}}}),
             "--bounds c_1: this solver moves time constants; bound tau_1 = r_1 c_1");
   EXPECT_EQ(message({.fixed = {{"c_1", 1.0}}}),
             "c_1 is known to this fit only together with r_1: give r_1 too, or tau_1 instead");
-  EXPECT_EQ(message({.fixed = {{"r_1", 1.0}, {"c_1", 1.0}, {"tau_1", 1.0}}}), "give either c_1 or tau_1, not both");
+  EXPECT_EQ(message({.fixed = {{"r_1", 1.0}, {"c_1", 1.0}, {"tau_1", 1.0}}}),
+            "give either c_1 or tau_1, not both");
   EXPECT_EQ(message({.fixed = {{"r_s", 0.5}}, .bounds = {{"r_s", {0.0, 0.1}}}}),
             "--fix r_s=0.5 lies outside --bounds r_s=0,0.1");
 
-  const VoltageSweep plain({.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
-                           {{.record = &record}});
-  EXPECT_EQ(MessageOf<OptionError>([&] { static_cast<void>(Fit(plain, 1, {.fixed = {{"beta", 0.2}}})); }),
+  const VoltageSweep plain(
+      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
+      {{.record = &record}});
+  EXPECT_EQ(MessageOf<OptionError>([&] {
+              static_cast<void>(Fit(plain, 1, {.fixed = {{"beta", 0.2}}}));
+            }),
             "--fix: no parameter 'beta' in this fit; there are r_s, r_1, tau_1, c_1");
 }
 
@@ -418,7 +456,8 @@ TEST(SweepErrors, AreThoseOfThePrediction) {
   }
   const auto rows = static_cast<double>(first.size() + second.size());
   std::size_t found_outside = 0;
-  const auto errors = SweepErrors(SweepOf(truth, {&first, &second}), truth.parameters, &found_outside);
+  const auto errors =
+      SweepErrors(SweepOf(truth, {&first, &second}), truth.parameters, &found_outside);
   constexpr double kRounding = 1e-10;  // of sums over 20 000 rows
   EXPECT_NEAR(errors.mean_error_percent, percent / rows, kRounding);
   EXPECT_NEAR(errors.max_error_percent, largest, kRounding);
@@ -431,22 +470,35 @@ TEST(SweepErrors, AreThoseOfThePrediction) {
 TEST(PulseFit, OfRealCellsIsAtLeastAsGoodAsAnotherImplementation) {
   const auto folder = test::LabDataPath("nissan_leaf_33ah");
   LIPOID_SKIP_WITHOUT(folder);
-  const auto fit_cell = [](const std::string& low_rate, const std::string& pulses, double alpha_C, double beta, bool hold) {
-    const auto curve = FitOpenCircuitVoltage(test::ReadPlainCsv(test::LabDataPath(low_rate)), alpha_C, 1.0).curve;
+  const auto fit_cell = [](const std::string& low_rate,
+                           const std::string& pulses,
+                           double alpha_C,
+                           double beta,
+                           bool hold) {
+    const auto curve =
+        FitOpenCircuitVoltage(test::ReadPlainCsv(test::LabDataPath(low_rate)), alpha_C, 1.0).curve;
     const Record record = test::ReadPlainCsv(test::LabDataPath(pulses));
     const VoltageSweep sweep({.alpha_C = alpha_C, .open_circuit_voltage = curve},
                              {{.record = &record}});
-    return FitPulses(sweep, {.beta_per_sqrt_s = beta, .hold_beta = hold, .data = FindStartValues({&record})});
+    return FitPulses(
+        sweep, {.beta_per_sqrt_s = beta, .hold_beta = hold, .data = FindStartValues({&record})});
   };
   const auto nissan = [&](bool hold) {
-    return fit_cell("nissan_leaf_33ah/low_rate_lead_compensated.csv", "nissan_leaf_33ah/pulse.csv", 111739.59167,
-                    0.20430300, hold);
+    return fit_cell("nissan_leaf_33ah/low_rate_lead_compensated.csv",
+                    "nissan_leaf_33ah/pulse.csv",
+                    111739.59167,
+                    0.20430300,
+                    hold);
   };
   const auto dmegc = [&](bool hold) {
-    return fit_cell("dmegc_inr18650_26_r1/low_rate.csv", "dmegc_inr18650_26_r1/pulse.csv", 9353.88696, 0.20565672, hold);
+    return fit_cell("dmegc_inr18650_26_r1/low_rate.csv",
+                    "dmegc_inr18650_26_r1/pulse.csv",
+                    9353.88696,
+                    0.20565672,
+                    hold);
   };
-  // The curves differ in nodes: through every row there, with the full end carried on here (nissan: 0.3 % in the
-  // parameters, 0.5 % in the errors), and least squares on 200 other nodes (dmegc).
+  // The curves differ in nodes: through every row there, with the full end carried on here (nissan:
+  // 0.3 % in the parameters, 0.5 % in the errors), and least squares on 200 other nodes (dmegc).
   {
     const auto joint = nissan(false);
     EXPECT_EQ(joint.summary.termination, Termination::kConverged) << joint.summary.message;
@@ -511,7 +563,8 @@ TEST(PulseFit, AnswersWhateverTheLogShows) {
   std::fill(flat.voltage_V.begin(), flat.voltage_V.end(), 3.7);
   records.emplace_back("constant voltage", flat);
   Record reversed = Pulses(truth, 1.0, 1.0, Hold::kBackward, 3);
-  for (double& i : reversed.current_A) i = -i;  // the wrong sign: the voltage falls while charge comes
+  for (double& i : reversed.current_A)
+    i = -i;  // the wrong sign: the voltage falls while charge comes
   records.emplace_back("wrong sign", reversed);
   Record garbage = Pulses(truth, 1.0, 1.0, Hold::kForward, 3);
   std::mt19937 engine(1);
@@ -519,10 +572,18 @@ TEST(PulseFit, AnswersWhateverTheLogShows) {
   for (double& i : garbage.current_A) i = unit(engine);
   for (double& v : garbage.voltage_V) v = 6.0 + unit(engine);
   records.emplace_back("garbage", garbage);
-  records.emplace_back("one row", Record{.file = {}, .time_s = {0.0}, .current_A = {1.0}, .voltage_V = {3.7}, .temperature_degC = {}});
-  records.emplace_back(
-      "two rows",
-      Record{.file = {}, .time_s = {0.0, 1.0}, .current_A = {0.0, 1.0}, .voltage_V = {4.2, 4.0}, .temperature_degC = {}});
+  records.emplace_back("one row",
+                       Record{.file = {},
+                              .time_s = {0.0},
+                              .current_A = {1.0},
+                              .voltage_V = {3.7},
+                              .temperature_degC = {}});
+  records.emplace_back("two rows",
+                       Record{.file = {},
+                              .time_s = {0.0, 1.0},
+                              .current_A = {0.0, 1.0},
+                              .voltage_V = {4.2, 4.0},
+                              .temperature_degC = {}});
   Record huge = Pulses(truth, 1.0, 1.0, Hold::kBackward, 3);
   for (double& i : huge.current_A) i *= 1e6;
   records.emplace_back("a million times the current", huge);

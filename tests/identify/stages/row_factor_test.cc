@@ -45,7 +45,8 @@ TEST(RowFactor, HasTheSumOfTheOuterProductsOfItsRows) {
       ASSERT_EQ(r.rows(), columns);
       ASSERT_EQ(r.cols(), columns);
       EXPECT_TRUE(r.isUpperTriangular(0.0)) << r;
-      // Backward stable: an error of the order of rounding in every row, relative to the columns' norms.
+      // Backward stable: an error of the order of rounding in every row, relative to the columns'
+      // norms.
       const Eigen::VectorXd norms = a.colwise().norm().transpose();
       const Eigen::MatrixXd error = (r.transpose() * r - a.transpose() * a).cwiseAbs();
       const Eigen::MatrixXd scale = norms * norms.transpose();
@@ -66,8 +67,8 @@ TEST(RowFactor, GoesOnAfterItWasAsked) {
   EXPECT_LT((r.transpose() * r - a.transpose() * a).norm(), 50 * kEpsilon * a.squaredNorm());
 }
 
-// Columns of 1e-8 .. 1e8 (a time constant beside a resistance): every column keeps its own digits, and the
-// solution of min ||b - A x|| is right where the normal equations have lost it.
+// Columns of 1e-8 .. 1e8 (a time constant beside a resistance): every column keeps its own digits,
+// and the solution of min ||b - A x|| is right where the normal equations have lost it.
 TEST(RowFactor, KeepsTheDigitsOfBadlyScaledColumns) {
   constexpr int kUnknowns = 5;
   Eigen::MatrixXd a = RandomRows(2000, kUnknowns + 1, 11);
@@ -82,7 +83,8 @@ TEST(RowFactor, KeepsTheDigitsOfBadlyScaledColumns) {
 
   const Eigen::MatrixXd r = FactorOf(a);
   for (int j = 0; j < kUnknowns; ++j) {
-    EXPECT_NEAR(r.col(j).norm(), a.col(j).norm(), 100 * kEpsilon * a.col(j).norm()) << "column " << j;
+    EXPECT_NEAR(r.col(j).norm(), a.col(j).norm(), 100 * kEpsilon * a.col(j).norm())
+        << "column " << j;
   }
   const auto worst = [&](const Eigen::VectorXd& x) {
     return (x.cwiseProduct(scale) - truth).cwiseAbs().maxCoeff();
@@ -91,8 +93,10 @@ TEST(RowFactor, KeepsTheDigitsOfBadlyScaledColumns) {
                                         .triangularView<Eigen::Upper>()
                                         .solve(r.topRightCorner(kUnknowns, 1));
   EXPECT_LT(worst(by_factor), 1e-7);  // condition * rounding = 1e7 * 2e-16, and a margin of 50
-  // The same by normal equations of the well scaled columns: the square of the condition eats the digits.
-  const Eigen::MatrixXd normal = unscaled.leftCols(kUnknowns).transpose() * unscaled.leftCols(kUnknowns);
+  // The same by normal equations of the well scaled columns: the square of the condition eats the
+  // digits.
+  const Eigen::MatrixXd normal =
+      unscaled.leftCols(kUnknowns).transpose() * unscaled.leftCols(kUnknowns);
   const Eigen::VectorXd right = unscaled.leftCols(kUnknowns).transpose() * unscaled.col(kUnknowns);
   EXPECT_GT((normal.ldlt().solve(right) - truth).cwiseAbs().maxCoeff(), 1e-4);
 }

@@ -31,7 +31,8 @@ Cell Truth() {
 
 // A log of the cell under a current that is a function of time, to cut-off, sampled every dt_s.
 template <class Current>
-Record Simulate(const Cell& cell, double dt_s, double longest_s, Current&& current_A, const std::string& name) {
+Record Simulate(
+    const Cell& cell, double dt_s, double longest_s, Current&& current_A, const std::string& name) {
   Record record;
   record.file = name;
   for (int k = 0; k * dt_s <= longest_s; ++k) {
@@ -56,16 +57,26 @@ LoadedLog Loaded(LogKind kind, Record record) {
 
 LoadedLog ConstantCurrent(const Cell& cell, double rate) {
   return Loaded(LogKind::kConstantCurrent,
-                Simulate(cell, 1.0, 2.0 * 3600.0 / rate, [&](double) { return 0.6 * rate; },
-                         "cc_" + std::to_string(int(rate)) + "C.csv"));
+                Simulate(
+                    cell,
+                    1.0,
+                    2.0 * 3600.0 / rate,
+                    [&](double) { return 0.6 * rate; },
+                    "cc_" + std::to_string(int(rate)) + "C.csv"));
 }
 LoadedLog LowRate(const Cell& cell) {
-  return Loaded(LogKind::kLowRate, Simulate(cell, 10.0, 1e5, [](double) { return 0.05; }, "low_rate.csv"));
+  return Loaded(LogKind::kLowRate,
+                Simulate(
+                    cell, 10.0, 1e5, [](double) { return 0.05; }, "low_rate.csv"));
 }
 LoadedLog Pulses(const Cell& cell) {
-  return Loaded(LogKind::kPulses, Simulate(cell, 1.0, 1e5, [](double t) {
-                  return std::fmod(t - 1e-6, 1800.0) < 30.0 ? 3.6 : 0.0;
-                }, "pulses.csv"));
+  return Loaded(LogKind::kPulses,
+                Simulate(
+                    cell,
+                    1.0,
+                    1e5,
+                    [](double t) { return std::fmod(t - 1e-6, 1800.0) < 30.0 ? 3.6 : 0.0; },
+                    "pulses.csv"));
 }
 
 Campaign CampaignOf(const std::vector<LoadedLog>& logs) {
@@ -78,14 +89,16 @@ Campaign CampaignOf(const std::vector<LoadedLog>& logs) {
   return campaign;
 }
 
-StagedResult Identify(const std::vector<LoadedLog>& logs, const StagedGiven& given = {}, const StagedOptions& options = {}) {
+StagedResult Identify(const std::vector<LoadedLog>& logs,
+                      const StagedGiven& given = {},
+                      const StagedOptions& options = {}) {
   return IdentifyStaged(CampaignOf(logs), logs, options, given);
 }
 
 // Without noise nothing but rounding and the solver's tolerances stands between truth and estimate.
 constexpr double kExactRelative = 1e-6;
-// What the method leaves out: the low-rate log lies 8 mV, 0.2 %, below v_oc, and the pulses feel half as much
-// again from alpha.
+// What the method leaves out: the low-rate log lies 8 mV, 0.2 %, below v_oc, and the pulses feel
+// half as much again from alpha.
 constexpr double kMethodErrorPercent = 0.3;
 
 TEST(StagedRun, FindsEveryParameterWhenAlphaAndTheCurveAreGiven) {
@@ -93,13 +106,15 @@ TEST(StagedRun, FindsEveryParameterWhenAlphaAndTheCurveAreGiven) {
   StagedGiven given;
   given.alpha_C = truth.diffusion->alpha_C;
   given.open_circuit_voltage = truth.open_circuit_voltage;
-  const StagedResult result =
-      Identify({ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)}, given);
+  const StagedResult result = Identify(
+      {ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)},
+      given);
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.alpha_source, "given");
   const Cell& cell = result.cell;
   EXPECT_EQ(cell.diffusion->alpha_C, truth.diffusion->alpha_C);
-  EXPECT_NEAR(cell.diffusion->beta_per_sqrt_s / truth.diffusion->beta_per_sqrt_s, 1.0, kExactRelative);
+  EXPECT_NEAR(
+      cell.diffusion->beta_per_sqrt_s / truth.diffusion->beta_per_sqrt_s, 1.0, kExactRelative);
   EXPECT_NEAR(cell.series_resistance_Ohm.resistance_Ohm[0] / 0.1314, 1.0, kExactRelative);
   EXPECT_NEAR(cell.branches[0].resistance_Ohm.resistance_Ohm[0] / 0.03, 1.0, kExactRelative);
   EXPECT_NEAR(*cell.branches[0].capacitance_F / 1500.0, 1.0, kExactRelative);
@@ -118,8 +133,8 @@ TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
   EXPECT_EQ(result.alpha_source, "discharge-times");
   ASSERT_TRUE(result.discharge_times.has_value());
   EXPECT_TRUE(result.discharge_times->identifiable);
-  // The ohmic drop at cut-off ends a discharge early, so that alpha is a little low and beta far too low:
-  // the method's own bias (docs/theory.md), which (4.61) mends.
+  // The ohmic drop at cut-off ends a discharge early, so that alpha is a little low and beta far
+  // too low: the method's own bias (docs/theory.md), which (4.61) mends.
   EXPECT_NEAR(result.alpha_C / truth.diffusion->alpha_C, 1.0, 0.02);
   EXPECT_LT(result.discharge_times->beta_per_sqrt_s, truth.diffusion->beta_per_sqrt_s);
   EXPECT_LT(result.pulses.errors.mean_error_percent, kMethodErrorPercent);
@@ -133,11 +148,13 @@ TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
 
 TEST(StagedRun, TakesTheLowRateChargeForAlphaWithoutTwoCurrents) {
   const Cell truth = Truth();
-  const StagedResult result = Identify({ConstantCurrent(truth, 1.0), LowRate(truth), Pulses(truth)});
+  const StagedResult result =
+      Identify({ConstantCurrent(truth, 1.0), LowRate(truth), Pulses(truth)});
   EXPECT_EQ(result.alpha_source, "low-rate-charge");
   EXPECT_FALSE(result.discharge_times.has_value());
   EXPECT_EQ(result.alpha_C, result.low_rate_charge_C);
-  EXPECT_TRUE(OneSays(result.done_instead, "constant currents that do not differ: alpha is the charge"));
+  EXPECT_TRUE(
+      OneSays(result.done_instead, "constant currents that do not differ: alpha is the charge"));
   EXPECT_LT(result.pulses.errors.mean_error_percent, kMethodErrorPercent);
 }
 
@@ -154,9 +171,11 @@ TEST(StagedRun, TakesTheNominalCapacityForAlphaWhenNothingElseTells) {
 
 TEST(StagedRun, UsesConstantCurrentsWithoutPulsesAndCallsTheAnswerWeak) {
   const Cell truth = Truth();
-  const StagedResult result = Identify({ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 3.0), LowRate(truth)});
+  const StagedResult result =
+      Identify({ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 3.0), LowRate(truth)});
   EXPECT_EQ(result.fitted_kind, LogKind::kConstantCurrent);
-  EXPECT_TRUE(OneSays(result.done_instead, "no pulses log: stage 3 uses the constant-current logs"));
+  EXPECT_TRUE(
+      OneSays(result.done_instead, "no pulses log: stage 3 uses the constant-current logs"));
   EXPECT_TRUE(OneSays(result.cautions, "take them as weak"));
   EXPECT_LT(result.pulses.errors.mean_error_percent, 0.5);
 }
@@ -192,10 +211,12 @@ TEST(StagedRun, PlainEquivalentCircuitHasNoDiffusionInItsCellFile) {
 TEST(StagedRun, RefusesAConstantCurrentLogThatEndsEarly) {
   const Cell truth = Truth();
   LoadedLog early = ConstantCurrent(truth, 1.0);
-  for (auto* column : {&early.log.record.time_s, &early.log.record.current_A, &early.log.record.voltage_V}) {
+  for (auto* column :
+       {&early.log.record.time_s, &early.log.record.current_A, &early.log.record.voltage_V}) {
     column->resize(600);
   }
-  const std::vector<LoadedLog> logs{early, ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)};
+  const std::vector<LoadedLog> logs{
+      early, ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)};
   try {
     static_cast<void>(Identify(logs));
     FAIL() << "expected a LoadError";
@@ -207,11 +228,15 @@ TEST(StagedRun, RefusesAConstantCurrentLogThatEndsEarly) {
 
 TEST(StagedRun, SummaryHasTheKeysOfTheContract) {
   const Cell truth = Truth();
-  const Json json = StagedToJson(
-      Identify({ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)}));
+  const Json json = StagedToJson(Identify(
+      {ConstantCurrent(truth, 1.0), ConstantCurrent(truth, 2.0), LowRate(truth), Pulses(truth)}));
   const Json& times = json.at("stages").at("discharge_times");
-  for (const char* key : {"alpha_C", "beta_per_sqrt_s", "alpha_standard_error_C", "beta_standard_error_per_sqrt_s",
-                          "identifiable", "beta_lower_bound_per_sqrt_s"}) {
+  for (const char* key : {"alpha_C",
+                          "beta_per_sqrt_s",
+                          "alpha_standard_error_C",
+                          "beta_standard_error_per_sqrt_s",
+                          "identifiable",
+                          "beta_lower_bound_per_sqrt_s"}) {
     EXPECT_TRUE(times.contains(key)) << key;
   }
   ASSERT_EQ(times.at("logs").size(), 2U);
@@ -222,8 +247,14 @@ TEST(StagedRun, SummaryHasTheKeysOfTheContract) {
     EXPECT_TRUE(json.at("stages").at("open_circuit_voltage").contains(key)) << key;
   }
   for (const char* stage : {"pulses_beta_held", "pulses"}) {
-    for (const char* key : {"optimizer", "mean_error_percent", "max_error_percent", "rmse_V", "evaluations",
-                            "termination", "wall_s", "at_bound"}) {
+    for (const char* key : {"optimizer",
+                            "mean_error_percent",
+                            "max_error_percent",
+                            "rmse_V",
+                            "evaluations",
+                            "termination",
+                            "wall_s",
+                            "at_bound"}) {
       EXPECT_TRUE(json.at("stages").at(stage).contains(key)) << stage << " " << key;
     }
   }
@@ -235,9 +266,10 @@ StagedResult IdentifyLab(const std::string& file) {
   return IdentifyStaged(campaign, LoadCampaign(campaign));
 }
 
-// Numbers of an independent implementation (NumPy, tests/reference/reference_cell.py, backward hold, M = 10
-// with tail, one branch, v_oc through every row of the low-rate log); tolerances are a unit of its last digit
-// or, where the curve's nodes matter, the change that 200 nodes instead of all rows make there.
+// Numbers of an independent implementation (NumPy, tests/reference/reference_cell.py, backward
+// hold, M = 10 with tail, one branch, v_oc through every row of the low-rate log); tolerances are a
+// unit of its last digit or, where the curve's nodes matter, the change that 200 nodes instead of
+// all rows make there.
 TEST(StagedRun, NissanLeafAsAnIndependentImplementationFoundIt) {
   const auto file = test::LabDataPath("nissan_leaf_33ah/campaign.toml");
   LIPOID_SKIP_WITHOUT(file);
@@ -256,7 +288,8 @@ TEST(StagedRun, DmegcAsAnIndependentImplementationFoundIt) {
   const auto file = test::LabDataPath("dmegc_inr18650_26_r1/campaign.toml");
   LIPOID_SKIP_WITHOUT(file);
   const StagedResult result = IdentifyLab(file);
-  // There the last row ended a discharge; here the crossing of the cut-off, up to 0.1 mV and 0.07 s before it.
+  // There the last row ended a discharge; here the crossing of the cut-off, up to 0.1 mV and 0.07 s
+  // before it.
   EXPECT_NEAR(result.discharge_times->alpha_C, 9353.887, 0.05);
   EXPECT_TRUE(OneSays(result.pulses.at_bound, "beta"));
   EXPECT_EQ(result.pulses.parameters.beta_per_sqrt_s, 1.0);
@@ -272,7 +305,8 @@ TEST(StagedRun, LgM50SaysThatBetaIsNotIdentifiable) {
   LIPOID_SKIP_WITHOUT(file);
   const StagedResult result = IdentifyLab(file);
   EXPECT_FALSE(result.discharge_times->identifiable);
-  EXPECT_TRUE(OneSays({result.discharge_times->reason}, "the delivered charge does not fall with the current"));
+  EXPECT_TRUE(OneSays({result.discharge_times->reason},
+                      "the delivered charge does not fall with the current"));
   EXPECT_GT(result.discharge_times->beta_lower_bound_per_sqrt_s, 0.0);
   EXPECT_TRUE(OneSays(result.done_instead, "stage 3 starts at"));
   const Json json = StagedToJson(result);

@@ -17,7 +17,8 @@ Cell RcCell(double r_s, double r_1, double tau_s) {
   Cell cell;
   cell.capacity_Ah = 1.0;
   cell.series_resistance_Ohm = Resistance<double>(r_s);
-  cell.branches.push_back({.resistance_Ohm = Resistance<double>(r_1), .time_constant_s = tau_s, .capacitance_F = {}});
+  cell.branches.push_back(
+      {.resistance_Ohm = Resistance<double>(r_1), .time_constant_s = tau_s, .capacitance_F = {}});
   cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.5, 4.1});
   return cell;
 }
@@ -49,8 +50,11 @@ TEST(StartValues, ShowTheParametersOfAResistorCapacitorCell) {
     Record record = Pulses(kSampling_s, hold);
     Measure(RcCell(0.13, 0.03, kTau_s), record);
     const auto start = FindStartValues({&record});
-    // Within one interval the branch adds at most r_1 dt/tau, and the charge dt/3600 s of 0.6 V per 3 A.
-    EXPECT_NEAR(start.series_resistance_Ohm, 0.13, 0.03 * kSampling_s / kTau_s + kSampling_s * 0.6 / 3600.0 + 1e-9);
+    // Within one interval the branch adds at most r_1 dt/tau, and the charge dt/3600 s of 0.6 V per
+    // 3 A.
+    EXPECT_NEAR(start.series_resistance_Ohm,
+                0.13,
+                0.03 * kSampling_s / kTau_s + kSampling_s * 0.6 / 3600.0 + 1e-9);
     // 63.2 % of an exponential that 600 s have finished: one time constant, to a row.
     EXPECT_NEAR(start.relaxation_s, kTau_s, 2 * kSampling_s);
     // Charged for 30 s: 1 - e^{-30/45} of r_1.
@@ -99,15 +103,20 @@ TEST(StartValues, AreNotNumbersWhereNothingShowsThem) {
     EXPECT_GE(start.longest_s, 4.0 * start.shortest_s);
   }
   // One row, as a cut log may have.
-  const Record one = {.file = "one.csv", .time_s = {1.0}, .current_A = {0.5}, .voltage_V = {3.7}, .temperature_degC = {}};
+  const Record one = {.file = "one.csv",
+                      .time_s = {1.0},
+                      .current_A = {0.5},
+                      .voltage_V = {3.7},
+                      .temperature_degC = {}};
   EXPECT_GT(FindStartValues({&one}).shortest_s, 0.0);
 }
 
-// The prediction on the rows that stayed is that of the whole record: a constant current over one long step is
-// what it is over many short ones.
+// The prediction on the rows that stayed is that of the whole record: a constant current over one
+// long step is what it is over many short ones.
 void ExpectSamePrediction(const Record& record, const ThinnedRecord& thinned, double tolerance_V) {
   const auto whole = Predict(ThesisCell(), record.time_s, record.current_A, record.hold);
-  const auto part = Predict(ThesisCell(), thinned.record.time_s, thinned.record.current_A, record.hold);
+  const auto part =
+      Predict(ThesisCell(), thinned.record.time_s, thinned.record.current_A, record.hold);
   std::size_t at = 0;
   for (std::size_t k = 0; k < thinned.record.size(); ++k) {
     while (at < record.size() && record.time_s[at] != thinned.record.time_s[k]) ++at;
@@ -137,7 +146,8 @@ TEST(Thin, IsExactForLevels) {
                 static_cast<double>(record.size()));
       EXPECT_EQ(thinned.record.hold, hold);
       EXPECT_EQ(thinned.record.time_s.back(), record.time_s.back());
-      // The charge is summed in another order: rounding of 5500 rows over a slope of 0.6 V, and r_s times it.
+      // The charge is summed in another order: rounding of 5500 rows over a slope of 0.6 V, and r_s
+      // times it.
       ExpectSamePrediction(record, thinned, 1e-11);
     }
   }
@@ -162,8 +172,8 @@ TEST(Thin, KeepsQuickRowsAfterASwitch) {
   const auto in = [&](double from_s, double to_s) {
     return std::count_if(t.begin(), t.end(), [&](double s) { return s > from_s && s <= to_s; });
   };
-  EXPECT_GE(in(50.0, 51.0), 8);     // the first second of the first rest
-  EXPECT_GE(in(51.0, 60.0), 8);     // a decade later
+  EXPECT_GE(in(50.0, 51.0), 8);  // the first second of the first rest
+  EXPECT_GE(in(51.0, 60.0), 8);  // a decade later
   EXPECT_GE(in(60.0, 150.0), 8);
 }
 
@@ -179,7 +189,8 @@ TEST(Thin, KeepsTheChargeOfANoisyCurrent) {
 }
 
 TEST(Thin, IsNotStoppedByNoiseBeyondItsTolerance) {
-  // A shunt with 1 % noise: neighbouring rows are never equal, and the record must get short all the same.
+  // A shunt with 1 % noise: neighbouring rows are never equal, and the record must get short all
+  // the same.
   std::mt19937 engine(3);
   std::normal_distribution<double> normal;
   for (const Hold hold : {Hold::kBackward, Hold::kForward}) {

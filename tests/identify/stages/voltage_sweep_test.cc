@@ -15,8 +15,9 @@
 namespace lipoid {
 namespace {
 
-// Both sides are exact sums in double precision over at most 2000 rows of recurrences with decay <= 1: rounding
-// adds up to 2000 * 2.2e-16 of a column's norm at worst, and the QR adds its own. Measured: 1e-13.
+// Both sides are exact sums in double precision over at most 2000 rows of recurrences with decay <=
+// 1: rounding adds up to 2000 * 2.2e-16 of a column's norm at worst, and the QR adds its own.
+// Measured: 1e-13.
 constexpr double kTolerance = 1e-11;
 
 // Products with a column that is zero, or nothing beside the others (kAlive).
@@ -29,7 +30,8 @@ OpenCircuitVoltage Curve() {
                                            {2.6, 3.0, 3.45, 3.6, 3.74, 3.82, 3.95, 4.11, 4.2});
 }
 
-// Levels that hold for a while, discharge and charge, with noise; stamps at 10 ms, 1 s, 60 s or at random.
+// Levels that hold for a while, discharge and charge, with noise; stamps at 10 ms, 1 s, 60 s or at
+// random.
 Record RandomRecord(unsigned seed, Hold hold, std::size_t rows) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -54,7 +56,10 @@ SweepLog LogOf(const Record& record,
                double initial_soc = 1.0,
                double weight = 1.0,
                std::vector<double> row_weight = {}) {
-  return {.record = &record, .initial_soc = initial_soc, .weight = weight, .row_weight = std::move(row_weight)};
+  return {.record = &record,
+          .initial_soc = initial_soc,
+          .weight = weight,
+          .row_weight = std::move(row_weight)};
 }
 
 // [J r] row by row, by automatic differentiation of the cell itself.
@@ -80,7 +85,8 @@ Eigen::MatrixXd DenseRows(const SweepSetup& setup, const SweepLog& log, const Sw
   for (std::size_t k = 0; k < log.record->size(); ++k) {
     stepper.Row(log.record->time_s[k], Jet(log.record->current_A[k]));
     const Jet residual = log.record->voltage_V[k] - stepper.Voltage();
-    const double weight = std::sqrt(log.weight * (log.row_weight.empty() ? 1.0 : log.row_weight[k]));
+    const double weight =
+        std::sqrt(log.weight * (log.row_weight.empty() ? 1.0 : log.row_weight[k]));
     const auto row = static_cast<Eigen::Index>(k);
     rows.row(row).head(columns) = weight * residual.v.head(columns).transpose();
     rows(row, columns) = weight * residual.a;
@@ -88,7 +94,8 @@ Eigen::MatrixXd DenseRows(const SweepSetup& setup, const SweepLog& log, const Sw
   return rows;
 }
 
-// Cost, gradient J'r and J'J at once: every entry of [J r]'[J r], relative to the norms of its columns.
+// Cost, gradient J'r and J'J at once: every entry of [J r]'[J r], relative to the norms of its
+// columns.
 void ExpectSameProducts(const VoltageSweep& sweep, const SweepParameters& p) {
   const int columns = VoltageSweep::Columns(static_cast<int>(p.time_constant_s.size())) + 1;
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(columns, columns);
@@ -104,20 +111,25 @@ void ExpectSameProducts(const VoltageSweep& sweep, const SweepParameters& p) {
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j <= i; ++j) {
       const double scale = std::sqrt(expected(i, i) * expected(j, j));
-      EXPECT_NEAR(products(i, j), expected(i, j), kTolerance * scale + kNothing) << "columns " << i << " and " << j;
+      EXPECT_NEAR(products(i, j), expected(i, j), kTolerance * scale + kNothing)
+          << "columns " << i << " and " << j;
     }
   }
   ASSERT_GT(expected(columns - 1, columns - 1), 0.0);
 
   const Eigen::MatrixXd norm = sweep.Factor(p, false);
   ASSERT_EQ(norm.rows(), columns);
-  EXPECT_NEAR(norm(columns - 1, columns - 1), std::sqrt(expected(columns - 1, columns - 1)),
+  EXPECT_NEAR(norm(columns - 1, columns - 1),
+              std::sqrt(expected(columns - 1, columns - 1)),
               kTolerance * std::sqrt(expected(columns - 1, columns - 1)));
   EXPECT_EQ(norm.leftCols(columns - 1).cwiseAbs().maxCoeff(), 0.0);
 }
 
 SweepParameters Parameters(int branches) {
-  SweepParameters p{.beta_per_sqrt_s = 0.21, .series_resistance_Ohm = 0.05, .resistance_Ohm = {}, .time_constant_s = {}};
+  SweepParameters p{.beta_per_sqrt_s = 0.21,
+                    .series_resistance_Ohm = 0.05,
+                    .resistance_Ohm = {},
+                    .time_constant_s = {}};
   const double r[] = {0.03, 0.012, 0.08};
   const double tau[] = {45.0, 0.7, 900.0};
   for (int j = 0; j < branches; ++j) {
@@ -128,7 +140,11 @@ SweepParameters Parameters(int branches) {
 }
 
 SweepSetup MakeSetup(int terms = 10, bool tail = true, bool diffusion = true) {
-  return {.alpha_C = 9000.0, .diffusion = diffusion, .terms = terms, .tail = tail, .open_circuit_voltage = Curve()};
+  return {.alpha_C = 9000.0,
+          .diffusion = diffusion,
+          .terms = terms,
+          .tail = tail,
+          .open_circuit_voltage = Curve()};
 }
 
 TEST(VoltageSweep, HasTheJacobianOfTheCell) {
@@ -137,8 +153,9 @@ TEST(VoltageSweep, HasTheJacobianOfTheCell) {
     for (const int terms : {0, 1, 3, 10, 40}) {
       for (const bool tail : {true, false}) {
         for (const int branches : {0, 1, 2, 3}) {
-          SCOPED_TRACE(testing::Message() << (hold == Hold::kBackward ? "backward" : "forward") << ", " << terms
-                                          << " terms, tail " << tail << ", " << branches << " branches");
+          SCOPED_TRACE(testing::Message()
+                       << (hold == Hold::kBackward ? "backward" : "forward") << ", " << terms
+                       << " terms, tail " << tail << ", " << branches << " branches");
           const VoltageSweep sweep(MakeSetup(terms, tail), {LogOf(record)});
           ExpectSameProducts(sweep, Parameters(branches));
         }
@@ -153,21 +170,24 @@ TEST(VoltageSweep, WorksWithoutDiffusion) {
   ExpectSameProducts(sweep, Parameters(2));
   EXPECT_EQ(sweep.setup().terms, 0);
   EXPECT_FALSE(sweep.setup().tail);
-  EXPECT_EQ(sweep.Factor(Parameters(2), true).col(0).cwiseAbs().maxCoeff(), 0.0);  // nothing depends on beta
+  EXPECT_EQ(sweep.Factor(Parameters(2), true).col(0).cwiseAbs().maxCoeff(),
+            0.0);  // nothing depends on beta
 }
 
 TEST(VoltageSweep, TakesEveryKindOfCurve) {
   const Record record = RandomRecord(3, Hold::kBackward, 1500);
-  for (const auto& curve : {OpenCircuitVoltage::Linear({0.0, 0.1, 0.5, 1.0}, {3.0, 3.5, 3.8, 4.2}),
-                            OpenCircuitVoltage::Polynomial(0.0, 1.0, {3.7, 0.5, 0.02, 0.03}),
-                            OpenCircuitVoltage::Fourier(0.0, 1.0, 2.0, {3.7, -0.2, 0.01}, {0.3, 0.02})}) {
+  for (const auto& curve :
+       {OpenCircuitVoltage::Linear({0.0, 0.1, 0.5, 1.0}, {3.0, 3.5, 3.8, 4.2}),
+        OpenCircuitVoltage::Polynomial(0.0, 1.0, {3.7, 0.5, 0.02, 0.03}),
+        OpenCircuitVoltage::Fourier(0.0, 1.0, 2.0, {3.7, -0.2, 0.01}, {0.3, 0.02})}) {
     SweepSetup setup = MakeSetup();
     setup.open_circuit_voltage = curve;
     ExpectSameProducts(VoltageSweep(setup, {LogOf(record)}), Parameters(1));
   }
 }
 
-// Where solvers end up: branches without resistance or without inertia, and the ends of beta and tau.
+// Where solvers end up: branches without resistance or without inertia, and the ends of beta and
+// tau.
 TEST(VoltageSweep, HoldsAtTheBounds) {
   const Record record = RandomRecord(4, Hold::kForward, 2000);
   const VoltageSweep sweep(MakeSetup(), {LogOf(record)});
@@ -196,9 +216,10 @@ TEST(VoltageSweep, WeighsRowsAndLogsAndStartsWhereEachLogSays) {
   const Record second = RandomRecord(6, Hold::kForward, 1100);
   const Record third = RandomRecord(7, Hold::kBackward, 3);
   std::vector<double> weights(second.size());
-  for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = static_cast<double>(k % 5);  // 0 as well
-  const VoltageSweep sweep(MakeSetup(),
-                           {LogOf(first, 1.0, 3.0), LogOf(second, 0.6, 0.2, weights), LogOf(third, 0.05)});
+  for (std::size_t k = 0; k < weights.size(); ++k)
+    weights[k] = static_cast<double>(k % 5);  // 0 as well
+  const VoltageSweep sweep(
+      MakeSetup(), {LogOf(first, 1.0, 3.0), LogOf(second, 0.6, 0.2, weights), LogOf(third, 0.05)});
   EXPECT_EQ(sweep.rows(), 1803U);
   ExpectSameProducts(sweep, Parameters(1));
   ExpectSameProducts(sweep, Parameters(3));
@@ -218,7 +239,8 @@ TEST(VoltageSweep, RepeatedRowsCountAsWeights) {
 TEST(VoltageSweep, GivesTheSameBitsWithAnyNumberOfThreads) {
   std::vector<Record> records;
   std::vector<SweepLog> logs;
-  for (unsigned seed = 10; seed < 16; ++seed) records.push_back(RandomRecord(seed, Hold::kBackward, 400 * (seed - 8)));
+  for (unsigned seed = 10; seed < 16; ++seed)
+    records.push_back(RandomRecord(seed, Hold::kBackward, 400 * (seed - 8)));
   for (const Record& record : records) logs.push_back(LogOf(record));
   const VoltageSweep sweep(MakeSetup(), std::move(logs));
   const auto run = [&](std::size_t threads) {
@@ -260,7 +282,8 @@ TEST(VoltageSweep, RefusesWhatHasNoMeaning) {
   EXPECT_THROW(VoltageSweep(MakeSetup(), {LogOf(record, 1.0, 1.0, {1.0, 2.0})}), PreconditionError);
   SweepParameters p = Parameters(2);
   p.resistance_Ohm.pop_back();
-  EXPECT_THROW(static_cast<void>(VoltageSweep(MakeSetup(), {LogOf(record)}).Factor(p, true)), PreconditionError);
+  EXPECT_THROW(static_cast<void>(VoltageSweep(MakeSetup(), {LogOf(record)}).Factor(p, true)),
+               PreconditionError);
 }
 
 }  // namespace

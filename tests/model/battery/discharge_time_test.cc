@@ -36,13 +36,15 @@ TEST(UnavailableLag, IsTheSumOfAllModes) {
     for (double x = 1e-7; x < 1e3; x *= 1.7) {
       const double time_s = x / (beta * beta);
       const auto exact = static_cast<double>(LagBySum(beta, time_s));
-      EXPECT_NEAR(UnavailableLag(beta, time_s), exact, kRounding * exact) << "beta " << beta << ", x " << x;
+      EXPECT_NEAR(UnavailableLag(beta, time_s), exact, kRounding * exact)
+          << "beta " << beta << ", x " << x;
     }
   }
 }
 
 TEST(UnavailableLag, HasNoSeamWhereItsFormChanges) {
-  // Neighbours on both sides of beta² L = 0.25, where it rises by dU/dL = 2 sum e^{-k² x} = 2.545 per second.
+  // Neighbours on both sides of beta² L = 0.25, where it rises by dU/dL = 2 sum e^{-k² x} = 2.545
+  // per second.
   const double beta = 0.5;
   const double below = std::nextafter(1.0, 0.0);
   EXPECT_NEAR(UnavailableLag(beta, below), UnavailableLag(beta, 1.0), kRounding * 6.1);
@@ -71,7 +73,8 @@ TEST(UnavailableLag, RefusesWhatHasNoMeaning) {
 }
 
 TEST(UnavailableLag, IsWhatTheCellHoldsBack) {
-  // 60 modes and the tail, 7 s steps: the mode beyond them has decayed by e^{-beta² 61² 7} = e^-1042.
+  // 60 modes and the tail, 7 s steps: the mode beyond them has decayed by e^{-beta² 61² 7} =
+  // e^-1042.
   CellParameters<double> parameters;
   parameters.alpha_C = 5000.0;
   parameters.beta_per_sqrt_s = 0.2;
@@ -119,7 +122,9 @@ TEST(ExactDischargeTime, SatisfiesItsEquation) {
 
 TEST(ExactDischargeTime, BecomesTheSteadyOneWhenItLastsLong) {
   // beta² L = 0.04 * 4918: e^-197 is left of the slowest mode.
-  EXPECT_NEAR(ExactDischargeTime(10000.0, 0.2, 2.0), SteadyDischargeTime(10000.0, 0.2, 2.0), 1e-11);  // (4.40)
+  EXPECT_NEAR(ExactDischargeTime(10000.0, 0.2, 2.0),
+              SteadyDischargeTime(10000.0, 0.2, 2.0),
+              1e-11);  // (4.40)
   // Where the steady form has no time left, the exact one still has.
   EXPECT_EQ(SteadyDischargeTime(10000.0, 0.2, 200.0), 0.0);
   EXPECT_GT(ExactDischargeTime(10000.0, 0.2, 200.0), 1.0);
@@ -130,7 +135,8 @@ TEST(ExactDischargeTime, GrowsWithTheSquareOfTheChargeWhenItIsShort) {
   const double alpha = 10000.0;
   const double beta = 0.05;
   const double current_A = 100.0;
-  const double expected_s = std::pow(alpha * beta / (2.0 * current_A), 2) / static_cast<double>(kPi);
+  const double expected_s =
+      std::pow(alpha * beta / (2.0 * current_A), 2) / static_cast<double>(kPi);
   ASSERT_LT(beta * beta * expected_s, 0.01);
   EXPECT_NEAR(ExactDischargeTime(alpha, beta, current_A), expected_s, 4 * kRounding * expected_s);
 }
@@ -146,7 +152,8 @@ TEST(ExactDischargeTime, IsWhenTheCellIsEmpty) {
     auto state = model.Relaxed(1.0);
     const auto step = model.MakeStep(ExactDischargeTime(1353.6, 0.1924, current_A));
     model.Advance(state, current_A, step);
-    EXPECT_NEAR(model.Soc(state, current_A), 0.0, 80 * kRounding) << current_A;  // a sum of 80 modes
+    EXPECT_NEAR(model.Soc(state, current_A), 0.0, 80 * kRounding)
+        << current_A;  // a sum of 80 modes
   }
 }
 
