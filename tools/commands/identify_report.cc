@@ -57,7 +57,11 @@ std::string DischargeTimesText(const StagedResult& result) {
                Significant(row.predicted_s, 5),
                Significant(row.error_percent, 3)});
   }
-  return text + table.Text();
+  text += table.Text();
+  return text + fmt::format("   mean {} %, max {} %, rmse {} s\n",
+                            Significant(stage.mean_error_percent, 3),
+                            Significant(stage.max_error_percent, 3),
+                            Significant(stage.rmse_s, 3));
 }
 
 std::string OpenCircuitVoltageText(const StagedResult& result) {
@@ -70,11 +74,14 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
                             method,
                             stage.curve.coefficients_V().size() + stage.curve.sine_V().size())
               : fmt::format("   {}, {} nodes", method, stage.curve.soc().size());
-  return text + fmt::format(" from {} rows; on rows left out: mean {} %, max {} %, rmse {} mV\n",
-                            stage.rows,
-                            Significant(stage.mean_error_percent, 3),
-                            Significant(stage.max_error_percent, 3),
-                            Significant(1e3 * stage.rmse_V, 3));
+  text += fmt::format(" from {} rows; on rows left out: mean {} %, max {} %, rmse {} mV\n",
+                      stage.rows,
+                      Significant(stage.mean_error_percent, 3),
+                      Significant(stage.max_error_percent, 3),
+                      Significant(1e3 * stage.rmse_V, 3));
+  return text + fmt::format("   charge of the log {} C; alpha is {} of it\n",
+                            Significant(result.low_rate_charge_C, 5),
+                            Significant(result.alpha_C / result.low_rate_charge_C, 5));
 }
 
 std::string PulsesText(const StagedResult& result) {
