@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = std::numeric_limits<double>::min();
 constexpr int kMostCells = 100000;
 constexpr std::array<std::string_view, 4> kColumns = {
