@@ -66,10 +66,10 @@ void CheckOptions(const ReadOptions& options) {
 // A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of
 // the time that reading takes. Only a hint: where the system has no large pages nothing changes.
 void PreferHugePages(void* begin, std::size_t bytes) {
-  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
-  const auto first = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;
-  const auto last = (reinterpret_cast<std::uintptr_t>(begin) + bytes) / kPage * kPage;
-  if (first < last) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+  constexpr std::size_t kPage = std::size_t{1} << 21;
+  std::size_t room = bytes;
+  void* const first = std::align(kPage, kPage, begin, room);
+  if (first != nullptr) ::madvise(first, room / kPage * kPage, MADV_HUGEPAGE);
 }
 
 // Takes the blocks of a table into a record, row by row where something must be left out.

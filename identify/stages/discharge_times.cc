@@ -17,9 +17,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLargestBeta = 1.0;  // (4.53)
-// Where the times imply nothing about beta, stage 3 starts at a typical value of lithium-polymer
-// cells (Tables 4.8-4.13: 0.18 to 0.21).
-constexpr double kTypicalBeta = 0.2;
 
 // What both forms report: the optimum and how sharp it is.
 struct Estimate {

@@ -80,6 +80,9 @@ struct DischargeTimesResult {
   double rmse_s = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// From where stage 3 starts when nothing is known of beta: Tables 4.8-4.13 give 0.18 to 0.21.
+inline constexpr double kTypicalBeta = 0.2;
+
 /// Two currents that differ by more than this share are different.
 inline constexpr double kCurrentTolerance = 0.02;
 [[nodiscard]] int CountDifferentCurrents(const std::vector<DischargeTime>& discharges);

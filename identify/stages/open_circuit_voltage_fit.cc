@@ -236,7 +236,7 @@ Eigen::VectorXd FitBasis(const std::vector<WeightedPoint>& points,
   solver.setThreshold(1e-12);
   solver.compute(factor.topLeftCorner(columns, columns));
   const Eigen::VectorXd right = factor.topRightCorner(columns, 1);
-  const Eigen::VectorXd solution = solver.solve(right);
+  Eigen::VectorXd solution = solver.solve(right);
   if (norm != nullptr) {
     *norm = std::hypot((factor.topLeftCorner(columns, columns) * solution - right).norm(),
                        factor(columns, columns));
@@ -275,8 +275,8 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points,
         const double next = c * c1 - s * s1;
         s = s * c1 + c * s1;
         c = next;
-        values[2 * k - 1] = c;
-        values[2 * k] = s;
+        values[Eigen::Index{2} * k - 1] = c;
+        values[Eigen::Index{2} * k] = s;
       }
     };
     return FitBasis(points, columns, basis, norm);
@@ -310,8 +310,8 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points,
   std::vector<double> cosine{solution[0]};
   std::vector<double> sine;
   for (int k = 1; k <= harmonics; ++k) {
-    cosine.push_back(solution[2 * k - 1]);
-    sine.push_back(solution[2 * k]);
+    cosine.push_back(solution[Eigen::Index{2} * k - 1]);
+    sine.push_back(solution[Eigen::Index{2} * k]);
   }
   return OpenCircuitVoltage::Fourier(lo, hi, frequency, std::move(cosine), std::move(sine));
 }

@@ -249,6 +249,7 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a,
 
 std::vector<double> LogGrid(double low, double high, int count) {
   std::vector<double> grid;
+  grid.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k)
     grid.push_back(low * std::pow(high / low, count > 1 ? double(k) / (count - 1) : 0.5));
   return grid;
@@ -514,7 +515,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     touches[static_cast<std::size_t>(v.column)] = true;
   }
   for (int j = 0; j < n; ++j) {
-    if (gone[static_cast<std::size_t>(j)]) touches[static_cast<std::size_t>(2 + j)] = true;
+    if (gone[static_cast<std::size_t>(j)]) touches[2 + static_cast<std::size_t>(j)] = true;
   }
 
   // Branches come in any order: by rising time constant, those that are gone last, unless the user

@@ -343,8 +343,6 @@ class StagedRun {
     return given_.parameters.fixed.find(name) != given_.parameters.fixed.end();
   }
 
-  static constexpr double kTypicalBeta = 0.2;  // Tables 4.8-4.13: 0.18 to 0.21
-
   const Campaign& campaign_;
   const std::vector<LoadedLog>& logs_;
   const StagedOptions& options_;

@@ -70,6 +70,7 @@ StartValues FindStartValues(const std::vector<const Record*>& records) {
   }
   // Slowly sampled steps contain what relaxes in between: keep those near the quickest quarter.
   std::vector<double> intervals;
+  intervals.reserve(edges.size());
   for (const Edge& edge : edges) intervals.push_back(edge.interval_s);
   std::sort(intervals.begin(), intervals.end());
   std::vector<double> resistances;

@@ -192,6 +192,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
   NewFolder made(folder);
   const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
   std::vector<std::unique_ptr<CsvWriter>> logs;
+  logs.reserve(plans.size());
   for (const auto& plan : plans) {
     logs.push_back(std::make_unique<CsvWriter>(path(plan.file), "time_s,current_A,voltage_V"));
   }

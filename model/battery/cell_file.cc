@@ -239,6 +239,7 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
 
 std::vector<std::string> ShippedCellNames() {
   std::vector<std::string> names;
+  names.reserve(std::size(kShippedCells));
   for (const auto& shipped : kShippedCells) names.emplace_back(shipped.name);
   return names;
 }

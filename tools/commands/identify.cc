@@ -12,6 +12,7 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
+#include "tools/commands/assignments.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
@@ -23,32 +24,6 @@ namespace {
 enum class Method { kStaged };
 constexpr std::array<std::pair<Method, std::string_view>, 1> OptionNames(Method) {
   return {{{Method::kStaged, "staged"}}};
-}
-
-// "r_1=0.03,c_1=1500" into names and numbers.
-std::vector<std::pair<std::string, std::vector<double>>> ParseAssignments(
-    const std::string& option, const std::vector<std::string>& texts, std::size_t numbers) {
-  std::vector<std::pair<std::string, std::vector<double>>> all;
-  for (const std::string& text : texts) {
-    const auto equals = text.find('=');
-    std::vector<double> values;
-    if (equals != std::string::npos) {
-      for (std::size_t from = equals + 1; from <= text.size();) {
-        const auto to = std::min(text.find(',', from), text.size());
-        values.push_back(options_internal::ParseDouble(
-            option + " " + text.substr(0, equals), text.substr(from, to - from), Range{}));
-        from = to + 1;
-      }
-    }
-    if (values.size() != numbers) {
-      throw OptionError(fmt::format("option {}: expected {}, found '{}'",
-                                    option,
-                                    numbers == 1 ? "NAME=VALUE" : "NAME=LOW,HIGH",
-                                    text));
-    }
-    all.emplace_back(text.substr(0, equals), std::move(values));
-  }
-  return all;
 }
 
 // Where the cell of a campaign goes: the file named, or one in the folder named, called after the
@@ -195,10 +170,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (no_diffusion) settings.options.pulses.diffusion = false;
   if (capacity_Ah) typed.capacity_Ah = *capacity_Ah;
   auto& known = settings.given.parameters;
-  for (auto& [name, values] : ParseAssignments("--fix", fix, 1)) known.fixed[name] = values[0];
-  for (auto& [name, values] : ParseAssignments("--start", start, 1)) known.start[name] = values[0];
-  for (auto& [name, values] : ParseAssignments("--bounds", bounds, 2))
-    known.bounds[name] = {values[0], values[1]};
+  for (const auto& [name, value] : ParseAssignments("--fix", fix)) known.fixed[name] = value;
+  for (const auto& [name, value] : ParseAssignments("--start", start)) known.start[name] = value;
+  for (const auto& [name, ends] : ParseRanges("--bounds", bounds)) known.bounds[name] = ends;
 
   const bool by_options = !typed.constant_current.empty() || !typed.low_rate.empty() ||
                           !typed.pulses.empty() || !typed.validation.empty();

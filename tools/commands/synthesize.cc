@@ -9,27 +9,10 @@
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"
+#include "tools/commands/assignments.h"
 
 namespace lipoid {
 namespace {
-
-// "r_1=0.03,c_1=1500"
-void ChangeCell(Cell& cell, const std::string& assignments) {
-  for (std::size_t from = 0; from <= assignments.size();) {
-    const auto to = std::min(assignments.find(',', from), assignments.size());
-    const auto one = assignments.substr(from, to - from);
-    const auto equals = one.find('=');
-    if (equals == std::string::npos) {
-      throw OptionError(fmt::format("option --with: expected NAME=VALUE, found '{}'", one));
-    }
-    const auto name = one.substr(0, equals);
-    SetCellParameter(
-        cell,
-        name,
-        options_internal::ParseDouble("--with " + name, one.substr(equals + 1), Range{}));
-    from = to + 1;
-  }
-}
 
 bool IsShipped(const std::string& cell) {
   const auto names = ShippedCellNames();
@@ -74,7 +57,8 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
-  for (const auto& change : changes) ChangeCell(cell, change);
+  for (const auto& [name, value] : ParseAssignments("--with", changes))
+    SetCellParameter(cell, name, value);
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     if (cell.branches[j].time_constant_s > 0.0) continue;
     throw OptionError(fmt::format("option --with: r_{0} needs c_{0} or tau_{0} beside it", j + 1));
