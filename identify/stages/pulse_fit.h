@@ -12,17 +12,15 @@
 /// on a thinned log, so that the optimum is found from the best of many starts. Then all rows
 /// decide.
 ///
-/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one; c_j = tau_j/r_j is
-/// reported. Tests: tests/identify/stages/pulse_fit_test.cc.
+/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one, or log c_j
+/// (pulse_problem.h). Tests: tests/identify/stages/pulse_fit_test.cc.
 
 #include <limits>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/levenberg_marquardt.h"
+#include "identify/stages/pulse_problem.h"
 #include "identify/stages/start_values.h"
 #include "identify/stages/voltage_sweep.h"
 #include "model/battery/error_metrics.h"
@@ -35,6 +33,7 @@ struct PulseFitOptions {
   int terms = 10;
   bool tail = true;
   bool diffusion = true;
+  BranchUnknown branch_unknown = BranchUnknown::kTimeConstant;
   int thinned_rows = 3000;
   int starts = 4;
 
@@ -44,17 +43,10 @@ struct PulseFitOptions {
     v("terms", self.terms, Range{0.0, 1000.0}, "diffusion modes, M in (4.46)");
     v("tail", self.tail, Names{}, "quasi-static share of the modes beyond M; off as in the thesis");
     v("diffusion", self.diffusion, Names{}, "off: beta is infinite, the plain equivalent circuit");
+    v("branch_unknown", self.branch_unknown, Names{}, "what the solver moves beside r_j");
     v("thinned_rows", self.thinned_rows, Range{100.0, 1e8}, "rows on which starts are compared");
     v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the thinned log");
   }
-};
-
-/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}. c_j
-/// needs r_j beside it, or fixed, and has no bounds: the solver moves tau_j.
-struct PulseFitKnowledge {
-  std::map<std::string, double> fixed = {};
-  std::map<std::string, double> start = {};
-  std::map<std::string, std::pair<double, double>> bounds = {};
 };
 
 struct PulseFitResult {

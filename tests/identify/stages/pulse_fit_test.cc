@@ -332,7 +332,7 @@ TEST(PulseFit, HoldsWhatItIsTold) {
   const auto branch = Fit(sweep, 1, {.fixed = {{"r_1", 0.03}, {"c_1", 1500.0}}});
   EXPECT_EQ(branch.parameters.resistance_Ohm[0], 0.03);
   EXPECT_DOUBLE_EQ(branch.parameters.time_constant_s[0], 45.0);
-  EXPECT_EQ(branch.fixed, (Names{"r_1", "tau_1"}));
+  EXPECT_EQ(branch.fixed, (Names{"r_1", "c_1"}));
   ExpectSame(branch.parameters, truth.parameters, 1e-6);
 
   const auto all =
@@ -368,6 +368,28 @@ TEST(PulseFit, KeepsToBounds) {
       Fit(sweep, 1, {.bounds = {{"beta", {0.0, 1.0}}, {"r_s", {0.1, 0.2}}, {"r_1", {0.01, 1.0}}}});
   ExpectSame(wide.parameters, truth.parameters, 1e-6);
   EXPECT_EQ(wide.at_bound, Names{});
+}
+
+TEST(PulseFit, MovesCapacitancesWhereTheyAreNamed) {
+  const Truth truth = SmallCell();  // r_1 = 0.03, c_1 = 1500
+  const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
+  const auto sweep = SweepOf(truth, {&record});
+  // c_1 alone, with r_1 still free.
+  const auto fixed = Fit(sweep, 1, {.fixed = {{"c_1", 1500.0}}});
+  ExpectSame(fixed.parameters, truth.parameters, 1e-6);
+  EXPECT_EQ(fixed.fixed, Names{"c_1"});
+  EXPECT_NEAR(
+      fixed.parameters.time_constant_s[0], 1500.0 * fixed.parameters.resistance_Ohm[0], 1e-12);
+  const auto low = Fit(sweep, 1, {.bounds = {{"c_1", {100.0, 1000.0}}}});
+  EXPECT_EQ(low.at_bound, Names{"c_1"});
+  EXPECT_NEAR(low.parameters.time_constant_s[0] / low.parameters.resistance_Ohm[0], 1000.0, 1e-9);
+  const auto wide = Fit(sweep, 1, {.bounds = {{"c_1", {100.0, 10000.0}}}});
+  EXPECT_EQ(wide.at_bound, Names{});
+  ExpectSame(wide.parameters, truth.parameters, 1e-6);
+  // All branches by their capacitances, as in the thesis.
+  const auto natural = FitPulses(
+      sweep, {.data = FindStartValues({&record})}, {.branch_unknown = BranchUnknown::kCapacitance});
+  ExpectSame(natural.parameters, truth.parameters, 1e-6);
 }
 
 TEST(PulseFit, TakesAStartThatItIsGiven) {
@@ -418,10 +440,6 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
             "--bounds beta=0.1,2: expected 0 <= low <= high <= 1");
   EXPECT_EQ(message({.bounds = {{"tau_1", {0.0, 1e-9}}}}),
             "--bounds tau_1: expected an upper bound of at least 1");
-  EXPECT_EQ(message({.bounds = {{"c_1", {1.0, 2.0}}}}),
-            "--bounds c_1: this solver moves time constants; bound tau_1 = r_1 c_1");
-  EXPECT_EQ(message({.fixed = {{"c_1", 1.0}}}),
-            "c_1 is known to this fit only together with r_1: give r_1 too, or tau_1 instead");
   EXPECT_EQ(message({.fixed = {{"r_1", 1.0}, {"c_1", 1.0}, {"tau_1", 1.0}}}),
             "give either c_1 or tau_1, not both");
   EXPECT_EQ(message({.fixed = {{"r_s", 0.5}}, .bounds = {{"r_s", {0.0, 0.1}}}}),

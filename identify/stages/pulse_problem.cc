@@ -1,0 +1,331 @@
+#include "identify/stages/pulse_problem.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+using Kind = PulseVariable::Kind;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is then three years
+constexpr double kLargestBeta = 1.0;
+// A branch of r_j = 0 follows the current at once: so does one of a nanosecond.
+constexpr double kLeastTau_s = 1e-9;
+
+// What the user knows, checked.
+class Knowledge {
+ public:
+  Knowledge(const PulseFitKnowledge& given, int branches, bool diffusion)
+      : given_(given), branches_(branches), diffusion_(diffusion) {
+    for (const auto& [name, value] : given.fixed) CheckValue("fix", name, value);
+    for (const auto& [name, value] : given.start) CheckValue("start", name, value);
+    for (const auto& [name, range] : given.bounds) CheckBounds(name, range);
+    for (int j = 1; j <= branches; ++j) {
+      const auto c = fmt::format("c_{}", j);
+      const auto tau = fmt::format("tau_{}", j);
+      if (!Mentioned(c) || !Mentioned(tau)) continue;
+      throw OptionError(fmt::format("give either {} or {}, not both", c, tau));
+    }
+  }
+
+  [[nodiscard]] std::optional<double> Fixed(const std::string& name) const {
+    return Find(given_.fixed, name);
+  }
+  [[nodiscard]] std::optional<double> Start(const std::string& name) const {
+    return Find(given_.start, name);
+  }
+  [[nodiscard]] bool Mentioned(const std::string& name) const {
+    return given_.fixed.count(name) + given_.start.count(name) + given_.bounds.count(name) > 0;
+  }
+  void Apply(PulseVariable& v) const {
+    const auto found = given_.bounds.find(v.name);
+    if (found == given_.bounds.end()) return;
+    v.lower = v.logarithmic ? std::max(found->second.first, v.lower) : found->second.first;
+    v.upper = found->second.second;
+    if (v.lower > v.upper) {
+      throw OptionError(
+          fmt::format("--bounds {}: expected an upper bound of at least {}", v.name, v.lower));
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    if (diffusion_) names.emplace_back("beta");
+    names.emplace_back("r_s");
+    for (const char* prefix : {"r", "tau", "c"}) {
+      for (int j = 1; j <= branches_; ++j) names.push_back(fmt::format("{}_{}", prefix, j));
+    }
+    return names;
+  }
+
+  void CheckName(std::string_view option, const std::string& name) const {
+    const auto names = Names();
+    if (std::find(names.begin(), names.end(), name) != names.end()) return;
+    throw OptionError(fmt::format(
+        "--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
+  }
+
+  void CheckValue(std::string_view option, const std::string& name, double value) const {
+    CheckName(option, name);
+    const bool resistance = name[0] == 'r';
+    const bool valid = std::isfinite(value) && (resistance ? value >= 0.0 : value > 0.0) &&
+                       (name != "beta" || value <= kLargestBeta);
+    if (!valid) {
+      throw OptionError(fmt::format("--{} {}={}: expected a number {}",
+                                    option,
+                                    name,
+                                    value,
+                                    resistance       ? "of at least 0"
+                                    : name == "beta" ? "above 0 and at most 1"
+                                                     : "above 0"));
+    }
+  }
+
+  void CheckBounds(const std::string& name, const std::pair<double, double>& range) const {
+    const auto& [low, high] = range;
+    CheckName("bounds", name);
+    if (!(low >= 0.0 && low <= high) || (name == "beta" && high > kLargestBeta)) {
+      throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high{}",
+                                    name,
+                                    low,
+                                    high,
+                                    name == "beta" ? " <= 1" : ""));
+    }
+    const auto fixed = given_.fixed.find(name);
+    if (fixed != given_.fixed.end() && !(fixed->second >= low && fixed->second <= high)) {
+      throw OptionError(fmt::format(
+          "--fix {0}={1} lies outside --bounds {0}={2},{3}", name, fixed->second, low, high));
+    }
+  }
+
+  static std::optional<double> Find(const std::map<std::string, double>& map,
+                                    const std::string& name) {
+    const auto found = map.find(name);
+    if (found == map.end()) return std::nullopt;
+    return found->second;
+  }
+
+  const PulseFitKnowledge& given_;
+  int branches_;
+  bool diffusion_;
+};
+
+}  // namespace
+
+double PulseVariable::ToX(double p) const { return logarithmic ? std::log(p / unit) : p / unit; }
+double PulseVariable::FromX(double x) const { return logarithmic ? unit * std::exp(x) : unit * x; }
+
+double& Entry(PulseParameters& p, const PulseVariable& v) {
+  switch (v.kind) {
+    case Kind::kBeta:
+      return p.sweep.beta_per_sqrt_s;
+    case Kind::kSeriesResistance:
+      return p.sweep.series_resistance_Ohm;
+    case Kind::kResistance:
+      return p.sweep.resistance_Ohm[v.branch];
+    case Kind::kTimeConstant:
+      return p.sweep.time_constant_s[v.branch];
+    case Kind::kCapacitance:
+      break;
+  }
+  return p.capacitance_F[v.branch];
+}
+double Entry(const PulseParameters& p, const PulseVariable& v) {
+  return Entry(const_cast<PulseParameters&>(p), v);
+}
+
+void FollowCapacitances(PulseParameters& p) {
+  for (std::size_t j = 0; j < p.capacitance_F.size(); ++j) {
+    if (std::isnan(p.capacitance_F[j])) continue;
+    p.sweep.time_constant_s[j] =
+        std::max(p.sweep.resistance_Ohm[j] * p.capacitance_F[j], kLeastTau_s);
+  }
+}
+
+PulseScales FindPulseScales(const StartValues& data, double alpha_C) {
+  PulseScales scales{};
+  scales.series_resistance_Ohm = data.series_resistance_Ohm > 0.0
+                                     ? data.series_resistance_Ohm
+                                     : 36.0 / alpha_C;  // 10 mOhm for 1 Ah, and in proportion
+  scales.recovery_Ohm =
+      data.relaxation_Ohm > 0.0 ? data.relaxation_Ohm : 0.3 * scales.series_resistance_Ohm;
+  scales.relaxation_s =
+      data.relaxation_s > 0.0 ? data.relaxation_s : std::sqrt(data.shortest_s * data.longest_s);
+  scales.shortest_tau_s = 0.1 * data.shortest_s;
+  scales.longest_tau_s = 10.0 * data.longest_s;
+  return scales;
+}
+
+bool PulseUnknowns::Free(std::string_view name) const {
+  return std::any_of(
+      variables.begin(), variables.end(), [&](const PulseVariable& v) { return v.name == name; });
+}
+
+PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
+                                const StartValues& data,
+                                const PulseProblemOptions& options,
+                                const PulseFitKnowledge& known) {
+  const Knowledge knowledge(known, options.branches, setup.diffusion);
+  PulseUnknowns unknowns;
+  unknowns.scales = FindPulseScales(data, setup.alpha_C);
+  const PulseScales& scales = unknowns.scales;
+  const double series = scales.series_resistance_Ohm;
+  const auto n = static_cast<std::size_t>(options.branches);
+  const double share_Ohm = n > 0 ? 0.5 * scales.recovery_Ohm / static_cast<double>(n) : 0.0;
+
+  PulseParameters& start = unknowns.start;
+  start.sweep.beta_per_sqrt_s = setup.diffusion ? options.beta_start_per_sqrt_s : 0.0;
+  start.sweep.series_resistance_Ohm = series;
+  start.sweep.resistance_Ohm.assign(n, share_Ohm);
+  start.capacitance_F.assign(n, kNaN);
+  for (std::size_t j = 0; j < n; ++j) {
+    // Spread over the decades around what relaxes most.
+    const double spread = static_cast<double>(j) - 0.5 * static_cast<double>(n - 1);
+    start.sweep.time_constant_s.push_back(std::clamp(
+        scales.relaxation_s * std::pow(5.0, spread), scales.shortest_tau_s, scales.longest_tau_s));
+  }
+
+  const auto logarithmic = [&](const PulseVariable& v) {
+    return options.scale == ParameterScale::kLog ||
+           (options.scale == ParameterScale::kMixed && !v.resistive());
+  };
+  const auto add = [&](PulseVariable v) {
+    double& entry = Entry(start, v);
+    if (const auto fixed = knowledge.Fixed(v.name)) {
+      entry = *fixed;
+      unknowns.fixed.push_back(v.name);
+      return;
+    }
+    if (const auto begin = knowledge.Start(v.name)) entry = *begin;
+    v.logarithmic = logarithmic(v);
+    // A logarithm never reaches 0: far below what any log could show stands for it.
+    if (v.logarithmic && v.lower == 0.0) v.lower = 1e-6 * v.unit;
+    knowledge.Apply(v);
+    if (options.scale == ParameterScale::kNatural) v.unit = 1.0;
+    entry = std::clamp(entry, v.lower, v.upper);
+    unknowns.variables.push_back(std::move(v));
+  };
+  if (setup.diffusion) {
+    if (options.hold_beta && !knowledge.Fixed("beta")) {
+      unknowns.fixed.emplace_back("beta");
+    } else {
+      add({"beta",
+           Kind::kBeta,
+           0,
+           false,
+           options.scale == ParameterScale::kMixed ? 1.0 : options.beta_start_per_sqrt_s,
+           kLeastBeta,
+           kLargestBeta});
+    }
+  }
+  add({"r_s", Kind::kSeriesResistance, 0, false, series});
+  for (std::size_t j = 0; j < n; ++j) {
+    add({fmt::format("r_{}", j + 1), Kind::kResistance, j, false, series});
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto c = fmt::format("c_{}", j + 1);
+    const auto tau = fmt::format("tau_{}", j + 1);
+    const bool by_capacitance =
+        knowledge.Mentioned(c) ||
+        (options.unknown == BranchUnknown::kCapacitance && !knowledge.Mentioned(tau));
+    if (by_capacitance) {
+      // The time constants of the start, whatever the resistance is held at.
+      const double r = std::max(start.sweep.resistance_Ohm[j], 1e-6 * series);
+      start.capacitance_F[j] = start.sweep.time_constant_s[j] / r;
+      add({c,
+           Kind::kCapacitance,
+           j,
+           false,
+           scales.relaxation_s / std::max(share_Ohm, 1e-6 * series)});
+    } else {
+      add({tau,
+           Kind::kTimeConstant,
+           j,
+           false,
+           scales.relaxation_s,
+           scales.shortest_tau_s,
+           scales.longest_tau_s});
+    }
+  }
+  FollowCapacitances(start);
+  return unknowns;
+}
+
+PulseParameters PulseProblem::Parameters(const Eigen::VectorXd& x) const {
+  PulseParameters p = base_;
+  for (int k = 0; k < size(); ++k) {
+    const PulseVariable& v = variables_[static_cast<std::size_t>(k)];
+    Entry(p, v) = std::clamp(v.FromX(x[k]), v.lower, v.upper);
+  }
+  FollowCapacitances(p);
+  return p;
+}
+
+Eigen::VectorXd PulseProblem::Point(const PulseParameters& p) const {
+  Eigen::VectorXd x(size());
+  for (int k = 0; k < size(); ++k) {
+    const PulseVariable& v = variables_[static_cast<std::size_t>(k)];
+    x[k] = v.ToX(std::clamp(Entry(p, v), v.lower, v.upper));
+  }
+  return x;
+}
+
+Eigen::VectorXd PulseProblem::Bound(double PulseVariable::*which) const {
+  Eigen::VectorXd bound(size());
+  for (int k = 0; k < size(); ++k) {
+    const PulseVariable& v = variables_[static_cast<std::size_t>(k)];
+    bound[k] = std::isfinite(v.*which) ? v.ToX(v.*which) : std::numeric_limits<double>::max();
+  }
+  return bound;
+}
+
+// The rows of the sweep's factor, of which only the columns of the free parameters are kept, are
+// few: triangular again after one small QR.
+Eigen::MatrixXd PulseProblem::Factor(const Eigen::VectorXd& x, bool jacobian) const {
+  const PulseParameters p = Parameters(x);
+  const Eigen::MatrixXd all = sweep_.Factor(p.sweep, jacobian);
+  const auto n = static_cast<Eigen::Index>(p.capacitance_F.size());
+  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(all.rows(), size() + 1);
+  for (int k = 0; jacobian && k < size(); ++k) {
+    const PulseVariable& v = variables_[static_cast<std::size_t>(k)];
+    const auto j = static_cast<Eigen::Index>(v.branch);
+    auto column = kept.col(k);
+    switch (v.kind) {
+      case Kind::kBeta:
+        column = all.col(0);
+        break;
+      case Kind::kSeriesResistance:
+        column = all.col(1);
+        break;
+      case Kind::kResistance:
+        column = all.col(2 + j);
+        // With c_j held the time constant moves too: dtau_j/dr_j = c_j.
+        if (!std::isnan(p.capacitance_F[v.branch]))
+          column += p.capacitance_F[v.branch] * all.col(2 + n + j);
+        break;
+      case Kind::kTimeConstant:
+        column = all.col(2 + n + j);
+        break;
+      case Kind::kCapacitance:
+        column = p.sweep.resistance_Ohm[v.branch] * all.col(2 + n + j);
+        break;
+    }
+    column *= v.Slope(Entry(p, v));
+  }
+  kept.col(size()) = all.rightCols(1);
+  if (!kept.allFinite()) return Eigen::MatrixXd::Constant(size() + 1, size() + 1, kNaN);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept);
+  return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+}
+
+}  // namespace lipoid
