@@ -9,4 +9,5 @@ find_dependency(nlohmann_json)
 find_dependency(tomlplusplus)
 find_dependency(TBB)
 find_dependency(Ceres)
+find_dependency(NLopt)
 find_dependency(Boost)  # headers only: Boost.Math

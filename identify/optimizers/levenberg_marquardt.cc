@@ -2,54 +2,20 @@
 
 #include <ceres/ceres.h>
 
-#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "identify/optimizers/monitor.h"
 
 namespace lipoid {
 namespace {
-
-// Asks the problem once per point, always with the Jacobian: what accepts a step wants it next, and
-// most steps are accepted. The best point is kept while others are tried: rejected steps lead back
-// to it.
-class Evaluations {
- public:
-  Evaluations(const LeastSquaresProblem& problem, LeastSquaresSummary& summary)
-      : problem_(problem), summary_(summary) {}
-
-  const Eigen::MatrixXd& At(const Eigen::VectorXd& x) {
-    if (best_.Is(x)) return best_.factor;
-    if (last_.Is(x)) return last_.factor;
-    last_.x = x;
-    last_.factor = problem_.Factor(x, true);
-    ++summary_.evaluations;
-    ++summary_.gradient_evaluations;
-    const bool better = best_.x.size() == 0 || last_.Squares() < best_.Squares();
-    if (better) std::swap(best_, last_);
-    return better ? best_.factor : last_.factor;
-  }
-
- private:
-  struct Point {
-    Eigen::VectorXd x;
-    Eigen::MatrixXd factor;
-
-    [[nodiscard]] bool Is(const Eigen::VectorXd& other) const { return x.size() > 0 && x == other; }
-    [[nodiscard]] double Squares() const { return factor.rightCols(1).squaredNorm(); }
-  };
-
-  const LeastSquaresProblem& problem_;
-  LeastSquaresSummary& summary_;
-  Point best_, last_;
-};
 
 // The parameters that stand at a bound and would gain nothing by leaving it: the slope points
 // outward, or what it promises, g²/(2 J'J), is below the tolerance.
 class Bounds {
  public:
-  Bounds(const LeastSquaresProblem& problem, double function_tolerance)
-      : lower_(problem.lower()), upper_(problem.upper()), function_tolerance_(function_tolerance) {}
-
-  [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
-  [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
+  Bounds(const Monitor& monitor, double function_tolerance)
+      : lower_(monitor.lower()), upper_(monitor.upper()), function_tolerance_(function_tolerance) {}
 
   [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x,
                                        const Eigen::MatrixXd& factor) const {
@@ -60,24 +26,24 @@ class Bounds {
       const double slope = factor.col(k).dot(residual);
       const bool worthless = slope * slope <= function_tolerance_ * residual.squaredNorm() *
                                                   factor.col(k).squaredNorm();
-      held[static_cast<std::size_t>(k)] = lower_[k] == upper_[k] ||
-                                          (x[k] <= lower_[k] && (slope >= 0.0 || worthless)) ||
+      held[static_cast<std::size_t>(k)] = (x[k] <= lower_[k] && (slope >= 0.0 || worthless)) ||
                                           (x[k] >= upper_[k] && (slope <= 0.0 || worthless));
     }
     return held;
   }
 
  private:
-  Eigen::VectorXd lower_, upper_;
+  const Eigen::VectorXd& lower_;
+  const Eigen::VectorXd& upper_;
   double function_tolerance_;
 };
 
 // The problem on its free parameters; Ceres sees n+1 residuals, the rows of the factor.
 class FactorCost : public ceres::CostFunction {
  public:
-  FactorCost(Evaluations& evaluations, const Eigen::VectorXd& x, const std::vector<int>& free)
-      : evaluations_(evaluations), x_(x), free_(free) {
-    set_num_residuals(static_cast<int>(x.size()) + 1);
+  FactorCost(Monitor& monitor, const Eigen::VectorXd& x, const std::vector<int>& free)
+      : monitor_(monitor), x_(x), free_(free) {
+    set_num_residuals(static_cast<int>(monitor.Factor(x).rows()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
   }
 
@@ -90,7 +56,7 @@ class FactorCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override {
-    const Eigen::MatrixXd& factor = evaluations_.At(Whole(parameters[0]));
+    const Eigen::MatrixXd& factor = monitor_.Factor(Whole(parameters[0]));
     if (!factor.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, factor.rows()) = factor.rightCols(1);
     if (jacobians != nullptr && jacobians[0] != nullptr) {
@@ -102,7 +68,7 @@ class FactorCost : public ceres::CostFunction {
   }
 
  private:
-  Evaluations& evaluations_;
+  Monitor& monitor_;
   Eigen::VectorXd x_;
   const std::vector<int>& free_;
 };
@@ -115,13 +81,13 @@ class BoundWatch : public ceres::IterationCallback {
              const double* part,
              const std::vector<bool>& held,
              const Bounds& bounds,
-             Evaluations& evaluations)
-      : cost_(cost), part_(part), held_(held), bounds_(bounds), evaluations_(evaluations) {}
+             Monitor& monitor)
+      : cost_(cost), part_(part), held_(held), bounds_(bounds), monitor_(monitor) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
     if (!iteration.step_is_successful) return ceres::SOLVER_CONTINUE;
     const Eigen::VectorXd x = cost_.Whole(part_);
-    const auto now = bounds_.Held(x, evaluations_.At(x));
+    const auto now = bounds_.Held(x, monitor_.Factor(x));
     for (std::size_t k = 0; k < now.size(); ++k) {
       if (now[k] && !held_[k]) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     }
@@ -133,7 +99,7 @@ class BoundWatch : public ceres::IterationCallback {
   const double* part_;
   const std::vector<bool>& held_;
   const Bounds& bounds_;
-  Evaluations& evaluations_;
+  Monitor& monitor_;
 };
 
 std::vector<int> Free(const std::vector<bool>& held) {
@@ -160,64 +126,56 @@ ceres::Solver::Options SolverOptions(const LevenbergMarquardtOptions& options) {
 
 }  // namespace
 
-LeastSquaresSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& problem,
+OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& problem,
                                                const Eigen::VectorXd& start,
                                                const LevenbergMarquardtOptions& options) {
-  const auto began = std::chrono::steady_clock::now();
-  LeastSquaresSummary result;
-  Evaluations evaluations(problem, result);
-  const Bounds bounds(problem, options.function_tolerance);
+  // Always with the Jacobian: what accepts a step wants it next, and most steps are accepted.
+  Monitor monitor(problem, start);
+  if (auto done = monitor.Begin(true, options.max_iterations)) return *std::move(done);
+  const Bounds bounds(monitor, options.function_tolerance);
   ceres::Solver::Options solver = SolverOptions(options);
-  const auto finish = [&](Termination termination, std::string message) {
-    result.termination = termination;
-    result.message = std::move(message);
-    result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    return result;
-  };
-
-  result.x = start.cwiseMax(bounds.lower()).cwiseMin(bounds.upper());
-  if (!evaluations.At(result.x).allFinite()) {
-    return finish(Termination::kFailure, "There is no finite value where it started.");
-  }
-  result.cost = 0.5 * evaluations.At(result.x).rightCols(1).squaredNorm();
 
   // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets
   // go only when the others have converged.
-  std::vector<bool> held = bounds.Held(result.x, evaluations.At(result.x));
+  Eigen::VectorXd x = monitor.start();
+  std::vector<bool> held = bounds.Held(x, monitor.Factor(x));
   while (true) {
     const std::vector<int> free = Free(held);
-    if (free.empty()) return finish(Termination::kConverged, "Every parameter stands at a bound.");
-    FactorCost cost(evaluations, result.x, free);
-    Eigen::VectorXd part = result.x(free);
+    if (free.empty()) {
+      return monitor.Finish(Termination::kConverged, "Every parameter stands at a bound.");
+    }
+    FactorCost cost(monitor, x, free);
+    Eigen::VectorXd part = x(free);
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem ceres_problem(ownership);
     ceres_problem.AddResidualBlock(&cost, nullptr, part.data());
     for (std::size_t k = 0; k < free.size(); ++k) {
       ceres_problem.SetParameterLowerBound(
-          part.data(), static_cast<int>(k), bounds.lower()[free[k]]);
+          part.data(), static_cast<int>(k), monitor.lower()[free[k]]);
       ceres_problem.SetParameterUpperBound(
-          part.data(), static_cast<int>(k), bounds.upper()[free[k]]);
+          part.data(), static_cast<int>(k), monitor.upper()[free[k]]);
     }
-    BoundWatch watch(cost, part.data(), held, bounds, evaluations);
+    BoundWatch watch(cost, part.data(), held, bounds, monitor);
     solver.callbacks = {&watch};
-    solver.max_num_iterations = options.max_iterations - result.iterations;
+    solver.max_num_iterations = options.max_iterations - monitor.iterations();
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &ceres_problem, &summary);
 
-    result.x = cost.Whole(part.data());
-    result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // the first is the start
-    if (!summary.IsSolutionUsable()) return finish(Termination::kFailure, summary.message);
-    result.cost = summary.final_cost;
+    x = cost.Whole(part.data());
+    monitor.CountIterations(static_cast<int>(summary.iterations.size()) - 1);  // less the start
+    if (!summary.IsSolutionUsable() || monitor.must_stop()) {
+      return monitor.Finish(Termination::kFailure, summary.message);
+    }
 
-    auto now = bounds.Held(result.x, evaluations.At(result.x));
+    auto now = bounds.Held(x, monitor.Factor(x));
     const bool stopped_at_bound = summary.termination_type == ceres::USER_SUCCESS;
     for (std::size_t k = 0; stopped_at_bound && k < now.size(); ++k) now[k] = now[k] || held[k];
     if (summary.termination_type == ceres::CONVERGENCE && now == held) {
-      return finish(Termination::kConverged, summary.message);
+      return monitor.Finish(Termination::kConverged, summary.message);
     }
-    if (result.iterations >= options.max_iterations) {
-      return finish(Termination::kMaxIterations, "The most iterations were made.");
+    if (monitor.iterations() >= options.max_iterations) {
+      return monitor.Finish(Termination::kMaxIterations, "The most iterations were made.");
     }
     held = std::move(now);
   }

@@ -10,6 +10,7 @@
 /// tests/identify/optimizers/levenberg_marquardt_test.cc.
 
 #include "identify/optimizers/least_squares.h"
+#include "identify/optimizers/local_search.h"
 #include "model/core/options.h"
 
 namespace lipoid {
@@ -23,6 +24,13 @@ struct LevenbergMarquardtOptions {
   double gradient_tolerance = 1e-16;
   /// Accepted and rejected steps together.
   int max_iterations = 200;
+
+  /// With the stopping rules that all local searches share, for a problem of so many parameters.
+  [[nodiscard]] static LevenbergMarquardtOptions From(const LocalSearchOptions& stop, int size) {
+    return {.function_tolerance = stop.function_tolerance,
+            .step_tolerance = stop.step_tolerance,
+            .max_iterations = stop.iterations_per_variable * size};
+  }
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
@@ -39,7 +47,7 @@ struct LevenbergMarquardtOptions {
   }
 };
 
-[[nodiscard]] LeastSquaresSummary MinimizeLevenbergMarquardt(
+[[nodiscard]] OptimizationSummary MinimizeLevenbergMarquardt(
     const LeastSquaresProblem& problem,
     const Eigen::VectorXd& start,
     const LevenbergMarquardtOptions& options = {});

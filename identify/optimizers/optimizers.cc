@@ -1,17 +1,119 @@
 #include "identify/optimizers/optimizers.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <type_traits>
+
+#include "identify/optimizers/active_set.h"
+#include "identify/optimizers/bobyqa.h"
+#include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/levenberg_marquardt.h"
+#include "identify/optimizers/nelder_mead.h"
+#include "identify/optimizers/sqp.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
+namespace {
+
+// The columns of the table that follow from where the options are kept.
+template <auto kMember>
+OptimizerEntry Entry(OptimizerEntry entry) {
+  using Options = std::remove_cvref_t<decltype(OptimizerSettings{}.*kMember)>;
+  entry.options = &DescribeOptions<Options>;
+  entry.set = [](OptimizerSettings& settings, std::string_view option, std::string_view text) {
+    SetOption(settings.*kMember, option, text);
+  };
+  entry.values = [](const OptimizerSettings& settings) { return OptionValues(settings.*kMember); };
+  return entry;
+}
+
+template <auto kMember, auto kMinimize>
+OptimizationSummary Call(const OptimizationProblem& problem,
+                         const Eigen::VectorXd& start,
+                         const OptimizerSettings& settings) {
+  return kMinimize(problem, start, settings.*kMember);
+}
+
+OptimizationSummary LevenbergMarquardt(const OptimizationProblem& problem,
+                                       const Eigen::VectorXd& start,
+                                       const OptimizerSettings& settings) {
+  return MinimizeLevenbergMarquardt(
+      dynamic_cast<const LeastSquaresProblem&>(problem),
+      start,
+      LevenbergMarquardtOptions::From(settings.levenberg_marquardt, problem.size()));
+}
+
+bool HasBox(const OptimizationProblem& problem) {
+  const Eigen::VectorXd lower = problem.lower();
+  const Eigen::VectorXd upper = problem.upper();
+  return std::all_of(lower.begin(), lower.end(), &IsBound) &&
+         std::all_of(upper.begin(), upper.end(), &IsBound);
+}
+
+}  // namespace
 
 const std::vector<OptimizerEntry>& Optimizers() {
+  using S = OptimizerSettings;
   static const std::vector<OptimizerEntry> table = {
-      {"levenberg-marquardt",
-       "Ceres",
-       "damped Gauss-Newton steps with exact gradients and bounds; the default",
-       &DescribeOptions<LevenbergMarquardtOptions>},
+      Entry<&S::sqp>({.name = "sqp",
+                      .library = "NLopt",
+                      .summary = "sequential quadratic programming (SLSQP)",
+                      .needs_gradient = true,
+                      .run = &Call<&S::sqp, &MinimizeSqp>}),
+      Entry<&S::active_set>({.name = "active-set",
+                             .library = "NLopt",
+                             .summary = "quasi-Newton steps with an active set of bounds (VAR2)",
+                             .needs_gradient = true,
+                             .run = &Call<&S::active_set, &MinimizeActiveSet>}),
+      Entry<&S::levenberg_marquardt>(
+          {.name = "levenberg-marquardt",
+           .library = "Ceres",
+           .summary = "damped Gauss-Newton steps with an active set of bounds; identify's own",
+           .needs_least_squares = true,
+           .needs_gradient = true,
+           .run = &LevenbergMarquardt}),
+      Entry<&S::nelder_mead>({.name = "nelder-mead",
+                              .library = "NLopt",
+                              .summary = "a simplex that moves downhill, without gradients",
+                              .run = &Call<&S::nelder_mead, &MinimizeNelderMead>}),
+      Entry<&S::bobyqa>(
+          {.name = "bobyqa",
+           .library = "NLopt",
+           .summary = "a trust region on an interpolated quadratic, without gradients",
+           .run = &Call<&S::bobyqa, &MinimizeBobyqa>}),
   };
   return table;
+}
+
+OptimizationSummary OptimizerEntry::Minimize(const OptimizationProblem& problem,
+                                             const Eigen::VectorXd& start,
+                                             const OptimizerSettings& settings) const {
+  std::string lacking;
+  if (needs_least_squares && dynamic_cast<const LeastSquaresProblem*>(&problem) == nullptr) {
+    lacking = "residuals, and the problem has only a cost";
+  } else if (needs_gradient && !problem.has_gradient()) {
+    lacking = "a gradient, and the problem has none";
+  } else if (needs_box && !HasBox(problem)) {
+    lacking = "finite bounds of every parameter (--bounds NAME=LOW,HIGH)";
+  }
+  if (lacking.empty()) return run(problem, start, settings);
+  OptimizationSummary refused;
+  refused.termination = Termination::kFailure;
+  refused.message = fmt::format("{} needs {}.", name, lacking);
+  refused.x = start.cwiseMax(problem.lower()).cwiseMin(problem.upper());
+  return refused;
+}
+
+const OptimizerEntry& FindOptimizer(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (const auto& entry : Optimizers()) {
+    if (entry.name == name) return entry;
+    known.push_back(entry.name);
+  }
+  throw OptionError(
+      fmt::format("unknown optimizer '{}': expected one of {}", name, fmt::join(known, ", ")));
 }
 
 }  // namespace lipoid

@@ -1,23 +1,62 @@
 #pragma once
 
 /// @file
-/// The only list of optimizers: help, messages, docs and tests are made from it.
+/// The only list of optimizers: help, messages, docs and tests are made from it. The order is that
+/// of Table 4.4 of the thesis, then what it did not try. docs/optimizers.md compares them.
+///
+///   const OptimizerEntry& optimizer = FindOptimizer("sqp");
+///   const OptimizationSummary summary = optimizer.Minimize(problem, start, settings);
 
-#include <array>
+#include <Eigen/Core>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "identify/optimizers/local_search.h"
+#include "identify/optimizers/problem.h"
+#include "identify/optimizers/summary.h"
 #include "model/core/options.h"
 
 namespace lipoid {
+
+/// The options of all optimizers, with the thesis' defaults.
+struct OptimizerSettings {
+  LocalSearchOptions sqp;
+  LocalSearchOptions active_set;
+  LocalSearchOptions levenberg_marquardt;
+  DirectSearchOptions nelder_mead;
+  DirectSearchOptions bobyqa;
+};
 
 struct OptimizerEntry {
   std::string_view name;
   std::string_view library;
   std::string_view summary;
-  std::vector<OptionDescription> (*options)();
+
+  bool needs_least_squares = false;  ///< a LeastSquaresProblem
+  bool needs_gradient = false;
+  bool needs_box = false;  ///< every parameter has two finite bounds, or equal ones
+  bool global = false;     ///< searches the whole box, by settings.seed
+
+  std::vector<OptionDescription> (*options)() = nullptr;
+  void (*set)(OptimizerSettings&, std::string_view option, std::string_view text) = nullptr;
+  std::vector<std::pair<std::string, std::string>> (*values)(const OptimizerSettings&) = nullptr;
+
+  OptimizationSummary (*run)(const OptimizationProblem&,
+                             const Eigen::VectorXd& start,
+                             const OptimizerSettings&) = nullptr;
+
+  /// Throws nothing for what the problem does, save std::bad_alloc. A problem that lacks what is
+  /// needed is a kFailure whose message says so.
+  [[nodiscard]] OptimizationSummary Minimize(const OptimizationProblem& problem,
+                                             const Eigen::VectorXd& start,
+                                             const OptimizerSettings& settings = {}) const;
 };
 
 [[nodiscard]] const std::vector<OptimizerEntry>& Optimizers();
+
+/// Throws OptionError naming all optimizers.
+[[nodiscard]] const OptimizerEntry& FindOptimizer(std::string_view name);
 
 }  // namespace lipoid

@@ -10,97 +10,16 @@
 #include <random>
 
 #include "tests/identify/optimizers/nist_problems.h"
+#include "tests/identify/optimizers/test_problems.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kUnbounded = 1e300;
-
-// Any residuals and Jacobian as a problem: the triangular factor by a QR of [J r].
-class DenseProblem : public LeastSquaresProblem {
- public:
-  // Fills r and, where it is not null, J.
-  using Function =
-      std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* j)>;
-
-  DenseProblem(int size, Function function)
-      : lower_(Eigen::VectorXd::Constant(size, -kUnbounded)),
-        upper_(Eigen::VectorXd::Constant(size, kUnbounded)),
-        function_(std::move(function)) {}
-
-  DenseProblem& Bound(int k, double lower, double upper) {
-    lower_[k] = lower;
-    upper_[k] = upper;
-    return *this;
-  }
-  [[nodiscard]] int size() const override { return static_cast<int>(lower_.size()); }
-  [[nodiscard]] Eigen::VectorXd lower() const override { return lower_; }
-  [[nodiscard]] Eigen::VectorXd upper() const override { return upper_; }
-  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override {
-    ++evaluations;
-    if (jacobian) ++gradient_evaluations;
-    outside = outside || (x.array() < lower_.array()).any() || (x.array() > upper_.array()).any();
-    const int n = size();
-    Eigen::VectorXd r;
-    Eigen::MatrixXd j;
-    function_(x, r, jacobian ? &j : nullptr);
-    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(n + 1, n + 1);
-    if (!jacobian) {
-      factor(n, n) = r.norm();
-      return factor;
-    }
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(r.size(), n + 1), n + 1);
-    all.topLeftCorner(r.size(), n) = j;
-    all.topRightCorner(r.size(), 1) = r;
-    if (!all.allFinite()) return Eigen::MatrixXd::Constant(n + 1, n + 1, kNaN);
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
-    return qr.matrixQR().topRows(n + 1).triangularView<Eigen::Upper>();
-  }
-
-  mutable int evaluations = 0;
-  mutable int gradient_evaluations = 0;
-  mutable bool outside = false;  // was asked beyond the bounds
-
- private:
-  Eigen::VectorXd lower_, upper_;
-  Function function_;
-};
-
-DenseProblem MakeNistProblem(const test::NistProblem& nist) {
-  const auto n = static_cast<Eigen::Index>(nist.certified.size());
-  return DenseProblem(static_cast<int>(n), [&nist, n](const auto& x, auto& r, auto* j) {
-    const auto rows = static_cast<Eigen::Index>(nist.x.size());
-    r.resize(rows);
-    if (j != nullptr) j->resize(rows, n);
-    std::vector<test::NistJet> b;
-    for (int k = 0; k < n; ++k) b.emplace_back(x[k], k);
-    for (Eigen::Index k = 0; k < rows; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      const test::NistJet predicted = nist.model(b, nist.x[at]);
-      r[k] = nist.y[at] - predicted.a;
-      if (j != nullptr) j->row(k) = -predicted.v.head(n).transpose();
-    }
-  });
-}
-
-// r = A x - b.
-DenseProblem LinearProblem(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  return DenseProblem(static_cast<int>(a.cols()), [a, b](const auto& x, auto& r, auto* j) {
-    r = a * x - b;
-    if (j != nullptr) *j = a;
-  });
-}
-
-DenseProblem Rosenbrock() {
-  return DenseProblem(2, [](const auto& x, auto& r, auto* j) {
-    r = Eigen::Vector2d(10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
-    if (j != nullptr) {
-      j->resize(2, 2);
-      *j << -20.0 * x[0], 10.0, -1.0, 0.0;
-    }
-  });
-}
+using test::DenseProblem;
+using test::kNaN;
+using test::LinearProblem;
+using test::MakeNistProblem;
+using test::Rosenbrock;
 
 Eigen::VectorXd Gradient(const DenseProblem& problem, const Eigen::VectorXd& x) {
   const Eigen::MatrixXd factor = problem.Factor(x, true);
@@ -145,8 +64,8 @@ TEST_P(NistStrd, IsSolvedToSixDigits) {
     }
     EXPECT_NEAR(
         2.0 * fit.cost, nist.certified_sum_of_squares, 1e-9 * nist.certified_sum_of_squares);
-    EXPECT_EQ(fit.evaluations, problem.evaluations);
-    EXPECT_EQ(fit.gradient_evaluations, problem.gradient_evaluations);
+    EXPECT_EQ(fit.evaluations, problem.evaluations());
+    EXPECT_EQ(fit.gradient_evaluations, problem.gradient_evaluations());
   }
 }
 
@@ -194,7 +113,7 @@ TEST(LevenbergMarquardt, FindsTheOptimumOfBoundedLinearProblems) {
     EXPECT_LT((fit.x - best).norm(), 1e-6) << "seed " << seed << ", expected " << best.transpose();
     EXPECT_NEAR(fit.cost, best_cost, 1e-12 * best_cost) << "seed " << seed;
     ExpectKkt(problem, fit.x, 2e-5);
-    EXPECT_FALSE(problem.outside) << "seed " << seed;
+    EXPECT_FALSE(problem.outside()) << "seed " << seed;
     for (int k = 0; k < kSize; ++k) at_bounds += best[k] == -0.3 || best[k] == 0.5;
   }
   EXPECT_GT(at_bounds, 60);  // of 180: the test is about bounds
@@ -286,7 +205,7 @@ TEST(LevenbergMarquardt, StartsInsideWhateverItIsGiven) {
   problem.Bound(0, 0.0, 2.0).Bound(1, 0.0, 2.0);
   const auto fit = MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-100.0, 100.0));
   EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
-  EXPECT_FALSE(problem.outside);
+  EXPECT_FALSE(problem.outside());
   EXPECT_NEAR(fit.x[0], 1.0, 1e-8);
 }
 
@@ -302,7 +221,7 @@ TEST(LevenbergMarquardt, SaysThatItFailedWhereTheStartHasNoValue) {
     EXPECT_FALSE(fit.message.empty());
     EXPECT_EQ(fit.x[0], 0.5);
     EXPECT_TRUE(std::isnan(fit.cost)) << fit.cost;
-    EXPECT_EQ(problem.evaluations, 1);
+    EXPECT_EQ(problem.evaluations(), 1);
   }
 }
 
@@ -337,7 +256,7 @@ TEST(LevenbergMarquardt, KeepsToItsIterationsOverAllRounds) {
     const auto fit =
         MinimizeLevenbergMarquardt(problem, Eigen::Vector2d(-1.2, 0.2), {.max_iterations = most});
     EXPECT_LE(fit.iterations, most);
-    EXPECT_LE(problem.evaluations,
+    EXPECT_LE(problem.evaluations(),
               most + 4);  // the start, every step, and one that confirms each of three rounds
     EXPECT_TRUE(fit.usable());
   }

@@ -1,0 +1,144 @@
+#include "identify/optimizers/nlopt_adapter.h"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace lipoid {
+namespace {
+
+struct DestroyNlopt {
+  void operator()(nlopt_opt library) const { nlopt_destroy(library); }
+};
+using Nlopt = std::unique_ptr<nlopt_opt_s, DestroyNlopt>;
+
+constexpr nlopt_algorithm Algorithm(NloptMethod method) {
+  switch (method) {
+    case NloptMethod::kSequentialQuadratic:
+      return NLOPT_LD_SLSQP;
+    case NloptMethod::kActiveSet:
+      return NLOPT_LD_VAR2;
+    case NloptMethod::kNelderMead:
+      return NLOPT_LN_NELDERMEAD;
+    case NloptMethod::kBobyqa:
+      return NLOPT_LN_BOBYQA;
+  }
+  return NLOPT_NUM_ALGORITHMS;
+}
+
+constexpr bool UsesGradient(NloptMethod method) {
+  return method == NloptMethod::kSequentialQuadratic || method == NloptMethod::kActiveSet;
+}
+
+struct Call {
+  Monitor& monitor;
+  nlopt_opt library;
+  bool uses_gradient;
+  bool smooth;
+  int max_iterations;
+  double highest;  // cost seen
+};
+
+// Called from C: nothing is thrown.
+double Objective(unsigned n, const double* x, double* gradient, void* data) {
+  Call& call = *static_cast<Call*>(data);
+  const auto size = static_cast<Eigen::Index>(n);
+  const Eigen::VectorXd point = Eigen::Map<const Eigen::VectorXd>(x, size);
+  double cost = 0.0;
+  if (gradient == nullptr) {
+    cost = call.monitor.Cost(point);
+  } else {
+    Eigen::VectorXd slope;
+    cost = call.monitor.Gradient(point, slope);
+    if (!std::isfinite(cost)) slope.setZero();
+    Eigen::Map<Eigen::VectorXd>(gradient, size) = slope;
+  }
+  if (gradient != nullptr || !call.uses_gradient) call.monitor.CountIterations();
+  if (call.monitor.must_stop() || call.monitor.iterations() >= call.max_iterations) {
+    nlopt_force_stop(call.library);
+  }
+  // A quadratic model cannot pass through infinity: there the wall is as high as the hills.
+  if (!std::isfinite(cost)) return call.smooth ? call.highest : HUGE_VAL;
+  call.highest = std::max(call.highest, cost);
+  return cost;
+}
+
+// NLopt knows no bound by its infinity.
+std::vector<double> Bounds(const Eigen::VectorXd& bounds) {
+  std::vector<double> all;
+  for (const double bound : bounds) {
+    all.push_back(IsBound(bound) ? bound : std::copysign(HUGE_VAL, bound));
+  }
+  return all;
+}
+
+// A tenth of each parameter, say, as far as a quarter of the room between its bounds.
+std::vector<double> InitialSteps(const Monitor& monitor, double relative) {
+  std::vector<double> steps;
+  for (Eigen::Index k = 0; k < monitor.size(); ++k) {
+    const double x = std::abs(monitor.start()[k]);
+    const double wanted = relative * (x > 0.0 ? x : 1.0);
+    const bool bounded = IsBound(monitor.lower()[k]) && IsBound(monitor.upper()[k]);
+    const double room = bounded ? monitor.upper()[k] - monitor.lower()[k] : kUnbounded;
+    steps.push_back(std::min(wanted, 0.25 * room));
+  }
+  return steps;
+}
+
+OptimizationSummary Ended(Monitor& monitor, nlopt_result result, const char* why, bool limit) {
+  switch (result) {
+    case NLOPT_XTOL_REACHED:
+      return monitor.Finish(Termination::kConverged, "The steps became small (step_tolerance).");
+    case NLOPT_FTOL_REACHED:
+      return monitor.Finish(Termination::kConverged,
+                            "The cost changed little (function_tolerance).");
+    case NLOPT_SUCCESS:
+      return monitor.Finish(Termination::kConverged, "The gradient vanished.");
+    case NLOPT_ROUNDOFF_LIMITED:
+      return monitor.Finish(Termination::kConverged, "Rounding errors allow no further step.");
+    case NLOPT_FORCED_STOP:
+      if (limit) {
+        return monitor.Finish(Termination::kMaxIterations, "The most iterations were made.");
+      }
+      break;
+    default:
+      break;
+  }
+  return monitor.Finish(Termination::kFailure,
+                        why != nullptr ? why : "NLopt found no step that helps.");
+}
+
+}  // namespace
+
+OptimizationSummary MinimizeWithNlopt(Monitor& monitor, const NloptSetup& setup) {
+  const bool uses_gradient = UsesGradient(setup.method);
+  const int most = setup.iterations_per_variable * monitor.size();
+  if (auto done = monitor.Begin(uses_gradient, most)) return *std::move(done);
+
+  const Nlopt library(nlopt_create(Algorithm(setup.method), static_cast<unsigned>(monitor.size())));
+  if (library == nullptr) throw std::bad_alloc();
+  Call call{.monitor = monitor,
+            .library = library.get(),
+            .uses_gradient = uses_gradient,
+            .smooth = setup.method == NloptMethod::kBobyqa,
+            .max_iterations = most,
+            .highest = monitor.best_cost()};
+  nlopt_set_min_objective(library.get(), &Objective, &call);
+  nlopt_set_lower_bounds(library.get(), Bounds(monitor.lower()).data());
+  nlopt_set_upper_bounds(library.get(), Bounds(monitor.upper()).data());
+  nlopt_set_xtol_rel(library.get(), setup.step_tolerance);
+  nlopt_set_ftol_rel(library.get(), setup.function_tolerance);
+  if (setup.initial_step > 0.0) {
+    nlopt_set_initial_step(library.get(), InitialSteps(monitor, setup.initial_step).data());
+  }
+  std::vector<double> x(monitor.start().begin(), monitor.start().end());
+  double cost = 0.0;
+  const nlopt_result result = nlopt_optimize(library.get(), x.data(), &cost);
+  return Ended(monitor, result, nlopt_get_errmsg(library.get()), monitor.iterations() >= most);
+}
+
+}  // namespace lipoid
