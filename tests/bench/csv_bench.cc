@@ -4,6 +4,8 @@
 //   lipoid_bench --benchmark_filter=ReadLog --csv-megabytes=200
 //
 // The file is made by this program: a pulse log at 10 ms with the shortest digits that read back.
+// Another one is read by --csv-file=FILE (time_s,current_A,voltage_V); its sums are then those of a
+// plain reader.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -19,6 +21,7 @@
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
 #include "tests/bench/bench_options.h"
+#include "tests/support/plain_csv.h"
 
 namespace lipoid {
 namespace {
@@ -58,7 +61,28 @@ struct LogFile {
   LogFile() = default;
   LogFile(const LogFile&) = delete;
   LogFile& operator=(const LogFile&) = delete;
-  ~LogFile() { std::filesystem::remove(path); }
+  ~LogFile() {
+    if (bench::CsvFile().empty()) std::filesystem::remove(path);
+  }
+
+  void Make() {
+    constexpr double kBytesPerRow = 46.0;
+    const auto count = static_cast<std::size_t>(bench::CsvMegabytes() * 1e6 / kBytesPerRow);
+    const Record record = PulseLog(count);
+    Take(record);
+    WriteLog(record, path);
+    bytes = std::filesystem::file_size(path);
+  }
+  void Find() {
+    path = bench::CsvFile();
+    Take(test::ReadPlainCsv(path));
+    bytes = std::filesystem::file_size(path);
+  }
+  void Take(const Record& record) {
+    rows = record.size();
+    for (std::size_t k = 0; k < rows; ++k)
+      sums.Add(record.time_s[k], record.current_A[k], record.voltage_V[k]);
+  }
 
   std::string path =
       (std::filesystem::temp_directory_path() / ("lipoid_csv_bench." + std::to_string(::getpid())))
@@ -68,18 +92,14 @@ struct LogFile {
   Sums sums;
 };
 
-// Written once per run of the program.
+// Written, or read by other means, once per run of the program.
 const LogFile& File() {
   static LogFile made;
-  if (made.rows == 0) {
-    constexpr double kBytesPerRow = 46.0;
-    made.rows = static_cast<std::size_t>(bench::CsvMegabytes() * 1e6 / kBytesPerRow);
-    const Record record = PulseLog(made.rows);
-    for (std::size_t k = 0; k < record.size(); ++k) {
-      made.sums.Add(record.time_s[k], record.current_A[k], record.voltage_V[k]);
-    }
-    WriteLog(record, made.path);
-    made.bytes = std::filesystem::file_size(made.path);
+  if (made.rows > 0) return made;
+  if (bench::CsvFile().empty()) {
+    made.Make();
+  } else {
+    made.Find();
   }
   return made;
 }

@@ -6,58 +6,18 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <random>
 
 #include "identify/stages/open_circuit_voltage_fit.h"
 #include "identify/stages/pulse_fit.h"
 #include "identify/stages/voltage_sweep.h"
-#include "model/battery/prediction.h"
+#include "tests/bench/bench_cell.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kNoise_V = 2e-4;
-
-Cell BenchCell(int terms, int branches) {
-  Cell cell;
-  cell.capacity_Ah = 0.376;
-  cell.diffusion = Cell::Diffusion{.alpha_C = 1353.6, .beta_per_sqrt_s = 0.1924, .terms = terms};
-  cell.series_resistance_Ohm = Resistance<double>(0.1314);
-  for (int j = 0; j < branches; ++j) {
-    cell.branches.push_back({.resistance_Ohm = Resistance<double>(0.03),
-                             .time_constant_s = 45.0 * std::pow(0.1, j),
-                             .capacitance_F = {}});
-  }
-  std::vector<double> soc;
-  std::vector<double> voltage_V;
-  for (int k = 0; k <= 200; ++k) {
-    const double a = -0.05 + 1.05 * k / 200;
-    soc.push_back(a);
-    voltage_V.push_back(3.7 + 0.4 * a - 0.6 * std::exp(-30.0 * (a + 0.05)));
-  }
-  cell.open_circuit_voltage = OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
-  return cell;
-}
-
-// `count` rounds of `load_s` at current_A and `rest_s` of rest, with 0.2 mV of noise.
-Record BenchLog(const Cell& cell, int count, double current_A, double load_s, double rest_s) {
-  constexpr double kSampling_s = 0.01;
-  Record record;
-  const auto round = static_cast<std::size_t>((load_s + rest_s) / kSampling_s);
-  const std::size_t rows = static_cast<std::size_t>(count) * round + 1;
-  record.time_s.resize(rows);
-  record.current_A.resize(rows);
-  for (std::size_t k = 0; k < rows; ++k) {
-    record.time_s[k] = static_cast<double>(k) / 100.0;
-    const bool load = k > 0 && static_cast<double>((k - 1) % round) * kSampling_s < load_s;
-    record.current_A[k] = load ? current_A : 0.0;
-  }
-  record.voltage_V = Predict(cell, record.time_s, record.current_A).voltage_V;
-  std::mt19937 engine(1);
-  std::normal_distribution<double> normal;
-  for (double& v : record.voltage_V) v += kNoise_V * normal(engine);
-  return record;
-}
+using bench::BenchCell;
+using bench::BenchLog;
+using bench::kNoise_V;
 
 VoltageSweep BenchSweep(const Cell& cell, const Record& record) {
   return {{.alpha_C = cell.diffusion->alpha_C,

@@ -1,0 +1,70 @@
+"""The thesis-scale campaign: made once by lipoid, read by lipoid and by its peer.
+
+Table 4.8 with a branch that can be seen, 10 ms sampling, 1 mV of noise, 10 uV of resolution. The
+header is the peer's, time_s,current_a,voltage_v (lipoid does not mind), and the peer's names of the
+files are links: both read the same bytes.
+"""
+
+from .process import run, say
+
+NOISE_V = 0.001
+OPTIONS = [
+    "--with", "r_1=0.0005,c_1=60000", "--rates-C", "1,2,3,4,5,6,7,8",
+    "--voltage-noise-V", str(NOISE_V), "--voltage-resolution-V", "0.00001", "--seed", "1",
+]
+HEADER = b"time_s,current_A,voltage_V\n"
+PEER_HEADER = HEADER.lower()
+
+
+def make(lipoid, folder, sampling_s):
+    """{"command", "folder", "files", "bytes", "rows"}; made anew where another one is there."""
+    command = [lipoid, "synthesize", "grepow-32Ah-1", *OPTIONS]
+    if sampling_s != 0.01:
+        command += ["--sampling-s", str(sampling_s)]
+    command += ["-o", folder]
+    stamp = folder / "made_by.txt"
+    text = " ".join(str(word) for word in command[1:])
+    if not stamp.is_file() or stamp.read_text(encoding="utf-8") != text:
+        say("making the campaign")
+        run(command)
+        for file in sorted(folder.glob("*.csv")):
+            write_peer_header(file)
+        link_peer_names(folder)
+        stamp.write_text(text, encoding="utf-8")
+    files = [describe(file) for file in sorted(folder.glob("*.csv"))]
+    return {
+        "command": "lipoid " + text.replace(str(folder), f"build/bench/{folder.name}"),
+        "folder": f"build/bench/{folder.name}",
+        "files": files,
+        "bytes": sum(file["bytes"] for file in files),
+        "rows": sum(file["rows"] for file in files),
+    }
+
+
+def write_peer_header(file):
+    """The same letters in lower case: not a byte moves."""
+    with open(file, "r+b") as stream:
+        if stream.read(len(HEADER)) in (HEADER, PEER_HEADER):
+            stream.seek(0)
+            stream.write(PEER_HEADER)
+        else:
+            raise ValueError(f"{file}: expected the header {HEADER!r}")
+
+
+def peer_folder(folder):
+    return folder / "peer"
+
+
+def link_peer_names(folder):
+    links = peer_folder(folder)
+    links.mkdir(exist_ok=True)
+    for file in sorted(folder.glob("*.csv")):
+        link = links / ("pulse.csv" if file.name == "pulses.csv" else file.name)
+        link.unlink(missing_ok=True)
+        link.symlink_to(f"../{file.name}")
+
+
+def describe(file):
+    with open(file, "rb") as stream:
+        rows = sum(block.count(b"\n") for block in iter(lambda: stream.read(1 << 22), b"")) - 1
+    return {"file": file.name, "bytes": file.stat().st_size, "rows": rows}

@@ -1,0 +1,233 @@
+"""docs/benchmarks.md from the JSON that tools/bench leaves: nothing in it is typed by hand."""
+
+import math
+
+from . import figure
+
+
+def number(value, digits=4):
+    """So many significant digits, thousands set apart; "-" where there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if exponent < -4 or exponent >= 9:
+        return f"{value:.{digits - 1}e}"
+    decimals = max(0, digits - 1 - exponent)
+    return f"{round(value, digits - 1 - exponent):,.{decimals}f}"
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def code(command):
+    return f"    {command}\n"
+
+
+def write(result, figure_name):
+    """(markdown, svg or None)."""
+    stages = result["stages"]
+    parts = [head(result), goals(result["goals"]), machine(result["machine"])]
+    parts.append(campaign(result["campaign"]))
+    for name, section in (("staged", staged), ("optimizers", optimizers), ("csv", csv_reading),
+                          ("pybop", pybop)):
+        if name in stages:
+            parts.append(section(stages[name], stages))
+    if "limits" in stages:
+        parts.append(limits(result))
+    svg = None
+    if "growth" in stages:
+        parts.append(growth(stages["growth"], figure_name))
+        svg = figure.draw(stages["growth"])
+    return "\n".join(parts), svg
+
+
+def head(result):
+    text = ("# Benchmarks\n\n"
+            "Made by `tools/bench --report` from the JSON beside this file, which `tools/bench "
+            "--peers` left: run both to\nhave your own. lipoid and its peers ran in turn, on the "
+            "same files and machine, in one go; figures are medians,\nruns of each: "
+            f"{result['runs']}.\n")
+    if result["quick"]:
+        text += ("\n**A quick run (--quick): a tenth of the rows, one run each. Not the figures "
+                 "to quote.**\n")
+    return text
+
+
+def goals(rows):
+    words = {True: "yes", False: "no", None: "not measured"}
+    return "## Goals\n\n" + table(
+        ["goal", "wanted", "found", "met"],
+        [[row["goal"], row["wanted"], row["found"] or "-", words[row["met"]]] for row in rows])
+
+
+def machine(facts):
+    peers = facts["peers"]
+    software = ", ".join(f"{name} {version}" for name, version in peers.items()) or "none"
+    commit = facts["commit"] + (" with changes" if facts["modified"] else "")
+    return "## Machine\n\n" + table(["", ""], [
+        ["processor", f"{facts['processor']}, {facts['cores']} cores"],
+        ["memory", f"{facts['memory_GB']} GB"],
+        ["system", f"{facts['system']} {facts['kernel']}"],
+        ["compiler", f"{facts['compiler']}, `{facts['flags']}`"],
+        ["lipoid", f"commit {commit}"],
+        ["peers", software],
+        ["date", facts["date"]],
+        ["load before the run", facts["load_average_before"]],
+    ])
+
+
+def campaign(facts):
+    rows = [[file["file"], f"{file['rows']:,}", number(file["bytes"] / 1e6)]
+            for file in facts["files"]]
+    rows.append(["all", f"{facts['rows']:,}", number(facts["bytes"] / 1e6)])
+    return ("## The campaign\n\n" + code(facts["command"]) + "\n"
+            + table(["file", "rows", "MB"], rows)
+            + "\nThe header is the peer's, its names of the files are links: both read the same "
+            "bytes, which were read or\nwritten before and lie in the page cache.\n")
+
+
+def ratio(theirs, ours):
+    return f"{number(theirs / ours, 4)}"
+
+
+def staged(stage, _):
+    ours = stage["lipoid"]["median"]
+    text = "## The staged run\n\n" + code(stage["lipoid"]["command"])
+    if "peer" not in stage:
+        text += f"\nThe SciPy peer was skipped: {stage['peer_skipped']}.\n\n"
+        theirs = {}
+    else:
+        text += code(stage["peer"]["command"]) + "\n"
+        theirs = stage["peer"]["median"]
+
+    def line(what, our_key, their_key, factor=1.0):
+        mine = ours[our_key] * factor
+        other = theirs.get(their_key)
+        if other is None:
+            return [what, number(mine), "-", "-"]
+        return [what, number(mine), number(other * factor), ratio(other * factor, mine)]
+
+    rows = [
+        line("whole run / s", "wall_s", "total_s"),
+        line("the same, process time of all cores / s", "processor_s", "processor_s"),
+        line("the joint fit (4.61) alone / s", "joint_fit_s", "fit_s"),
+        line("peak memory / MB", "peak_memory_MB", "peak_memory_MB"),
+        line("rmse of the pulses / mV", "rmse_V", "rmse_V", 1e3),
+        line("evaluations of the residual by the fit", "joint_fit_evaluations", "evaluations"),
+    ]
+    text += table(["", "lipoid", "SciPy", "ratio"], rows)
+    both = ours["fit_beta_held_s"] + ours["joint_fit_s"]
+    text += (f"\nlipoid is charged for its whole process, the peer for what it prints (its TOTAL "
+             "leaves the start of Python out).\nThe staged run also fits (4.60), with beta held, "
+             f"which the peer does not: {number(ours['fit_beta_held_s'])} s; both fits together "
+             f"{number(both)} s")
+    if theirs:
+        text += f", {ratio(theirs['fit_s'], both)} times faster than the peer's one"
+        text += (".\nHow many evaluations the peer's differences need is luck, and differs from "
+                 "branch to branch: one of its evaluations takes\n"
+                 f"{number(theirs['evaluation_s'])} s, in which lipoid makes "
+                 f"{number(theirs['evaluation_s'] / ours['joint_fit_s'], 3)} whole fits")
+    check = stage["validation"]
+    text += (f".\n`lipoid validate` recomputes the rmse from the cell file and the CSV over all "
+             f"rows: {number(1e3 * check['rmse_V'], 7)} mV,\nwhich differs from the fit's by "
+             f"{check['difference_V']:.1e} V (allowed {check['allowed_V']:.0e} V).\n\n")
+    names = ["lipoid"] + (["peer"] if theirs else [])
+    wall = {"lipoid": ("wall_s", "joint_fit_s"), "peer": ("total_s", "fit_s")}
+    text += table(["run", *(f"{name}: {what} / s" for name in names for what in ("whole", "fit"))],
+                  [[k + 1, *(number(stage[name]["runs"][k][key]) for name in names
+                             for key in wall[name])]
+                   for k in range(len(stage["lipoid"]["runs"]))])
+    return text
+
+
+def optimizers(stage, _):
+    text = "## Optimizers\n\n"
+    if "skipped" in stage:
+        return text + f"Skipped: {stage['skipped']}.\n"
+    rows = [[row["optimizer"], number(row["wall_s"]), number(1e3 * row["rmse_V"], 6),
+             number(row["cost_above_best_percent"], 3), row["evaluations"],
+             row["gradient_evaluations"] if row["gradient_evaluations"] is not None else "-",
+             row["termination"]] for row in stage["rows"]]
+    return (text + code(stage["command"]) + "\n"
+            + table(["optimizer", "time / s", "rmse / mV", "cost above best / %", "evaluations",
+                     "of gradients", "stopped"], rows)
+            + "\nThe thesis needed 9,900 to 12,600 s for particle swarm.\n")
+
+
+def csv_reading(stage, _):
+    text = "## CSV reading\n\n" + code(stage["lipoid"]["command"])
+    ours = stage["lipoid"]["median"]["wall_s"]
+    megabytes = stage["bytes"] / 1e6
+    rows = [["lipoid", number(ours), number(megabytes / ours), "1"]]
+    if "pandas" in stage:
+        theirs = stage["pandas"]["median"]["wall_s"]
+        text += code(stage["pandas"]["command"])
+        rows.append(["pandas", number(theirs), number(megabytes / theirs), ratio(theirs, ours)])
+    text += f"\n{stage['file']}, {number(megabytes)} MB:\n\n"
+    text += table(["", "time / s", "MB/s", "ratio"], rows)
+    if stage["pandas_skipped"]:
+        text += f"\npandas was skipped: {stage['pandas_skipped']}.\n"
+    return text
+
+
+def limits(result):
+    stage = result["stages"]["limits"]
+    rows = []
+    ours = result["stages"].get("staged", {}).get("lipoid", {}).get("median")
+    if ours:
+        least = result["campaign"]["bytes"] / stage["page_cache_bytes_per_s"]
+        rows.append(["whole run", "bytes of the CSV from the page cache", number(least, 3),
+                     number(ours["wall_s"], 3), number(ours["wall_s"] / least, 3)])
+    reading = result["stages"].get("csv")
+    if reading:
+        least = reading["bytes"] / stage["page_cache_bytes_per_s"]
+        found = reading["lipoid"]["median"]["wall_s"]
+        rows.append(["CSV reading", "bytes of the CSV from the page cache", number(least, 3),
+                     number(found, 3), number(found / least, 3)])
+    points = result["stages"].get("growth", {}).get("series", {}).get("sweep", {}).get("points")
+    if points:
+        most = points[-1]
+        least = most["rows"] * 24 / stage["memory_bytes_per_s"]
+        rows.append([f"one sweep of {most['rows']:.0e} rows", "24 bytes per row from memory",
+                     number(least, 3), number(most["wall_s"], 3),
+                     number(most["wall_s"] / least, 3)])
+        least = most["rows"] * stage["flops_per_row"] / stage["flops_per_s"]
+        rows.append(["the same", f"{stage['flops_per_row']} operations per row, one core",
+                     number(least, 3), number(most["wall_s"], 3),
+                     number(most["wall_s"] / least, 3)])
+    return ("## Limits\n\n" + code(stage["command"]) + "\n"
+            + table(["", "one core", "all cores"], [
+                ["page cache / GB/s", number(stage["page_cache_bytes_per_s"] / 1e9, 3), "-"],
+                ["memory / GB/s", number(stage["memory_bytes_per_s"] / 1e9, 3),
+                 number(stage["memory_bytes_per_s_all_cores"] / 1e9, 3)],
+                ["multiplications and additions / 1e9/s", number(stage["flops_per_s"] / 1e9, 3),
+                 number(stage["flops_per_s_all_cores"] / 1e9, 3)]])
+            + "\n" + table(["stage", "limit", "least / s", "found / s", "found / least"], rows)
+            + "\nOperations are those of the plain recurrences with Jacobian, row by row; what an "
+            "evaluation leaves out shows as\na smaller ratio, below one where it leaves out more "
+            "than the machine loses.\n")
+
+
+def growth(stage, figure_name):
+    text = "## Growth\n\n" + code(stage["command"]) + f"\n![time against size]({figure_name})\n"
+    for key, series in stage["series"].items():
+        if not series["points"]:
+            continue
+        size = f", {series['rows']:.0e} rows" if "rows" in series else ""
+        text += f"\n{key}: {series['what']}{size}\n\n" + table(
+            [series["unit"], "time / ms", "1e6 rows/s"],
+            [[f"{point[series['unit']]:,}", number(1e3 * point["wall_s"]),
+              number(point["rows_per_s"] / 1e6)] for point in series["points"]])
+    return text
+
+
+def pybop(stage, _):
+    text = "## PyBOP\n\n"
+    if "skipped" in stage:
+        return text + f"Skipped: {stage['skipped']}.\n"
+    return text
