@@ -75,7 +75,7 @@ struct Candidate {
 };
 
 // For every (beta, tau_j) of a grid the best r_s, r_j follow by linear least squares.
-std::vector<Candidate> SearchStarts(const VoltageSweep& thinned,
+std::vector<Candidate> SearchStarts(const VoltageSweep& coarse,
                                     const std::vector<double>& betas,
                                     const std::vector<std::vector<double>>& time_constants,
                                     const std::vector<PulseVariable>& variables,
@@ -96,7 +96,7 @@ std::vector<Candidate> SearchStarts(const VoltageSweep& thinned,
       p.sweep.beta_per_sqrt_s = beta;
       p.sweep.time_constant_s = taus;
       for (const PulseVariable* v : linear) Entry(p, *v) = 0.0;
-      const Eigen::MatrixXd factor = thinned.Factor(p.sweep, true);
+      const Eigen::MatrixXd factor = coarse.Factor(p.sweep, true);
       if (!factor.allFinite()) continue;
       Eigen::MatrixXd design(factor.rows(), static_cast<Eigen::Index>(linear.size()));
       for (std::size_t k = 0; k < linear.size(); ++k)
@@ -135,37 +135,6 @@ void MakeReady(PulseParameters& p, const PulseUnknowns& unknowns) {
 
 }  // namespace
 
-ErrorMetrics SweepErrors(const VoltageSweep& sweep,
-                         const SweepParameters& parameters,
-                         std::size_t* rows_outside_curve) {
-  const SweepSetup& setup = sweep.setup();
-  CellParameters<double> cell;
-  cell.alpha_C = setup.alpha_C;
-  cell.beta_per_sqrt_s = parameters.beta_per_sqrt_s;
-  cell.diffusion = setup.diffusion;
-  cell.terms = setup.terms;
-  cell.tail = setup.tail;
-  cell.open_circuit_voltage = setup.open_circuit_voltage;
-  cell.series_resistance_Ohm = parameters.series_resistance_Ohm;
-  for (std::size_t j = 0; j < parameters.time_constant_s.size(); ++j) {
-    cell.branches.push_back(
-        {Resistance<double>(parameters.resistance_Ohm[j]), parameters.time_constant_s[j]});
-  }
-  const CellModel<double> model(std::move(cell));
-  ErrorAccumulator errors;
-  std::size_t outside = 0;
-  for (const SweepLog& log : sweep.logs()) {
-    RecordStepper<double> stepper(model, log.record->hold, model.Relaxed(log.initial_soc));
-    for (std::size_t k = 0; k < log.record->size(); ++k) {
-      stepper.Row(log.record->time_s[k], log.record->current_A[k]);
-      errors.Add(log.record->voltage_V[k], stepper.Voltage());
-      if (!setup.open_circuit_voltage.InRange(stepper.Soc())) ++outside;
-    }
-  }
-  if (rows_outside_curve != nullptr) *rows_outside_curve = outside;
-  return errors.Result();
-}
-
 PulseFitResult FitPulses(const VoltageSweep& sweep,
                          const PulseFitStart& start,
                          const PulseFitOptions& options,
@@ -185,18 +154,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   PulseFitResult result;
   result.fixed = unknowns.fixed;
 
-  // Many starts on a thinned log.
-  std::vector<ThinnedRecord> thinned_records;
-  std::vector<SweepLog> thinned_logs;
-  thinned_records.reserve(sweep.logs().size());
-  for (const SweepLog& log : sweep.logs()) {
-    thinned_records.push_back(Thin(*log.record, static_cast<std::size_t>(options.thinned_rows)));
-    thinned_logs.push_back({&thinned_records.back().record,
-                            log.initial_soc,
-                            log.weight,
-                            thinned_records.back().row_weight});
-  }
-  const VoltageSweep thinned(sweep.setup(), std::move(thinned_logs));
+  // Many starts on a coarse view of the logs.
+  const VoltageSweep coarse(sweep.setup(), sweep.logs(), Condensation::Coarse());
   std::vector<double> betas{base.sweep.beta_per_sqrt_s};
   if (unknowns.Free("beta")) {
     for (const double beta : LogGrid(0.03, 1.0, 7)) betas.push_back(beta);
@@ -218,7 +177,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
         2.0 * data.shortest_s, std::max(data.longest_s, 4.0 * data.shortest_s), n <= 2 ? 8 : 6);
     for (auto& choice : Choices(grid, options.branches)) choices.push_back(std::move(choice));
   }
-  auto candidates = SearchStarts(thinned, betas, choices, variables, base);
+  auto candidates = SearchStarts(coarse, betas, choices, variables, base);
   candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options.starts)));
   candidates.push_back({base, 0.0});
   if (start.previous != nullptr) {
@@ -229,7 +188,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
 
   PulseParameters best = base;
   double best_cost = kInfinity;
-  const PulseProblem quick(thinned, variables, base);
+  const PulseProblem quick(coarse, variables, base);
   for (auto& candidate : candidates) {
     MakeReady(candidate.parameters, unknowns);
     if (variables.empty()) break;
@@ -331,7 +290,9 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
         result.at_bound.push_back(fmt::format("{}_{}", prefix, j + 1));
     }
   }
-  result.errors = SweepErrors(sweep, result.parameters, &result.rows_outside_curve);
+  const SweepErrors errors = sweep.Errors(result.parameters);
+  result.errors = errors.metrics;
+  result.rows_outside_curve = errors.rows_outside_curve;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return result;
 }

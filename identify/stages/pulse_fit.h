@@ -9,8 +9,8 @@
 /// minimize the squared voltage error over all rows. Resistances and capacitances are >= 0. Starts
 /// come from the data: steps of the current give r_s, relaxations time constants; around them a
 /// grid of (beta, tau_j), for each of which r_s and r_j follow by linear least squares, is searched
-/// on a thinned log, so that the optimum is found from the best of many starts. Then all rows
-/// decide.
+/// on a coarse view of the logs, so that the optimum is found from the best of many starts. Then
+/// all rows decide.
 ///
 /// The solver moves (log beta, r_s, r_j, log tau_j), each of order one, or log c_j
 /// (pulse_problem.h). Tests: tests/identify/stages/pulse_fit_test.cc.
@@ -34,7 +34,6 @@ struct PulseFitOptions {
   bool tail = true;
   bool diffusion = true;
   BranchUnknown branch_unknown = BranchUnknown::kTimeConstant;
-  int thinned_rows = 3000;
   int starts = 4;
 
   template <class Self, class Visitor>
@@ -44,8 +43,7 @@ struct PulseFitOptions {
     v("tail", self.tail, Names{}, "quasi-static share of the modes beyond M; off as in the thesis");
     v("diffusion", self.diffusion, Names{}, "off: beta is infinite, the plain equivalent circuit");
     v("branch_unknown", self.branch_unknown, Names{}, "what the solver moves beside r_j");
-    v("thinned_rows", self.thinned_rows, Range{100.0, 1e8}, "rows on which starts are compared");
-    v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the thinned log");
+    v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the coarse view");
   }
 };
 
@@ -54,7 +52,7 @@ struct PulseFitResult {
   std::string optimizer = "levenberg-marquardt";
   LeastSquaresSummary summary;         ///< of the final fit on all rows
   int evaluations = 0;                 ///< of the sweep over all rows
-  int starts = 0;                      ///< compared on the thinned log
+  int starts = 0;                      ///< compared on the coarse view
   std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s
   std::vector<std::string> fixed;      ///< names that were held
   ErrorMetrics errors;                 ///< over all rows, (4.56)-(4.58)
@@ -78,10 +76,5 @@ struct PulseFitStart {
                                        const PulseFitOptions& options = {},
                                        const LevenbergMarquardtOptions& solver = {},
                                        const PulseFitKnowledge& knowledge = {});
-
-/// Errors of a cell's prediction over the rows of logs, each row once.
-[[nodiscard]] ErrorMetrics SweepErrors(const VoltageSweep& sweep,
-                                       const SweepParameters& parameters,
-                                       std::size_t* rows_outside_curve = nullptr);
 
 }  // namespace lipoid

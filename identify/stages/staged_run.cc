@@ -192,7 +192,7 @@ class StagedRun {
     std::vector<SweepLog> sweep_logs;
     std::vector<const Record*> records;
     for (const LoadedLog* log : fitted) {
-      sweep_logs.push_back({&log->log.record, log->entry.initial_soc, log->entry.weight, {}});
+      sweep_logs.push_back({&log->log.record, log->entry.initial_soc, log->entry.weight});
       records.push_back(&log->log.record);
     }
     const VoltageSweep sweep({.alpha_C = result_.alpha_C,

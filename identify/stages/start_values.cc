@@ -4,9 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/logs/constancy.h"
 #include "identify/logs/segments.h"
-#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
@@ -86,59 +84,6 @@ StartValues FindStartValues(const std::vector<const Record*>& records) {
   start.shortest_s = std::isfinite(shortest) ? shortest : 1.0;
   start.longest_s = std::max(start.longest_s, 4.0 * start.shortest_s);
   return start;
-}
-
-ThinnedRecord Thin(const Record& record, std::size_t most_rows) {
-  Require(most_rows >= 2, "most_rows >= 2", {{"most_rows", static_cast<double>(most_rows)}});
-  ThinnedRecord thinned;
-  thinned.record.file = record.file;
-  thinned.record.hold = record.hold;
-  const bool backward = record.hold == Hold::kBackward;
-  const std::size_t n = record.size();
-  double largest = 0.0;
-  for (const double i : record.current_A) largest = std::max(largest, std::abs(i));
-  // Rows of one level differ by their noise: six deviations, or a noisy log would not get short.
-  const double noise_A = n > 0 ? RowNoise(record.current_A, 0, n - 1) : 0.0;
-  const double tolerance_A = std::max(1e-3 * largest, 6.0 * noise_A);
-  // Steps grow geometrically after each change of the current, so that quick relaxations keep their
-  // rows.
-  for (double growth = 0.02;; growth *= 2.0) {
-    auto& out = thinned.record;
-    out.time_s.clear();
-    out.current_A.clear();
-    out.voltage_V.clear();
-    thinned.row_weight.clear();
-    std::size_t k = 0;
-    double change_s = n > 0 ? record.time_s[0] : 0.0;
-    while (k < n) {
-      // Row k ends a step that began at the row before; `held` flowed over it.
-      const auto held = [&](std::size_t row) {
-        return record.current_A[backward || row == 0 ? row : row - 1];
-      };
-      if (k > 0 && std::abs(held(k) - held(k - 1)) > tolerance_A) change_s = record.time_s[k - 1];
-      std::size_t last = k;
-      double charge_C = k > 0 ? held(k) * (record.time_s[k] - record.time_s[k - 1]) : 0.0;
-      while (k > 0 && last + 1 < n && std::abs(held(last + 1) - held(k)) <= tolerance_A &&
-             std::abs(record.current_A[last + 1] - record.current_A[k]) <= tolerance_A &&
-             record.time_s[last + 1] - record.time_s[k - 1] <=
-                 growth * (record.time_s[last + 1] - change_s)) {
-        ++last;
-        charge_C += held(last) * (record.time_s[last] - record.time_s[last - 1]);
-      }
-      out.time_s.push_back(record.time_s[last]);
-      out.voltage_V.push_back(record.voltage_V[last]);
-      out.current_A.push_back(record.current_A[last]);
-      // A merged step carries its mean current, named by the row that closes it or, forward, that
-      // opens it.
-      if (last > k) {
-        out.current_A[out.size() - (backward ? 1 : 2)] =
-            charge_C / (record.time_s[last] - record.time_s[k - 1]);
-      }
-      thinned.row_weight.push_back(static_cast<double>(last - k + 1));
-      k = last + 1;
-    }
-    if (out.time_s.size() <= most_rows || growth > 1.0) return thinned;
-  }
 }
 
 }  // namespace lipoid

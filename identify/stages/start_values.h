@@ -30,15 +30,4 @@ struct StartValues {
 
 [[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records);
 
-/// The record with neighbouring rows of equal current, up to noise, merged into longer steps that
-/// carry their mean current: to about most_rows rows, or as few as there are different currents.
-/// The charge is kept, and where the currents are equal the model gives the very same voltages
-/// (zero-order hold over a constant current knows no difference). row_weight counts the rows that
-/// each one stands for.
-struct ThinnedRecord {
-  Record record;
-  std::vector<double> row_weight;
-};
-[[nodiscard]] ThinnedRecord Thin(const Record& record, std::size_t most_rows);
-
 }  // namespace lipoid

@@ -12,15 +12,18 @@
 ///   x'+ = p x' + p' x + g' i
 ///
 /// and v_b is linear in r_s and r_j. Value and Jacobian therefore come from one sweep, and only the
-/// triangular factor of [J r] is kept: see LeastSquaresProblem. alpha and v_oc(A) are given.
-/// Tests: tests/identify/stages/voltage_sweep_test.cc (against Jets through CellModel).
+/// triangular factor of [J r] is kept: see LeastSquaresProblem. Stretches of constant current are
+/// condensed (condensed_log.h): the sums are those of all rows, at a fraction of the evaluations.
+/// alpha and v_oc(A) are given. Tests: tests/identify/stages/voltage_sweep_test.cc (against Jets
+/// through CellModel).
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "identify/logs/record.h"
+#include "identify/stages/condensed_log.h"
 #include "model/battery/cell_model.h"
+#include "model/battery/error_metrics.h"
 
 namespace lipoid {
 
@@ -36,8 +39,7 @@ struct SweepParameters {
 struct SweepLog {
   const Record* record = nullptr;
   double initial_soc = 1.0;
-  double weight = 1.0;                  ///< of each row's square
-  std::vector<double> row_weight = {};  ///< empty: 1 each
+  double weight = 1.0;  ///< of each row's square
 };
 
 /// What stays as it is while parameters are searched.
@@ -49,9 +51,17 @@ struct SweepSetup {
   OpenCircuitVoltage open_circuit_voltage;
 };
 
+/// Errors of a prediction over the rows of all logs, each row once.
+struct SweepErrors {
+  ErrorMetrics metrics;
+  std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
+};
+
 class VoltageSweep {
  public:
-  VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs);
+  VoltageSweep(SweepSetup setup,
+               std::vector<SweepLog> logs,
+               const Condensation& how = Condensation::Exact());
 
   /// Columns of the Jacobian: beta, r_s, r_1 .. r_n, tau_1 .. tau_n; the residual is the last
   /// column.
@@ -61,18 +71,21 @@ class VoltageSweep {
   /// column is filled: zeros, and the norm of r at the bottom.
   [[nodiscard]] Eigen::MatrixXd Factor(const SweepParameters& parameters, bool jacobian) const;
 
+  /// Not of a coarse sweep.
+  [[nodiscard]] SweepErrors Errors(const SweepParameters& parameters) const;
+
   [[nodiscard]] const SweepSetup& setup() const { return setup_; }
   [[nodiscard]] const std::vector<SweepLog>& logs() const { return logs_; }
   /// Rows in all logs.
   [[nodiscard]] std::size_t rows() const;
+  /// Points in all logs at which the model is evaluated, knots aside.
+  [[nodiscard]] std::size_t points() const;
 
  private:
-  [[nodiscard]] Eigen::MatrixXd LogFactor(const SweepLog& log,
-                                          const SweepParameters& parameters,
-                                          bool jacobian) const;
-
   SweepSetup setup_;
   std::vector<SweepLog> logs_;
+  Condensation how_;
+  std::vector<CondensedLog> condensed_;
 };
 
 }  // namespace lipoid

@@ -75,12 +75,17 @@ class OpenCircuitVoltage {
     if (pieces_.empty()) return EvaluateSeries(soc);
     if (!(soc >= lo_)) return {first_.value_V + first_.slope_V * (soc - lo_), first_.slope_V};
     if (soc >= hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
-    const auto bucket = static_cast<std::size_t>((soc - lo_) * buckets_per_soc_);
-    std::size_t k = bucket_[std::min(bucket, bucket_.size() - 1)];
-    while (k + 1 < pieces_.size() && soc >= soc_[k + 1]) ++k;
+    const std::size_t k = FindPiece(soc);
     const Piece& p = pieces_[k];
     const double x = soc - soc_[k];
     return {p.c0 + x * (p.c1 + x * (p.c2 + x * p.c3)), p.c1 + x * (2.0 * p.c2 + x * 3.0 * p.c3)};
+  }
+
+  /// Between two states of charge of one formula f is smooth: knots divide the formulas.
+  [[nodiscard]] std::size_t Formula(double soc) const {
+    if (!(soc >= lo_)) return 0;
+    if (soc >= hi_) return pieces_.size() + 2;
+    return pieces_.empty() ? 1 : 1 + FindPiece(soc);
   }
 
   /// f(A) for any scalar type, (4.49).
@@ -100,6 +105,13 @@ class OpenCircuitVoltage {
   };
 
   void SetPieces(std::vector<Piece> pieces);
+  // Of soc in [lo, hi).
+  [[nodiscard]] std::size_t FindPiece(double soc) const {
+    const auto bucket = static_cast<std::size_t>((soc - lo_) * buckets_per_soc_);
+    std::size_t k = bucket_[std::min(bucket, bucket_.size() - 1)];
+    while (k + 1 < pieces_.size() && soc >= soc_[k + 1]) ++k;
+    return k;
+  }
   [[nodiscard]] ValueAndSlope EvaluateSeries(double soc) const;
   [[nodiscard]] ValueAndSlope SeriesInRange(double soc) const;
 

@@ -45,7 +45,7 @@ void Sweep(benchmark::State& state) {
     return factor.rightCols(1).norm();
   };
   const double expected =
-      SweepErrors(sweep, p).rmse * std::sqrt(static_cast<double>(record.size()));
+      sweep.Errors(p).metrics.rmse * std::sqrt(static_cast<double>(record.size()));
   if (!(std::abs(norm() - expected) < 1e-9 * expected)) {
     state.SkipWithError("the norm is not that of the prediction");
     return;

@@ -473,15 +473,14 @@ TEST(SweepErrors, AreThoseOfThePrediction) {
     outside += prediction.rows_outside_curve;
   }
   const auto rows = static_cast<double>(first.size() + second.size());
-  std::size_t found_outside = 0;
-  const auto errors =
-      SweepErrors(SweepOf(truth, {&first, &second}), truth.parameters, &found_outside);
+  const SweepErrors found = SweepOf(truth, {&first, &second}).Errors(truth.parameters);
+  const ErrorMetrics& errors = found.metrics;
   constexpr double kRounding = 1e-10;  // of sums over 20 000 rows
   EXPECT_NEAR(errors.mean_error_percent, percent / rows, kRounding);
   EXPECT_NEAR(errors.max_error_percent, largest, kRounding);
   EXPECT_NEAR(errors.rmse, std::sqrt(squares / rows), kRounding);
   EXPECT_EQ(errors.rows, first.size() + second.size());
-  EXPECT_EQ(found_outside, outside);
+  EXPECT_EQ(found.rows_outside_curve, outside);
   EXPECT_GT(outside, 0U);
 }
 
