@@ -10,4 +10,18 @@ find_dependency(tomlplusplus)
 find_dependency(TBB)
 find_dependency(Ceres)
 find_dependency(NLopt)
+find_dependency(pagmo)
 find_dependency(Boost)  # headers only: Boost.Math
+
+# Ipopt 3.11 brings no CMake package, and its pkg-config file names the libraries behind it, which a
+# shared library finds by itself.
+if(NOT TARGET Ipopt::Ipopt)
+  find_path(LIPOID_IPOPT_INCLUDE_DIR IpTNLP.hpp PATH_SUFFIXES coin coin-or REQUIRED)
+  find_library(LIPOID_IPOPT_LIBRARY ipopt REQUIRED)
+  add_library(Ipopt::Ipopt UNKNOWN IMPORTED)
+  set_target_properties(
+    Ipopt::Ipopt
+    PROPERTIES IMPORTED_LOCATION "${LIPOID_IPOPT_LIBRARY}"
+               INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_IPOPT_INCLUDE_DIR}"
+               INTERFACE_COMPILE_DEFINITIONS HAVE_CSTDDEF)  # what Debian's build of it was told
+endif()

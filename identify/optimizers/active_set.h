@@ -1,11 +1,10 @@
 #pragma once
 
 /// @file
-/// A quasi-Newton method with an active set of bounds, from NLopt: VAR2 of Ladislav Luksan, a
-/// shifted limited-memory variable metric of rank two. A parameter that reaches a bound joins the
-/// set and is held; the one with the steepest slope back inside leaves it when the others have
-/// little slope left. That is the method of an active set; of NLopt's others, MMA and CCSAQ bound
-/// a convex model instead, and LBFGS and TNEWTON share VAR2's active set: docs/optimizers.md.
+/// A quasi-Newton method with an active set of bounds, from NLopt: the limited-memory BFGS of
+/// Ladislav Luksan. A parameter that reaches a bound joins the set and is held; the one with the
+/// steepest slope back inside leaves it when the others have little slope left. Why this one:
+/// docs/optimizers.md.
 
 #include "identify/optimizers/local_search.h"
 #include "identify/optimizers/problem.h"

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cmath>
 #include <new>
 #include <utility>
@@ -57,13 +58,16 @@ std::vector<double> Monitor::Costs(const std::vector<Eigen::VectorXd>& points, i
   std::vector<double> costs(points.size(), kInfinity);
   std::vector<std::string> errors(points.size());
   std::vector<std::exception_ptr> fatal(points.size());
+  std::atomic<bool> out_of_memory = must_stop();
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t k) {
+      if (out_of_memory) return;
       try {
         costs[k] = problem_.Cost(Whole(points[k].cwiseMax(lower_).cwiseMin(upper_)));
       } catch (const std::bad_alloc&) {
         fatal[k] = std::current_exception();
+        out_of_memory = true;
       } catch (const std::exception& error) {
         errors[k] = error.what();
       } catch (...) {

@@ -21,7 +21,7 @@ constexpr nlopt_algorithm Algorithm(NloptMethod method) {
     case NloptMethod::kSequentialQuadratic:
       return NLOPT_LD_SLSQP;
     case NloptMethod::kActiveSet:
-      return NLOPT_LD_VAR2;
+      return NLOPT_LD_LBFGS;
     case NloptMethod::kNelderMead:
       return NLOPT_LN_NELDERMEAD;
     case NloptMethod::kBobyqa:
@@ -40,6 +40,7 @@ struct Call {
   bool uses_gradient;
   bool smooth;
   int max_iterations;
+  double unit;     // NLopt sees costs relative to that of the start: some tolerances are absolute
   double highest;  // cost seen
 };
 
@@ -55,16 +56,16 @@ double Objective(unsigned n, const double* x, double* gradient, void* data) {
     Eigen::VectorXd slope;
     cost = call.monitor.Gradient(point, slope);
     if (!std::isfinite(cost)) slope.setZero();
-    Eigen::Map<Eigen::VectorXd>(gradient, size) = slope;
+    Eigen::Map<Eigen::VectorXd>(gradient, size) = slope / call.unit;
   }
   if (gradient != nullptr || !call.uses_gradient) call.monitor.CountIterations();
   if (call.monitor.must_stop() || call.monitor.iterations() >= call.max_iterations) {
     nlopt_force_stop(call.library);
   }
   // A quadratic model cannot pass through infinity: there the wall is as high as the hills.
-  if (!std::isfinite(cost)) return call.smooth ? call.highest : HUGE_VAL;
+  if (!std::isfinite(cost)) return call.smooth ? call.highest / call.unit : HUGE_VAL;
   call.highest = std::max(call.highest, cost);
-  return cost;
+  return cost / call.unit;
 }
 
 // NLopt knows no bound by its infinity.
@@ -87,6 +88,18 @@ std::vector<double> InitialSteps(const Monitor& monitor, double relative) {
     steps.push_back(std::min(wanted, 0.25 * room));
   }
   return steps;
+}
+
+// The first step of a quasi-Newton method is its gradient: in this unit no longer than x.
+double Unit(Monitor& monitor, bool uses_gradient) {
+  double unit = std::abs(monitor.best_cost());
+  if (uses_gradient) {
+    Eigen::VectorXd gradient;
+    monitor.Gradient(monitor.start(), gradient);
+    const double length = monitor.start().norm();
+    unit = std::max(unit, gradient.norm() / (length > 0.0 ? length : 1.0));
+  }
+  return unit > 0.0 ? unit : 1.0;
 }
 
 OptimizationSummary Ended(Monitor& monitor, nlopt_result result, const char* why, bool limit) {
@@ -126,6 +139,7 @@ OptimizationSummary MinimizeWithNlopt(Monitor& monitor, const NloptSetup& setup)
             .uses_gradient = uses_gradient,
             .smooth = setup.method == NloptMethod::kBobyqa,
             .max_iterations = most,
+            .unit = Unit(monitor, uses_gradient),
             .highest = monitor.best_cost()};
   nlopt_set_min_objective(library.get(), &Objective, &call);
   nlopt_set_lower_bounds(library.get(), Bounds(monitor.lower()).data());

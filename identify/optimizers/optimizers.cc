@@ -36,6 +36,14 @@ OptimizationSummary Call(const OptimizationProblem& problem,
   return kMinimize(problem, start, settings.*kMember);
 }
 
+// Of methods that search a box.
+template <auto kMember, auto kMinimize>
+OptimizationSummary Search(const OptimizationProblem& problem,
+                           const Eigen::VectorXd& start,
+                           const OptimizerSettings& settings) {
+  return kMinimize(problem, start, settings.*kMember, settings.context);
+}
+
 OptimizationSummary LevenbergMarquardt(const OptimizationProblem& problem,
                                        const Eigen::VectorXd& start,
                                        const OptimizerSettings& settings) {
@@ -57,6 +65,11 @@ bool HasBox(const OptimizationProblem& problem) {
 const std::vector<OptimizerEntry>& Optimizers() {
   using S = OptimizerSettings;
   static const std::vector<OptimizerEntry> table = {
+      Entry<&S::interior_point>({.name = "interior-point",
+                                 .library = "Ipopt",
+                                 .summary = "Newton steps with a barrier that keeps the bounds",
+                                 .needs_gradient = true,
+                                 .run = &Call<&S::interior_point, &MinimizeInteriorPoint>}),
       Entry<&S::sqp>({.name = "sqp",
                       .library = "NLopt",
                       .summary = "sequential quadratic programming (SLSQP)",
@@ -64,7 +77,7 @@ const std::vector<OptimizerEntry>& Optimizers() {
                       .run = &Call<&S::sqp, &MinimizeSqp>}),
       Entry<&S::active_set>({.name = "active-set",
                              .library = "NLopt",
-                             .summary = "quasi-Newton steps with an active set of bounds (VAR2)",
+                             .summary = "quasi-Newton steps with an active set of bounds (L-BFGS)",
                              .needs_gradient = true,
                              .run = &Call<&S::active_set, &MinimizeActiveSet>}),
       Entry<&S::levenberg_marquardt>(
@@ -74,6 +87,38 @@ const std::vector<OptimizerEntry>& Optimizers() {
            .needs_least_squares = true,
            .needs_gradient = true,
            .run = &LevenbergMarquardt}),
+      Entry<&S::genetic>({.name = "genetic",
+                          .library = "pagmo",
+                          .summary = "parents are mixed and changed at random, the best live on",
+                          .needs_box = true,
+                          .global = true,
+                          .run = &Search<&S::genetic, &MinimizeGenetic>}),
+      Entry<&S::particle_swarm>({.name = "particle-swarm",
+                                 .library = "pagmo",
+                                 .summary = "particles drawn to the best points seen",
+                                 .needs_box = true,
+                                 .global = true,
+                                 .run = &Search<&S::particle_swarm, &MinimizeParticleSwarm>}),
+      Entry<&S::simulated_annealing>(
+          {.name = "simulated-annealing",
+           .library = "pagmo",
+           .summary = "random steps, uphill the less the cooler it is (Corana)",
+           .needs_box = true,
+           .global = true,
+           .run = &Search<&S::simulated_annealing, &MinimizeSimulatedAnnealing>}),
+      Entry<&S::cma_es>({.name = "cma-es",
+                         .library = "pagmo",
+                         .summary = "a normal distribution that adapts its covariance",
+                         .needs_box = true,
+                         .global = true,
+                         .run = &Search<&S::cma_es, &MinimizeCmaEs>}),
+      Entry<&S::differential_evolution>(
+          {.name = "differential-evolution",
+           .library = "pagmo",
+           .summary = "differences of points as steps",
+           .needs_box = true,
+           .global = true,
+           .run = &Search<&S::differential_evolution, &MinimizeDifferentialEvolution>}),
       Entry<&S::nelder_mead>({.name = "nelder-mead",
                               .library = "NLopt",
                               .summary = "a simplex that moves downhill, without gradients",

@@ -13,8 +13,15 @@
 #include <utility>
 #include <vector>
 
+#include "identify/optimizers/cma_es.h"
+#include "identify/optimizers/differential_evolution.h"
+#include "identify/optimizers/genetic.h"
+#include "identify/optimizers/global_search.h"
+#include "identify/optimizers/interior_point.h"
 #include "identify/optimizers/local_search.h"
+#include "identify/optimizers/particle_swarm.h"
 #include "identify/optimizers/problem.h"
+#include "identify/optimizers/simulated_annealing.h"
 #include "identify/optimizers/summary.h"
 #include "model/core/options.h"
 
@@ -22,9 +29,16 @@ namespace lipoid {
 
 /// The options of all optimizers, with the thesis' defaults.
 struct OptimizerSettings {
+  SearchContext context;
+  InteriorPointOptions interior_point;
   LocalSearchOptions sqp;
   LocalSearchOptions active_set;
   LocalSearchOptions levenberg_marquardt;
+  GeneticOptions genetic;
+  ParticleSwarmOptions particle_swarm;
+  SimulatedAnnealingOptions simulated_annealing;
+  CmaEsOptions cma_es;
+  DifferentialEvolutionOptions differential_evolution;
   DirectSearchOptions nelder_mead;
   DirectSearchOptions bobyqa;
 };
@@ -37,7 +51,7 @@ struct OptimizerEntry {
   bool needs_least_squares = false;  ///< a LeastSquaresProblem
   bool needs_gradient = false;
   bool needs_box = false;  ///< every parameter has two finite bounds, or equal ones
-  bool global = false;     ///< searches the whole box, by settings.seed
+  bool global = false;     ///< searches the whole box, from settings.context.seed
 
   std::vector<OptionDescription> (*options)() = nullptr;
   void (*set)(OptimizerSettings&, std::string_view option, std::string_view text) = nullptr;

@@ -32,13 +32,21 @@ struct Tolerance {
 };
 
 const Tolerance& ToleranceOf(std::string_view name) {
-  // Gradient methods: steps of 1e-6 or a relative cost change of 1e-12, whose root is 1e-6; ten
-  // times that for the last step's superlinear convergence. Simplex and trust region stop at their
-  // own size, of which the valley takes a hundredfold.
+  // Gradient methods stop at steps of 1e-6 or a relative change of the cost of 1e-12, whose root is
+  // 1e-6: ten times that, and a hundred along the valley. Simplex and trust region stop at a size
+  // of 1e-6, but all around the answer. Global methods stop when 20 iterations or more gain less
+  // than 1e-6 of a cost of 1/2, whose root is 1e-3, and coordinate-wise steps crawl along the
+  // valley.
   static const std::map<std::string_view, Tolerance> all = {
+      {"interior-point", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
       {"sqp", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
       {"active-set", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
-      {"levenberg-marquardt", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-5}},
+      {"levenberg-marquardt", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
+      {"genetic", {.quadratic_x = 2e-3, .rosenbrock_x = 1e-2}},
+      {"particle-swarm", {.quadratic_x = 2e-3, .rosenbrock_x = 1e-4}},
+      {"simulated-annealing", {.quadratic_x = 2e-3, .rosenbrock_x = 1e-2}},
+      {"cma-es", {.quadratic_x = 2e-3, .rosenbrock_x = 1e-4}},
+      {"differential-evolution", {.quadratic_x = 2e-3, .rosenbrock_x = 1e-4}},
       {"nelder-mead", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
       {"bobyqa", {.quadratic_x = 1e-5, .rosenbrock_x = 1e-4}},
   };
@@ -312,6 +320,44 @@ TEST_P(OptimizerConformance, GivesTheSameBitsAgain) {
   EXPECT_EQ(first.message, second.message);
 }
 
+TEST_P(OptimizerConformance, GivesTheSameBitsWithTwoThreads) {
+  DenseProblem problem = Rosenbrock();
+  problem.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
+  OptimizerSettings settings;
+  settings.context.seed = 7;
+  const auto one = Minimize(problem, Eigen::Vector2d(-1.2, 1.0), settings);
+  const auto asked = problem.questions().points();
+  settings.context.threads = 2;
+  DenseProblem again = Rosenbrock();
+  again.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
+  const auto two = Minimize(again, Eigen::Vector2d(-1.2, 1.0), settings);
+  EXPECT_EQ(one.x, two.x);
+  EXPECT_EQ(one.cost, two.cost);
+  EXPECT_EQ(one.evaluations, two.evaluations);
+  EXPECT_EQ(one.iterations, two.iterations);
+  ASSERT_EQ(one.improvements.size(), two.improvements.size());
+  for (std::size_t k = 0; k < one.improvements.size(); ++k) {
+    EXPECT_EQ(one.improvements[k].cost, two.improvements[k].cost);
+    EXPECT_EQ(one.improvements[k].evaluations, two.improvements[k].evaluations);
+  }
+}
+
+TEST_P(OptimizerConformance, AsksTheStartFirstAndFollowsItsSeedOnlyWhereItIsGlobal) {
+  const auto run = [](int seed) {
+    DenseProblem problem = Rosenbrock();
+    problem.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
+    OptimizerSettings settings;
+    settings.context.seed = seed;
+    static_cast<void>(Minimize(problem, Eigen::Vector2d(-1.2, 1.0), settings));
+    return problem.questions().points();
+  };
+  const auto first = run(1);
+  const auto second = run(2);
+  EXPECT_EQ(first.front(), Eigen::VectorXd(Eigen::Vector2d(-1.2, 1.0)));
+  EXPECT_EQ(second.front(), first.front());
+  EXPECT_EQ(first != second, entry().global);
+}
+
 TEST_P(OptimizerConformance, PrintsNothing) {
   DenseProblem problem = Rosenbrock();
   problem.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
@@ -341,14 +387,71 @@ TEST_P(OptimizerConformance, DocumentsItsOptionsAndRefusesOthers) {
             (std::pair<std::string, std::string>("step_tolerance", "0.25")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Table,
-                         OptimizerConformance,
-                         testing::ValuesIn(Optimizers()),
-                         [](const auto& row) {
-                           std::string name(row.param.name);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+class GradientConformance : public OptimizerConformance {};
+
+TEST_P(GradientConformance, SolvesProblemsOfNist) {
+  OptimizerSettings settings;
+  for (const auto& option : entry().options()) {
+    if (option.name.ends_with("_tolerance")) entry().set(settings, option.name, "1e-15");
+  }
+  constexpr double kFourDigits = 1e-4;
+  for (const auto& nist : test::NistProblems()) {
+    const auto n = static_cast<Eigen::Index>(nist.certified.size());
+    for (const auto& from : nist.starts) {
+      if (!entry().needs_least_squares && from != nist.starts.back()) continue;  // the nearer one
+      const Eigen::VectorXd unit = Eigen::Map<const Eigen::VectorXd>(from.data(), n);
+      const DenseProblem natural = test::MakeNistProblem(nist);
+      const DenseProblem scaled(static_cast<int>(n), [&](const auto& x, auto& r, auto* j) {
+        natural.Rows(x.cwiseProduct(unit), r, j);
+        if (j != nullptr) *j = *j * unit.asDiagonal();
+      });
+      const auto fit = Minimize(scaled, Eigen::VectorXd::Ones(n), settings);
+      EXPECT_TRUE(fit.usable()) << nist.name << ": " << fit.message;
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double certified = nist.certified[static_cast<std::size_t>(k)];
+        EXPECT_NEAR(fit.x[k] * unit[k], certified, kFourDigits * std::abs(certified))
+            << nist.name << " b" << k + 1 << " from b1 = " << from[0] << ": " << fit.message
+            << " cost " << 2.0 * fit.cost << " of " << nist.certified_sum_of_squares;
+      }
+    }
+  }
+}
+
+std::string TestName(const testing::TestParamInfo<OptimizerEntry>& row) {
+  std::string name(row.param.name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::vector<OptimizerEntry> WithGradient() {
+  std::vector<OptimizerEntry> rows;
+  for (const auto& row : Optimizers()) {
+    if (row.needs_gradient) rows.push_back(row);
+  }
+  return rows;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, OptimizerConformance, testing::ValuesIn(Optimizers()), TestName);
+INSTANTIATE_TEST_SUITE_P(Table, GradientConformance, testing::ValuesIn(WithGradient()), TestName);
+
+TEST(OptimizerTable, NamesTheElevenInTheOrderOfTheThesis) {
+  std::vector<std::string_view> names;
+  for (const auto& row : Optimizers()) names.push_back(row.name);
+  EXPECT_EQ(names,
+            (std::vector<std::string_view>{"interior-point",
+                                           "sqp",
+                                           "active-set",
+                                           "levenberg-marquardt",
+                                           "genetic",
+                                           "particle-swarm",
+                                           "simulated-annealing",
+                                           "cma-es",
+                                           "differential-evolution",
+                                           "nelder-mead",
+                                           "bobyqa"}));
+  EXPECT_EQ(FindOptimizer("sqp").library, "NLopt");
+  EXPECT_THROW(static_cast<void>(FindOptimizer("newton")), OptionError);
+}
 
 }  // namespace
 }  // namespace lipoid

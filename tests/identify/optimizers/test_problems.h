@@ -87,6 +87,11 @@ class DenseProblem : public RecordedProblem<LeastSquaresProblem> {
     return *this;
   }
 
+  /// The residuals, and their Jacobian where it is not null.
+  void Rows(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* j) const {
+    function_(x, r, j);
+  }
+
   [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override {
     questions().Add(x, jacobian);
     const int n = size();
