@@ -15,6 +15,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
+cli::ExitCode StudyCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
@@ -24,6 +25,7 @@ inline constexpr cli::Command kCommands[] = {
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
+    {"study", "one stage done in several ways: branches, v_oc(A), diffusion modes", &StudyCommand},
     {"synthesize",
      "the lab's logs of a known cell, with the truth beside them",
      &SynthesizeCommand},

@@ -1,0 +1,116 @@
+#include "identify/studies/branches_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/studies/effective_rows.h"
+#include "identify/studies/pulse_study.h"
+
+namespace lipoid {
+namespace {
+
+constexpr int kMostBranches = 5;
+constexpr double kHardlyWorse = 2.0;  // of the criterion: odds of e to one, "bare mention"
+
+// The same cell written with one branch more, which carries nothing.
+SweepParameters WithIdleBranch(SweepParameters p, double time_constant_s) {
+  p.resistance_Ohm.push_back(0.0);
+  p.time_constant_s.push_back(time_constant_s);
+  return p;
+}
+
+// A cell with n branches is one with n+1 of which one is idle: where the search for n+1 ended above
+// it, that is the better answer.
+void KeepNested(PulseFitResult& fit, const PulseFitResult& before, double time_constant_s) {
+  if (fit.errors.rmse <= before.errors.rmse) return;
+  fit.parameters = WithIdleBranch(before.parameters, time_constant_s);
+  fit.errors = before.errors;
+  fit.rows_outside_curve = before.rows_outside_curve;
+  fit.at_bound = before.at_bound;
+  fit.at_bound.push_back(fmt::format("r_{}", fit.parameters.resistance_Ohm.size()));
+}
+
+std::vector<double> Criterion(const std::vector<PulseFitResult>& fits,
+                              const PulseStudy& study,
+                              double effective_rows) {
+  std::vector<double> criterion;
+  criterion.reserve(fits.size());
+  for (const auto& fit : fits) {
+    const double mean_square = fit.errors.rmse * fit.errors.rmse;
+    criterion.push_back(effective_rows * std::log(mean_square) +
+                        study.FreeParameters(fit) * std::log(effective_rows));
+  }
+  return criterion;
+}
+
+}  // namespace
+
+StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress) {
+  progress("stages before", 0.0);
+  const PulseStudy study(input);
+  const auto sweep = study.Sweep(input.options.pulses.terms, input.options.pulses.tail);
+  const double idle_s = std::sqrt(study.before().start.shortest_s * study.before().start.longest_s);
+  std::vector<PulseFitResult> fits;
+  for (int n = 0; n <= kMostBranches; ++n) {
+    progress(fmt::format("{} branches", n), 0.1 + 0.15 * n);
+    if (n == 0) {
+      fits.push_back(study.Fit(sweep, n, nullptr));
+      continue;
+    }
+    const auto previous = WithIdleBranch(fits.back().parameters, idle_s);
+    fits.push_back(study.Fit(sweep, n, &previous));
+    KeepNested(fits.back(), fits[fits.size() - 2], idle_s);
+  }
+  const double effective_rows = EffectiveRows(study.Residuals(sweep, fits.back().parameters));
+  const auto criterion = Criterion(fits, study, effective_rows);
+  const auto best = std::min_element(criterion.begin(), criterion.end()) - criterion.begin();
+
+  StudyResult result;
+  result.columns = {{"branches", "branches"},
+                    {"wall_s", "time / s", 1.0, 3},
+                    {"mean_error_percent", "mean / %", 1.0, 3},
+                    {"max_error_percent", "max / %", 1.0, 3},
+                    {"rmse_V", "rmse / mV", 1e3, 5},
+                    {"free_parameters", "parameters"},
+                    {"information_criterion", "BIC above least", 1.0, 4},
+                    {"recommended", "recommended"},
+                    {"at_bound", "at bound"}};
+  for (std::size_t n = 0; n < fits.size(); ++n) {
+    const auto& fit = fits[n];
+    result.rows.push_back(
+        {{"branches", n},
+         {"wall_s", fit.wall_s},
+         {"mean_error_percent", fit.errors.mean_error_percent},
+         {"max_error_percent", fit.errors.max_error_percent},
+         {"rmse_V", fit.errors.rmse},
+         {"free_parameters", study.FreeParameters(fit)},
+         {"information_criterion", criterion[n] - criterion[static_cast<std::size_t>(best)]},
+         {"recommended", static_cast<std::ptrdiff_t>(n) == best},
+         {"at_bound", fit.at_bound},
+         {"evaluations", fit.evaluations},
+         {"parameters", study.Parameters(fit.parameters)}});
+  }
+  result.facts = {{"recommended_branches", best},
+                  {"data_rows", fits.back().errors.rows},
+                  {"effective_rows", effective_rows}};
+  result.remarks.push_back(
+      fmt::format("{} branch{} recommended: the least of N_e ln(S/N) + p ln N_e, where the {} rows "
+                  "are worth N_e = {:.3g} independent ones",
+                  best,
+                  best == 1 ? " is" : "es are",
+                  fits.back().errors.rows,
+                  effective_rows));
+  for (std::size_t n = 0; n < fits.size(); ++n) {
+    const double above = criterion[n] - criterion[static_cast<std::size_t>(best)];
+    if (static_cast<std::ptrdiff_t>(n) == best || above >= kHardlyWorse) continue;
+    result.remarks.push_back(fmt::format(
+        "{} would do nearly as well ({:.2g} above): these logs hardly decide between the two",
+        n,
+        above));
+  }
+  return result;
+}
+
+}  // namespace lipoid

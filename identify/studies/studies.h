@@ -1,0 +1,24 @@
+#pragma once
+
+/// @file
+/// The only list of studies. Help and messages are made from it. To add one: a file in
+/// identify/studies/ and a row here.
+
+#include <algorithm>
+
+#include "identify/studies/branches_study.h"
+#include "identify/studies/ocv_study.h"
+#include "identify/studies/terms_study.h"
+
+namespace lipoid {
+
+inline constexpr Study kStudies[] = {
+    {"branches", "0 to 5 branches: time, errors, and how many the pulses ask for", &StudyBranches},
+    {"ocv", "forms of v_oc(A): errors in the fit and on rows left out", &StudyOcv},
+    {"terms", "diffusion modes, with and without the tail", &StudyTerms},
+};
+static_assert(std::is_sorted(std::begin(kStudies),
+                             std::end(kStudies),
+                             [](const auto& a, const auto& b) { return a.name < b.name; }));
+
+}  // namespace lipoid

@@ -1,0 +1,50 @@
+#pragma once
+
+/// @file
+/// A study does one stage in several ways and puts the answers into a table. Studies are listed in
+/// studies.h; each is a file of its own. Tests: tests/identify/studies/.
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/staged_run.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+/// What a study works on. The campaign and its logs must outlive the study.
+struct StudyInput {
+  const Campaign& campaign;
+  const std::vector<LoadedLog>& logs;
+  StagedOptions options = {};
+  StagedGiven given = {};
+};
+
+/// A column of the table: the key in JSON and CSV with its unit, and how people see it.
+struct StudyColumn {
+  std::string_view key;
+  std::string_view header;
+  double scale = 1.0;  ///< of the number that people see
+  int digits = 4;
+};
+
+struct StudyResult {
+  std::vector<StudyColumn> columns;
+  Json rows = Json::array();         ///< one object each, with the keys of the columns
+  Json facts = Json::object();       ///< what holds for all rows
+  std::vector<std::string> remarks;  ///< sentences for people
+};
+
+/// Called with what is being done and the share that is done.
+using StudyProgress = std::function<void(std::string_view what, double share)>;
+
+struct Study {
+  std::string_view name;
+  std::string_view summary;
+  StudyResult (*run)(const StudyInput& input, const StudyProgress& progress);
+};
+
+}  // namespace lipoid

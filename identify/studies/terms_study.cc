@@ -1,0 +1,78 @@
+#include "identify/studies/terms_study.h"
+
+#include <fmt/format.h>
+
+#include "identify/studies/pulse_study.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr int kTerms[] = {1, 2, 3, 5, 10, 20, 50, 100};
+
+double LostSharePercent(int terms, bool tail) {
+  return tail ? 0.0 : 100.0 * TailSum(terms) / TailSum(0);  // of (4.41)
+}
+
+struct Fitted {
+  int terms;
+  bool tail;
+  PulseFitResult fit;
+};
+
+}  // namespace
+
+StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
+  if (!input.options.pulses.diffusion)
+    throw OptionError(
+        "study terms is about the diffusion, which pulses.diffusion=false leaves out");
+  progress("stages before", 0.0);
+  const PulseStudy study(input);
+  std::vector<Fitted> fitted;
+  double share = 0.1;
+  for (const bool tail : {true, false}) {
+    for (const int terms : kTerms) {
+      progress(fmt::format("{} terms", terms), share);
+      share += 0.9 / static_cast<double>(2 * std::size(kTerms));
+      const SweepParameters* previous = fitted.empty() ? nullptr : &fitted.back().fit.parameters;
+      fitted.push_back(
+          {terms,
+           tail,
+           study.Fit(study.Sweep(terms, tail), input.options.pulses.branches, previous)});
+    }
+  }
+  // The last with the tail.
+  const SweepParameters reference = fitted[std::size(kTerms) - 1].fit.parameters;
+
+  StudyResult result;
+  result.columns = {{"terms", "terms"},
+                    {"tail", "tail"},
+                    {"wall_s", "time / s", 1.0, 3},
+                    {"rmse_V", "rmse / mV", 1e3, 5},
+                    {"beta_per_sqrt_s", "beta / s^-1/2", 1.0, 5},
+                    {"beta_bias_percent", "beta off by / %", 1.0, 3},
+                    {"series_resistance_Ohm", "r_s / Ohm", 1.0, 5},
+                    {"series_resistance_bias_Ohm", "r_s off by / mOhm", 1e3, 3},
+                    {"lost_share_percent", "lost of (4.41) / %", 1.0, 3}};
+  for (const auto& [terms, tail, fit] : fitted) {
+    const SweepParameters& p = fit.parameters;
+    result.rows.push_back(
+        {{"terms", terms},
+         {"tail", tail},
+         {"wall_s", fit.wall_s},
+         {"rmse_V", fit.errors.rmse},
+         {"beta_per_sqrt_s", p.beta_per_sqrt_s},
+         {"beta_bias_percent", 100.0 * (p.beta_per_sqrt_s / reference.beta_per_sqrt_s - 1.0)},
+         {"series_resistance_Ohm", p.series_resistance_Ohm},
+         {"series_resistance_bias_Ohm", p.series_resistance_Ohm - reference.series_resistance_Ohm},
+         {"lost_share_percent", LostSharePercent(terms, tail)},
+         {"at_bound", fit.at_bound},
+         {"parameters", study.Parameters(p)}});
+  }
+  result.remarks.push_back(fmt::format(
+      "beta and r_s are off by what they differ from the fit with {} terms and the tail",
+      kTerms[std::size(kTerms) - 1]));
+  return result;
+}
+
+}  // namespace lipoid

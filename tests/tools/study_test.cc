@@ -1,0 +1,109 @@
+// lipoid study, end to end. What the studies find: tests/identify/studies/.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "model/core/run_record.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+// Logs of a cell with one branch, below the folder.
+void SynthesizeLogs(const std::string& folder) {
+  const auto run = RunLipoid(folder,
+                             {"synthesize",
+                              "gifi-600mAh-1",
+                              "--with",
+                              "r_1=0.03,c_1=1500",
+                              "--sampling-s",
+                              "2",
+                              "--voltage-noise-V",
+                              "0.0005",
+                              "--seed",
+                              "1",
+                              "--quiet",
+                              "-o",
+                              "logs"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(Study, BranchesPrintsATableAndRecommendsTheCellsOwn) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto run = RunLipoid(folder,
+                             {"study",
+                              "branches",
+                              "logs/campaign.toml",
+                              "--alpha-C",
+                              "1353.6",
+                              "--open-circuit-voltage",
+                              "logs/truth.json",
+                              "--summary",
+                              "s.json",
+                              "--csv",
+                              "t.csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("rmse / mV"), std::string::npos) << run.out;
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 7) << run.out;
+  EXPECT_NE(run.err.find("1 branch is recommended"), std::string::npos) << run.err;
+
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("study"), "branches");
+  EXPECT_EQ(summary.at("recommended_branches"), 1);
+  ASSERT_EQ(summary.at("rows").size(), 6U);
+
+  const auto csv = ReadTextFile(folder + "/t.csv");
+  EXPECT_EQ(csv.substr(0, csv.find('\n')),
+            "branches,wall_s,mean_error_percent,max_error_percent,rmse_V,free_parameters,"
+            "information_criterion,recommended,at_bound");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
+}
+
+TEST(Study, OcvAndTermsGiveRows) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  for (const char* what : {"ocv", "terms"}) {
+    const auto run = RunLipoid(
+        folder, {"study", what, "logs/campaign.toml", "--summary", "s.json", "--csv", "t.csv"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto summary = ReadJson(folder, "s.json");
+    const auto rows = summary.at("rows").size();
+    EXPECT_GE(rows, 16U);
+    const auto csv = ReadTextFile(folder + "/t.csv");
+    const auto lines = static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n'));
+    EXPECT_EQ(lines, rows + 1);
+    const auto table = static_cast<std::size_t>(std::count(run.out.begin(), run.out.end(), '\n'));
+    EXPECT_EQ(table, rows + 1);
+    for (const auto& row : summary.at("rows")) {
+      EXPECT_GT(row.at("rmse_V").get<double>(), 0.0);
+      EXPECT_GT(row.at("wall_s").get<double>(), 0.0);
+    }
+  }
+}
+
+TEST(Study, AnUnknownStudyIsAUsageErrorThatListsTheKnown) {
+  const auto run = RunLipoid(TestFolder(), {"study", "branch", "campaign.toml"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find("unknown study 'branch'. Did you mean 'branches'? Known: branches, ocv, "
+                         "terms"),
+            std::string::npos)
+      << run.err;
+}
+
+TEST(Study, AMissingCampaignIsBadInput) {
+  const auto run = RunLipoid(TestFolder(), {"study", "ocv", "none.toml"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("none.toml"), std::string::npos) << run.err;
+}
+
+TEST(Study, HelpSaysWhatEachIsAndShowsAnExample) {
+  const auto run = RunLipoid(TestFolder(), {"study", "--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const char* text : {"branches:", "ocv:", "terms:", "lipoid study branches campaign.toml"})
+    EXPECT_NE(run.out.find(text), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace lipoid::test

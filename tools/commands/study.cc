@@ -1,0 +1,137 @@
+// lipoid study WHAT CAMPAIGN: one stage done in several ways, as a table.
+#include <fmt/ranges.h>
+
+#include "identify/logs/campaign.h"
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/open_circuit_voltage_file.h"
+#include "identify/studies/studies.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "tools/cli/suggest.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+
+namespace lipoid {
+namespace {
+
+const Study& FindStudy(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Study& study : kStudies) {
+    if (study.name == name) return study;
+    known.emplace_back(study.name);
+  }
+  throw OptionError(cli::UnknownName("study", name, known));
+}
+
+std::string JoinedWords(const Json& array) {
+  return fmt::format("{}", fmt::join(array.get<std::vector<std::string>>(), " "));
+}
+
+// A cell for people: numbers rounded, a dash for nothing.
+std::string Shown(const Json& value, const StudyColumn& column) {
+  if (value.is_number_float()) {
+    const double number = value.get<double>() * column.scale;
+    return number == 0.0 ? "0" : cli::Significant(number, column.digits);
+  }
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_array()) return value.empty() ? "-" : JoinedWords(value);
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_null() ? "-" : value.dump();
+}
+
+std::string TableText(const StudyResult& result) {
+  std::vector<cli::TextTable::Column> columns;
+  for (const StudyColumn& column : result.columns) {
+    const Json& first = result.rows.at(0).at(std::string(column.key));
+    const bool words = first.is_string() || first.is_array() || first.is_boolean();
+    columns.push_back({std::string(column.header), words ? cli::Align::kLeft : cli::Align::kRight});
+  }
+  cli::TextTable table(std::move(columns));
+  for (const Json& row : result.rows) {
+    std::vector<std::string> cells;
+    for (const StudyColumn& column : result.columns)
+      cells.push_back(Shown(row.at(std::string(column.key)), column));
+    table.Row(std::move(cells));
+  }
+  return table.Text();
+}
+
+// A cell for programs: all digits; words that hold a comma are quoted.
+std::string CsvCell(const Json& value) {
+  if (value.is_null()) return "";
+  if (!value.is_string() && !value.is_array()) return value.dump();
+  const std::string text = value.is_array() ? JoinedWords(value) : value.get<std::string>();
+  return text.find(',') == std::string::npos ? text : fmt::format("\"{}\"", text);
+}
+
+std::string CsvText(const StudyResult& result) {
+  std::string text;
+  const auto line = [&](auto&& cell) {
+    for (std::size_t k = 0; k < result.columns.size(); ++k)
+      text += (k > 0 ? "," : "") + cell(result.columns[k]);
+    text += "\n";
+  };
+  line([](const StudyColumn& column) { return std::string(column.key); });
+  for (const Json& row : result.rows)
+    line([&](const StudyColumn& column) { return CsvCell(row.at(std::string(column.key))); });
+  return text;
+}
+
+}  // namespace
+
+cli::ExitCode StudyCommand(cli::CommandLine& line) {
+  std::string what;
+  std::string campaign_file;
+  std::string csv;
+  std::string curve_file;
+  std::optional<int> branches;
+  bool no_diffusion = false;
+  StagedOptions options;
+  StagedGiven given;
+  std::string known;
+  for (const Study& study : kStudies)
+    known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", study.name, study.summary);
+  line.Describe("Does one stage of the identification in several ways and compares.",
+                "lipoid study branches campaign.toml");
+  line.Example("lipoid study ocv campaign.toml --csv forms.csv");
+  line.Argument("WHAT", what, known);
+  line.Argument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
+  line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
+  line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  line.Text("open-circuit-voltage",
+            curve_file,
+            "FILE",
+            "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
+  line.Option("branches", branches, Range{0, 5}, "branches, where they are not what is studied");
+  line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
+  line.Group("discharge_times", options.discharge_times);
+  line.Group("open_circuit_voltage", options.open_circuit_voltage);
+  line.Group("pulses", options.pulses);
+  line.Group("solver", options.solver);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Study& study = FindStudy(what);
+  if (branches) options.pulses.branches = *branches;
+  if (no_diffusion) options.pulses.diffusion = false;
+  if (!curve_file.empty()) {
+    given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
+    given.open_circuit_voltage_source = curve_file;
+  }
+  const Campaign campaign = ReadCampaign(campaign_file);
+  line.progress().Update(0.0, "reading logs");
+  const auto logs = LoadCampaign(campaign);
+  const StudyInput input{campaign, logs, options, given};
+  const StudyResult result = study.run(input, [&](std::string_view doing, double share) {
+    line.progress().Update(0.1 + 0.9 * share, doing);
+  });
+
+  line.summary()["study"] = study.name;
+  line.summary().update(result.facts);
+  line.summary()["rows"] = result.rows;
+  if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
+  line.Print("{}", TableText(result));
+  for (const auto& remark : result.remarks) line.Message("{}", remark);
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
