@@ -5,7 +5,8 @@ from .process import say
 
 SERIES = {
     "sweep": ("GrowthRows/sweep/", "rows", "one sweep with its Jacobian"),
-    "fit": ("GrowthRows/fit/", "rows", "the whole fit (4.61)"),
+    "prepare": ("GrowthRows/prepare/", "rows", "what is prepared once before the sweeps"),
+    "fit": ("GrowthRows/fit/", "rows", "the whole fit (4.61), from the record to the errors"),
     "stream": ("GrowthRows/stream/", "rows", "prediction row by row, nothing kept"),
     "branches": ("GrowthBranches/", "branches", "one sweep with its Jacobian"),
     "terms": ("GrowthTerms/", "terms", "one sweep with its Jacobian"),
