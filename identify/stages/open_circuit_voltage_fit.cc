@@ -1,11 +1,13 @@
 #include "identify/stages/open_circuit_voltage_fit.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <span>
 
 #include "identify/logs/segments.h"
 #include "identify/stages/row_factor.h"
@@ -18,23 +20,23 @@ namespace {
 // Rows under load, in the order of time, and the range that the curve is to span.
 struct Points {
   std::vector<double> soc;
-  std::vector<double> voltage_V;
+  std::span<const double> voltage_V;
+  std::vector<double> gathered_V;  // where rests stand between them
   double lo = 0.0;
   double hi = 1.0;
 
   [[nodiscard]] std::size_t size() const { return soc.size(); }
 };
 
-// The rows that a fit is shown, or those left out: one predicate, so that both agree.
+// The rows that a fit is shown: all, or all but every n-th.
 struct Share {
   int every = 0;  // 0: all rows are shown
-  bool left_out = false;
 
-  [[nodiscard]] bool Has(std::size_t row) const {
-    if (every == 0) return true;
-    return (row % static_cast<std::size_t>(every) == static_cast<std::size_t>(every / 2)) ==
-           left_out;
-  }
+  // The rows left out.
+  [[nodiscard]] std::size_t first() const { return static_cast<std::size_t>(every / 2); }
+  [[nodiscard]] std::size_t step() const { return static_cast<std::size_t>(every); }
+
+  [[nodiscard]] bool Has(std::size_t row) const { return every == 0 || row % step() != first(); }
 };
 
 // Node positions that share out the length of the curve. Its length is measured on averages over
@@ -81,61 +83,104 @@ std::vector<double> PlaceNodes(const Points& points, int count) {
   return nodes;
 }
 
-// Nodes between which no row lies leave the system singular: they are dropped.
-std::vector<double> DropEmptyIntervals(const std::vector<double>& nodes,
-                                       const Points& points,
-                                       const Share& share) {
-  std::vector<bool> occupied(nodes.size() - 1, false);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!share.Has(k)) continue;
-    const auto above = std::upper_bound(nodes.begin(), nodes.end(), points.soc[k]) - nodes.begin();
-    occupied[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
-        above - 1, 0, static_cast<std::ptrdiff_t>(occupied.size()) - 1))] = true;
+// Least squares over the values at the nodes, straight lines between them: a tridiagonal system,
+// summed over rows.
+struct NodeSums {
+  double middle_V = 0.0;  // what the sums are taken about: near zero squares keep more digits
+  std::vector<double> diagonal, beside, right;  // entry k of beside couples k and k+1
+  std::vector<double> rows;                     // in the interval above each node
+
+  explicit NodeSums(std::size_t nodes)
+      : diagonal(nodes, 0.0), beside(nodes, 0.0), right(nodes, 0.0), rows(nodes, 0.0) {}
+
+  void Add(const NodeSums& other, double factor) {
+    middle_V = other.middle_V;
+    for (std::size_t k = 0; k < diagonal.size(); ++k) {
+      diagonal[k] += factor * other.diagonal[k];
+      beside[k] += factor * other.beside[k];
+      right[k] += factor * other.right[k];
+      rows[k] += factor * other.rows[k];
+    }
   }
-  std::vector<double> kept{nodes.front()};
-  for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
-    if (occupied[k - 1] && occupied[k]) kept.push_back(nodes[k]);
+
+  // Thomas' elimination; the matrix is positive definite because every interval holds a row.
+  [[nodiscard]] std::vector<double> Solve() const {
+    const std::size_t n = diagonal.size();
+    auto pivot = diagonal;
+    auto value = right;
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+      const double factor = beside[k] / pivot[k];
+      pivot[k + 1] -= factor * beside[k];
+      value[k + 1] -= factor * value[k];
+    }
+    for (std::size_t k = n; k-- > 0;) {
+      value[k] = (value[k] - (k + 1 < n ? beside[k] * value[k + 1] : 0.0)) / pivot[k];
+    }
+    for (double& v : value) v += middle_V;
+    return value;
   }
-  kept.push_back(nodes.back());
-  return kept;
+};
+
+// Of every step-th row. In pieces of a fixed size, joined in order: the same bits with any number
+// of threads.
+NodeSums SumRows(const std::vector<double>& nodes,
+                 const Points& points,
+                 std::size_t from,
+                 std::size_t step) {
+  constexpr std::size_t kPiece = 1 << 16;
+  const std::size_t n = nodes.size();
+  const std::size_t count = from < points.size() ? (points.size() - from - 1) / step + 1 : 0;
+  const double middle_V = 0.5 * (points.voltage_V.front() + points.voltage_V.back());
+  std::vector<double> inverse(n - 1);
+  for (std::size_t j = 0; j + 1 < n; ++j) inverse[j] = 1.0 / (nodes[j + 1] - nodes[j]);
+  std::vector<NodeSums> pieces((count + kPiece - 1) / kPiece, NodeSums(n));
+  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+    NodeSums& sums = pieces[p];
+    std::size_t j = n - 2;
+    const std::size_t end = std::min(count, (p + 1) * kPiece);
+    for (std::size_t m = p * kPiece; m < end; ++m) {
+      const std::size_t k = from + m * step;
+      const double soc = points.soc[k];
+      while (j > 0 && soc < nodes[j]) --j;
+      while (j + 2 < n && soc >= nodes[j + 1]) ++j;
+      const double upper = (soc - nodes[j]) * inverse[j];
+      const double lower = 1.0 - upper;
+      const double v = points.voltage_V[k] - middle_V;
+      sums.diagonal[j] += lower * lower;
+      sums.diagonal[j + 1] += upper * upper;
+      sums.beside[j] += lower * upper;
+      sums.right[j] += lower * v;
+      sums.right[j + 1] += upper * v;
+      sums.rows[j] += 1.0;
+    }
+  });
+  NodeSums all(n);
+  for (const NodeSums& piece : pieces) all.Add(piece, 1.0);
+  all.middle_V = middle_V;
+  return all;
 }
 
-// Least squares over the values at the nodes, straight lines between them: a tridiagonal system.
-std::vector<double> FitNodes(const std::vector<double>& nodes,
-                             const Points& points,
-                             const Share& share) {
-  const std::size_t n = nodes.size();
-  std::vector<double> diagonal(n, 0.0);
-  std::vector<double> beside(n, 0.0);  // entry k couples k and k+1
-  std::vector<double> right(n, 0.0);
-  const double middle = 0.5 * (points.voltage_V.front() + points.voltage_V.back());
-  std::size_t j = n - 2;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!share.Has(k)) continue;
-    const double soc = points.soc[k];
-    while (j > 0 && soc < nodes[j]) --j;
-    while (j + 2 < n && soc >= nodes[j + 1]) ++j;
-    const double upper = (soc - nodes[j]) / (nodes[j + 1] - nodes[j]);
-    const double lower = 1.0 - upper;
-    const double v = points.voltage_V[k] - middle;  // near zero: the squares keep more digits
-    diagonal[j] += lower * lower;
-    diagonal[j + 1] += upper * upper;
-    beside[j] += lower * upper;
-    right[j] += lower * v;
-    right[j + 1] += upper * v;
+NodeSums SumShare(const std::vector<double>& nodes, const Points& points, const Share& share) {
+  NodeSums sums = SumRows(nodes, points, 0, 1);
+  if (share.every > 0) sums.Add(SumRows(nodes, points, share.first(), share.step()), -1.0);
+  return sums;
+}
+
+// Values at the nodes. Nodes between which no row lies leave the system singular: they are dropped,
+// and fewer than four are none.
+std::vector<double> FitNodes(std::vector<double>& nodes, const Points& points, const Share& shown) {
+  while (nodes.size() >= 4) {
+    const NodeSums sums = SumShare(nodes, points, shown);
+    std::vector<double> kept{nodes.front()};
+    for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
+      if (sums.rows[k - 1] > 0.0 && sums.rows[k] > 0.0) kept.push_back(nodes[k]);
+    }
+    kept.push_back(nodes.back());
+    if (kept.size() == nodes.size()) return sums.Solve();
+    nodes = std::move(kept);
   }
-  // Thomas' elimination; the matrix is positive definite because every interval holds a row.
-  for (std::size_t k = 0; k + 1 < n; ++k) {
-    const double factor = beside[k] / diagonal[k];
-    diagonal[k + 1] -= factor * beside[k];
-    right[k + 1] -= factor * right[k];
-  }
-  std::vector<double> values(n);
-  for (std::size_t k = n; k-- > 0;) {
-    values[k] = (right[k] - (k + 1 < n ? beside[k] * values[k + 1] : 0.0)) / diagonal[k];
-  }
-  for (double& v : values) v += middle;
-  return values;
+  nodes.clear();
+  return {};
 }
 
 // Few rows are joined as they are. Rising states of charge; the row nearest the full end is carried
@@ -333,14 +378,10 @@ OpenCircuitVoltage FitCurve(const Points& points,
   if (points.size() > static_cast<std::size_t>(options.interpolate_up_to)) {
     const int count =
         std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
-    nodes = DropEmptyIntervals(PlaceNodes(points, count), points, share);
-  }
-  if (nodes.size() >= 4) {
+    nodes = PlaceNodes(points, count);
     values = FitNodes(nodes, points, share);
-  } else {
-    nodes.clear();
-    TakeRows(points, share, nodes, values);
   }
+  if (nodes.empty()) TakeRows(points, share, nodes, values);
   if (options.method == OcvMethod::kLinear) {
     return OpenCircuitVoltage::Linear(std::move(nodes), std::move(values));
   }
@@ -355,16 +396,34 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
                                    double initial_soc,
                                    const OcvFitOptions& options) {
   Require(alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", alpha_C}});
-  const auto charge_C = DeliveredCharge(record);
   const double rest_A = RestThreshold(record);
+  const bool backward = record.hold == Hold::kBackward;
+  OcvFitResult result;
   Points points;
-  std::vector<double> loads;
+  points.soc.reserve(record.size());
+  double charge_C = 0.0;
+  std::size_t first = 0;
+  std::size_t last = 0;
   for (std::size_t k = 0; k < record.size(); ++k) {
+    if (k > 0) {
+      charge_C +=
+          record.current_A[backward ? k : k - 1] * (record.time_s[k] - record.time_s[k - 1]);
+      result.charge_C = std::max(result.charge_C, charge_C);
+    }
     if (record.current_A[k] <= rest_A) continue;
-    points.soc.push_back(initial_soc - charge_C[k] / alpha_C);  // (4.59)
-    points.voltage_V.push_back(record.voltage_V[k]);
-    loads.push_back(record.current_A[k]);
+    if (points.soc.empty()) first = k;
+    last = k;
+    points.soc.push_back(initial_soc - charge_C / alpha_C);  // (4.59)
   }
+  const bool together = points.size() == 0 || points.size() == last - first + 1;
+  if (!together) {
+    points.gathered_V.reserve(points.size());
+    for (std::size_t k = 0; k < record.size(); ++k) {
+      if (record.current_A[k] > rest_A) points.gathered_V.push_back(record.voltage_V[k]);
+    }
+  }
+  points.voltage_V = together ? std::span(record.voltage_V).subspan(first, points.size())
+                              : std::span<const double>(points.gathered_V);
   const std::size_t coefficients = options.method == OcvMethod::kPolynomial ? options.degree + 1
                                    : options.method == OcvMethod::kFourier
                                        ? 2 * options.harmonics + 1
@@ -382,22 +441,28 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   points.lo = *std::min_element(points.soc.begin(), points.soc.end());
   points.hi = std::max(initial_soc, *std::max_element(points.soc.begin(), points.soc.end()));
 
-  OcvFitResult result;
-  const OpenCircuitVoltage judged = FitCurve(points, {options.leave_out_every, false}, options);
+  const OpenCircuitVoltage judged = FitCurve(points, {options.leave_out_every}, options);
   ErrorAccumulator errors;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (Share{options.leave_out_every, true}.Has(k))
-      errors.Add(points.voltage_V[k], judged(points.soc[k]));
-  }
+  const Share shown{options.leave_out_every};
+  for (std::size_t k = shown.first(); k < points.size();
+       k += std::max<std::size_t>(shown.step(), 1))
+    errors.Add(points.voltage_V[k], judged(points.soc[k]));
   result.mean_error_percent = errors.Result().mean_error_percent;
   result.max_error_percent = errors.Result().max_error_percent;
   result.rmse_V = errors.Result().rmse;
   result.curve = FitCurve(points, {}, options);
   result.rows = points.size();
-  result.charge_C = *std::max_element(charge_C.begin(), charge_C.end());
-  std::nth_element(
-      loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2), loads.end());
-  result.current_A = loads[loads.size() / 2];
+  // The median load, of rows enough.
+  constexpr std::size_t kSamples = 1 << 16;
+  std::vector<double> loads;
+  const std::size_t stride = points.size() / kSamples + 1;
+  loads.reserve(points.size() / stride + 1);
+  for (std::size_t k = first; k <= last; k += stride) {
+    if (record.current_A[k] > rest_A) loads.push_back(record.current_A[k]);
+  }
+  const auto median = loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2);
+  std::nth_element(loads.begin(), median, loads.end());
+  result.current_A = *median;
   result.soc_lo = result.curve.soc_lo();
   result.soc_hi = result.curve.soc_hi();
   return result;

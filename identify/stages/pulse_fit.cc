@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
@@ -155,7 +156,9 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   result.fixed = unknowns.fixed;
 
   // Many starts on a coarse view of the logs.
-  const VoltageSweep coarse(sweep.setup(), sweep.logs(), Condensation::Coarse());
+  std::optional<VoltageSweep> made;
+  if (start.coarse == nullptr) made.emplace(sweep.setup(), sweep.logs(), Condensation::Coarse());
+  const VoltageSweep& coarse = start.coarse != nullptr ? *start.coarse : *made;
   std::vector<double> betas{base.sweep.beta_per_sqrt_s};
   if (unknowns.Free("beta")) {
     for (const double beta : LogGrid(0.03, 1.0, 7)) betas.push_back(beta);

@@ -66,6 +66,7 @@ struct PulseFitStart {
   bool hold_beta = false;                     ///< (4.60); else (4.61)
   StartValues data = {};                      ///< of the same records
   const SweepParameters* previous = nullptr;  ///< one more start, for example the answer of (4.60)
+  const VoltageSweep* coarse = nullptr;       ///< Condensation::Coarse() of the same; or it is made
 };
 
 /// The setup of the sweep says how the diffusion is modelled; options.branches how many branches

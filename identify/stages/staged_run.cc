@@ -1,6 +1,8 @@
 #include "identify/stages/staged_run.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <chrono>
@@ -24,18 +26,20 @@ std::vector<const LoadedLog*> OfKind(const std::vector<LoadedLog>& logs, LogKind
   return found;
 }
 
-// Runs `check` on every log and reports all that fail together.
+// Runs `check` on every log, side by side, and reports all that fail together.
 template <class Check>
 void CheckAll(const std::vector<const LoadedLog*>& logs, Check&& check) {
-  std::vector<Diagnostic> diagnostics;
-  for (const LoadedLog* log : logs) {
+  std::vector<std::vector<Diagnostic>> problems(logs.size());
+  tbb::parallel_for(std::size_t{0}, logs.size(), [&](std::size_t k) {
     try {
-      check(*log);
+      check(*logs[k]);
     } catch (const LoadError& error) {
-      diagnostics.insert(diagnostics.end(), error.diagnostics().begin(), error.diagnostics().end());
+      problems[k] = error.diagnostics();
     }
-  }
-  if (!diagnostics.empty()) throw LoadError(std::move(diagnostics));
+  });
+  std::vector<Diagnostic> all;
+  for (const auto& some : problems) all.insert(all.end(), some.begin(), some.end());
+  if (!all.empty()) throw LoadError(std::move(all));
 }
 
 class StagedRun {
@@ -54,7 +58,8 @@ class StagedRun {
     Tell("discharge times", 0.05);
     FindAlphaAndBeta();
     Tell("open-circuit voltage", 0.1);
-    FindOpenCircuitVoltage();
+    // Neither waits for the other.
+    tbb::parallel_invoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
     Tell("pulses", 0.2);
     FitPulseParameters();
     Tell("validation", 0.95);
@@ -86,29 +91,37 @@ class StagedRun {
     std::vector<const LoadedLog*> all = constant;
     all.insert(all.end(), low_rate.begin(), low_rate.end());
     all.insert(all.end(), pulses.begin(), pulses.end());
+    std::vector<std::optional<DischargeTime>> discharges(constant.size());
+    std::vector<double> shortest_pulse_s(pulses.size(), shortest_pulse_s_);
+    const auto place = [](const auto& of, const LoadedLog& log) {
+      return static_cast<std::size_t>(std::find(of.begin(), of.end(), &log) - of.begin());
+    };
+    if (!low_rate.empty()) low_rate_ = low_rate.front();
     CheckAll(all, [&](const LoadedLog& log) {
       switch (log.entry.kind) {
         case LogKind::kConstantCurrent: {
           const Discharge d = FindDischarge(log.log.record, *campaign_.cutoff_V);
-          discharges_.push_back({log.entry.file, d.current_A, d.time_s()});
+          discharges[place(constant, log)] = {log.entry.file, d.current_A, d.time_s()};
           break;
         }
         case LogKind::kLowRate:
-          if (low_rate_ == nullptr) {
-            low_rate_ = &log;
+          if (&log == low_rate_)
             low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
-          }
           break;
         case LogKind::kPulses:
           for (const Segment& segment : FindPulses(log.log.record)) {
-            if (segment.kind != SegmentKind::kPulse) continue;
-            shortest_pulse_s_ = std::min(shortest_pulse_s_, segment.duration_s());
+            double& shortest_s = shortest_pulse_s[place(pulses, log)];
+            if (segment.kind == SegmentKind::kPulse)
+              shortest_s = std::min(shortest_s, segment.duration_s());
           }
           break;
         case LogKind::kValidation:
           break;
       }
     });
+    for (auto& discharge : discharges) discharges_.push_back(std::move(*discharge));
+    for (const double shortest_s : shortest_pulse_s)
+      shortest_pulse_s_ = std::min(shortest_pulse_s_, shortest_s);
     if (low_rate_ != nullptr) result_.low_rate_charge_C = low_rate_discharge_.charge_C;
     if (low_rate.size() > 1) {
       result_.done_instead.push_back(
@@ -179,7 +192,7 @@ class StagedRun {
     result_.cell.open_circuit_voltage = result_.open_circuit_voltage->curve;
   }
 
-  void FitPulseParameters() {
+  void PreparePulses() {
     auto fitted = OfKind(logs_, LogKind::kPulses);
     if (fitted.empty()) {
       fitted = OfKind(logs_, LogKind::kConstantCurrent);
@@ -195,14 +208,23 @@ class StagedRun {
       sweep_logs.push_back({&log->log.record, log->entry.initial_soc, log->entry.weight});
       records.push_back(&log->log.record);
     }
-    const VoltageSweep sweep({.alpha_C = result_.alpha_C,
+    const SweepSetup setup = {.alpha_C = result_.alpha_C,
                               .diffusion = options_.pulses.diffusion,
                               .terms = options_.pulses.terms,
                               .tail = options_.pulses.tail,
-                              .open_circuit_voltage = result_.cell.open_circuit_voltage},
-                             std::move(sweep_logs));
-    result_.start = FindStartValues(records);
-    PulseFitStart start{.beta_per_sqrt_s = beta_start_, .hold_beta = true, .data = result_.start};
+                              .open_circuit_voltage = {}};
+    tbb::parallel_invoke([&] { sweep_.emplace(setup, sweep_logs); },
+                         [&] { coarse_.emplace(setup, sweep_logs, Condensation::Coarse()); },
+                         [&] { result_.start = FindStartValues(records); });
+  }
+
+  void FitPulseParameters() {
+    const VoltageSweep sweep = sweep_->With(result_.cell.open_circuit_voltage);
+    const VoltageSweep coarse = coarse_->With(result_.cell.open_circuit_voltage);
+    PulseFitStart start{.beta_per_sqrt_s = beta_start_,
+                        .hold_beta = true,
+                        .data = result_.start,
+                        .coarse = &coarse};
     const bool beta_is_free = options_.pulses.diffusion && !IsFixed("beta");
     if (beta_is_free) {
       result_.pulses_beta_held =
@@ -352,6 +374,8 @@ class StagedRun {
   std::vector<DischargeTime> discharges_;
   const LoadedLog* low_rate_ = nullptr;
   Discharge low_rate_discharge_;
+  std::optional<VoltageSweep> sweep_;   // all rows, still without v_oc(A)
+  std::optional<VoltageSweep> coarse_;  // a coarse view of them
   double beta_start_ = kTypicalBeta;
   double shortest_pulse_s_ = std::numeric_limits<double>::infinity();
 };

@@ -432,10 +432,18 @@ VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs, const C
     setup_.terms = 0;
     setup_.tail = false;
   }
+  auto condensed = std::make_shared<std::vector<CondensedLog>>();
   for (const SweepLog& log : logs_) {
     Require(log.record != nullptr, "a record");
-    condensed_.emplace_back(*log.record, how);
+    condensed->emplace_back(*log.record, how);
   }
+  condensed_ = std::move(condensed);
+}
+
+VoltageSweep VoltageSweep::With(OpenCircuitVoltage curve) const {
+  VoltageSweep other = *this;
+  other.setup_.open_circuit_voltage = std::move(curve);
+  return other;
 }
 
 std::size_t VoltageSweep::rows() const {
@@ -446,7 +454,7 @@ std::size_t VoltageSweep::rows() const {
 
 std::size_t VoltageSweep::points() const {
   std::size_t sum = 0;
-  for (const CondensedLog& log : condensed_) sum += log.points();
+  for (const CondensedLog& log : *condensed_) sum += log.points();
   return sum;
 }
 
@@ -458,8 +466,8 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
   std::vector<Eigen::MatrixXd> factors(logs_.size());
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     FactorVisitor visitor(
-        setup_, condensed_[k], parameters, logs_[k].weight, !how_.coarse, jacobian);
-    LogSweep(setup_, condensed_[k], logs_[k].initial_soc, parameters).Run(jacobian, visitor);
+        setup_, (*condensed_)[k], parameters, logs_[k].weight, !how_.coarse, jacobian);
+    LogSweep(setup_, (*condensed_)[k], logs_[k].initial_soc, parameters).Run(jacobian, visitor);
     factors[k] = visitor.Result();
   });
   if (factors.size() == 1) return factors[0];
@@ -483,8 +491,8 @@ SweepErrors VoltageSweep::Errors(const SweepParameters& parameters) const {
   SweepErrors result;
   ErrorAccumulator errors;
   for (std::size_t k = 0; k < logs_.size(); ++k) {
-    ErrorVisitor visitor(setup_, condensed_[k], parameters, errors);
-    LogSweep(setup_, condensed_[k], logs_[k].initial_soc, parameters).Run(false, visitor);
+    ErrorVisitor visitor(setup_, (*condensed_)[k], parameters, errors);
+    LogSweep(setup_, (*condensed_)[k], logs_[k].initial_soc, parameters).Run(false, visitor);
     result.rows_outside_curve += visitor.outside();
   }
   result.metrics = errors.Result();

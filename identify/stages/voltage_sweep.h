@@ -18,6 +18,7 @@
 /// through CellModel).
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "identify/logs/record.h"
@@ -63,6 +64,9 @@ class VoltageSweep {
                std::vector<SweepLog> logs,
                const Condensation& how = Condensation::Exact());
 
+  /// The same logs, condensed already, with another curve.
+  [[nodiscard]] VoltageSweep With(OpenCircuitVoltage curve) const;
+
   /// Columns of the Jacobian: beta, r_s, r_1 .. r_n, tau_1 .. tau_n; the residual is the last
   /// column.
   [[nodiscard]] static int Columns(int branches) { return 2 + 2 * branches; }
@@ -85,7 +89,7 @@ class VoltageSweep {
   SweepSetup setup_;
   std::vector<SweepLog> logs_;
   Condensation how_;
-  std::vector<CondensedLog> condensed_;
+  std::shared_ptr<const std::vector<CondensedLog>> condensed_;  // the expensive part
 };
 
 }  // namespace lipoid

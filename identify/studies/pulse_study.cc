@@ -24,7 +24,7 @@ VoltageSweep PulseStudy::Sweep(int terms, bool tail) const {
   std::vector<SweepLog> logs;
   for (const LoadedLog& log : input_.logs) {
     if (log.entry.kind != before_.fitted_kind) continue;
-    logs.push_back({&log.log.record, log.entry.initial_soc, log.entry.weight, {}});
+    logs.push_back({&log.log.record, log.entry.initial_soc, log.entry.weight});
   }
   return VoltageSweep({.alpha_C = before_.alpha_C,
                        .diffusion = diffusion(),

@@ -69,7 +69,11 @@ std::string Sha256OfBytes(const std::string& bytes) {
 
 Json RunRecord::ToJson() const {
   Json files = Json::array();
-  for (const auto& file : inputs) files.push_back({{"file", file}, {"sha256", Sha256OfFile(file)}});
+  Require(sha256.empty() || sha256.size() == inputs.size(), "a hash for every input, or none");
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    files.push_back(
+        {{"file", inputs[k]}, {"sha256", sha256.empty() ? Sha256OfFile(inputs[k]) : sha256[k]}});
+  }
   return {{"command", command},
           {"options", options},
           {"seed", seed},

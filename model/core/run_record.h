@@ -25,7 +25,8 @@ struct RunRecord {
   std::string command;  ///< as typed, or the function called
   Json options = Json::object();
   std::uint64_t seed = 0;
-  std::vector<std::string> inputs;  ///< files; hashed by ToJson()
+  std::vector<std::string> inputs;  ///< files
+  std::vector<std::string> sha256;  ///< of the inputs; empty: ToJson() reads them
   Json metrics = Json::object();
 
   [[nodiscard]] Json ToJson() const;

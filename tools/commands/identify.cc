@@ -1,4 +1,6 @@
 // lipoid identify CAMPAIGN... -o CELL: from logs to a cell file.
+#include <tbb/task_group.h>
+
 #include <chrono>
 #include <filesystem>
 
@@ -73,26 +75,51 @@ Json OptionsOf(const Settings& settings) {
   return json;
 }
 
-RunRecord RecordOf(const cli::CommandLine& line,
-                   const Campaign& campaign,
-                   const Settings& settings,
-                   const Json& report) {
-  RunRecord run;
-  run.command = line.CommandText();
-  run.options = OptionsOf(settings);
-  run.seed = line.seed();
-  if (!campaign.file.empty()) run.inputs.push_back(campaign.file);
+std::vector<std::string> InputsOf(const Campaign& campaign, const Settings& settings) {
+  std::vector<std::string> inputs;
+  if (!campaign.file.empty()) inputs.push_back(campaign.file);
   for (const auto& log : campaign.logs) {
-    if (std::find(run.inputs.begin(), run.inputs.end(), log.path) == run.inputs.end()) {
-      run.inputs.push_back(log.path);
+    if (std::find(inputs.begin(), inputs.end(), log.path) == inputs.end())
+      inputs.push_back(log.path);
+  }
+  if (settings.given.open_circuit_voltage)
+    inputs.push_back(settings.given.open_circuit_voltage_source);
+  return inputs;
+}
+
+// Hashes files while other work goes on.
+class Hashing {
+ public:
+  explicit Hashing(std::vector<std::string> files)
+      : files_(std::move(files)), sha256_(files_.size()) {
+    for (std::size_t k = 0; k < files_.size(); ++k)
+      tasks_.run([this, k] { sha256_[k] = Sha256OfFile(files_[k]); });
+  }
+  ~Hashing() {
+    tasks_.cancel();
+    Wait();
+  }
+  Hashing(const Hashing&) = delete;
+  Hashing& operator=(const Hashing&) = delete;
+
+  void AddTo(RunRecord& run) {
+    tasks_.wait();
+    run.inputs = files_;
+    run.sha256 = sha256_;
+  }
+
+ private:
+  void Wait() noexcept {
+    try {
+      tasks_.wait();
+    } catch (const std::exception&) {  // on the way out of another one
     }
   }
-  if (settings.given.open_circuit_voltage) {
-    run.inputs.push_back(settings.given.open_circuit_voltage_source);
-  }
-  run.metrics = report;
-  return run;
-}
+
+  std::vector<std::string> files_;
+  std::vector<std::string> sha256_;
+  tbb::task_group tasks_;
+};
 
 }  // namespace
 
@@ -250,13 +277,20 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     CheckCampaign(campaign, settings.given.open_circuit_voltage.has_value());
     line.progress().Update(share(0.0), "reading logs");
     const auto logs = LoadCampaign(campaign);
+    Hashing hashing(InputsOf(campaign, settings));
     StagedResult result = IdentifyStaged(
         campaign, logs, settings.options, settings.given, [&](std::string_view stage, double part) {
           line.progress().Update(share(0.2 + 0.7 * part), stage);
         });
     line.progress().Update(share(0.95), "writing");
     Json report = StagedToJson(result);
-    result.cell.run = RecordOf(line, campaign, settings, report).ToJson();
+    RunRecord run;
+    run.command = line.CommandText();
+    run.options = OptionsOf(settings);
+    run.seed = line.seed();
+    run.metrics = report;
+    hashing.AddTo(run);
+    result.cell.run = run.ToJson();
     result.cell.run["converged"] = result.converged;
     if (!residuals.empty()) WriteResiduals(result, logs, residuals);
     WriteCellFile(result.cell, paths[k]);
