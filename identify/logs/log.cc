@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -34,8 +35,8 @@ void CheckOptions(const ReadOptions& options) {
           "columns: expected time_s, current_A, voltage_V or temperature_degC, found '{}'", key));
     }
   }
-  constexpr Quantity kOrder[] = {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage};
-  if (!options.units.empty() && options.units.size() != std::size(kOrder)) {
+  static constexpr std::array kOrder = {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage};
+  if (!options.units.empty() && options.units.size() != kOrder.size()) {
     throw OptionError(
         fmt::format("units: expected three, of time, current and voltage (s,A,V), found {}",
                     options.units.size()));
