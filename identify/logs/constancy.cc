@@ -17,6 +17,13 @@ struct Stretch {
 template <class Visit>
 void ForEachStretch(
     const Record& record, std::size_t first, std::size_t last, std::size_t rows, Visit visit) {
+  if (rows == 1) {
+    for (std::size_t k = first; k <= last; ++k) {
+      const double duration_s = RowDuration(record, k);
+      if (duration_s > 0.0) visit(Stretch{record.current_A[k], duration_s});
+    }
+    return;
+  }
   for (std::size_t k = first; k <= last;) {
     const std::size_t end = std::min(last - k < rows ? last + 1 : k + rows, last + 1);
     double charge_C = 0.0;

@@ -66,7 +66,8 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
 void CheckPlausible(const Record& record, double capacity_Ah) {
   if (record.voltage_V.empty()) return;
   double mean_V = 0.0;
-  for (const double v : record.voltage_V) mean_V += v / static_cast<double>(record.size());
+  for (const double v : record.voltage_V) mean_V += v;
+  mean_V /= static_cast<double>(record.size());
   if (mean_V > kMostCell_V) {
     throw LoadError(
         {record.file},
@@ -94,9 +95,16 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             capacity_Ah,
             most_A));
   }
-  const auto charge_C = DeliveredCharge(record);
-  const auto [low, high] = std::minmax_element(charge_C.begin(), charge_C.end());
-  if (const double range_Ah = (*high - *low) / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
+  const bool backward = record.hold == Hold::kBackward;
+  double charge_C = 0.0;
+  double low_C = 0.0;
+  double high_C = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    charge_C += record.current_A[backward ? k : k - 1] * (record.time_s[k] - record.time_s[k - 1]);
+    low_C = std::min(low_C, charge_C);
+    high_C = std::max(high_C, charge_C);
+  }
+  if (const double range_Ah = (high_C - low_C) / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
     throw LoadError(
         {record.file},
         fmt::format(

@@ -112,7 +112,14 @@ std::vector<Piece> FindLevels(const std::vector<double>& x, const Scale& scale) 
   double down = 0.0;
   std::size_t up_since = 0;
   std::size_t down_since = 0;
+  // Within this of the mean nothing adds up, whatever the noise.
+  const double quiet_A = std::min(scale.Tolerance(0.0), scale.Tolerance(scale.largest_A));
   for (std::size_t k = 1; k < x.size(); ++k) {
+    if (up == 0.0 && down == 0.0 && std::abs(x[k] - mean) <= quiet_A) {
+      rows += 1.0;
+      if (x[k] != mean) mean += (x[k] - mean) / rows;
+      continue;
+    }
     const double noise = scale.Noise(mean);
     const double tolerance = scale.Tolerance(mean);
     const double drift =
@@ -263,7 +270,33 @@ class Cutter {
 };
 
 // When the current of rows [first, last] flows, and what it moves.
-Segment Measure(const Record& record, const std::vector<double>& charge_C, const Piece& piece) {
+// The charge delivered so far, row by row and never back, (4.59).
+class ChargeWalk {
+ public:
+  explicit ChargeWalk(const Record& record) : record_(record) {}
+
+  double At(std::size_t row) {
+    const bool backward = record_.hold == Hold::kBackward;
+    while (row_ < row) {
+      ++row_;
+      charge_C_ += record_.current_A[backward ? row_ : row_ - 1] *
+                   (record_.time_s[row_] - record_.time_s[row_ - 1]);
+      least_C_ = std::min(least_C_, charge_C_);
+      most_C_ = std::max(most_C_, charge_C_);
+    }
+    return charge_C_;
+  }
+  [[nodiscard]] double range_C() const { return most_C_ - least_C_; }
+
+ private:
+  const Record& record_;
+  std::size_t row_ = 0;
+  double charge_C_ = 0.0;
+  double least_C_ = 0.0;
+  double most_C_ = 0.0;
+};
+
+Segment Measure(const Record& record, ChargeWalk& charge, const Piece& piece) {
   const bool backward = record.hold == Hold::kBackward;
   const std::size_t from = backward && piece.first > 0 ? piece.first - 1 : piece.first;
   const std::size_t to = !backward && piece.last + 1 < record.size() ? piece.last + 1 : piece.last;
@@ -271,7 +304,8 @@ Segment Measure(const Record& record, const std::vector<double>& charge_C, const
                   .last = piece.last,
                   .start_s = record.time_s[from],
                   .end_s = record.time_s[to]};
-  segment.charge_C = charge_C[to] - charge_C[from];
+  const double before_C = charge.At(from);
+  segment.charge_C = charge.At(to) - before_C;
   segment.current_A = to > from ? segment.charge_C / segment.duration_s() : piece.mean_A;
   return segment;
 }
@@ -306,11 +340,10 @@ void NameLoads(const Record& record,
 std::vector<Segment> FindSegments(const Record& record) {
   std::vector<Segment> segments;
   if (record.size() == 0) return segments;
-  const auto charge_C = DeliveredCharge(record);
-  const auto [least, most] = std::minmax_element(charge_C.begin(), charge_C.end());
+  ChargeWalk charge(record);
   double load_s = 0.0;
   for (const Piece& piece : Cutter(record).Cut()) {
-    segments.push_back(Measure(record, charge_C, piece));
+    segments.push_back(Measure(record, charge, piece));
     segments.back().kind = piece.rest ? SegmentKind::kRest : SegmentKind::kVarying;
     if (!piece.rest) load_s += segments.back().duration_s();
   }
@@ -323,7 +356,7 @@ std::vector<Segment> FindSegments(const Record& record) {
     const auto end = std::find_if(first, segments.end(), is_rest);
     const bool beside_rest = (first != segments.begin() && (first - 1)->duration_s() > 0.0) ||
                              (end != segments.end() && end->duration_s() > 0.0);
-    NameLoads(record, *most - *least, load_s, beside_rest, first, end);
+    NameLoads(record, charge.range_C(), load_s, beside_rest, first, end);
     first = end;
   }
   return segments;
