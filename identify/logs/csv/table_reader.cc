@@ -2,6 +2,8 @@
 
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -66,31 +68,92 @@ TableReader::TableReader(TextSource& source, TableSpec spec)
   });
 }
 
+bool TableReader::NeedsOnlyNumbers() const {
+  return spec_.levels.empty() && std::all_of(order_.begin(), order_.end(), [&](std::size_t k) {
+           return spec_.columns[k].kind == CellKind::kNumber;
+         });
+}
+
+// The rows of a piece down to the first that is unusual. Columns of numbers are read without
+// touching anything else of this reader: pieces may be read side by side.
+void TableReader::ReadPlainRows(Piece& piece) {
+  // A row has a delimiter or line end per field.
+  const std::size_t most_rows = piece.text.size() / spec_.fields + 1;
+  if (piece.block.columns.size() != spec_.columns.size() || piece.block.capacity < most_rows) {
+    piece.block.capacity = std::max(most_rows, piece.block.capacity);
+    piece.block.columns.clear();
+    for (std::size_t k = 0; k < spec_.columns.size(); ++k)
+      piece.block.columns.push_back(std::make_unique_for_overwrite<double[]>(piece.block.capacity));
+  }
+  piece.block.rows = 0;
+  piece.block.bytes = piece.text.size();
+  piece.trailing_delimiter = false;
+  piece.decimal = decimal_;
+  const char* at = piece.text.data();
+  const char* const end = at + piece.text.size();
+  if (NeedsOnlyNumbers()) {
+    while (at < end &&
+           ReadFast(at, end, piece.block.rows, piece.block, piece.trailing_delimiter) == Row::kRead)
+      ++piece.block.rows;
+  }
+  piece.bytes_read = static_cast<std::size_t>(at - piece.text.data());
+}
+
+// As many pieces as threads can share, and no more than stay valid.
+void TableReader::ReadAhead() {
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const std::size_t most =
+      threads > 1 && NeedsOnlyNumbers() ? std::min(2 * threads, TextSource::kPiecesAlive) : 1;
+  pieces_.resize(most);
+  std::size_t count = 0;
+  while (count < most) {
+    try {
+      pieces_[count].text = source_.NextPiece(line_);
+    } catch (const LoadError&) {
+      // Its line is known when the pieces before it were taken: it is thrown again then.
+      if (count == 0) throw;
+      break;
+    }
+    if (pieces_[count].text.empty()) break;
+    ++count;
+  }
+  pieces_.resize(count);
+  if (count == 1) {
+    ReadPlainRows(pieces_[0]);
+  } else {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { ReadPlainRows(pieces_[k]); });
+  }
+  next_ = 0;
+}
+
 bool TableReader::NextBlock(TableBlock& block) {
   piece_line_ = line_;
-  piece_ = source_.NextPiece(line_);
   block.rows = 0;
-  block.bytes = piece_.size();
   block_ = &block;
   row_lines_.clear();
-  if (piece_.empty()) return false;
-
-  // A row has a delimiter or line end per field.
-  const std::size_t most_rows = piece_.size() / spec_.fields + 1;
-  if (block.columns.size() != spec_.columns.size() || capacity_ < most_rows) {
-    capacity_ = std::max(most_rows, capacity_);
-    block.columns.clear();
-    for (std::size_t k = 0; k < spec_.columns.size(); ++k) {
-      block.columns.push_back(std::make_unique_for_overwrite<double[]>(capacity_));
-    }
+  if (next_ >= pieces_.size()) ReadAhead();
+  if (pieces_.empty()) {
+    piece_ = {};
+    return false;
   }
+  Piece& piece = pieces_[next_++];
+  if (piece.decimal != decimal_) ReadPlainRows(piece);  // the mark was found out since
+  piece_ = piece.text;
+  std::swap(block, piece.block);
+  trailing_delimiter_ |= piece.trailing_delimiter;
   NoteLastFields(piece_.substr(0, piece_.rfind(line_end_) + 1));
 
-  const char* at = piece_.data();
-  const char* const end = at + piece_.size();
+  if (block.rows > 0) {
+    if (short_line_ > 0) FailShort();  // it was not the last
+    row_lines_.emplace_back(0, line_);
+    line_ += block.rows;
+  }
+  const char* at = piece_.data() + piece.bytes_read;
+  const char* const end = piece_.data() + piece_.size();
   while (at < end) {
     const char* const start = at;
-    Row outcome = spec_.levels.empty() ? ReadFast(at, end, block.rows) : Row::kUnusual;
+    Row outcome = spec_.levels.empty() ? ReadFast(at, end, block.rows, block, trailing_delimiter_)
+                                       : Row::kUnusual;
     if (outcome == Row::kUnusual) {
       const auto* stop = static_cast<const char*>(
           std::memchr(start, line_end_, static_cast<std::size_t>(end - start)));
@@ -118,7 +181,11 @@ bool TableReader::NextBlock(TableBlock& block) {
   return true;
 }
 
-TableReader::Row TableReader::ReadFast(const char*& at, const char* end, std::size_t row) {
+TableReader::Row TableReader::ReadFast(const char*& at,
+                                       const char* end,
+                                       std::size_t row,
+                                       TableBlock& block,
+                                       bool& trailing_delimiter) {
   const char delimiter = spec_.delimiter;
   const fast_float::parse_options options(fast_float::chars_format::general, decimal_);
   const char* p = at;
@@ -150,7 +217,7 @@ TableReader::Row TableReader::ReadFast(const char*& at, const char* end, std::si
       if (!Convert(text, column, value)) return Row::kUnusual;
       if (p > begin && p < end && *p == '\n' && p[-1] == '\r') --p;
     }
-    block_->columns[k][row] = value;
+    block.columns[k][row] = value;
     if (p == end) return Row::kUnusual;
     if (*p == delimiter) {
       ++p;
@@ -167,7 +234,7 @@ TableReader::Row TableReader::ReadFast(const char*& at, const char* end, std::si
     if (p == end) return Row::kUnusual;
     const char before = p[-1] == '\r' && line_end_ == '\n' ? p[-2] : p[-1];
     if (before == delimiter && field == spec_.fields) {
-      trailing_delimiter_ = true;
+      trailing_delimiter = true;
       --field;
     }
   } else if (*p == '\r' && line_end_ == '\n' && p + 1 < end) {

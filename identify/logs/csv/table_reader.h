@@ -6,6 +6,8 @@
 /// Strict: every row has the fields of the header, every wanted cell is wholly what it should be;
 /// otherwise a LoadError with line and column. Plain rows take a path with nothing but fast_float
 /// and comparisons; any row with a quote, a blank or trouble is taken again by the careful one.
+/// Pieces of text are read ahead and go down the plain path side by side, each up to its first row
+/// that needs care; what is found does not depend on the number of threads.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc.
 
 #include <cstddef>
@@ -56,7 +58,8 @@ struct TableSpec {
 /// Rows of one block, column by column in the order of TableSpec::columns.
 struct TableBlock {
   std::size_t rows = 0;
-  std::size_t bytes = 0;  ///< of text, to estimate how many rows are still to come
+  std::size_t bytes = 0;     ///< of text, to estimate how many rows are still to come
+  std::size_t capacity = 0;  ///< rows that fit into the columns
   std::vector<std::unique_ptr<double[]>> columns;
 };
 
@@ -87,10 +90,26 @@ class TableReader {
  private:
   enum class Row { kRead, kSkipped, kUnusual };
 
-  Row ReadFast(const char*& at, const char* end, std::size_t row);
+  // A piece of text and what the plain path made of its beginning.
+  struct Piece {
+    std::string_view text;
+    TableBlock block;
+    std::size_t bytes_read = 0;  // of the text, by block.rows rows
+    bool trailing_delimiter = false;
+    char decimal = '.';  // the mark that they were read with
+  };
+
+  void ReadAhead();
+  void ReadPlainRows(Piece& piece);
+  Row ReadFast(const char*& at,
+               const char* end,
+               std::size_t row,
+               TableBlock& block,
+               bool& trailing_delimiter);
   Row ReadCarefully(std::string_view line, bool has_end, std::size_t row);
   void ReadHeading(const std::vector<TextCell>& cells, std::size_t level);
   bool Convert(std::string_view text, const WantedColumn& column, double& value);
+  [[nodiscard]] bool NeedsOnlyNumbers() const;
   void DecideDecimalMark();
   bool IsCut(std::string_view line, const std::vector<TextCell>& cells) const;
   void NoteLastFields(std::string_view piece);
@@ -112,7 +131,8 @@ class TableReader {
       row_lines_;  // row, its line: where rows stop being adjacent
   std::vector<TextCell> cells_;
   std::vector<double> heading_values_;
-  std::size_t capacity_ = 0;
+  std::vector<Piece> pieces_;  // read ahead; next_ is the next to hand out
+  std::size_t next_ = 0;
 
   char decimal_ = '.';
   bool decimal_is_known_ = false;

@@ -25,7 +25,9 @@ std::string WhyNotOpened(const std::string& file, int error) {
 }  // namespace
 
 TextSource::TextSource(std::string file)
-    : file_(std::move(file)), buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)) {
+    : file_(std::move(file)),
+      head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
+      current_(head_buffer_.get()) {
   struct stat status {};
   if (::stat(file_.c_str(), &status) != 0) throw LoadError({file_}, WhyNotOpened(file_, errno));
   if (S_ISDIR(status.st_mode)) {
@@ -62,7 +64,7 @@ void TextSource::Skip(std::size_t bytes) {
 
 void TextSource::Fill(std::size_t limit) {
   while (!at_end_ && end_ < limit) {
-    const auto count = ::read(descriptor_, buffer_.get() + end_, limit - end_);
+    const auto count = ::read(descriptor_, current_ + end_, limit - end_);
     if (count < 0) {
       if (errno == EINTR) continue;
       throw LoadError({file_}, fmt::format("reading failed: {}", std::strerror(errno)));
@@ -74,7 +76,7 @@ void TextSource::Fill(std::size_t limit) {
 
 std::string_view TextSource::NextPiece(std::size_t line) {
   // What is left may hold whole lines (after the header) or the start of one.
-  for (bool filled = false;; filled = true) {
+  while (true) {
     const std::string_view text = head();
     if (at_end_) {
       begin_ = end_;
@@ -84,12 +86,17 @@ std::string_view TextSource::NextPiece(std::size_t line) {
       begin_ += last + 1;
       return text.substr(0, last + 1);
     }
-    if (filled && text.size() > kMaxLineBytes) {
+    if (text.size() > kMaxLineBytes) {
       throw LoadError({file_, line, 1},
                       fmt::format("expected a row of a log, found a line of more than {} bytes",
                                   kMaxLineBytes));
     }
-    std::memmove(buffer_.get(), text.data(), text.size());
+    // The start of a line goes on in the next buffer.
+    auto& next = buffers_[turn_];
+    turn_ = (turn_ + 1) % buffers_.size();
+    if (!next) next = std::make_unique_for_overwrite<char[]>(kPieceBytes);
+    std::memcpy(next.get(), text.data(), text.size());
+    current_ = next.get();
     begin_ = 0;
     end_ = text.size();
     Fill(kPieceBytes);

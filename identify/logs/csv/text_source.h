@@ -5,6 +5,7 @@
 /// file. Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc, tests/identify/logs/log_test.cc.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -19,6 +20,8 @@ class TextSource {
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
   /// Bytes read at a time after that: what stays in the cache between reading and parsing.
   static constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
+  /// So many pieces stay valid at a time, so that they can be parsed side by side.
+  static constexpr std::size_t kPiecesAlive = 8;
   /// A line longer than this is not a row of a log.
   static constexpr std::size_t kMaxLineBytes = kPieceBytes / 2;
 
@@ -33,7 +36,7 @@ class TextSource {
   /// Size in bytes, 0 where it is not known (a pipe).
   [[nodiscard]] std::uint64_t size() const { return size_; }
   /// The beginning of the file without its byte order mark. Valid until the first NextPiece().
-  [[nodiscard]] std::string_view head() const { return {buffer_.get() + begin_, end_ - begin_}; }
+  [[nodiscard]] std::string_view head() const { return {current_ + begin_, end_ - begin_}; }
   /// head() holds the whole file.
   [[nodiscard]] bool head_is_all() const { return at_end_; }
   [[nodiscard]] bool had_byte_order_mark() const { return had_byte_order_mark_; }
@@ -45,7 +48,8 @@ class TextSource {
 
   /// The next whole lines; empty at the end of the file. Only the last piece may end without a line
   /// end. `line` is the number of the piece's first line, for the message about a line that is too
-  /// long.
+  /// long; to ask again after that message repeats it. A piece is valid until kPiecesAlive - 1 more
+  /// were asked for.
   [[nodiscard]] std::string_view NextPiece(std::size_t line);
 
  private:
@@ -54,7 +58,10 @@ class TextSource {
   std::string file_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
-  std::unique_ptr<char[]> buffer_;
+  std::unique_ptr<char[]> head_buffer_;
+  std::array<std::unique_ptr<char[]>, kPiecesAlive> buffers_;  // taken in turn after the head
+  std::size_t turn_ = 0;
+  char* current_ = nullptr;
   std::size_t begin_ = 0;  // of what was read and not yet handed out
   std::size_t end_ = 0;
   bool at_end_ = false;

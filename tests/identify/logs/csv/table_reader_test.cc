@@ -1,6 +1,8 @@
 #include "identify/logs/csv/table_reader.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <charconv>
 #include <cmath>
@@ -128,6 +130,49 @@ TEST(TableReader, BlocksJoinWithoutASeam) {
   }
   ASSERT_GT(text.size(), 2 * TextSource::kBufferBytes);
   EXPECT_EQ(ReadAll(WriteText("table", text), ',', 2)[0], expected);
+}
+
+// Pieces are read ahead side by side. What care finds in one of them must reach the later ones: a
+// decimal mark that shows late, lines that are skipped, and where an error stands.
+TEST(TableReader, PiecesReadAheadAreAsIfReadInTurn) {
+  constexpr int kRows = 400000;
+  constexpr int kFirstFraction = 200000;
+  std::string text = "h\n";
+  std::vector<double> expected;
+  int line = 1;
+  int bad_line = 0;
+  for (int k = 0; k < kRows; ++k) {
+    if (k % 30011 == 30010) {
+      text += "\n";  // skipped
+      ++line;
+    }
+    text += std::to_string(k) + ";" + std::to_string(k) + (k >= kFirstFraction ? ",25\n" : "\n");
+    expected.push_back(k >= kFirstFraction ? k + 0.25 : k);
+    ++line;
+    if (k == kRows - 1000) bad_line = line;
+  }
+  ASSERT_GT(text.size(), 2 * TextSource::kBufferBytes);
+  const std::string file = WriteText("table", text);
+  auto bad = text;
+  const std::string good_row = "\n" + std::to_string(kRows - 1000) + ";";
+  bad.replace(bad.find(good_row) + good_row.size(), 1, "x");
+  const std::string bad_file = WriteText("bad", bad);
+  const std::string long_file = WriteText("long", text + std::string(1 << 20, '7'));
+  for (const std::size_t threads : {1U, 2U, 4U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    EXPECT_EQ(ReadAll(file, ';', 2)[1], expected) << threads;
+    EXPECT_EQ(test::LoadErrorOf([&] { (void)ReadAll(bad_file, ';', 2); }),
+              fmt::format("{}:{}:8: error: expected a number in column 'c1', found 'x{},25'",
+                          bad_file,
+                          bad_line,
+                          std::to_string(kRows - 1000).substr(1)));
+    EXPECT_EQ(test::LoadErrorOf([&] { (void)ReadAll(long_file, ';', 2); }),
+              fmt::format("{}:{}:1: error: expected a row of a log, found a line of more than {} "
+                          "bytes",
+                          long_file,
+                          line + 1,
+                          TextSource::kMaxLineBytes));
+  }
 }
 
 TEST(Cells, DurationsAndDates) {
