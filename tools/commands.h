@@ -10,6 +10,7 @@
 
 namespace lipoid {
 
+cli::ExitCode CompareCommand(cli::CommandLine& line);
 cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
@@ -20,6 +21,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
+    {"compare", "optimizers on the same problem, side by side", &CompareCommand},
     {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},

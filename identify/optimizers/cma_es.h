@@ -15,7 +15,7 @@ struct CmaEsOptions : PopulationOptions {
     population = 20;
     stall = 50;
   }
-  double initial_step = 0.5;
+  double initial_step = 0.1;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {

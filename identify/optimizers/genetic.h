@@ -14,9 +14,9 @@ namespace lipoid {
 struct GeneticOptions : PopulationOptions {
   int generations = 1000;
   double crossover = 0.9;
-  double crossover_index = 2.0;
+  double crossover_index = 1.0;
   double mutation = 0.5;
-  double mutation_width = 0.002;
+  double mutation_width = 0.0005;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {

@@ -3,6 +3,8 @@
 /// @file
 /// What the methods that search a whole box share: when they end, and what makes them repeatable.
 
+#include <cstdint>
+
 #include "model/core/options.h"
 
 namespace lipoid {
@@ -39,7 +41,7 @@ struct PopulationOptions {
 
 /// The same of a run: seed and threads give the same bits for any number of threads.
 struct SearchContext {
-  int seed = 1;
+  std::uint64_t seed = 0;
   int threads = 1;  ///< 0: all there are
 };
 

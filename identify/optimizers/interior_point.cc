@@ -182,29 +182,15 @@ Ipopt::ApplicationReturnStatus Solve(BarrierProblem* problem, int most) {
   return ipopt.OptimizeTNLP(problem);
 }
 
-// One solve at a time. A thread that waits inside for work of its own may not take up another
-// solve: that would wait for itself.
-std::mutex& OneAtATime() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-}  // namespace
-
-OptimizationSummary MinimizeInteriorPoint(const OptimizationProblem& problem,
-                                          const Eigen::VectorXd& start,
-                                          const InteriorPointOptions& options) {
+OptimizationSummary Minimize(const OptimizationProblem& problem,
+                             const Eigen::VectorXd& start,
+                             const InteriorPointOptions& options) {
   Monitor monitor(problem, start);
   const int most = options.iterations_per_variable * monitor.size();
   if (auto done = monitor.Begin(true, most)) return *std::move(done);
 
   const Ipopt::SmartPtr<BarrierProblem> barrier = new BarrierProblem(monitor, options);
-  Ipopt::ApplicationReturnStatus status = Ipopt::Internal_Error;
-  tbb::this_task_arena::isolate([&] {
-    const std::lock_guard lock(OneAtATime());
-    status = Solve(Ipopt::GetRawPtr(barrier), most);
-  });
-  switch (status) {
+  switch (Solve(Ipopt::GetRawPtr(barrier), most)) {
     case Ipopt::Solve_Succeeded:
     case Ipopt::Solved_To_Acceptable_Level:
       return monitor.Finish(Termination::kConverged, "The optimality conditions hold.");
@@ -220,6 +206,20 @@ OptimizationSummary MinimizeInteriorPoint(const OptimizationProblem& problem,
     default:
       return monitor.Finish(Termination::kFailure, "Ipopt found no step that helps.");
   }
+}
+
+}  // namespace
+
+// One solve at a time, and the clock runs only for it. A thread that waits inside for work of its
+// own may not take up another solve: that would wait for itself.
+OptimizationSummary MinimizeInteriorPoint(const OptimizationProblem& problem,
+                                          const Eigen::VectorXd& start,
+                                          const InteriorPointOptions& options) {
+  return tbb::this_task_arena::isolate([&] {
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
+    return Minimize(problem, start, options);
+  });
 }
 
 }  // namespace lipoid

@@ -48,6 +48,7 @@ struct OptimizerEntry {
   std::string_view library;
   std::string_view summary;
 
+  bool in_thesis = false;            ///< a row of Table 4.4
   bool needs_least_squares = false;  ///< a LeastSquaresProblem
   bool needs_gradient = false;
   bool needs_box = false;  ///< every parameter has two finite bounds, or equal ones

@@ -77,7 +77,7 @@ struct Generation {
 
 // Independent streams from one seed.
 unsigned LibrarySeed(const SearchContext& context) {
-  std::mt19937_64 engine(static_cast<std::uint64_t>(context.seed));
+  std::mt19937_64 engine(context.seed);
   return static_cast<unsigned>(engine() >> 32U);
 }
 
@@ -86,7 +86,7 @@ unsigned LibrarySeed(const SearchContext& context) {
 std::vector<Eigen::VectorXd> FirstPoints(const Monitor& monitor,
                                          int population,
                                          const SearchContext& context) {
-  std::mt19937_64 engine(static_cast<std::uint64_t>(context.seed));
+  std::mt19937_64 engine(context.seed);
   engine.discard(1);
   std::vector<Eigen::VectorXd> points{monitor.start()};
   while (static_cast<int>(points.size()) < population) {
@@ -196,7 +196,7 @@ OptimizationSummary MinimizeParticleSwarm(const OptimizationProblem& problem,
                        options.maximum_velocity,
                        kConstricted,
                        kRing,
-                       static_cast<unsigned>(options.neighbours),
+                       static_cast<unsigned>(std::min(options.neighbours, options.population - 1)),
                        true,
                        LibrarySeed(context));
   swarm.set_bfe(pagmo::bfe(Generation{}));
@@ -250,7 +250,7 @@ OptimizationSummary MinimizeSimulatedAnnealing(const OptimizationProblem& proble
   pagmo::population population =
       Population(monitor, {monitor.start()}, {monitor.best_cost()}, context);
   constexpr double kSmallestUnit = 1e-250;  // a cost of zero has no temperature
-  std::mt19937_64 seeds(static_cast<std::uint64_t>(context.seed));
+  std::mt19937_64 seeds(context.seed);
   try {
     while (monitor.iterations() < most) {
       const Eigen::VectorXd x = monitor.best();

@@ -34,7 +34,7 @@ struct ParticleSwarmOptions : PopulationOptions {
       self.social_attraction,
       Range{0.0, 4.0},
       "towards the best point of its neighbours");
-    v("neighbours", self.neighbours, Range{1.0, 1e6}, "neighbours of a particle on a ring");
+    v("neighbours", self.neighbours, Range{2.0, 1e6}, "neighbours of a particle on a ring");
     v("maximum_velocity",
       self.maximum_velocity,
       Range{1e-6, 1.0},

@@ -48,16 +48,6 @@ Json OcvToJson(const OcvFitResult& stage) {
 }
 
 Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
-  Json parameters = Json::object();
-  if (diffusion) parameters["beta"] = stage.parameters.beta_per_sqrt_s;
-  parameters["r_s"] = stage.parameters.series_resistance_Ohm;
-  for (std::size_t j = 0; j < stage.parameters.time_constant_s.size(); ++j) {
-    const double r = stage.parameters.resistance_Ohm[j];
-    const double tau = stage.parameters.time_constant_s[j];
-    parameters[fmt::format("r_{}", j + 1)] = r;
-    parameters[fmt::format("c_{}", j + 1)] = r > 0.0 ? Json(tau / r) : Json(nullptr);
-    parameters[fmt::format("tau_{}", j + 1)] = tau;
-  }
   return {{"optimizer", stage.optimizer},
           {"mean_error_percent", Number(stage.errors.mean_error_percent)},
           {"max_error_percent", Number(stage.errors.max_error_percent)},
@@ -71,10 +61,24 @@ Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
           {"starts", stage.starts},
           {"rows", stage.errors.rows},
           {"rows_outside_curve", stage.rows_outside_curve},
-          {"parameters", parameters}};
+          {"parameters", SweepParametersToJson(stage.parameters, diffusion)}};
 }
 
 }  // namespace
+
+Json SweepParametersToJson(const SweepParameters& p, bool diffusion) {
+  Json parameters = Json::object();
+  if (diffusion) parameters["beta"] = p.beta_per_sqrt_s;
+  parameters["r_s"] = p.series_resistance_Ohm;
+  for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
+    const double r = p.resistance_Ohm[j];
+    const double tau = p.time_constant_s[j];
+    parameters[fmt::format("r_{}", j + 1)] = r;
+    parameters[fmt::format("c_{}", j + 1)] = r > 0.0 ? Json(tau / r) : Json(nullptr);
+    parameters[fmt::format("tau_{}", j + 1)] = tau;
+  }
+  return parameters;
+}
 
 Json LogErrorsToJson(const LogErrors& errors) {
   return {{"file", errors.file},

@@ -16,4 +16,7 @@ namespace lipoid {
 
 [[nodiscard]] Json LogErrorsToJson(const LogErrors& errors);
 
+/// beta, r_s, r_j, c_j (null where r_j is zero), tau_j.
+[[nodiscard]] Json SweepParametersToJson(const SweepParameters& parameters, bool diffusion);
+
 }  // namespace lipoid

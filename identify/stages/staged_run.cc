@@ -53,13 +53,7 @@ class StagedRun {
 
   StagedResult Run() {
     const auto began = std::chrono::steady_clock::now();
-    Tell("checking the logs", 0.0);
-    CheckLogs();
-    Tell("discharge times", 0.05);
-    FindAlphaAndBeta();
-    Tell("open-circuit voltage", 0.1);
-    // Neither waits for the other.
-    tbb::parallel_invoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
+    RunUpToPulses();
     Tell("pulses", 0.2);
     FitPulseParameters();
     Tell("validation", 0.95);
@@ -78,7 +72,25 @@ class StagedRun {
     return std::move(result_);
   }
 
+  PulseTask Prepare() {
+    RunUpToPulses();
+    return {.sweep = sweep_->With(result_.cell.open_circuit_voltage),
+            .data = result_.start,
+            .beta_start_per_sqrt_s = beta_start_,
+            .found = std::move(result_)};
+  }
+
  private:
+  void RunUpToPulses() {
+    Tell("checking the logs", 0.0);
+    CheckLogs();
+    Tell("discharge times", 0.05);
+    FindAlphaAndBeta();
+    Tell("open-circuit voltage", 0.1);
+    // Neither waits for the other.
+    tbb::parallel_invoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
+  }
+
   void Tell(std::string_view stage, double share) const {
     if (progress_) progress_(stage, share);
   }
@@ -388,6 +400,13 @@ StagedResult IdentifyStaged(const Campaign& campaign,
                             const StagedGiven& given,
                             const StageProgress& progress) {
   return StagedRun(campaign, logs, options, given, progress).Run();
+}
+
+PulseTask PreparePulses(const Campaign& campaign,
+                        const std::vector<LoadedLog>& logs,
+                        const StagedOptions& options,
+                        const StagedGiven& given) {
+  return StagedRun(campaign, logs, options, given, {}).Prepare();
 }
 
 }  // namespace lipoid

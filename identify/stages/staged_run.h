@@ -62,6 +62,14 @@ struct StagedResult {
   double wall_s = 0.0;
 };
 
+/// What stage 3 fits, as stages 1 and 2 left it. The logs must outlive it.
+struct PulseTask {
+  VoltageSweep sweep;
+  StartValues data;
+  double beta_start_per_sqrt_s = 0.0;
+  StagedResult found;  ///< of stages 1 and 2
+};
+
 /// Called with the name of the stage that begins and the share of the work done.
 using StageProgress = std::function<void(std::string_view stage, double share)>;
 
@@ -71,5 +79,11 @@ using StageProgress = std::function<void(std::string_view stage, double share)>;
                                           const StagedOptions& options = {},
                                           const StagedGiven& given = {},
                                           const StageProgress& progress = {});
+
+/// The same up to where the pulses are to be fitted: for those who fit them otherwise.
+[[nodiscard]] PulseTask PreparePulses(const Campaign& campaign,
+                                      const std::vector<LoadedLog>& logs,
+                                      const StagedOptions& options = {},
+                                      const StagedGiven& given = {});
 
 }  // namespace lipoid

@@ -201,10 +201,10 @@ CommandLine::Declared& CommandLine::Declare(std::string_view name,
   return *options_.back();
 }
 
-void CommandLine::AddGroup(std::string prefix,
-                           std::vector<OptionDescription> options,
-                           std::function<void(std::string_view, std::string_view)> set) {
-  groups_.push_back({std::move(prefix), std::move(options), std::move(set), false});
+void CommandLine::Group(std::string_view prefix,
+                        std::vector<OptionDescription> options,
+                        std::function<void(std::string_view, std::string_view)> set) {
+  groups_.push_back({std::string(prefix), std::move(options), std::move(set), false});
 }
 
 void CommandLine::AddFlags(std::vector<OptionDescription> options,

@@ -132,12 +132,16 @@ class CommandLine {
   /// empty.
   template <class Options>
   void Group(std::string_view prefix, Options& options) {
-    AddGroup(std::string(prefix),
-             DescribeOptions<Options>(),
-             [&options](std::string_view name, std::string_view text) {
-               SetOption(options, name, text);
-             });
+    Group(prefix,
+          DescribeOptions<Options>(),
+          [&options](std::string_view name, std::string_view text) {
+            SetOption(options, name, text);
+          });
   }
+  /// The same of a row of a table, which knows its options and sets them.
+  void Group(std::string_view prefix,
+             std::vector<OptionDescription> options,
+             std::function<void(std::string_view name, std::string_view text)> set);
   /// Options of a struct as --name-of-it VALUE each, and for --set name_of_it=value too.
   template <class Options>
   void Flags(Options& options) {
@@ -217,9 +221,6 @@ class CommandLine {
                     std::string_view word,
                     std::string_view default_text,
                     std::string_view help);
-  void AddGroup(std::string prefix,
-                std::vector<OptionDescription> options,
-                std::function<void(std::string_view, std::string_view)> set);
   void AddFlags(std::vector<OptionDescription> options,
                 std::function<void(std::string_view, std::string_view)> set);
   void SetOne(const std::string& assignment);

@@ -6,7 +6,6 @@
 
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
-#include "identify/stages/open_circuit_voltage_file.h"
 #include "identify/stages/staged_report.h"
 #include "identify/stages/staged_run.h"
 #include "model/battery/cell_comparison.h"
@@ -14,10 +13,8 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
-#include "tools/commands/assignments.h"
 #include "tools/commands/identify_report.h"
-#include "tools/commands/log_options.h"
-#include "tools/commands/start_options.h"
+#include "tools/commands/staged_arguments.h"
 #include "tools/commands/truth_table.h"
 
 namespace lipoid {
@@ -38,52 +35,14 @@ std::string CellPath(const std::string& output, const Campaign& campaign, bool f
   return (fs::path(output) / (stem + ".cell.json")).string();
 }
 
-struct Settings {
-  StagedOptions options;
-  StagedGiven given;
-};
-
-// The rest voltage before the first row tells where the logs start, once v_oc(A) is known.
-double InitialSoc(const StartOptions& start,
-                  const CampaignArguments& typed,
-                  const StagedGiven& given) {
-  if (start.initial_voltage_V && !given.open_circuit_voltage) {
-    throw OptionError(
-        "option --initial-voltage-V needs v_oc(A): give --open-circuit-voltage FILE too");
-  }
-  Cell cell;
-  cell.series = typed.series;
-  if (given.open_circuit_voltage) cell.open_circuit_voltage = *given.open_circuit_voltage;
-  return start.Soc(cell);
-}
-
-Json OptionsOf(const Settings& settings) {
-  Json json = {{"method", "staged"},
-               {"discharge_times", OptionsToJson<Json>(settings.options.discharge_times)},
-               {"open_circuit_voltage", OptionsToJson<Json>(settings.options.open_circuit_voltage)},
-               {"pulses", OptionsToJson<Json>(settings.options.pulses)},
-               {"solver", OptionsToJson<Json>(settings.options.solver)}};
-  Json given = Json::object();
-  if (settings.given.alpha_C) given["alpha_C"] = *settings.given.alpha_C;
-  if (settings.given.open_circuit_voltage) {
-    given["open_circuit_voltage"] = settings.given.open_circuit_voltage_source;
-  }
-  if (!settings.given.parameters.fixed.empty()) given["fix"] = settings.given.parameters.fixed;
-  if (!settings.given.parameters.start.empty()) given["start"] = settings.given.parameters.start;
-  if (!settings.given.parameters.bounds.empty()) given["bounds"] = settings.given.parameters.bounds;
-  json["given"] = std::move(given);
-  return json;
-}
-
-std::vector<std::string> InputsOf(const Campaign& campaign, const Settings& settings) {
+std::vector<std::string> InputsOf(const Campaign& campaign, const StagedGiven& given) {
   std::vector<std::string> inputs;
   if (!campaign.file.empty()) inputs.push_back(campaign.file);
   for (const auto& log : campaign.logs) {
     if (std::find(inputs.begin(), inputs.end(), log.path) == inputs.end())
       inputs.push_back(log.path);
   }
-  if (settings.given.open_circuit_voltage)
-    inputs.push_back(settings.given.open_circuit_voltage_source);
+  if (given.open_circuit_voltage) inputs.push_back(given.open_circuit_voltage_source);
   return inputs;
 }
 
@@ -125,21 +84,11 @@ class Hashing {
 
 cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::vector<std::string> campaign_files;
-  CampaignArguments typed;
+  StagedArguments staged;
   Method method = Method::kStaged;
-  Settings settings;
   std::string output;
   std::string residuals;
   std::string truth_file;
-  std::string curve_file;
-  LogOptions log_options;
-  StartOptions start_options;
-  std::optional<double> capacity_Ah;
-  std::optional<int> branches;
-  std::vector<std::string> fix;
-  std::vector<std::string> start;
-  std::vector<std::string> bounds;
-  bool no_diffusion = false;
 
   line.Describe(
       "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file: "
@@ -159,86 +108,16 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
   line.Option("method", method, Names{}, "how");
-  line.Texts("constant-current",
-             typed.constant_current,
-             "LOG",
-             "discharges at constant current, to cut-off");
-  line.Texts("low-rate", typed.low_rate, "LOG", "a discharge so slow that it shows v_oc");
-  line.Texts("pulses", typed.pulses, "LOG", "pulses with rests");
-  line.Texts("validation", typed.validation, "LOG", "logs to judge the cell by, not to fit");
-  line.Option(
-      "cutoff-V", typed.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
-  line.Option("capacity-Ah", capacity_Ah, Range{1e-9, 1e9}, "nominal capacity of one cell");
-  line.Text("name", typed.name, "TEXT", "name of the cell");
-  line.Option("series", typed.series, Range{1, 100000}, "cells in series in the logs");
-  line.Option("parallel", typed.parallel, Range{1, 100000}, "cells in parallel in the logs");
-  log_options.AddTo(line);
-  start_options.AddTo(line);
-  line.Option("alpha-C", settings.given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
-  line.Text("open-circuit-voltage",
-            curve_file,
-            "FILE",
-            "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
-  line.Option("branches", branches, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
-  line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
-  line.Texts("fix", fix, "NAME=VALUE", "hold a parameter: beta, r_s, r_1, c_1, tau_1, ...");
-  line.Texts("start", start, "NAME=VALUE", "start a parameter here");
-  line.Texts("bounds", bounds, "NAME=LOW,HIGH", "keep a parameter within");
+  staged.AddTo(line);
   line.OutputOption(
       "residuals", residuals, "CSV", "write measured and fitted voltages of stage 3, row by row");
   line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
-  line.Group("discharge_times", settings.options.discharge_times);
-  line.Group("open_circuit_voltage", settings.options.open_circuit_voltage);
-  line.Group("pulses", settings.options.pulses);
-  line.Group("solver", settings.options.solver);
+  staged.AddGroupsTo(line);
+  line.Group("solver", staged.options.solver);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  if (branches) settings.options.pulses.branches = *branches;
-  if (no_diffusion) settings.options.pulses.diffusion = false;
-  if (capacity_Ah) typed.capacity_Ah = *capacity_Ah;
-  auto& known = settings.given.parameters;
-  for (const auto& [name, value] : ParseAssignments("--fix", fix)) known.fixed[name] = value;
-  for (const auto& [name, value] : ParseAssignments("--start", start)) known.start[name] = value;
-  for (const auto& [name, ends] : ParseRanges("--bounds", bounds)) known.bounds[name] = ends;
-
-  const bool by_options = !typed.constant_current.empty() || !typed.low_rate.empty() ||
-                          !typed.pulses.empty() || !typed.validation.empty();
-  if (by_options == !campaign_files.empty()) {
-    throw OptionError(
-        by_options
-            ? "give either a campaign file or logs by options, not both"
-            : "CAMPAIGN is missing: a campaign file, or logs by --constant-current, --low-rate "
-              "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
-  }
-  if (!by_options) {
-    for (const char* option : {"cutoff-V",
-                               "capacity-Ah",
-                               "name",
-                               "series",
-                               "parallel",
-                               "units",
-                               "current-sign",
-                               "hold",
-                               "initial-soc",
-                               "initial-voltage-V"}) {
-      if (line.Given(option)) {
-        throw OptionError(fmt::format(
-            "option --{} goes with logs given by options; in a campaign file it is a key", option));
-      }
-    }
-  }
-  typed.read = log_options.ToReadOptions();
-  if (!curve_file.empty()) {
-    settings.given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
-    settings.given.open_circuit_voltage_source = curve_file;
-  }
-  std::vector<Campaign> campaigns;
-  if (by_options) {
-    typed.initial_soc = InitialSoc(start_options, typed, settings.given);
-    campaigns.push_back(CampaignFromArguments(typed));
-  } else {
-    for (const auto& file : campaign_files) campaigns.push_back(ReadCampaign(file));
-  }
+  const bool by_options = staged.ByOptions();
+  const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
   const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
   if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
@@ -274,19 +153,21 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     const auto share = [&](double part) {
       return (static_cast<double>(k) + part) / static_cast<double>(campaigns.size());
     };
-    CheckCampaign(campaign, settings.given.open_circuit_voltage.has_value());
+    CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
     line.progress().Update(share(0.0), "reading logs");
     const auto logs = LoadCampaign(campaign);
-    Hashing hashing(InputsOf(campaign, settings));
+    Hashing hashing(InputsOf(campaign, staged.given));
     StagedResult result = IdentifyStaged(
-        campaign, logs, settings.options, settings.given, [&](std::string_view stage, double part) {
+        campaign, logs, staged.options, staged.given, [&](std::string_view stage, double part) {
           line.progress().Update(share(0.2 + 0.7 * part), stage);
         });
     line.progress().Update(share(0.95), "writing");
     Json report = StagedToJson(result);
     RunRecord run;
     run.command = line.CommandText();
-    run.options = OptionsOf(settings);
+    run.options = {{"method", "staged"}};
+    run.options.update(staged.ToJson());
+    run.options["solver"] = OptionsToJson<Json>(staged.options.solver);
     run.seed = line.seed();
     run.metrics = report;
     hashing.AddTo(run);

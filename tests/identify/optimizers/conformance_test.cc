@@ -343,7 +343,7 @@ TEST_P(OptimizerConformance, GivesTheSameBitsWithTwoThreads) {
 }
 
 TEST_P(OptimizerConformance, AsksTheStartFirstAndFollowsItsSeedOnlyWhereItIsGlobal) {
-  const auto run = [](int seed) {
+  const auto run = [](std::uint64_t seed) {
     DenseProblem problem = Rosenbrock();
     problem.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
     OptimizerSettings settings;
@@ -385,6 +385,28 @@ TEST_P(OptimizerConformance, DocumentsItsOptionsAndRefusesOthers) {
   entry().set(settings, "step_tolerance", "0.25");
   EXPECT_EQ(entry().values(settings)[0],
             (std::pair<std::string, std::string>("step_tolerance", "0.25")));
+}
+
+// Libraries trust their callers: pagmo's swarm reads beyond its end with more neighbours than
+// particles.
+TEST_P(OptimizerConformance, SurvivesEveryOptionAtTheEndsOfItsRange) {
+  constexpr double kMost = 100.0;  // beyond it only patience would be tested
+  for (const auto& option : entry().options()) {
+    const auto middle = option.valid.find(" .. ");
+    if (middle == std::string::npos) continue;
+    for (const auto& value : {option.valid.substr(0, middle), option.valid.substr(middle + 4)}) {
+      if (std::stod(value) > kMost) continue;
+      SCOPED_TRACE(option.name + "=" + value);
+      OptimizerSettings settings;
+      entry().set(settings, option.name, value);
+      DenseProblem problem = Rosenbrock();
+      problem.Bound(0, -2.0, 2.0).Bound(1, -1.0, 3.0);
+      const auto fit = Minimize(problem, Eigen::Vector2d(-1.2, 1.0), settings);
+      EXPECT_NE(fit.termination, Termination::kNotRun);
+      EXPECT_LE(fit.cost, 12.1 + 1e-9);  // that of the start
+      ExpectHonest(fit, problem);
+    }
+  }
 }
 
 class GradientConformance : public OptimizerConformance {};

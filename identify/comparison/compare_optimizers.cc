@@ -1,0 +1,147 @@
+#include "identify/comparison/compare_optimizers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <random>
+
+namespace lipoid {
+namespace {
+
+// 53 bits of the engine: the same in every standard library.
+double Uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11U) * 0x1p-53; }
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+// A parameter that starts at zero has no decades: its unit stands for it.
+double Middle(const PulseVariable& v, const PulseParameters& start) {
+  const double p = Entry(start, v);
+  return p > 0.0 ? p : v.unit;
+}
+
+std::vector<PulseVariable> Boxed(std::vector<PulseVariable> variables,
+                                 const PulseParameters& start,
+                                 double decades) {
+  for (PulseVariable& v : variables) {
+    if (!std::isfinite(v.upper)) v.upper = Middle(v, start) * std::pow(10.0, decades);
+  }
+  return variables;
+}
+
+std::vector<PulseParameters> RandomStarts(const std::vector<PulseVariable>& variables,
+                                          const PulseParameters& start,
+                                          double decades,
+                                          int count,
+                                          std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::vector<PulseParameters> starts;
+  for (int k = 0; k < count; ++k) {
+    PulseParameters p = start;
+    for (const PulseVariable& v : variables) {
+      const double factor = std::pow(10.0, decades * (2.0 * Uniform(engine) - 1.0));
+      Entry(p, v) = std::clamp(Middle(v, start) * factor, v.lower, v.upper);
+    }
+    FollowCapacitances(p);
+    starts.push_back(std::move(p));
+  }
+  return starts;
+}
+
+// The first improvement that is good enough; none: the run failed.
+const Improvement* Reached(const OptimizationSummary& summary, double cost) {
+  const auto found = std::find_if(summary.improvements.begin(),
+                                  summary.improvements.end(),
+                                  [cost](const Improvement& i) { return i.cost <= cost; });
+  return found == summary.improvements.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Comparison CompareOptimizers(const VoltageSweep& sweep,
+                             const PulseUnknowns& unknowns,
+                             const std::vector<const OptimizerEntry*>& optimizers,
+                             const OptimizerSettings& settings,
+                             int random_starts,
+                             const ComparisonOptions& options,
+                             const ComparisonProgress& progress) {
+  Comparison comparison;
+  comparison.variables = unknowns.variables;
+  comparison.start = unknowns.start;
+  comparison.boxed = Boxed(unknowns.variables, unknowns.start, options.decades);
+  const PulseProblem open(sweep, comparison.variables, unknowns.start);
+  const PulseProblem boxed(sweep, comparison.boxed, unknowns.start);
+  const auto problem = [&](const OptimizerEntry& optimizer) -> const PulseProblem& {
+    return optimizer.needs_box ? boxed : open;
+  };
+  const auto total = optimizers.size() * (1 + static_cast<std::size_t>(random_starts));
+  std::atomic<std::size_t> done = 0;
+  const auto tell = [&](std::string_view what) {
+    if (progress) progress(what, static_cast<double>(done) / static_cast<double>(total));
+  };
+
+  // From the data's start one after the other, each with all threads: these are the times shown.
+  for (const OptimizerEntry* optimizer : optimizers) {
+    tell(optimizer->name);
+    OptimizerComparison& result = comparison.results.emplace_back();
+    result.optimizer = optimizer->name;
+    const PulseProblem& p = problem(*optimizer);
+    result.summary = optimizer->Minimize(p, p.Point(unknowns.start), settings);
+    result.parameters = p.Parameters(result.summary.x);
+    result.errors = sweep.Errors(result.parameters.sweep);
+    ++done;
+  }
+
+  // From random starts side by side, each with one thread and a seed of its own.
+  const auto starts = RandomStarts(
+      comparison.boxed, unknowns.start, options.decades, random_starts, settings.context.seed);
+  std::vector<std::vector<OptimizationSummary>> runs(
+      optimizers.size(), std::vector<OptimizationSummary>(starts.size()));
+  tbb::parallel_for(std::size_t{0}, optimizers.size() * starts.size(), [&](std::size_t task) {
+    const std::size_t row = task / starts.size();
+    const std::size_t k = task % starts.size();
+    const PulseProblem& p = problem(*optimizers[row]);
+    OptimizerSettings own = settings;
+    own.context.threads = 1;
+    own.context.seed = settings.context.seed + 1 + k;
+    runs[row][k] = optimizers[row]->Minimize(p, p.Point(starts[k]), own);
+    ++done;
+    tell(optimizers[row]->name);
+  });
+
+  for (std::size_t row = 0; row < runs.size(); ++row) {
+    OptimizerComparison& result = comparison.results[row];
+    result.best_cost = result.summary.cost;
+    for (const auto& run : runs[row]) result.best_cost = std::fmin(result.best_cost, run.cost);
+    if (std::isfinite(result.best_cost) && !(result.best_cost >= comparison.best_cost)) {
+      comparison.best_cost = result.best_cost;
+      comparison.best_optimizer = result.optimizer;
+    }
+  }
+  const double target = comparison.best_cost * (1.0 + options.target);
+  for (std::size_t row = 0; row < runs.size(); ++row) {
+    OptimizerComparison& result = comparison.results[row];
+    result.gap = result.summary.cost / comparison.best_cost - 1.0;
+    if (starts.empty()) runs[row].push_back(result.summary);
+    std::vector<double> seconds, evaluations;
+    for (const auto& run : runs[row]) {
+      ++result.starts;
+      const Improvement* reached = Reached(run, target);
+      if (reached == nullptr) continue;
+      ++result.successes;
+      seconds.push_back(reached->wall_s);
+      evaluations.push_back(reached->evaluations);
+    }
+    result.time_to_target_s = Median(std::move(seconds));
+    result.evaluations_to_target = Median(std::move(evaluations));
+  }
+  return comparison;
+}
+
+}  // namespace lipoid

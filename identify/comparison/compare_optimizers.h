@@ -1,0 +1,85 @@
+#pragma once
+
+/// @file
+/// Optimizers on the same problem: (4.60) or (4.61) over the same logs, in the thesis' own unknowns
+/// beta, r_s, r_j, c_j, from the same start, judged by the same errors (Tables 4.4-4.6).
+///
+/// Optimizers that search a box get one, since resistances and capacitances have no upper bound of
+/// their own: `decades` above the start, or what the user says. Random starts are log-uniform over
+/// so many decades on either side of the start, the same for all. A run succeeds when its cost is
+/// within `target` of the best that any run found. Same seed, same results for any number of
+/// threads, times aside. Tests: tests/identify/comparison/compare_optimizers_test.cc.
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/optimizers/optimizers.h"
+#include "identify/stages/pulse_problem.h"
+#include "identify/stages/voltage_sweep.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+
+struct ComparisonOptions {
+  ParameterScale scaling = ParameterScale::kTypical;
+  double decades = 2.0;
+  double target = 1e-3;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("scaling",
+      self.scaling,
+      Names{},
+      "what the optimizer moves: natural SI values, over typical ones, their logarithms");
+    v("decades",
+      self.decades,
+      Range{0.0, 6.0},
+      "of random starts on either side of the data's, and of the box above it");
+    v("target", self.target, Range{0.0, 10.0}, "relative distance to the best cost that succeeds");
+  }
+};
+
+/// One optimizer. Times belong to this machine, all else to the seed.
+struct OptimizerComparison {
+  std::string optimizer;
+  OptimizationSummary summary;  ///< from the data's start
+  PulseParameters parameters;
+  SweepErrors errors;                                           ///< over all rows
+  double gap = std::numeric_limits<double>::quiet_NaN();        ///< cost / best cost - 1
+  int starts = 0;                                               ///< random ones, or 1: the data's
+  int successes = 0;                                            ///< of those
+  double best_cost = std::numeric_limits<double>::quiet_NaN();  ///< of all its runs
+  /// Medians over the runs that succeeded; NaN where none did.
+  double time_to_target_s = std::numeric_limits<double>::quiet_NaN();
+  double evaluations_to_target = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] double success_rate() const { return static_cast<double>(successes) / starts; }
+};
+
+struct Comparison {
+  std::vector<PulseVariable> variables;
+  std::vector<PulseVariable> boxed;  ///< the same with the box of those that need one
+  PulseParameters start;
+  double best_cost = std::numeric_limits<double>::quiet_NaN();
+  std::string best_optimizer;
+  std::vector<OptimizerComparison> results;  ///< in the order asked for
+};
+
+/// Called with the name of what runs and the share of the work done.
+using ComparisonProgress = std::function<void(std::string_view what, double share)>;
+
+/// `unknowns` say what is free, in which scale, and where it starts. With random_starts = 0 each
+/// optimizer runs once, from there; otherwise so many times more.
+[[nodiscard]] Comparison CompareOptimizers(const VoltageSweep& sweep,
+                                           const PulseUnknowns& unknowns,
+                                           const std::vector<const OptimizerEntry*>& optimizers,
+                                           const OptimizerSettings& settings,
+                                           int random_starts,
+                                           const ComparisonOptions& options = {},
+                                           const ComparisonProgress& progress = {});
+
+}  // namespace lipoid

@@ -1,0 +1,191 @@
+// lipoid compare, end to end: synthesized logs whose truth is known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "model/core/atomic_file.h"
+#include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
+
+namespace lipoid::test {
+namespace {
+
+constexpr double kBeta = 0.1924, kSeries = 0.1314;  // of gifi-600mAh-1
+
+void SynthesizeLogs(const std::string& folder) {
+  const auto run = RunLipoid(folder,
+                             {"synthesize",
+                              "gifi-600mAh-1",
+                              "--with",
+                              "r_1=0.03,c_1=1500",
+                              "--sampling-s",
+                              "2",
+                              "--quiet",
+                              "-o",
+                              "logs"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+}
+
+// With alpha and v_oc(A) given, the truth is the optimum.
+std::vector<std::string> Compare(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"compare",
+                                     "logs/campaign.toml",
+                                     "--alpha-C",
+                                     "1353.6",
+                                     "--open-circuit-voltage",
+                                     "logs/truth.json",
+                                     "--summary",
+                                     "s.json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(Compare, RunsTheSevenOfTheThesisUnlessToldOtherwise) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto run = RunLipoid(folder, Compare({"--csv", "table.csv"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  const std::vector<std::string> seven{"interior-point",
+                                       "sqp",
+                                       "active-set",
+                                       "levenberg-marquardt",
+                                       "genetic",
+                                       "particle-swarm",
+                                       "simulated-annealing"};
+  ASSERT_EQ(summary.at("results").size(), seven.size());
+  for (std::size_t k = 0; k < seven.size(); ++k) {
+    const Json& r = summary.at("results")[k];
+    EXPECT_EQ(r.at("optimizer"), seven[k]);
+    for (const char* key : {"mean_error_percent",
+                            "max_error_percent",
+                            "rmse_V",
+                            "wall_s",
+                            "evaluations",
+                            "gradient_evaluations",
+                            "starts",
+                            "success_rate"}) {
+      EXPECT_TRUE(r.at(key).is_number()) << seven[k] << ' ' << key;
+    }
+    EXPECT_TRUE(r.at("termination").is_string());
+    // Without noise the best cost is next to nothing and a search may end well above it, but the
+    // cell must be found: 1 mV of 4 V.
+    EXPECT_LT(r.at("rmse_V").get<double>(), 1e-3) << seven[k];
+    EXPECT_NEAR(r.at("parameters").at("r_s").get<double>(), kSeries, 0.03 * kSeries) << seven[k];
+    EXPECT_NE(run.out.find(seven[k]), std::string::npos);
+  }
+  // A solver with exact gradients comes as near as its step tolerance lets it.
+  const Json& lm = summary.at("results")[3].at("parameters");
+  EXPECT_NEAR(lm.at("beta").get<double>(), kBeta, 1e-5 * kBeta);
+  EXPECT_NEAR(lm.at("r_1").get<double>(), 0.03, 1e-5);
+  EXPECT_NEAR(lm.at("c_1").get<double>(), 1500.0, 0.1);
+  EXPECT_NE(run.out.find("box up to"), std::string::npos) << "the box is stated";
+
+  const auto csv = ReadText(folder + "/table.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 8);
+  EXPECT_EQ(csv.rfind("optimizer,", 0), 0U);
+}
+
+TEST(Compare, TriesRandomStartsAndGivesTheSameForAnyNumberOfThreads) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  std::vector<std::string> texts;
+  for (const char* threads : {"1", "2"}) {
+    const auto run = RunLipoid(folder,
+                               Compare({"--optimizers",
+                                        "levenberg-marquardt,bobyqa,particle-swarm",
+                                        "--set",
+                                        "particle-swarm.population=20",
+                                        "--starts",
+                                        "3",
+                                        "--seed",
+                                        "5",
+                                        "--threads",
+                                        threads}));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    Json summary = ReadJson(folder, "s.json");
+    for (Json& r : summary.at("results")) {
+      EXPECT_EQ(r.at("starts"), 3);
+      for (const char* time : {"wall_s", "time_to_target_s"}) r.erase(time);
+      for (Json& improvement : r.at("improvements")) improvement.erase("wall_s");
+    }
+    for (const char* key : {"wall_s", "command", "run"}) summary.erase(key);
+    texts.push_back(summary.dump());
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+  EXPECT_NE(texts[0].find("\"population\":\"20\""), std::string::npos);
+}
+
+TEST(Compare, HoldsBoundsAndFitsTimeConstants) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto run = RunLipoid(folder,
+                             Compare({"--optimizers",
+                                      "sqp,nelder-mead",
+                                      "--time-constants",
+                                      "--fix",
+                                      "beta=0.1924",
+                                      "--bounds",
+                                      "r_s=0.1,0.12",
+                                      "--start",
+                                      "tau_1=20"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  std::vector<std::string> names;
+  for (const Json& v : summary.at("problem")) names.push_back(v.at("parameter"));
+  EXPECT_EQ(names, (std::vector<std::string>{"r_s", "r_1", "tau_1"}));
+  EXPECT_EQ(summary.at("problem")[2].at("start"), 20.0);
+  for (const Json& r : summary.at("results")) {
+    EXPECT_EQ(r.at("parameters").at("beta"), kBeta);
+    EXPECT_NEAR(r.at("parameters").at("r_s").get<double>(), 0.12, 1e-6);  // 0.1314 is not allowed
+  }
+  const auto plain = RunLipoid(
+      folder, Compare({"--optimizers", "sqp", "--no-diffusion", "--branches", "2", "--quiet"}));
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_FALSE(ReadJson(folder, "s.json").at("results")[0].at("parameters").contains("beta"));
+}
+
+TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto run =
+      RunLipoid(folder, Compare({"--optimizers", "levenberg-marquardt", "--set", "scaling=none"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  for (const Json& v : summary.at("problem")) EXPECT_EQ(v.at("unit"), 1.0);
+  EXPECT_EQ(summary.at("options").at("scaling"), "none");
+}
+
+TEST(Compare, RefusesWhatMakesNoSense) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const struct {
+    std::vector<std::string> more;
+    const char* says;
+  } cases[] = {
+      {{"--optimizers", "sqp,newton"},
+       "unknown optimizer 'newton': expected one of interior-point"},
+      {{"--optimizers", "sqp,sqp"}, "sqp stands there twice"},
+      {{"--optimizers", ""}, "unknown optimizer ''"},
+      {{"--starts", "-1"}, "--starts"},
+      {{"--set", "scaling=metric"}, "metric"},
+      {{"--set", "genetic.population=2"}, "population"},
+      {{"--set", "newton.population=2"}, "newton.population"},
+      {{"--fix", "beta=0.2", "--fix", "r_s=0.1", "--fix", "r_1=0.1", "--fix", "c_1=100"},
+       "nothing to compare"},
+      {{"--fix", "gamma=1"}, "no parameter 'gamma'"},
+  };
+  for (const auto& c : cases) {
+    const auto run = RunLipoid(folder, Compare(c.more));
+    EXPECT_EQ(run.exit_code, 2) << c.says;
+    EXPECT_NE(run.err.find(c.says), std::string::npos) << c.says << "\n" << run.err;
+    EXPECT_EQ(run.out, "");
+  }
+  EXPECT_EQ(RunLipoid(folder, {"compare", "nowhere.toml"}).exit_code, 3);
+  EXPECT_EQ(RunLipoid(folder, {"compare"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lipoid::test

@@ -1,0 +1,243 @@
+// lipoid compare CAMPAIGN: optimizers on the same problem, side by side (Tables 4.4-4.6).
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "identify/comparison/compare_optimizers.h"
+#include "identify/comparison/comparison_report.h"
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/staged_run.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/staged_arguments.h"
+
+namespace lipoid {
+namespace {
+
+using cli::Align;
+using cli::Significant;
+using cli::TextTable;
+
+// The default: those that the thesis compares.
+std::string ThesisNames() {
+  std::vector<std::string_view> names;
+  for (const auto& entry : Optimizers()) {
+    if (entry.in_thesis) names.push_back(entry.name);
+  }
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+// "sqp,bobyqa": each once, in the order written; "all".
+std::vector<const OptimizerEntry*> Chosen(const std::string& text) {
+  std::vector<const OptimizerEntry*> chosen;
+  if (text == "all") {
+    for (const auto& entry : Optimizers()) chosen.push_back(&entry);
+    return chosen;
+  }
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    const OptimizerEntry& entry = FindOptimizer(text.substr(from, to - from));
+    if (std::find(chosen.begin(), chosen.end(), &entry) != chosen.end()) {
+      throw OptionError(fmt::format("option --optimizers: {} stands there twice", entry.name));
+    }
+    chosen.push_back(&entry);
+    from = to + 1;
+  }
+  return chosen;
+}
+
+std::string UnitOf(const PulseVariable& v) {
+  switch (v.kind) {
+    case PulseVariable::Kind::kBeta:
+      return "s^-1/2";
+    case PulseVariable::Kind::kSeriesResistance:
+    case PulseVariable::Kind::kResistance:
+      return "Ohm";
+    case PulseVariable::Kind::kTimeConstant:
+      return "s";
+    case PulseVariable::Kind::kCapacitance:
+      break;
+  }
+  return "F";
+}
+
+std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
+  std::string text = fmt::format("Problem {}: {} rows of {} logs, {} points after condensing\n",
+                                 task.sweep.setup().diffusion ? "(4.61)" : "without diffusion",
+                                 task.sweep.rows(),
+                                 task.sweep.logs().size(),
+                                 task.sweep.points());
+  TextTable table({{"unknown", Align::kLeft},
+                   {"unit", Align::kLeft},
+                   {"start"},
+                   {"lower"},
+                   {"upper"},
+                   {"box up to"},
+                   {"moved as", Align::kLeft}});
+  for (std::size_t k = 0; k < comparison.variables.size(); ++k) {
+    const PulseVariable& v = comparison.variables[k];
+    const std::string over = v.unit == 1.0 ? v.name : fmt::format("{}/{:.4g}", v.name, v.unit);
+    table.Row({v.name,
+               UnitOf(v),
+               Significant(Entry(comparison.start, v)),
+               fmt::format("{:.3g}", v.lower),
+               std::isfinite(v.upper) ? fmt::format("{:.3g}", v.upper) : "none",
+               Significant(comparison.boxed[k].upper),
+               v.logarithmic ? fmt::format("log({})", over) : over});
+  }
+  return text + table.Text();
+}
+
+std::string ResultsText(const Comparison& comparison, int random_starts) {
+  TextTable table({{"optimizer", Align::kLeft},
+                   {"mean / %"},
+                   {"max / %"},
+                   {"rmse / mV"},
+                   {"gap / %"},
+                   {"time / s"},
+                   {"evaluations"},
+                   {"gradients"},
+                   {"ended", Align::kLeft},
+                   {"success"},
+                   {"to target / s"}});
+  std::string why;
+  for (const auto& r : comparison.results) {
+    table.Row({r.optimizer,
+               Significant(r.errors.metrics.mean_error_percent),
+               Significant(r.errors.metrics.max_error_percent),
+               Significant(1e3 * r.errors.metrics.rmse),
+               std::isfinite(r.gap) ? fmt::format("{:.2g}", 100.0 * r.gap) : "-",
+               Significant(r.summary.wall_s, 3),
+               fmt::format("{}", r.summary.evaluations),
+               fmt::format("{}", r.summary.gradient_evaluations),
+               options_internal::ToText(r.summary.termination),
+               fmt::format("{}/{}", r.successes, r.starts),
+               Significant(r.time_to_target_s, 3)});
+    why += fmt::format("  {}: {}\n", r.optimizer, r.summary.message);
+  }
+  return fmt::format("{}\nSuccess and time to target: {}.\nWhy each ended\n{}",
+                     table.Text(),
+                     random_starts > 0
+                         ? fmt::format("of {} random starts, the same for all", random_starts)
+                         : "of the data's start; --starts N tries random ones",
+                     why);
+}
+
+std::string ParametersText(const Comparison& comparison) {
+  std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
+  for (const auto& v : comparison.variables) {
+    columns.push_back({fmt::format("{} / {}", v.name, UnitOf(v))});
+  }
+  TextTable table(std::move(columns));
+  for (const auto& r : comparison.results) {
+    std::vector<std::string> row{r.optimizer};
+    for (const auto& v : comparison.variables) {
+      row.push_back(Significant(Entry(r.parameters, v), 6));
+    }
+    table.Row(std::move(row));
+  }
+  return table.Text();
+}
+
+}  // namespace
+
+cli::ExitCode CompareCommand(cli::CommandLine& line) {
+  std::vector<std::string> files;
+  StagedArguments staged;
+  staged.options.pulses.branch_unknown = BranchUnknown::kCapacitance;
+  OptimizerSettings settings;
+  ComparisonOptions options;
+  std::string names = ThesisNames();
+  std::string csv;
+  int starts = 0;
+  bool time_constants = false;
+
+  line.Describe(
+      "Runs optimizers on the same logs, from the same start, with the same objective: stage 3 of "
+      "the thesis in its own unknowns beta, r_s, r_1 and c_1. Shows errors, time, evaluations, why "
+      "each ended, and how far it is from the best; with --starts also how often it gets there "
+      "from "
+      "random starts.",
+      "lipoid compare campaign.toml");
+  line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt,sqp --starts 20");
+  line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");
+  line.Arguments(
+      "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
+  line.Text("optimizers",
+            names,
+            "NAME,NAME,...",
+            "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
+  line.Option("starts", starts, Range{0, 100000}, "random starts of each, besides the data's");
+  line.Flag("time-constants", time_constants, "tau_j as unknowns, instead of c_j");
+  line.OutputOption("csv", csv, "CSV", "write the table, one line per optimizer");
+  staged.AddTo(line);
+  line.Group("", options);
+  staged.AddGroupsTo(line);
+  for (const auto& entry : Optimizers()) {
+    line.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
+      entry.set(settings, name, text);
+    });
+  }
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const auto optimizers = Chosen(names);
+  const auto campaigns = staged.Campaigns(line, files);
+  if (campaigns.size() > 1) throw OptionError("one campaign at a time");
+  const Campaign& campaign = campaigns[0];
+  if (time_constants) staged.options.pulses.branch_unknown = BranchUnknown::kTimeConstant;
+  settings.context.seed = line.seed();
+  settings.context.threads = 0;  // as many as --threads lets run
+
+  CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
+  line.progress().Update(0.0, "reading logs");
+  const auto logs = LoadCampaign(campaign);
+  const PulseTask task = PreparePulses(campaign, logs, staged.options, staged.given);
+  const PulseUnknowns unknowns =
+      FindPulseUnknowns(task.sweep.setup(),
+                        task.data,
+                        {.branches = staged.options.pulses.branches,
+                         .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
+                         .unknown = staged.options.pulses.branch_unknown,
+                         .scale = options.scaling},
+                        staged.given.parameters);
+  if (unknowns.variables.empty()) {
+    throw OptionError("every parameter is held by --fix: there is nothing to compare");
+  }
+  const Comparison comparison = CompareOptimizers(
+      task.sweep, unknowns, optimizers, settings, starts, options, [&](auto what, double share) {
+        line.progress().Update(0.1 + 0.9 * share, what);
+      });
+
+  const bool diffusion = task.sweep.setup().diffusion;
+  Json report = ComparisonToJson(comparison, diffusion);
+  line.summary() = {{"campaign", campaign.name},
+                    {"rows", task.sweep.rows()},
+                    {"points", task.sweep.points()},
+                    {"alpha_C", task.found.alpha_C},
+                    {"alpha_source", task.found.alpha_source},
+                    {"done_instead", task.found.done_instead},
+                    {"options", OptionsToJson<Json>(options)}};
+  line.summary()["options"].update(staged.ToJson());
+  for (const OptimizerEntry* optimizer : optimizers) {
+    Json& own = line.summary()["options"][std::string(optimizer->name)];
+    for (const auto& [name, value] : optimizer->values(settings)) own[name] = value;
+  }
+  line.summary().update(report);
+  if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, diffusion));
+
+  for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
+  line.Print("{}\n{}\n{}\nBest: {}, cost {} V²\n",
+             ProblemText(task, comparison),
+             ResultsText(comparison, starts),
+             ParametersText(comparison),
+             comparison.best_optimizer.empty() ? "none" : comparison.best_optimizer,
+             Significant(comparison.best_cost, 6));
+  const bool found = !comparison.best_optimizer.empty();
+  if (!found) line.Message("no optimizer found a finite cost; the table says why");
+  return found ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+}
+
+}  // namespace lipoid
