@@ -106,7 +106,7 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
     const double above = criterion[n] - criterion[static_cast<std::size_t>(best)];
     if (static_cast<std::ptrdiff_t>(n) == best || above >= kHardlyWorse) continue;
     result.remarks.push_back(fmt::format(
-        "{} would do nearly as well ({:.2g} above): these logs hardly decide between the two",
+        "{} would do nearly as well ({:.3g} above): these logs hardly decide between the two",
         n,
         above));
   }

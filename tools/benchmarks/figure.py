@@ -8,7 +8,7 @@ LEFT = 62
 TOP = 34
 GAP = 68
 BOTTOM = 46
-COLOURS = ("#1f6fb2", "#c8501e", "#3b8a3e")
+COLOURS = ("#1f6fb2", "#c8501e", "#3b8a3e", "#7a4fa3")
 
 
 class Axis:
@@ -91,8 +91,8 @@ def draw(growth):
     """The SVG's text. growth: the stage of the JSON."""
     series = growth["series"]
     rows = [curve(series[key], name) for key, name in (
-        ("fit", "whole fit"), ("sweep", "one sweep"), ("stream", "streamed prediction"))
-        if series[key]["points"]]
+        ("fit", "whole fit"), ("stream", "streamed prediction"), ("prepare", "preparation"),
+        ("sweep", "one sweep")) if series[key]["points"]]
     panels = [("rows: time / ms", "rows", rows, True)]
     for key in ("branches", "terms"):
         panels.append((f"{key}: time of a sweep / ms", key, [curve(series[key], key)], False))

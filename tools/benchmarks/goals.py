@@ -1,4 +1,4 @@
-"""The goals, and whether the figures meet them. A goal without its figure is not met: it is open."""
+"""The goals, and whether the figures meet them. A goal without its figure is open, not met."""
 
 PEER_DIGITS_V = 5e-7  # the peer prints its rmse with six decimals
 

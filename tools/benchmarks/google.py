@@ -16,7 +16,8 @@ def measure(settings, pattern, *options):
         if row.get("run_type") == "aggregate" and row["aggregate_name"] != "median":
             continue
         unit = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[row["time_unit"]]
-        rows.append({**row, "real_s": row["real_time"] * unit, "processor_s": row["cpu_time"] * unit})
+        rows.append({**row, "real_s": row["real_time"] * unit,
+                     "processor_s": row["cpu_time"] * unit})
     return ended.command, rows
 
 

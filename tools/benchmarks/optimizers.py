@@ -15,9 +15,10 @@ def measure(settings):
     say("optimizers: " + ", ".join(OPTIMIZERS))
     ended = run([settings.lipoid, "compare", settings.campaign / "campaign.toml", "--optimizers",
                  ",".join(OPTIMIZERS), "--summary", summary_file, "--quiet"], expect_success=False)
-    if not summary_file.is_file():
+    summary = json.loads(summary_file.read_text(encoding="utf-8")) if summary_file.is_file() else {}
+    if "results" not in summary:
         raise BenchError(f"{ended.command} ended with {ended.exit_code}:\n{ended.err[-2000:]}")
-    results = json.loads(summary_file.read_text(encoding="utf-8"))["results"]
+    results = summary["results"]
     best = min(row["rmse_V"] for row in results)
     rows = []
     for row in results:

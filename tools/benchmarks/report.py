@@ -53,7 +53,7 @@ def head(result):
             "same files and machine, in one go; figures are medians,\nruns of each: "
             f"{result['runs']}.\n")
     if result["quick"]:
-        text += ("\n**A quick run (--quick): a tenth of the rows, one run each. Not the figures "
+        text += ("\n**A quick run (--quick): a fiftieth of the rows, one run each. Not the figures "
                  "to quote.**\n")
     return text
 
@@ -230,4 +230,61 @@ def pybop(stage, _):
     text = "## PyBOP\n\n"
     if "skipped" in stage:
         return text + f"Skipped: {stage['skipped']}.\n"
+    text += (f"In a virtual environment with {', '.join(stage['pinned'])} (`tools/bench --peers` "
+             "makes it). Both tools see the same rows, curve,\ncapacity, first state of charge, "
+             "bounds and cost; the sums of squares are numpy's, of neither. PyBaMM draws straight "
+             "lines\nbetween the rows of the current; lipoid holds it, backward or forward, fits "
+             "both and keeps the better: its time is that of\nboth. PyBOP's runs differ by their "
+             "seed; its sum is the least of them.\n")
+    if "published" in stage:
+        text += "\n### The published example\n\n" + duel(stage["published"])
+        text += ("\nPublished, of an earlier version on another machine: "
+                 f"{number(stage['published_sum_V2'], 3)} V² in 40.5 s.\n")
+    else:
+        text += f"\nThe published example was skipped: {stage['published_skipped']}.\n"
+    if "known_truth" in stage:
+        text += "\n### A cell whose truth is known\n\n" + duel(stage["known_truth"])
+        text += "\n" + truth(stage["known_truth"])
     return text
+
+
+def duel(stage):
+    """Times and sums of squares of both, then every answer under every reading of the current."""
+    ours, theirs = stage["lipoid"], stage["pybop"]
+    text = "".join(code(command) for command in ours["commands"]) + code(theirs["command"]) + "\n"
+    rows = [[what, number(ours["median"][key]), number(theirs["median"][key]),
+             ratio(theirs["median"][key], ours["median"][key])]
+            for what, key in (("fit alone / s", "fit_s"), ("process / s", "wall_s"))]
+    rows.append(["sum of squares / V²", f"{number(ours['sum_of_squares_V2'])} ({ours['hold']})",
+                 number(theirs["sum_of_squares_V2"]),
+                 ratio(theirs["sum_of_squares_V2"], ours["sum_of_squares_V2"])])
+    text += table([f"{stage['rows']:,} rows", "lipoid", "PyBOP", "ratio"], rows)
+    header = ["PyBOP's runs", "fit / s", "iterations", "evaluations", "its own sum / V²"]
+    text += "\n" + table(header, [
+        [k + 1, number(fit["fit_s"]), fit["iterations"], fit["evaluations"],
+         number(fit["own_sum_of_squares_V2"])] for k, fit in enumerate(theirs["runs"])])
+    names = [name for name in ours["parameters"] if not name.startswith("tau")]
+    text += "\n" + table(["", *names], [
+        [tool, *(number(stage[key]["parameters"][name], 5) for name in names)]
+        for tool, key in (("lipoid", "lipoid"), ("PyBOP", "pybop"))])
+    conventions = list(next(iter(stage["judged_V2"].values())))
+    text += "\nSum of squares / V² with the current between rows as\n\n" + table(
+        ["answer", *conventions],
+        [[name, *(number(sums[convention]) for convention in conventions)]
+         for name, sums in stage["judged_V2"].items()])
+    return text
+
+
+def truth(stage):
+    names = list(stage["truth"])
+    rows = [["truth", *(number(stage["truth"][name]) for name in names)]]
+    for tool, key in (("lipoid is off by / %", "lipoid"), ("PyBOP is off by / %", "pybop")):
+        rows.append([tool, *(f"{stage[key]['off_by_percent'][name]:+.2f}" for name in names)])
+    first = stage["pybop"]["runs"][0]
+    return table(["", *names], rows) + (
+        f"\nAt the truth PyBOP's own cost is {number(first['probe_sum_of_squares_V2'])} V². With the "
+        "solver of its example it would be "
+        f"{number(first['probe_with_the_examples_solver_V2'])} V², because the\nsolver then steps "
+        "over whole pulses after a long rest: here it is held to steps of one second. It may take "
+        "five times the\niterations of the example. The log is lipoid's (10 ms, 0.5 mV of noise), "
+        "thinned for PyBOP to rows that stand densely behind\nevery switch of the current.\n")
