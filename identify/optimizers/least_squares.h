@@ -29,6 +29,4 @@ class LeastSquaresProblem : public OptimizationProblem {
   double Gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
 };
 
-using LeastSquaresSummary = OptimizationSummary;
-
 }  // namespace lipoid

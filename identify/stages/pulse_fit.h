@@ -50,7 +50,7 @@ struct PulseFitOptions {
 struct PulseFitResult {
   SweepParameters parameters;
   std::string optimizer = "levenberg-marquardt";
-  LeastSquaresSummary summary;         ///< of the final fit on all rows
+  OptimizationSummary summary;         ///< of the final fit on all rows
   int evaluations = 0;                 ///< of the sweep over all rows
   int starts = 0;                      ///< compared on the coarse view
   std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s

@@ -279,8 +279,8 @@ TEST(LevenbergMarquardt, GivesTheSameBitsAgain) {
   EXPECT_EQ(first.message, second.message);
 }
 
-TEST(LeastSquaresSummary, IsNotUsableBeforeItRan) {
-  const LeastSquaresSummary summary;
+TEST(OptimizationSummary, IsNotUsableBeforeItRan) {
+  const OptimizationSummary summary;
   EXPECT_EQ(summary.termination, Termination::kNotRun);
   EXPECT_FALSE(summary.usable());
   EXPECT_TRUE(std::isnan(summary.cost));
