@@ -432,8 +432,7 @@ Log ReadLog(const std::string& file, const ReadOptions& options) {
   const LogPlan plan = PlanReading(source, options);
   TableReader reader(source, plan.table);
   Collector collector(source, plan, options, reader);
-  TableBlock block;
-  while (reader.NextBlock(block)) collector.Take(block);
+  reader.ForEachBlock([&](TableBlock& block) { collector.Take(block); });
   Log log = collector.Finish();
   log.report.format = plan.layout->name;
   log.report.notes = plan.notes;

@@ -3,6 +3,7 @@
 /// @file
 /// Records with known steps, for tests: steps of current, sampled anyhow, with or without noise.
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -36,7 +37,7 @@ inline Record RecordOfSteps(const std::vector<CurrentStep>& steps,
   double start_s = 0.0;
   if (hold == Hold::kBackward) add(0.0, 0.0);
   for (const CurrentStep& step : steps) {
-    const auto rows = static_cast<int>(step.duration_s / step.sampling_s + 0.5);
+    const auto rows = static_cast<int>(std::lround(step.duration_s / step.sampling_s));
     for (int k = 0; k < rows; ++k) {
       add(start_s + (hold == Hold::kBackward ? k + 1 : k) * step.sampling_s, step.current_A);
     }

@@ -2,8 +2,7 @@
 
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,54 +91,85 @@ void TableReader::ReadPlainRows(Piece& piece) {
   const char* at = piece.text.data();
   const char* const end = at + piece.text.size();
   if (NeedsOnlyNumbers()) {
-    while (at < end &&
-           ReadFast(at, end, piece.block.rows, piece.block, piece.trailing_delimiter) == Row::kRead)
+    while (
+        at < end &&
+        ReadFast(at, end, piece.block.rows, piece.decimal, piece.block, piece.trailing_delimiter) ==
+            Row::kRead)
       ++piece.block.rows;
   }
   piece.bytes_read = static_cast<std::size_t>(at - piece.text.data());
 }
 
-// As many pieces as threads can share, and no more than stay valid.
-void TableReader::ReadAhead() {
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t most =
-      threads > 1 && NeedsOnlyNumbers() ? std::min(2 * threads, TextSource::kPiecesAlive) : 1;
-  pieces_.resize(most);
-  std::size_t count = 0;
-  while (count < most) {
-    try {
-      pieces_[count].text = source_.NextPiece(line_);
-    } catch (const LoadError&) {
-      // Its line is known when the pieces before it were taken: it is thrown again then.
-      if (count == 0) throw;
-      break;
-    }
-    if (pieces_[count].text.empty()) break;
-    ++count;
-  }
-  pieces_.resize(count);
-  if (count == 1) {
-    ReadPlainRows(pieces_[0]);
-  } else {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { ReadPlainRows(pieces_[k]); });
-  }
-  next_ = 0;
-}
-
 bool TableReader::NextBlock(TableBlock& block) {
-  piece_line_ = line_;
+  Piece& piece = pieces_[0];
+  piece.text = source_.NextPiece(line_);
   block.rows = 0;
   block_ = &block;
-  row_lines_.clear();
-  if (next_ >= pieces_.size()) ReadAhead();
-  if (pieces_.empty()) {
+  if (piece.text.empty()) {
     piece_ = {};
     return false;
   }
-  Piece& piece = pieces_[next_++];
-  if (piece.decimal != decimal_) ReadPlainRows(piece);  // the mark was found out since
-  piece_ = piece.text;
   std::swap(block, piece.block);
+  ReadPlainRows(piece);
+  try {
+    Finish(piece);
+  } catch (...) {
+    std::swap(block, piece.block);  // the rows before the trouble
+    block_ = &block;
+    throw;
+  }
+  std::swap(block, piece.block);
+  block_ = &block;
+  return true;
+}
+
+void TableReader::ForEachBlock(const std::function<void(TableBlock&)>& take) {
+  if (!NeedsOnlyNumbers()) {
+    TableBlock block;
+    while (NextBlock(block)) take(block);
+    return;
+  }
+  std::size_t count = 0;
+  bool failed = false;
+  const auto read = [&](tbb::flow_control& flow) -> Piece* {
+    Piece& piece = pieces_[count % pieces_.size()];
+    try {
+      piece.text = source_.NextPiece(0);
+    } catch (const LoadError&) {
+      failed = true;  // said again below, when the number of the line is known
+      piece.text = {};
+    }
+    if (piece.text.empty()) {
+      flow.stop();
+      return nullptr;
+    }
+    ++count;
+    return &piece;
+  };
+  const auto parse = [&](Piece* piece) {
+    ReadPlainRows(*piece);
+    return piece;
+  };
+  const auto finish = [&](Piece* piece) {
+    Finish(*piece);
+    take(piece->block);
+  };
+  tbb::parallel_pipeline(
+      pieces_.size(),
+      tbb::make_filter<void, Piece*>(tbb::filter_mode::serial_in_order, read) &
+          tbb::make_filter<Piece*, Piece*>(tbb::filter_mode::parallel, parse) &
+          tbb::make_filter<Piece*, void>(tbb::filter_mode::serial_in_order, finish));
+  if (failed) static_cast<void>(source_.NextPiece(line_));
+}
+
+// What the plain path left over, and everything that depends on the pieces before.
+void TableReader::Finish(Piece& piece) {
+  if (piece.decimal != decimal_) ReadPlainRows(piece);  // the mark was found out since
+  TableBlock& block = piece.block;
+  block_ = &block;
+  row_lines_.clear();
+  piece_line_ = line_;
+  piece_ = piece.text;
   trailing_delimiter_ |= piece.trailing_delimiter;
   NoteLastFields(piece_.substr(0, piece_.rfind(line_end_) + 1));
 
@@ -152,8 +182,9 @@ bool TableReader::NextBlock(TableBlock& block) {
   const char* const end = piece_.data() + piece_.size();
   while (at < end) {
     const char* const start = at;
-    Row outcome = spec_.levels.empty() ? ReadFast(at, end, block.rows, block, trailing_delimiter_)
-                                       : Row::kUnusual;
+    Row outcome = spec_.levels.empty()
+                      ? ReadFast(at, end, block.rows, decimal_, block, trailing_delimiter_)
+                      : Row::kUnusual;
     if (outcome == Row::kUnusual) {
       const auto* stop = static_cast<const char*>(
           std::memchr(start, line_end_, static_cast<std::size_t>(end - start)));
@@ -178,16 +209,16 @@ bool TableReader::NextBlock(TableBlock& block) {
           std::any_of(values, values + block.rows, [](double x) { return x != std::floor(x); });
     }
   }
-  return true;
 }
 
 TableReader::Row TableReader::ReadFast(const char*& at,
                                        const char* end,
                                        std::size_t row,
+                                       char decimal,
                                        TableBlock& block,
                                        bool& trailing_delimiter) {
   const char delimiter = spec_.delimiter;
-  const fast_float::parse_options options(fast_float::chars_format::general, decimal_);
+  const fast_float::parse_options options(fast_float::chars_format::general, decimal);
   const char* p = at;
   std::size_t field = 0;
   bool ended = false;

@@ -6,10 +6,12 @@
 /// Strict: every row has the fields of the header, every wanted cell is wholly what it should be;
 /// otherwise a LoadError with line and column. Plain rows take a path with nothing but fast_float
 /// and comparisons; any row with a quote, a blank or trouble is taken again by the careful one.
-/// Pieces of text are read ahead and go down the plain path side by side, each up to its first row
-/// that needs care; what is found does not depend on the number of threads.
-/// Tests: tests/identify/logs/csv/table_reader_test.cc.
+/// Pieces of text go down the plain path side by side, each up to its first row that needs care;
+/// care is taken of one after the other, and what is found does not depend on the number of
+/// threads. Tests: tests/identify/logs/csv/table_reader_test.cc.
 
+#include <array>
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -68,8 +70,11 @@ class TableReader {
   /// The source stands at the first line after the header.
   TableReader(TextSource& source, TableSpec spec);
 
-  /// False at the end. Rows are views into this reader's memory until the next call.
+  /// False at the end. Positions and texts are those of this block until the next call.
   bool NextBlock(TableBlock& block);
+
+  /// Every block in order, each while the next ones are read.
+  void ForEachBlock(const std::function<void(TableBlock&)>& take);
 
   /// Where a cell of the block at hand stands.
   [[nodiscard]] SourcePosition PositionOf(std::size_t row, std::size_t column) const;
@@ -99,11 +104,12 @@ class TableReader {
     char decimal = '.';  // the mark that they were read with
   };
 
-  void ReadAhead();
   void ReadPlainRows(Piece& piece);
+  void Finish(Piece& piece);
   Row ReadFast(const char*& at,
                const char* end,
                std::size_t row,
+               char decimal,
                TableBlock& block,
                bool& trailing_delimiter);
   Row ReadCarefully(std::string_view line, bool has_end, std::size_t row);
@@ -131,10 +137,9 @@ class TableReader {
       row_lines_;  // row, its line: where rows stop being adjacent
   std::vector<TextCell> cells_;
   std::vector<double> heading_values_;
-  std::vector<Piece> pieces_;  // read ahead; next_ is the next to hand out
-  std::size_t next_ = 0;
+  std::array<Piece, TextSource::kPiecesAlive> pieces_;  // taken in turn
 
-  char decimal_ = '.';
+  std::atomic<char> decimal_ = '.';  // found out by Finish() while other pieces are read
   bool decimal_is_known_ = false;
   std::optional<DateTime> first_date_;
   std::size_t cut_last_lines_ = 0;

@@ -30,14 +30,13 @@ std::vector<std::vector<double>> ReadAll(const std::string& file,
   for (std::size_t k = 0; k < fields; ++k)
     spec.columns.push_back({.name = "c" + std::to_string(k), .field = k});
   TableReader reader(source, spec);
-  TableBlock block;
   std::vector<std::vector<double>> columns(fields);
-  while (reader.NextBlock(block)) {
+  reader.ForEachBlock([&](TableBlock& block) {
     for (std::size_t k = 0; k < fields; ++k) {
       columns[k].insert(
           columns[k].end(), block.columns[k].get(), block.columns[k].get() + block.rows);
     }
-  }
+  });
   return columns;
 }
 
@@ -132,9 +131,9 @@ TEST(TableReader, BlocksJoinWithoutASeam) {
   EXPECT_EQ(ReadAll(WriteText("table", text), ',', 2)[0], expected);
 }
 
-// Pieces are read ahead side by side. What care finds in one of them must reach the later ones: a
+// Pieces are read side by side. What care finds in one of them must reach the later ones: a
 // decimal mark that shows late, lines that are skipped, and where an error stands.
-TEST(TableReader, PiecesReadAheadAreAsIfReadInTurn) {
+TEST(TableReader, PiecesReadSideBySideAreAsIfReadInTurn) {
   constexpr int kRows = 400000;
   constexpr int kFirstFraction = 200000;
   std::string text = "h\n";
