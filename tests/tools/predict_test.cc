@@ -14,7 +14,7 @@ namespace {
 
 // The synthesized discharge of a shipped cell at 2C in logs/, sampled every second.
 std::string FolderWithLogs(const std::vector<std::string>& more = {}) {
-  const auto folder = TestFolder();
+  auto folder = TestFolder();
   std::vector<std::string> arguments{"synthesize",
                                      "gifi-600mAh-1",
                                      "--sampling-s",

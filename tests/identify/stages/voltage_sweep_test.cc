@@ -233,7 +233,7 @@ TEST(VoltageSweep, GivesTheSameBitsWithAnyNumberOfThreads) {
   std::vector<Record> records;
   std::vector<SweepLog> logs;
   for (unsigned seed = 10; seed < 16; ++seed)
-    records.push_back(RandomRecord(seed, Hold::kBackward, 400 * (seed - 8)));
+    records.push_back(RandomRecord(seed, Hold::kBackward, std::size_t{400} * (seed - 8)));
   for (const Record& record : records) logs.push_back(LogOf(record));
   const VoltageSweep sweep(MakeSetup(), std::move(logs));
   const auto run = [&](std::size_t threads) {

@@ -63,7 +63,7 @@ double PlainPolynomialRms(int degree) {
     const double x = 1.0 - 2.0 * (k + 1) / (kRows - 1);
     powers(k, 0) = 1.0;
     for (int j = 1; j <= degree; ++j) powers(k, j) = powers(k, j - 1) * x;
-    voltage_V[k] = record.voltage_V[static_cast<std::size_t>(k + 1)];
+    voltage_V[k] = record.voltage_V[static_cast<std::size_t>(k) + 1];
   }
   const Eigen::VectorXd solution = powers.householderQr().solve(voltage_V);
   return (powers * solution - voltage_V).norm() / std::sqrt(double(rows));

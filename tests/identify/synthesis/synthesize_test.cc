@@ -35,7 +35,7 @@ std::string SynthesizeInto(const std::string& name,
                            const Cell& cell,
                            const SynthesisOptions& options,
                            std::uint64_t seed = 1) {
-  const auto folder = test::FreshFolder("synthesize." + name);
+  auto folder = test::FreshFolder("synthesize." + name);
   RunRecord run;
   run.seed = seed;
   Synthesize(cell, kProtocols[0], options, run, folder);
