@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -130,13 +131,13 @@ void TableReader::ForEachBlock(const std::function<void(TableBlock&)>& take) {
     return;
   }
   std::size_t count = 0;
-  bool failed = false;
+  std::exception_ptr failure;
   const auto read = [&](tbb::flow_control& flow) -> Piece* {
     Piece& piece = pieces_[count % pieces_.size()];
     try {
       piece.text = source_.NextPiece(0);
     } catch (const LoadError&) {
-      failed = true;  // said again below, when the number of the line is known
+      failure = std::current_exception();
       piece.text = {};
     }
     if (piece.text.empty()) {
@@ -159,7 +160,9 @@ void TableReader::ForEachBlock(const std::function<void(TableBlock&)>& take) {
       tbb::make_filter<void, Piece*>(tbb::filter_mode::serial_in_order, read) &
           tbb::make_filter<Piece*, Piece*>(tbb::filter_mode::parallel, parse) &
           tbb::make_filter<Piece*, void>(tbb::filter_mode::serial_in_order, finish));
-  if (failed) static_cast<void>(source_.NextPiece(line_));
+  if (failure == nullptr) return;
+  static_cast<void>(source_.NextPiece(line_));  // says it again, now with the number of the line
+  std::rethrow_exception(failure);              // a disk that failed only once has failed
 }
 
 // What the plain path left over, and everything that depends on the pieces before.
