@@ -11,6 +11,7 @@ target_compile_options(
     -Wnon-virtual-dtor
     -Wold-style-cast
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # false alarms of GCC 12 at -O3 (its bug 105651)
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Wno-maybe-uninitialized> # and of strings that are moved
     -ffp-contract=off    # the same bits with and without fused multiply-add
     $<$<BOOL:${LIPOID_WARNINGS_AS_ERRORS}>:-Werror>)
 if(LIPOID_SANITIZE)

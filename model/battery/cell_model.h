@@ -84,6 +84,8 @@ class CellModel {
   }
 
   [[nodiscard]] const CellParameters<T>& parameters() const { return p_; }
+  /// What the modes beyond M hold back, per ampere: 0 without the tail.
+  [[nodiscard]] const T& tail_s() const { return tail_s_; }
 
   /// Relaxed at this state of charge: all unavailable charges and branch voltages are zero.
   [[nodiscard]] State Relaxed(const T& soc) const {

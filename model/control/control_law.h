@@ -1,0 +1,85 @@
+#pragma once
+
+/// @file
+/// The inner loops as one function: from references, measured state and error integrals to
+/// commanded speeds. The flight controller samples it, the poles differentiate it. T is double, or
+/// an automatic-differentiation scalar. Tests: tests/model/control/control_law_test.cc.
+
+#include "model/control/command_generation.h"
+#include "model/control/dynamic_inversion.h"
+#include "model/control/gains.h"
+#include "model/vehicle/allocation.h"
+
+namespace lipoid {
+
+template <class T>
+struct LoopReference {
+  T value{};
+  T rate{};
+  T acceleration{};
+};
+
+/// What the controller knows of the vehicle: measured, or perfect.
+template <class T>
+struct InnerLoopState {
+  T down_m;
+  T down_rate_m_per_s;
+  Triple<T> angles_rad;
+  Triple<T> body_rates;
+};
+
+template <class T>
+struct InnerLoopReferences {
+  LoopReference<T> down;
+  Triple<LoopReference<T>> angles;
+};
+
+template <class T>
+struct ErrorIntegrals {
+  T down{};
+  Triple<T> angles{};
+};
+
+template <class T>
+struct InnerLoopOutput {
+  T down_error;
+  Triple<T> angle_errors;
+  T pseudo_control_down;
+  Triple<T> pseudo_control_angles;
+  Wrench<T> wrench;           ///< tau_C and T_C
+  PerMotor<T> speed_squared;  ///< omega_C²; negative where no motor can follow
+};
+
+template <class T>
+InnerLoopOutput<T> InnerLoops(const Vehicle& vehicle,
+                              const Gains& gains,
+                              const InnerLoopState<T>& state,
+                              const InnerLoopReferences<T>& reference,
+                              const ErrorIntegrals<T>& integrals) {
+  InnerLoopOutput<T> out;
+  const Attitude<T> attitude(state.angles_rad);
+  const Triple<T> angle_rates = attitude.AngleRates(state.body_rates);
+
+  out.down_error = reference.down.value - state.down_m;  // (3.62)
+  out.pseudo_control_down = PseudoControl(gains.altitude,
+                                          reference.down.acceleration,
+                                          integrals.down,
+                                          out.down_error,
+                                          T(reference.down.rate - state.down_rate_m_per_s));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& wanted = reference.angles[k];
+    out.angle_errors[k] = wanted.value - state.angles_rad[k];
+    out.pseudo_control_angles[k] = PseudoControl(k == 2 ? gains.yaw : gains.attitude,
+                                                 wanted.acceleration,
+                                                 integrals.angles[k],
+                                                 out.angle_errors[k],
+                                                 T(wanted.rate - angle_rates[k]));
+  }
+  out.wrench.torque_N_m =
+      InvertAttitude(vehicle, attitude, state.body_rates, out.pseudo_control_angles);
+  out.wrench.thrust_N = InvertAltitude(vehicle, attitude, out.pseudo_control_down);
+  out.speed_squared = SquaredSpeedsOf(vehicle, out.wrench);  // (3.13)
+  return out;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,108 @@
+#pragma once
+
+/// @file
+/// The flight controller as it runs on board, every 5 ms: references, position controller, error
+/// controllers with anti-windup, dynamic inversion, allocation, command generation and PWM.
+/// Tests: tests/model/control/flight_controller_test.cc.
+
+#include <limits>
+
+#include "model/control/control_law.h"
+#include "model/control/reference_model.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+
+inline constexpr double kControlStep_s = 0.005;  // t_s of section 6.1
+
+/// What a maneuver asks for.
+struct FlightCommand {
+  double altitude_m = 0.0;
+  double yaw_rad = 0.0;
+  bool hold_position = true;  ///< else roll and pitch are commanded
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double roll_rad = 0.0;
+  double pitch_rad = 0.0;
+};
+
+struct ControllerOptions {
+  double altitude_omega_rad_per_s = 5.0;
+  double altitude_damping = 1.0;
+  double attitude_omega_rad_per_s = 100.0;
+  double attitude_damping = 1.0;
+  double yaw_omega_rad_per_s = 4.0;
+  bool compensate = false;
+  bool saturate = true;
+  bool quantize = true;
+  bool limit_reference = true;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    const Range omega{0.01, 1e4};
+    const Range damping{0.01, 100.0};
+    v("altitude_omega_rad_per_s",
+      self.altitude_omega_rad_per_s,
+      omega,
+      "reference of the altitude, omega_0");
+    v("altitude_damping", self.altitude_damping, damping, "and its zeta_0");
+    v("attitude_omega_rad_per_s",
+      self.attitude_omega_rad_per_s,
+      omega,
+      "reference of roll and pitch, omega_0");
+    v("attitude_damping", self.attitude_damping, damping, "and its zeta_0");
+    v("yaw_omega_rad_per_s",
+      self.yaw_omega_rad_per_s,
+      omega,
+      "reference of the heading, omega_0, critically damped");
+    v("saturate", self.saturate, Names(), "duty cycles stay in [0, 1]");
+    v("quantize", self.quantize, Names(), "duty cycles are the integers of the hardware");
+    v("limit_reference",
+      self.limit_reference,
+      Names(),
+      "references of the angles keep within the torque of the motors");
+  }
+};
+
+/// What the controller is told of the vehicle.
+struct MeasuredState {
+  Triple<double> position_m{};        ///< z down
+  Triple<double> velocity_m_per_s{};  ///< inertial
+  Triple<double> angles_rad{};
+  Triple<double> body_rates_rad_per_s{};
+  double battery_V = 0.0;
+};
+
+class FlightController {
+ public:
+  FlightController(Vehicle vehicle, Gains gains, const ControllerOptions& options);
+
+  /// At rest at a state and a heading, hovering with duty cycles that commanded speeds of
+  /// `commanded_speed` give: e_I starts where (5.21) has its equilibrium, not at zero, from where
+  /// the vehicle would drop by metres. `highest_speed` is what the motors reach at D = 1.
+  void Reset(const MeasuredState& state, double commanded_speed, double highest_speed);
+
+  /// Duty cycles for the coming step. Does not allocate.
+  PerMotor<double> Step(const FlightCommand& command, const MeasuredState& state);
+
+  /// Of the last step.
+  [[nodiscard]] const InnerLoopReferences<double>& references() const { return references_; }
+  [[nodiscard]] const InnerLoopOutput<double>& output() const { return output_; }
+  [[nodiscard]] bool saturated() const { return saturated_; }
+  [[nodiscard]] const ErrorIntegrals<double>& integrals() const { return integrals_; }
+
+ private:
+  PerMotor<double> Duties(double battery_V);
+
+  Vehicle vehicle_;
+  Gains gains_;
+  ControllerOptions options_;
+  ReferenceModel down_;
+  std::array<ReferenceModel, 3> angles_;
+  InnerLoopReferences<double> references_{};
+  ErrorIntegrals<double> integrals_{};
+  InnerLoopOutput<double> output_{};
+  bool saturated_ = false;
+};
+
+}  // namespace lipoid

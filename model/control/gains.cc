@@ -1,0 +1,113 @@
+#include "model/control/gains.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kLargest = 1e9;
+
+// The thesis prints no yaw and no position gains. Yaw: three real poles near 4 rad/s. Position:
+// both poles of X'' = -g (K_p X + K_d X') at 1.5 rad/s.
+constexpr ErrorGains kYaw{.proportional = 48.0, .integral = 64.0, .derivative = 12.0};
+constexpr PositionGains kPosition{.proportional_rad_per_m = 2.25 / 9.81,
+                                  .derivative_rad_s_per_m = 3.0 / 9.81};
+
+// Sections 6.2 and 6.3; the order of the aware altitude gains is corrected (docs/corrections.md).
+const std::array<Gains, 2>& Shipped() {
+  static const std::array<Gains, 2> sets{{
+      {.name = "aware",
+       .altitude = {.proportional = 5.03, .integral = 1.36, .derivative = 7.87},
+       .attitude = {.proportional = 0.99, .integral = 0.07, .derivative = 0.25},
+       .yaw = kYaw,
+       .position = kPosition},
+      {.name = "unaware",
+       .altitude = {.proportional = 0.95, .integral = 0.25, .derivative = 0.54},
+       .attitude = {.proportional = 0.95, .integral = 0.07, .derivative = 0.12},
+       .yaw = kYaw,
+       .position = kPosition},
+  }};
+  return sets;
+}
+
+ErrorGains ReadErrorGains(const JsonReader& json) {
+  json.OnlyKeys({"proportional", "integral", "derivative"});
+  return {.proportional = json.At("proportional").Number(0.0, kLargest),
+          .integral = json.At("integral").Number(0.0, kLargest),
+          .derivative = json.At("derivative").Number(0.0, kLargest)};
+}
+
+Json ErrorGainsToJson(const ErrorGains& gains) {
+  return {{"proportional", gains.proportional},
+          {"integral", gains.integral},
+          {"derivative", gains.derivative}};
+}
+
+}  // namespace
+
+std::vector<std::string> ShippedGainsNames() {
+  std::vector<std::string> names;
+  for (const Gains& gains : Shipped()) names.push_back(gains.name);
+  return names;
+}
+
+Gains ParseGains(const std::string& text, const std::string& file) {
+  const Json document = ParseJson(text, file);
+  const JsonReader json(document, file, text);
+  json.OnlyKeys({"schema", "name", "altitude", "attitude", "yaw", "position", "run"});
+  if (json.At("schema").Text() != kGainsSchema) {
+    json.At("schema").Fail(fmt::format("\"{}\"", kGainsSchema));
+  }
+  Gains gains{.name = json.At("name").Text(),
+              .altitude = ReadErrorGains(json.At("altitude")),
+              .attitude = ReadErrorGains(json.At("attitude")),
+              .yaw = kYaw,
+              .position = kPosition};
+  if (const auto yaw = json.Find("yaw")) gains.yaw = ReadErrorGains(*yaw);
+  if (const auto position = json.Find("position")) {
+    position->OnlyKeys({"proportional", "derivative", "tilt_limit_rad"});
+    gains.position.proportional_rad_per_m = position->At("proportional").Number(0.0, kLargest);
+    gains.position.derivative_rad_s_per_m = position->At("derivative").Number(0.0, kLargest);
+    if (const auto limit = position->Find("tilt_limit_rad")) {
+      gains.position.tilt_limit_rad = limit->Number(0.0, 1.5);
+    }
+  }
+  return gains;
+}
+
+Json GainsToJson(const Gains& gains) {
+  return {{"schema", kGainsSchema},
+          {"name", gains.name},
+          {"altitude", ErrorGainsToJson(gains.altitude)},
+          {"attitude", ErrorGainsToJson(gains.attitude)},
+          {"yaw", ErrorGainsToJson(gains.yaw)},
+          {"position",
+           {{"proportional", gains.position.proportional_rad_per_m},
+            {"derivative", gains.position.derivative_rad_s_per_m},
+            {"tilt_limit_rad", gains.position.tilt_limit_rad}}}};
+}
+
+Gains LoadGains(const std::string& name_or_file) {
+  for (const Gains& gains : Shipped()) {
+    if (gains.name == name_or_file) return gains;
+  }
+  const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
+  try {
+    return ParseGains(ReadTextFile(name_or_file), name_or_file);
+  } catch (const LoadError& error) {
+    if (looks_like_file ||
+        error.diagnostics().front().message.find("found none") == std::string::npos) {
+      throw;
+    }
+    throw LoadError({name_or_file},
+                    "expected a gains file or one of the shipped sets (aware, unaware), found "
+                    "neither");
+  }
+}
+
+}  // namespace lipoid

@@ -1,0 +1,69 @@
+#pragma once
+
+/// @file
+/// What supplies the motors in flight: the identified cell, or an ideal source whose voltage is
+/// imposed. Tests: tests/model/vehicle/battery_supply_test.cc.
+
+#include <algorithm>
+#include <optional>
+
+#include "model/battery/cell.h"
+#include "model/vehicle/powertrain.h"
+
+namespace lipoid {
+
+/// A cell, or a pack of equal ones, as a voltage behind a resistance, moved by exact steps.
+///
+/// The tail of the diffusion sum makes A depend on the current at once. Over one step v_oc(A) is
+/// its straight line at the A of the last current: exact on one segment of a linear table. Does
+/// not allocate after construction.
+class BatterySupply {
+ public:
+  /// Relaxed at this state of charge.
+  BatterySupply(const Cell& cell, double initial_soc)
+      : model_(cell.Parameters()),
+        state_(model_.Relaxed(initial_soc)),
+        series_(cell.series),
+        parallel_(cell.parallel),
+        cutoff_V_(cell.cutoff_V) {}
+
+  /// Voltage and resistance of the whole pack while a current near the last one flows.
+  [[nodiscard]] Supply<double> Linearize() const {
+    const auto& p = model_.parameters();
+    const double relaxed_soc = model_.Soc(state_, 0.0);  // without the tail's share
+    const double soc = model_.Soc(state_, last_A_);
+    const auto curve = p.open_circuit_voltage.Evaluate(soc);
+    double voltage_V = curve.value_V + curve.slope_V * (relaxed_soc - soc);
+    for (const double drop : state_.branch_V) voltage_V -= drop;
+    const double tail_Ohm = curve.slope_V * model_.tail_s() / p.alpha_C;
+    // A curve that falls with A would give the tail a negative resistance.
+    const double resistance_Ohm = p.series_resistance_Ohm(soc) + std::max(tail_Ohm, 0.0);
+    return {series_ * voltage_V, series_ * resistance_Ohm / parallel_};
+  }
+
+  /// `charge_C` of the pack has left during dt_s > 0; its mean current is what the cell sees.
+  void Advance(double charge_C, double dt_s) {
+    if (step_.dt_s != dt_s) model_.MakeStep(dt_s, step_);
+    last_A_ = charge_C / (dt_s * parallel_);
+    model_.Advance(state_, last_A_, step_);
+  }
+
+  /// A, a fraction, under the last current.
+  [[nodiscard]] double soc() const { return model_.Soc(state_, last_A_); }
+  [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }
+  [[nodiscard]] double parallel() const { return parallel_; }
+
+  /// The current for which v_oc(A) is taken as a straight line until the next Advance().
+  void Expect(double pack_current_A) { last_A_ = pack_current_A / parallel_; }
+
+ private:
+  CellModel<double> model_;
+  CellModel<double>::State state_;
+  CellModel<double>::Step step_;
+  double series_;
+  double parallel_;
+  double cutoff_V_;
+  double last_A_ = 0.0;
+};
+
+}  // namespace lipoid
