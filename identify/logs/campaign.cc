@@ -2,22 +2,20 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <initializer_list>
 #include <sstream>
 
 #include "model/core/json.h"
+#include "model/core/toml_reader.h"
 
 namespace lipoid {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeast = std::numeric_limits<double>::min();
 constexpr int kMostCells = 100000;
 constexpr std::array<std::string_view, 4> kColumns = {
     "time_s", "current_A", "voltage_V", "temperature_degC"};
@@ -35,131 +33,7 @@ std::string List(const Names& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// A number that TOML reads back to the last bit, and as a float.
-std::string Float(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".einf") == std::string::npos) text += ".0";
-  return text;
-}
-
-// A value as it stands in the file, short enough for a message.
-std::string Found(const toml::node& node) {
-  if (node.is_table()) return "a table";
-  if (node.is_array()) return "an array";
-  if (const auto* number = node.as_floating_point()) return Float(number->get());
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  return text.str();
-}
-
-// Reads tables key by key and keeps what is wrong, so that one run names every mistake of a file.
-class TableReader {
- public:
-  TableReader(const toml::table& table, const std::string& file, std::vector<Diagnostic>& problems)
-      : table_(table), file_(file), problems_(problems) {}
-
-  [[nodiscard]] SourcePosition At(const toml::source_region& source) const {
-    return {file_,
-            std::max<std::size_t>(source.begin.line, 1),
-            std::max<std::size_t>(source.begin.column, 1)};
-  }
-  [[nodiscard]] SourcePosition At() const { return At(table_.source()); }
-
-  void Problem(SourcePosition position, std::string message) const {
-    problems_.push_back({std::move(position), std::move(message)});
-  }
-  void Expected(const toml::node& node, std::string_view key, std::string_view expected) const {
-    Problem(At(node.source()),
-            fmt::format("{}: expected {}, found {}", key, expected, Found(node)));
-  }
-
-  void OnlyKeys(std::initializer_list<std::string_view> known) const {
-    for (const auto& [key, value] : table_) {
-      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-      Problem(At(key.source()),
-              fmt::format("expected one of the keys {}, found '{}'", List(known), key.str()));
-    }
-  }
-
-  // The node of a key that may be absent.
-  [[nodiscard]] const toml::node* Find(std::string_view key) const { return table_.get(key); }
-
-  // Each reads into `value` if the key is there and right. True where it was read.
-  bool Text(std::string_view key, std::string& value) const {
-    const toml::node* node = Find(key);
-    if (node == nullptr) return false;
-    const auto* text = node->as_string();
-    if (text == nullptr || text->get().empty()) {
-      Expected(*node, key, "a text in quotes");
-      return false;
-    }
-    value = text->get();
-    return true;
-  }
-
-  bool Number(
-      std::string_view key, double lo, double hi, std::string_view expected, double& value) const {
-    const toml::node* node = Find(key);
-    if (node == nullptr) return false;
-    const auto number = node->is_number() ? node->value<double>() : std::nullopt;
-    if (!number || !(*number >= lo && *number <= hi)) {  // NaN is outside every range
-      Expected(*node, key, expected);
-      return false;
-    }
-    value = *number;
-    return true;
-  }
-
-  bool Integer(std::string_view key, int lo, int hi, int& value) const {
-    const toml::node* node = Find(key);
-    if (node == nullptr) return false;
-    const auto* number = node->as_integer();
-    if (number == nullptr || number->get() < lo || number->get() > hi) {
-      Expected(*node, key, fmt::format("an integer from {} to {}", lo, hi));
-      return false;
-    }
-    value = static_cast<int>(number->get());
-    return true;
-  }
-
-  void Integers(std::string_view key, std::vector<int>& values) const {
-    const toml::node* node = Find(key);
-    if (node == nullptr) return;
-    const auto* list = node->as_array();
-    const auto right = [](const toml::node& item) {
-      return item.is_integer() && item.as_integer()->get() >= 0 &&
-             item.as_integer()->get() <= std::numeric_limits<int>::max();
-    };
-    if (list == nullptr || list->empty()) return Expected(*node, key, "a list of integers, [1, 2]");
-    for (const toml::node& item : *list) {
-      if (!right(item)) return Expected(item, key, "an integer, at least 0");
-      values.push_back(static_cast<int>(item.as_integer()->get()));
-    }
-  }
-
-  template <class E>
-  bool Choice(std::string_view key, E& value) const {
-    const toml::node* node = Find(key);
-    if (node == nullptr) return false;
-    std::vector<std::string_view> names;
-    for (const auto& [candidate, name] : OptionNames(E{})) {
-      if (node->is_string() && node->as_string()->get() == name) {
-        value = candidate;
-        return true;
-      }
-      names.push_back(name);
-    }
-    Expected(*node, key, "one of " + List(names));
-    return false;
-  }
-
- private:
-  const toml::table& table_;
-  const std::string& file_;
-  std::vector<Diagnostic>& problems_;
-};
-
-void ReadUnits(const TableReader& reader, ReadOptions& read) {
+void ReadUnits(const TomlReader& reader, ReadOptions& read) {
   const toml::node* node = reader.Find("units");
   if (node == nullptr) return;
   constexpr std::string_view kExpected =
@@ -188,10 +62,10 @@ void ReadUnits(const TableReader& reader, ReadOptions& read) {
   reader.Problem(reader.At(node->source()),
                  fmt::format("units: expected {} (s, ms, min or h; A or mA; V or mV), found {}",
                              kExpected,
-                             node->is_array() ? "[" + List(read.units) + "]" : Found(*node)));
+                             node->is_array() ? "[" + List(read.units) + "]" : TomlFound(*node)));
 }
 
-void ReadColumns(const TableReader& reader, ReadOptions& read) {
+void ReadColumns(const TomlReader& reader, ReadOptions& read) {
   const toml::node* node = reader.Find("columns");
   if (node == nullptr) return;
   const auto* table = node->as_table();
@@ -211,7 +85,7 @@ void ReadColumns(const TableReader& reader, ReadOptions& read) {
   }
 }
 
-CampaignLog ReadEntry(const TableReader& reader, const fs::path& folder) {
+CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
   reader.OnlyKeys({"kind",
                    "file",
                    "hold",
@@ -250,7 +124,7 @@ CampaignLog ReadEntry(const TableReader& reader, const fs::path& folder) {
   }
   reader.Integers("steps", log.read.steps);
   reader.Integers("cycles", log.read.cycles);
-  const double most = std::numeric_limits<double>::max();
+  const double most = TomlReader::kLargest;
   reader.Number("start_s", -most, most, "a time in seconds", log.read.start_s);
   const bool end = reader.Number("end_s", -most, most, "a time in seconds", log.read.end_s);
   if (end && !(log.read.end_s > log.read.start_s)) {
@@ -264,7 +138,7 @@ CampaignLog ReadEntry(const TableReader& reader, const fs::path& folder) {
                 1000.0,
                 "a resistance from 0 to 1000 Ohm",
                 log.read.lead_resistance_Ohm);
-  reader.Number("weight", kLeast, most, "a number above 0", log.weight);
+  reader.Number("weight", TomlReader::kAboveZero, most, "a number above 0", log.weight);
   return log;
 }
 
@@ -272,13 +146,6 @@ bool SamePart(const CampaignLog& a, const CampaignLog& b) {
   return a.kind == b.kind && a.path == b.path && a.read.steps == b.read.steps &&
          a.read.cycles == b.read.cycles && a.read.start_s == b.read.start_s &&
          a.read.end_s == b.read.end_s;
-}
-
-std::string Quoted(const std::string& text) {
-  const toml::value<std::string> value(text);
-  std::ostringstream out;
-  out << toml::toml_formatter(value, toml::format_flags::none);
-  return out.str();
 }
 
 }  // namespace
@@ -290,26 +157,17 @@ std::size_t Campaign::Count(LogKind kind) const {
 
 Campaign ParseCampaign(const std::string& text, const std::string& file) {
   std::vector<Diagnostic> problems;
-  toml::table document;
-  try {
-    document = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    std::string_view what = error.description();
-    constexpr std::string_view kPrefix = "Error while parsing ";
-    if (what.substr(0, kPrefix.size()) == kPrefix) what.remove_prefix(kPrefix.size());
-    const auto& at = error.source().begin;
-    throw LoadError({file, at.line, at.column}, fmt::format("not a campaign in TOML: {}", what));
-  }
+  const toml::table document = ParseToml(text, file, "a campaign");
   Campaign campaign;
   campaign.file = file;
-  const TableReader top(document, file, problems);
+  const TomlReader top(document, file, problems);
   top.OnlyKeys({"cell", "log"});
   if (const toml::node* node = top.Find("cell")) {
     if (const auto* table = node->as_table()) {
-      const TableReader cell(*table, file, problems);
+      const TomlReader cell(*table, file, problems);
       cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel"});
       cell.Text("name", campaign.name);
-      cell.Number("capacity_Ah", kLeast, 1e6, "a capacity above 0 Ah", campaign.capacity_Ah);
+      cell.Number("capacity_Ah", TomlReader::kAboveZero, 1e6, "a capacity above 0 Ah", campaign.capacity_Ah);
       double cutoff_V = 0.0;
       if (cell.Number(
               "cutoff_V", 0.5, 6.0, "the cut-off of one cell, from 0.5 V to 6 V", cutoff_V)) {
@@ -328,7 +186,7 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
   } else if (list == nullptr) {
     top.Problem(top.At(logs->source()),
                 fmt::format("expected [[log]], in double brackets, found {}",
-                            logs->is_table() ? "[log]" : Found(*logs)));
+                            logs->is_table() ? "[log]" : TomlFound(*logs)));
   } else {
     const fs::path folder = fs::path(file).parent_path();
     for (const toml::node& node : *list) {
@@ -337,7 +195,7 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
         top.Expected(node, "log", "a table [[log]]");
         continue;
       }
-      CampaignLog log = ReadEntry(TableReader(*table, file, problems), folder);
+      CampaignLog log = ReadEntry(TomlReader(*table, file, problems), folder);
       const auto twin =
           std::find_if(campaign.logs.begin(), campaign.logs.end(), [&](const CampaignLog& other) {
             return !log.path.empty() && SamePart(log, other);
@@ -353,14 +211,7 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
       campaign.logs.push_back(std::move(log));
     }
   }
-  if (!problems.empty()) {
-    std::stable_sort(
-        problems.begin(), problems.end(), [](const Diagnostic& a, const Diagnostic& b) {
-          return std::pair(a.position.line, a.position.column) <
-                 std::pair(b.position.line, b.position.column);
-        });
-    throw LoadError(std::move(problems));
-  }
+  ThrowProblems(std::move(problems));
   return campaign;
 }
 
@@ -368,7 +219,7 @@ Campaign ReadCampaign(const std::string& file) { return ParseCampaign(ReadTextFi
 
 std::string CampaignLogToToml(const CampaignLog& log) {
   std::string text =
-      fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n", NameOf(log.kind), Quoted(log.file));
+      fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n", NameOf(log.kind), TomlText(log.file));
   const auto add = [&](std::string_view key, const std::string& value) {
     text += fmt::format("{} = {}\n", key, value);
   };
@@ -378,31 +229,31 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (!read.columns.empty()) {
     std::vector<std::string> pairs;
     for (const auto& [key, name] : read.columns)
-      pairs.push_back(fmt::format("{} = {}", key, Quoted(name)));
+      pairs.push_back(fmt::format("{} = {}", key, TomlText(name)));
     add("columns", "{ " + List(pairs) + " }");
   }
   if (!read.units.empty()) {
     std::vector<std::string> units;
-    for (const auto& unit : read.units) units.push_back(Quoted(unit));
+    for (const auto& unit : read.units) units.push_back(TomlText(unit));
     add("units", "[" + List(units) + "]");
   }
-  if (!read.current_sign.empty()) add("current_sign", Quoted(read.current_sign));
+  if (!read.current_sign.empty()) add("current_sign", TomlText(read.current_sign));
   if (!read.steps.empty()) add("steps", "[" + List(read.steps) + "]");
   if (!read.cycles.empty()) add("cycles", "[" + List(read.cycles) + "]");
-  if (read.start_s != defaults.start_s) add("start_s", Float(read.start_s));
-  if (read.end_s != defaults.end_s) add("end_s", Float(read.end_s));
-  if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", Float(log.initial_soc));
-  if (read.lead_resistance_Ohm != 0.0) add("lead_resistance_Ohm", Float(read.lead_resistance_Ohm));
-  if (log.weight != CampaignLog().weight) add("weight", Float(log.weight));
+  if (read.start_s != defaults.start_s) add("start_s", TomlFloat(read.start_s));
+  if (read.end_s != defaults.end_s) add("end_s", TomlFloat(read.end_s));
+  if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", TomlFloat(log.initial_soc));
+  if (read.lead_resistance_Ohm != 0.0) add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
+  if (log.weight != CampaignLog().weight) add("weight", TomlFloat(log.weight));
   return text;
 }
 
 std::string CampaignToToml(const Campaign& campaign) {
   std::string text = "[cell]\n";
-  if (!campaign.name.empty()) text += fmt::format("name = {}\n", Quoted(campaign.name));
+  if (!campaign.name.empty()) text += fmt::format("name = {}\n", TomlText(campaign.name));
   if (campaign.capacity_Ah > 0.0)
-    text += fmt::format("capacity_Ah = {}\n", Float(campaign.capacity_Ah));
-  if (campaign.cutoff_V) text += fmt::format("cutoff_V = {}\n", Float(*campaign.cutoff_V));
+    text += fmt::format("capacity_Ah = {}\n", TomlFloat(campaign.capacity_Ah));
+  if (campaign.cutoff_V) text += fmt::format("cutoff_V = {}\n", TomlFloat(*campaign.cutoff_V));
   if (campaign.series != 1) text += fmt::format("series = {}\n", campaign.series);
   if (campaign.parallel != 1) text += fmt::format("parallel = {}\n", campaign.parallel);
   for (const CampaignLog& log : campaign.logs) text += "\n" + CampaignLogToToml(log);

@@ -1,6 +1,7 @@
 #include "model/battery/cell_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
@@ -249,19 +250,9 @@ Cell LoadCell(const std::string& name_or_file) {
     if (shipped.name == name_or_file)
       return ParseCell(std::string(shipped.text), std::string(shipped.name));
   }
-  const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
-  try {
-    return ReadCellFile(name_or_file);
-  } catch (const LoadError& error) {
-    if (looks_like_file ||
-        error.diagnostics().front().message.find("found none") == std::string::npos)
-      throw;
-    std::string names;
-    for (const auto& name : ShippedCellNames()) names += (names.empty() ? "" : ", ") + name;
-    throw LoadError(
-        {name_or_file},
-        fmt::format("expected a cell file or one of the shipped cells ({}), found neither", names));
-  }
+  const auto expected = fmt::format("a cell file or one of the shipped cells ({})",
+                                    fmt::join(ShippedCellNames(), ", "));
+  return ParseCell(ReadTextFileOr(name_or_file, expected), name_or_file);
 }
 
 }  // namespace lipoid

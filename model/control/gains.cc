@@ -1,11 +1,9 @@
 #include "model/control/gains.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <array>
-
-#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
@@ -96,18 +94,9 @@ Gains LoadGains(const std::string& name_or_file) {
   for (const Gains& gains : Shipped()) {
     if (gains.name == name_or_file) return gains;
   }
-  const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
-  try {
-    return ParseGains(ReadTextFile(name_or_file), name_or_file);
-  } catch (const LoadError& error) {
-    if (looks_like_file ||
-        error.diagnostics().front().message.find("found none") == std::string::npos) {
-      throw;
-    }
-    throw LoadError({name_or_file},
-                    "expected a gains file or one of the shipped sets (aware, unaware), found "
-                    "neither");
-  }
+  const auto expected = fmt::format("a gains file or one of the shipped sets ({})",
+                                    fmt::join(ShippedGainsNames(), ", "));
+  return ParseGains(ReadTextFileOr(name_or_file, expected), name_or_file);
 }
 
 }  // namespace lipoid

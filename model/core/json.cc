@@ -143,6 +143,15 @@ std::string ReadTextFile(const std::string& file) {
   return text;
 }
 
+std::string ReadTextFileOr(const std::string& name_or_file, const std::string& expected) {
+  struct stat status {};
+  const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
+  if (!looks_like_file && ::stat(name_or_file.c_str(), &status) != 0) {
+    throw LoadError({name_or_file}, fmt::format("expected {}, found neither", expected));
+  }
+  return ReadTextFile(name_or_file);
+}
+
 Json ParseJson(std::string_view text, const std::string& file) {
   Json document;
   try {

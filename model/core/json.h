@@ -21,6 +21,12 @@ using Json = nlohmann::ordered_json;
 /// Reads a whole file as text; LoadError where it is missing, a folder or unreadable.
 [[nodiscard]] std::string ReadTextFile(const std::string& file);
 
+/// The same of something that has a name or stands in a file. Where no file of that name is found
+/// and the name does not look like one, the LoadError says what was expected instead: "a cell file
+/// or one of the shipped cells (...)".
+[[nodiscard]] std::string ReadTextFileOr(const std::string& name_or_file,
+                                         const std::string& expected);
+
 /// Parses text that came from `file` (only for messages).
 [[nodiscard]] Json ParseJson(std::string_view text, const std::string& file);
 

@@ -1,0 +1,195 @@
+#include "model/vehicle/vehicle_file.h"
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+#include "generated/shipped_vehicles.h"
+#include "model/core/json.h"
+#include "model/core/toml_reader.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kAboveZero = TomlReader::kAboveZero;
+constexpr double kMost = TomlReader::kLargest;
+
+constexpr std::array<std::string_view, 16> kKeys{"name",
+                                                 "summary",
+                                                 "mass_kg",
+                                                 "inertia_kg_m2",
+                                                 "arm_m",
+                                                 "thrust_coefficient_N_s2",
+                                                 "torque_coefficient_N_m_s2",
+                                                 "motor_constant_N_m_per_A",
+                                                 "armature_resistance_Ohm",
+                                                 "armature_inductance_H",
+                                                 "friction_N_m_s",
+                                                 "rotor_inertia_kg_m2",
+                                                 "nominal_voltage_V",
+                                                 "pwm_range",
+                                                 "linear_drag_N_s_per_m",
+                                                 "source"};
+
+// A number of the file: where it goes, and what it must be.
+struct NumberKey {
+  std::string_view key;
+  double Vehicle::*member;
+  double lo;
+  std::string_view expected;
+  bool required;
+};
+
+constexpr NumberKey kNumbers[] = {
+    {"mass_kg", &Vehicle::mass_kg, kAboveZero, "a mass above 0 kg", true},
+    {"arm_m", &Vehicle::arm_m, kAboveZero, "a length above 0 m", true},
+    {"thrust_coefficient_N_s2",
+     &Vehicle::thrust_coefficient_N_s2,
+     kAboveZero,
+     "a thrust per square of rad/s, above 0",
+     true},
+    {"torque_coefficient_N_m_s2",
+     &Vehicle::torque_coefficient_N_m_s2,
+     kAboveZero,
+     "a torque per square of rad/s, above 0",
+     true},
+    {"motor_constant_N_m_per_A",
+     &Vehicle::motor_constant_N_m_per_A,
+     kAboveZero,
+     "a motor constant above 0 N m/A",
+     true},
+    {"armature_resistance_Ohm",
+     &Vehicle::armature_resistance_Ohm,
+     kAboveZero,
+     "a resistance above 0 Ohm",
+     true},
+    {"armature_inductance_H",
+     &Vehicle::armature_inductance_H,
+     0.0,
+     "an inductance of at least 0 H",
+     false},
+    {"friction_N_m_s", &Vehicle::friction_N_m_s, 0.0, "a friction of at least 0 N m s", true},
+    {"rotor_inertia_kg_m2",
+     &Vehicle::rotor_inertia_kg_m2,
+     kAboveZero,
+     "a moment of inertia above 0 kg m²",
+     true},
+    {"nominal_voltage_V", &Vehicle::nominal_voltage_V, kAboveZero, "a voltage above 0 V", true},
+    {"linear_drag_N_s_per_m",
+     &Vehicle::linear_drag_N_s_per_m,
+     0.0,
+     "a drag of at least 0 N s/m",
+     false},
+};
+
+void ReadInertia(const TomlReader& reader, Vehicle& vehicle) {
+  auto& j = vehicle.inertia_kg_m2;
+  if (!reader.Numbers("inertia_kg_m2",
+                      kAboveZero,
+                      kMost,
+                      "the moments J_x, J_y, J_z above 0 kg m²",
+                      j)) {
+    return;
+  }
+  constexpr std::string_view kAxes = "xyz";
+  constexpr double kRounding = 1e-12;  // a flat body's largest is the sum, in decimals
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t a = k == 0 ? 1 : 0;
+    const std::size_t b = k == 2 ? 1 : 2;
+    if (j[k] <= (j[a] + j[b]) * (1.0 + kRounding)) continue;
+    reader.Problem(reader.At(reader.Find("inertia_kg_m2")->source()),
+                   fmt::format("inertia_kg_m2: expected moments of a body that can be, each at "
+                               "most the sum of the other two, found J_{} = {} above J_{} + J_{} "
+                               "= {:.6g}",
+                               kAxes[k],
+                               j[k],
+                               kAxes[a],
+                               kAxes[b],
+                               j[a] + j[b]));
+  }
+}
+
+// Integers, because the hardware takes one between them, (6.1).
+void ReadPwmRange(const TomlReader& reader, Vehicle& vehicle) {
+  constexpr std::string_view kExpected = "the integers of D = 0 and D = 1, [10, 500]";
+  auto range = vehicle.pwm_range;
+  if (!reader.Numbers("pwm_range", 0.0, 1e9, kExpected, range)) return;
+  if (range[0] != std::floor(range[0]) || range[1] != std::floor(range[1]) ||
+      !(range[0] < range[1])) {
+    reader.Problem(reader.At(reader.Find("pwm_range")->source()),
+                   fmt::format("pwm_range: expected {}, the first below the second, found [{}, {}]",
+                               kExpected,
+                               range[0],
+                               range[1]));
+    return;
+  }
+  vehicle.pwm_range = range;
+}
+
+// The origins of the numbers are for people: only their keys are checked.
+void ReadSource(const TomlReader& reader,
+                const std::string& file,
+                std::vector<Diagnostic>& problems) {
+  const toml::node* node = reader.Find("source");
+  if (node == nullptr) return;
+  const auto* table = node->as_table();
+  if (table == nullptr) return reader.Expected(*node, "source", "a table [source]");
+  const TomlReader source(*table, file, problems);
+  source.OnlyKeys(std::span(kKeys).subspan(2, kKeys.size() - 3));  // the numbers
+  std::string ignored;
+  for (const auto& [key, value] : *table) source.Text(key.str(), ignored);
+}
+
+}  // namespace
+
+Vehicle ParseVehicle(const std::string& text, const std::string& file) {
+  const toml::table document = ParseToml(text, file, "a vehicle");
+  std::vector<Diagnostic> problems;
+  const TomlReader reader(document, file, problems);
+  reader.OnlyKeys(kKeys);
+  Vehicle vehicle;
+  reader.Text("name", vehicle.name);
+  reader.Text("summary", vehicle.summary);
+  ReadInertia(reader, vehicle);
+  std::vector<std::string_view> missing;
+  const auto require = [&](std::string_view key) {
+    if (reader.Find(key) == nullptr) missing.push_back(key);
+  };
+  require("name");
+  require("inertia_kg_m2");
+  for (const NumberKey& number : kNumbers) {
+    if (number.required) require(number.key);
+    reader.Number(number.key, number.lo, kMost, number.expected, vehicle.*number.member);
+  }
+  if (!missing.empty()) {
+    reader.Problem({file},
+                   fmt::format("expected the {} {}, found none",
+                               missing.size() == 1 ? "key" : "keys",
+                               fmt::join(missing, ", ")));
+  }
+  ReadPwmRange(reader, vehicle);
+  ReadSource(reader, file, problems);
+  ThrowProblems(std::move(problems));
+  return vehicle;
+}
+
+Vehicle ReadVehicleFile(const std::string& file) { return ParseVehicle(ReadTextFile(file), file); }
+
+std::vector<std::string> ShippedVehicleNames() {
+  std::vector<std::string> names;
+  names.reserve(std::size(kShippedVehicles));
+  for (const auto& shipped : kShippedVehicles) names.emplace_back(shipped.name);
+  return names;
+}
+
+Vehicle LoadVehicle(const std::string& name_or_file) {
+  for (const auto& shipped : kShippedVehicles) {
+    if (shipped.name == name_or_file) return ParseVehicle(std::string(shipped.text), name_or_file);
+  }
+  const auto expected = fmt::format("a vehicle file or one of the shipped vehicles ({})",
+                                    fmt::join(ShippedVehicleNames(), ", "));
+  return ParseVehicle(ReadTextFileOr(name_or_file, expected), name_or_file);
+}
+
+}  // namespace lipoid

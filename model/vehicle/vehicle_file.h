@@ -1,0 +1,33 @@
+#pragma once
+
+/// @file
+/// The vehicle file: TOML, described in docs/formats.md. Tests:
+/// tests/model/vehicle/vehicle_file_test.cc.
+///
+///   name = "mambo-thesis"
+///   mass_kg = 0.063
+///   inertia_kg_m2 = [5.82857e-5, 7.16914e-5, 1e-4]
+///   ...
+///   [source]
+///   mass_kg = "Table 6.1"
+
+#include <string>
+#include <vector>
+
+#include "model/vehicle/vehicle.h"
+
+namespace lipoid {
+
+/// Reads a vehicle file strictly: unknown and missing keys, wrong types, values out of range and
+/// an inertia that no body has are LoadErrors with line and column, all of one file at once.
+[[nodiscard]] Vehicle ReadVehicleFile(const std::string& file);
+[[nodiscard]] Vehicle ParseVehicle(const std::string& text, const std::string& file);
+
+/// Names of the vehicles that are shipped, sorted.
+[[nodiscard]] std::vector<std::string> ShippedVehicleNames();
+
+/// A shipped vehicle by name, else the vehicle file of that name. LoadError names both ways where
+/// neither is.
+[[nodiscard]] Vehicle LoadVehicle(const std::string& name_or_file);
+
+}  // namespace lipoid

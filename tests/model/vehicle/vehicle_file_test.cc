@@ -1,0 +1,219 @@
+#include "model/vehicle/vehicle_file.h"
+
+#include <gtest/gtest.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <string_view>
+
+#include "model/core/errors.h"
+#include "model/vehicle/motor.h"
+#include "tests/support/paths.h"
+#include "tests/support/text_files.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+constexpr std::string_view kText = R"(name = "test"
+mass_kg = 0.5
+inertia_kg_m2 = [1e-3, 2e-3, 2.5e-3]
+arm_m = 0.2
+thrust_coefficient_N_s2 = 1e-6
+torque_coefficient_N_m_s2 = 2e-8
+motor_constant_N_m_per_A = 0.01
+armature_resistance_Ohm = 0.1
+friction_N_m_s = 0
+rotor_inertia_kg_m2 = 1e-5
+nominal_voltage_V = 12
+)";
+
+std::string Replaced(std::string_view from, std::string_view to) {
+  std::string text(kText);
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string Refusal(const std::string& text) {
+  return test::MessageOf<LoadError>([&] { (void)ParseVehicle(text, "v.toml"); });
+}
+
+TEST(VehicleFile, HoldsWhatItSays) {
+  const Vehicle v = ParseVehicle(std::string(kText) +
+                                     "summary = \"one line\"\narmature_inductance_H = 3e-6\n"
+                                     "pwm_range = [1000, 2000]\nlinear_drag_N_s_per_m = 0.25\n"
+                                     "[source]\nmass_kg = \"weighed\"\n",
+                                 "v.toml");
+  EXPECT_EQ(v.name, "test");
+  EXPECT_EQ(v.summary, "one line");
+  EXPECT_EQ(v.mass_kg, 0.5);
+  EXPECT_EQ(v.inertia_kg_m2, (std::array{1e-3, 2e-3, 2.5e-3}));
+  EXPECT_EQ(v.arm_m, 0.2);
+  EXPECT_EQ(v.thrust_coefficient_N_s2, 1e-6);
+  EXPECT_EQ(v.torque_coefficient_N_m_s2, 2e-8);
+  EXPECT_EQ(v.motor_constant_N_m_per_A, 0.01);
+  EXPECT_EQ(v.armature_resistance_Ohm, 0.1);
+  EXPECT_EQ(v.armature_inductance_H, 3e-6);
+  EXPECT_EQ(v.friction_N_m_s, 0.0);
+  EXPECT_EQ(v.rotor_inertia_kg_m2, 1e-5);
+  EXPECT_EQ(v.nominal_voltage_V, 12.0);
+  EXPECT_EQ(v.pwm_range, (std::array{1000.0, 2000.0}));
+  EXPECT_EQ(v.linear_drag_N_s_per_m, 0.25);
+}
+
+TEST(VehicleFile, WhatMayBeAbsentHasTheDefaultsOfAVehicle) {
+  const Vehicle v = ParseVehicle(std::string(kText), "v.toml");
+  EXPECT_EQ(v.summary, "");
+  EXPECT_EQ(v.armature_inductance_H, 0.0);
+  EXPECT_EQ(v.pwm_range, (std::array{10.0, 500.0}));
+  EXPECT_EQ(v.linear_drag_N_s_per_m, 0.0);
+}
+
+TEST(VehicleFile, EveryMistakeIsNamedAtOnce) {
+  EXPECT_EQ(Refusal(Replaced("arm_m = 0.2\n", "")),
+            "v.toml:1:1: error: expected the key arm_m, found none");
+  EXPECT_EQ(Refusal("name = \"\"\ninertia_kg_m2 = [1e-3, nan, 2.5e-3]\narm_m = \"long\"\n"),
+            "v.toml:1:1: error: expected the keys mass_kg, thrust_coefficient_N_s2, "
+            "torque_coefficient_N_m_s2, motor_constant_N_m_per_A, armature_resistance_Ohm, "
+            "friction_N_m_s, rotor_inertia_kg_m2, nominal_voltage_V, found none\n"
+            "v.toml:1:8: error: name: expected a text in quotes, found ''\n"
+            "v.toml:2:24: error: inertia_kg_m2: expected the moments J_x, J_y, J_z above 0 kg m², "
+            "found nan\n"
+            "v.toml:3:9: error: arm_m: expected a length above 0 m, found 'long'");
+  const std::string bad = Replaced("mass_kg = 0.5", "mass_kg = -0.5\ncolour = \"red\"");
+  EXPECT_EQ(Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
+            "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
+            "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
+            "arm_m, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
+            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+            "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, source, found 'colour'\n"
+            "v.toml:13:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
+            "the first below the second, found [500, 10]\n"
+            "v.toml:15:1: error: expected one of the keys mass_kg, inertia_kg_m2, arm_m, "
+            "thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
+            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+            "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, found 'mas_kg'\n"
+            "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
+}
+
+TEST(VehicleFile, EveryNumberMustBeInItsRange) {
+  for (const char* const key : {"mass_kg",
+                                "arm_m",
+                                "thrust_coefficient_N_s2",
+                                "torque_coefficient_N_m_s2",
+                                "motor_constant_N_m_per_A",
+                                "armature_resistance_Ohm",
+                                "rotor_inertia_kg_m2",
+                                "nominal_voltage_V"}) {
+    std::string text(kText);
+    const auto line = text.find("\n" + std::string(key) + " = ") + 1;
+    const auto end = text.find('\n', line);
+    for (const char* const value : {"0", "-1.0", "nan", "inf", "\"1\"", "true"}) {
+      const std::string bad =
+          text.substr(0, line) + std::string(key) + " = " + value + text.substr(end);
+      EXPECT_NE(Refusal(bad).find(std::string(key) + ": expected a"), std::string::npos)
+          << key << " = " << value;
+    }
+  }
+  for (const char* const key :
+       {"armature_inductance_H", "friction_N_m_s", "linear_drag_N_s_per_m"}) {
+    std::string text = Replaced("friction_N_m_s = 0\n", "");
+    if (std::string_view(key) != "friction_N_m_s") text += "friction_N_m_s = 0\n";
+    EXPECT_NO_THROW((void)ParseVehicle(text + key + " = 0\n", "v.toml")) << key;
+    EXPECT_NE(Refusal(text + key + " = -1e-9\n").find("of at least 0"), std::string::npos) << key;
+  }
+}
+
+TEST(VehicleFile, RefusesABodyThatCannotBe) {
+  // Table 6.1 as printed.
+  EXPECT_EQ(Refusal(Replaced("[1e-3, 2e-3, 2.5e-3]", "[5e-4, 7e-4, 1e-4]")),
+            "v.toml:3:17: error: inertia_kg_m2: expected moments of a body that can be, each at "
+            "most the sum of the other two, found J_y = 0.0007 above J_x + J_z = 0.0006");
+  EXPECT_EQ(Refusal(Replaced("[1e-3, 2e-3, 2.5e-3]", "[1e-3, 2e-3, 3.1e-3]")),
+            "v.toml:3:17: error: inertia_kg_m2: expected moments of a body that can be, each at "
+            "most the sum of the other two, found J_z = 0.0031 above J_x + J_y = 0.003");
+  EXPECT_EQ(Refusal(Replaced("[1e-3, 2e-3, 2.5e-3]", "[1e-3, 2e-3]")),
+            "v.toml:3:17: error: inertia_kg_m2: expected 3 numbers, the moments J_x, J_y, J_z "
+            "above 0 kg m², found 2");
+  // A flat plate is a body: its third moment is the sum of the others, 0.1 + 0.7 < 0.8 in binary.
+  EXPECT_NO_THROW(
+      (void)ParseVehicle(Replaced("[1e-3, 2e-3, 2.5e-3]", "[0.1, 0.7, 0.8]"), "v.toml"));
+}
+
+TEST(VehicleFile, RefusesARangeOfThePwmThatIsNoRangeOfIntegers) {
+  EXPECT_EQ(Refusal(std::string(kText) + "pwm_range = [0.5, 500]\n"),
+            "v.toml:12:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
+            "the first below the second, found [0.5, 500]");
+  EXPECT_EQ(Refusal(std::string(kText) + "pwm_range = [7, 7]\n").find("v.toml:12:13"), 0U);
+}
+
+TEST(VehicleFile, ReadsFilesByNameAndShippedOnesByTheirs) {
+  const std::string file = test::WriteText("mine.toml", kText);
+  EXPECT_EQ(LoadVehicle(file).name, "test");
+  EXPECT_EQ(ReadVehicleFile(file).mass_kg, 0.5);
+  EXPECT_EQ(ShippedVehicleNames(),
+            (std::vector<std::string>{"mambo-coupled", "mambo-physical", "mambo-thesis"}));
+  EXPECT_EQ(test::MessageOf<LoadError>([] { (void)LoadVehicle("mambo"); }),
+            "mambo:1:1: error: expected a vehicle file or one of the shipped vehicles "
+            "(mambo-coupled, mambo-physical, mambo-thesis), found neither");
+  EXPECT_EQ(test::MessageOf<LoadError>([] { (void)LoadVehicle("no/such.toml"); }),
+            "no/such.toml:1:1: error: expected a readable file, found none (No such file or "
+            "directory)");
+}
+
+TEST(VehicleFile, ShippedVehiclesAreTable61Corrected) {
+  // The propeller's figures: R = 33 mm, area pi R², Ct = 0.0107; k_T = Ct A R² [rho].
+  constexpr double kRadius = 0.033;
+  constexpr double kArea = std::numbers::pi * kRadius * kRadius;
+  constexpr double kDensity = 1.184;
+  constexpr double kThrust = 0.0107 * kArea * kRadius * kRadius;
+  constexpr double kPrintedDigits = 5e-5;  // five digits are printed
+  struct Row {
+    const char* name;
+    double thrust, torque, friction;
+  };
+  for (const Row& row : {Row{"mambo-thesis", kThrust, 9.6223e-11, 1e-6},
+                         Row{"mambo-coupled", kThrust, 9.6223e-11, 3.5e-7},
+                         Row{"mambo-physical", kDensity * kThrust, 2.54e-10, 3e-8}}) {
+    SCOPED_TRACE(row.name);
+    const Vehicle v = LoadVehicle(row.name);
+    EXPECT_EQ(v.name, row.name);
+    EXPECT_FALSE(v.summary.empty());
+    EXPECT_EQ(v.mass_kg, 0.063);
+    EXPECT_EQ(v.inertia_kg_m2, (std::array{5.82857e-5, 7.16914e-5, 1e-4}));
+    EXPECT_EQ(v.arm_m, 0.062);
+    EXPECT_NEAR(v.thrust_coefficient_N_s2, row.thrust, kPrintedDigits * row.thrust);
+    EXPECT_EQ(v.torque_coefficient_N_m_s2, row.torque);
+    EXPECT_EQ(v.motor_constant_N_m_per_A, 7.4041e-4);
+    EXPECT_EQ(v.armature_resistance_Ohm, 0.49);
+    EXPECT_EQ(v.armature_inductance_H, 0.0);
+    EXPECT_EQ(v.friction_N_m_s, row.friction);
+    EXPECT_EQ(v.rotor_inertia_kg_m2, 4.5156e-8);
+    EXPECT_EQ(v.nominal_voltage_V, 4.2);
+    EXPECT_EQ(v.pwm_range, (std::array{10.0, 500.0}));
+    EXPECT_EQ(v.linear_drag_N_s_per_m, 0.02);
+  }
+}
+
+// The embedded text is the file, and no number of it lacks its origin.
+TEST(VehicleFile, ShippedVehiclesSayWhereEveryNumberIsFrom) {
+  for (const auto& name : ShippedVehicleNames()) {
+    SCOPED_TRACE(name);
+    const std::string file = test::SourcePath("fixtures/vehicles/" + name + ".toml");
+    EXPECT_EQ(ReadVehicleFile(file).torque_coefficient_N_m_s2,
+              LoadVehicle(name).torque_coefficient_N_m_s2);
+    const toml::table document = toml::parse_file(file);
+    const toml::table& source = *document["source"].as_table();
+    for (const auto& [key, value] : document) {
+      if (value.is_string() || value.is_table()) continue;
+      EXPECT_TRUE(source.contains(key.str())) << key.str();
+    }
+    EXPECT_EQ(source.size() + 3, document.size());  // name, summary and source itself
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
