@@ -167,7 +167,11 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
       const TomlReader cell(*table, file, problems);
       cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel"});
       cell.Text("name", campaign.name);
-      cell.Number("capacity_Ah", TomlReader::kAboveZero, 1e6, "a capacity above 0 Ah", campaign.capacity_Ah);
+      cell.Number("capacity_Ah",
+                  TomlReader::kAboveZero,
+                  1e6,
+                  "a capacity above 0 Ah",
+                  campaign.capacity_Ah);
       double cutoff_V = 0.0;
       if (cell.Number(
               "cutoff_V", 0.5, 6.0, "the cut-off of one cell, from 0.5 V to 6 V", cutoff_V)) {
@@ -243,7 +247,8 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (read.start_s != defaults.start_s) add("start_s", TomlFloat(read.start_s));
   if (read.end_s != defaults.end_s) add("end_s", TomlFloat(read.end_s));
   if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", TomlFloat(log.initial_soc));
-  if (read.lead_resistance_Ohm != 0.0) add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
+  if (read.lead_resistance_Ohm != 0.0)
+    add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
   if (log.weight != CampaignLog().weight) add("weight", TomlFloat(log.weight));
   return text;
 }

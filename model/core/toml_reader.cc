@@ -14,7 +14,8 @@ toml::table ParseToml(const std::string& text, const std::string& file, std::str
     constexpr std::string_view kPrefix = "Error while parsing ";
     if (description.substr(0, kPrefix.size()) == kPrefix) description.remove_prefix(kPrefix.size());
     const auto& at = error.source().begin;
-    throw LoadError({file, at.line, at.column}, fmt::format("not {} in TOML: {}", what, description));
+    throw LoadError({file, at.line, at.column},
+                    fmt::format("not {} in TOML: {}", what, description));
   }
 }
 
@@ -69,9 +70,9 @@ void TomlReader::Expected(const toml::node& node,
 void TomlReader::OnlyKeys(std::span<const std::string_view> known) const {
   for (const auto& [key, value] : table_) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    Problem(At(key.source()),
-            fmt::format(
-                "expected one of the keys {}, found '{}'", fmt::join(known, ", "), key.str()));
+    Problem(
+        At(key.source()),
+        fmt::format("expected one of the keys {}, found '{}'", fmt::join(known, ", "), key.str()));
   }
 }
 
@@ -153,8 +154,7 @@ bool TomlReader::Integers(std::string_view key, std::vector<int>& values) const 
   }
   for (const toml::node& item : *list) {
     const auto* number = item.as_integer();
-    if (number == nullptr || number->get() < 0 ||
-        number->get() > std::numeric_limits<int>::max()) {
+    if (number == nullptr || number->get() < 0 || number->get() > std::numeric_limits<int>::max()) {
       Expected(item, key, "an integer, at least 0");
       return false;
     }

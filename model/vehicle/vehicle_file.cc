@@ -85,11 +85,8 @@ constexpr NumberKey kNumbers[] = {
 
 void ReadInertia(const TomlReader& reader, Vehicle& vehicle) {
   auto& j = vehicle.inertia_kg_m2;
-  if (!reader.Numbers("inertia_kg_m2",
-                      kAboveZero,
-                      kMost,
-                      "the moments J_x, J_y, J_z above 0 kg m²",
-                      j)) {
+  if (!reader.Numbers(
+          "inertia_kg_m2", kAboveZero, kMost, "the moments J_x, J_y, J_z above 0 kg m²", j)) {
     return;
   }
   constexpr std::string_view kAxes = "xyz";

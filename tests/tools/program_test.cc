@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "model/vehicle/vehicle_file.h"
 #include "tests/support/run_lipoid.h"
 
 namespace lipoid::test {
@@ -96,6 +97,53 @@ TEST(Program, ListsTheShippedCells) {
                                       "grepow-32Ah-2",
                                       "grepow-32Ah-3"}));
   for (const auto& name : names) EXPECT_NE(run.out.find(name), std::string::npos);
+}
+
+// At hover the four thrusts hold the weight, the motor's torque is its friction and drag, and the
+// voltage is what falls over winding and rotor.
+TEST(Program, ListsTheShippedVehiclesWithTheirHover) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"list", "vehicles", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 0);
+  const auto summary = ReadJson(folder, "s.json");
+  const auto& rows = summary.at("vehicles");
+  ASSERT_EQ(rows.size(), ShippedVehicleNames().size());
+  constexpr double kRounding = 1e-12;
+  for (const auto& row : rows) {
+    const Vehicle v = LoadVehicle(row.at("name"));
+    SCOPED_TRACE(v.name);
+    EXPECT_NE(run.out.find(v.name), std::string::npos);
+    EXPECT_NE(run.out.find(v.summary), std::string::npos);
+    const double speed = row.at("hover_speed_rad_per_s");
+    const double current = row.at("hover_motor_current_A");
+    const double voltage = row.at("hover_motor_voltage_V");
+    EXPECT_NEAR(
+        4.0 * v.thrust_coefficient_N_s2 * speed * speed / (v.mass_kg * 9.81), 1.0, kRounding);
+    EXPECT_NEAR(v.motor_constant_N_m_per_A * current /
+                    (v.friction_N_m_s * speed + v.torque_coefficient_N_m_s2 * speed * speed),
+                1.0,
+                kRounding);
+    EXPECT_NEAR(v.armature_resistance_Ohm * current + v.motor_constant_N_m_per_A * speed,
+                voltage,
+                kRounding);
+    EXPECT_NEAR(row.at("hover_duty").get<double>() * v.nominal_voltage_V, voltage, kRounding);
+  }
+}
+
+TEST(Program, ListsTheShippedGains) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"list", "gains", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 0);
+  const auto summary = ReadJson(folder, "s.json");
+  const auto& rows = summary.at("gains");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("name"), "aware");
+  EXPECT_EQ(rows[0].at("altitude").at("derivative"), 7.87);
+  EXPECT_EQ(rows[1].at("name"), "unaware");
+  EXPECT_EQ(rows[1].at("attitude").at("derivative"), 0.12);
+  for (const char* const text : {"7.87", "5.03", "1.36", "0.54", "position", "aware", "unaware"}) {
+    EXPECT_NE(run.out.find(text), std::string::npos) << text;
+  }
 }
 
 }  // namespace

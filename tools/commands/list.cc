@@ -1,11 +1,17 @@
 // lipoid list WHAT: from the tables themselves.
 #include <fmt/ranges.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "identify/logs/formats/formats.h"
 #include "identify/optimizers/optimizers.h"
 #include "identify/synthesis/protocols.h"
 #include "model/battery/cell_file.h"
+#include "model/control/gains.h"
 #include "model/core/errors.h"
+#include "model/vehicle/motor.h"
+#include "model/vehicle/vehicle_file.h"
 #include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
@@ -95,6 +101,79 @@ Json ListProtocols(cli::CommandLine& line) {
   return rows;
 }
 
+Json ListGains(cli::CommandLine& line) {
+  cli::TextTable loops({{"gains", Align::kLeft},
+                        {"loop", Align::kLeft},
+                        {"K_e / s^-2"},
+                        {"K_I / s^-3"},
+                        {"K_edot / s^-1"}});
+  cli::TextTable position({{"gains", Align::kLeft},
+                           {"loop", Align::kLeft},
+                           {"K_p / rad/m"},
+                           {"K_d / rad s/m"},
+                           {"tilt at most / deg"}});
+  Json rows = Json::array();
+  for (const auto& name : ShippedGainsNames()) {
+    const Gains gains = LoadGains(name);
+    const std::pair<const char*, const ErrorGains*> all[] = {
+        {"altitude", &gains.altitude}, {"roll, pitch", &gains.attitude}, {"yaw", &gains.yaw}};
+    for (const auto& [loop, k] : all) {
+      loops.Row({name,
+                 loop,
+                 fmt::format("{}", k->proportional),
+                 fmt::format("{}", k->integral),
+                 fmt::format("{}", k->derivative)});
+    }
+    position.Row({name,
+                  "position",
+                  Significant(gains.position.proportional_rad_per_m),
+                  Significant(gains.position.derivative_rad_s_per_m),
+                  Significant(gains.position.tilt_limit_rad * 180.0 / std::numbers::pi, 3)});
+    rows.push_back(GainsToJson(gains));
+  }
+  line.Print("{}\n{}", loops.Text(), position.Text());
+  return rows;
+}
+
+// Hover as its motors need it, whatever supplies them: a duty above 1 says that none can.
+Json ListVehicles(cli::CommandLine& line) {
+  cli::TextTable table({{"vehicle", Align::kLeft},
+                        {"mass / g"},
+                        {"hover / rad/s"},
+                        {"motor / V"},
+                        {"motor / A"},
+                        {"duty"},
+                        {"at / V"},
+                        {"what it is", Align::kLeft}});
+  Json rows = Json::array();
+  for (const auto& name : ShippedVehicleNames()) {
+    const Vehicle v = LoadVehicle(name);
+    const double speed =
+        std::sqrt(v.mass_kg * kGravity_m_per_s2 / (4.0 * v.thrust_coefficient_N_s2));
+    const double voltage = HoldingVoltage(v, speed);
+    const double current = HoldingCurrent(v, speed);
+    const double duty = voltage / v.nominal_voltage_V;
+    table.Row({name,
+               fmt::format("{:.6g}", 1e3 * v.mass_kg),
+               Significant(speed),
+               Significant(voltage),
+               Significant(current),
+               Significant(duty, 3),
+               fmt::format("{}", v.nominal_voltage_V),
+               v.summary});
+    rows.push_back({{"name", name},
+                    {"summary", v.summary},
+                    {"mass_kg", v.mass_kg},
+                    {"nominal_voltage_V", v.nominal_voltage_V},
+                    {"hover_speed_rad_per_s", speed},
+                    {"hover_motor_voltage_V", voltage},
+                    {"hover_motor_current_A", current},
+                    {"hover_duty", duty}});
+  }
+  line.Print("{}", table.Text());
+  return rows;
+}
+
 struct Topic {
   std::string_view name;
   Json (*list)(cli::CommandLine&);
@@ -102,8 +181,10 @@ struct Topic {
 constexpr Topic kTopics[] = {
     {"cells", &ListCells},
     {"formats", &ListFormats},
+    {"gains", &ListGains},
     {"optimizers", &ListOptimizers},
     {"protocols", &ListProtocols},
+    {"vehicles", &ListVehicles},
 };
 
 }  // namespace

@@ -100,10 +100,12 @@ TEST(TomlReader, TakesNoTypeForAnother) {
 }
 
 TEST(TomlReader, SyntaxErrorsHaveLineAndColumn) {
-  EXPECT_EQ(test::MessageOf<LoadError>([] { (void)ParseToml("a = 1\nb = \n", "x.toml", "a test"); }),
-            "x.toml:2:5: error: not a test in TOML: key-value pair: expected value, saw '\\n'");
-  EXPECT_EQ(test::MessageOf<LoadError>([] { (void)ParseToml("a = 1\na = 2\n", "x.toml", "a test"); })
-                .substr(0, 31),
+  EXPECT_EQ(
+      test::MessageOf<LoadError>([] { (void)ParseToml("a = 1\nb = \n", "x.toml", "a test"); }),
+      "x.toml:2:5: error: not a test in TOML: key-value pair: expected value, saw '\\n'");
+  EXPECT_EQ(test::MessageOf<LoadError>([] {
+              (void)ParseToml("a = 1\na = 2\n", "x.toml", "a test");
+            }).substr(0, 31),
             "x.toml:2:5: error: not a test i");
 }
 
