@@ -29,7 +29,11 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
       down_(options.altitude_omega_rad_per_s, options.altitude_damping, kControlStep_s),
       angles_{AngleReference(options, 0, kNoLimit),
               AngleReference(options, 1, kNoLimit),
-              AngleReference(options, 2, kNoLimit)} {}
+              AngleReference(options, 2, kNoLimit)},
+      pulse_width_{PulseWidth(vehicle_, options.pwm),
+                   PulseWidth(vehicle_, options.pwm),
+                   PulseWidth(vehicle_, options.pwm),
+                   PulseWidth(vehicle_, options.pwm)} {}
 
 void FlightController::Reset(const MeasuredState& state,
                              double commanded_speed,
@@ -37,19 +41,18 @@ void FlightController::Reset(const MeasuredState& state,
   const double hover_squared =
       vehicle_.mass_kg * kGravity_m_per_s2 / (4.0 * vehicle_.thrust_coefficient_N_s2);
   if (options_.saturate && options_.limit_reference) {
-    // Half of what the motors can be moved from hover, up or down, before one of them saturates;
-    // the other half is for the altitude and the feedback.
+    // What the motors can be moved from hover, up or down, before one of them saturates, shared out
+    // between roll, pitch and yaw; the rest is for the altitude and the feedback.
+    constexpr std::array kShare{0.35, 0.35, 0.1};
     const double margin =
         std::clamp(std::min(hover_squared, highest_speed * highest_speed - hover_squared),
                    0.05 * hover_squared,
                    hover_squared);
-    const Wrench<double> most{{4.0 * vehicle_.lever_m() * vehicle_.thrust_coefficient_N_s2 * margin,
-                               4.0 * vehicle_.lever_m() * vehicle_.thrust_coefficient_N_s2 * margin,
-                               4.0 * vehicle_.torque_coefficient_N_m_s2 * margin},
-                              0.0};
+    const double tilt = vehicle_.lever_m() * vehicle_.thrust_coefficient_N_s2;
+    const std::array torque_per_square{tilt, tilt, vehicle_.torque_coefficient_N_m_s2};
     for (std::size_t k = 0; k < 3; ++k) {
-      angles_[k] =
-          AngleReference(options_, k, 0.5 * most.torque_N_m[k] / vehicle_.inertia_kg_m2[k]);
+      const double most_N_m = 4.0 * torque_per_square[k] * margin;
+      angles_[k] = AngleReference(options_, k, kShare[k] * most_N_m / vehicle_.inertia_kg_m2[k]);
     }
   }
   down_.Reset(state.position_m[2]);
@@ -62,15 +65,34 @@ void FlightController::Reset(const MeasuredState& state,
   saturated_ = false;
 }
 
+// Torque before thrust: a lost torque stays as a rate that the weak attitude gains need seconds to
+// brake, lost thrust is back in the next step. Squares are moved together into [0, highest²]; only
+// where they are further apart than that the torques shrink.
+void FlightController::Desaturate(double highest_speed) {
+  PerMotor<double>& squared = output_.speed_squared;
+  const double limit = highest_speed * highest_speed;
+  const auto [low, high] = std::minmax_element(squared.begin(), squared.end());
+  const double least = *low;
+  const double most = *high;
+  saturated_ = !(least >= 0.0 && most <= limit);
+  if (!saturated_) return;
+  const double share = std::min(1.0, limit / (most - least));
+  const double middle = 0.5 * (least + most);
+  const double reach = 0.5 * share * (most - least);
+  const double shifted = std::clamp(middle, reach, std::max(limit - reach, reach));
+  for (double& square : squared) {
+    square = std::clamp(shifted + share * (square - middle), 0.0, limit);
+  }
+}
+
 PerMotor<double> FlightController::Duties(double battery_V) {
+  if (options_.saturate) Desaturate(HeldSpeed(vehicle_, battery_V));
   PerMotor<double> duty;
   for (std::size_t i = 0; i < 4; ++i) {
-    const double squared = output_.speed_squared[i];
-    const double speed = std::sqrt(std::max(squared, 0.0));
+    // Without saturation a negative square still has no root.
+    const double speed = std::sqrt(std::max(output_.speed_squared[i], 0.0));
     duty[i] = DutyCycle(vehicle_, speed, battery_V);
-    saturated_ = saturated_ || squared < 0.0 || duty[i] > 1.0;
-    if (options_.saturate) duty[i] = std::clamp(duty[i], 0.0, 1.0);
-    if (options_.quantize && options_.saturate) duty[i] = QuantizedDuty(vehicle_, duty[i]);
+    if (options_.saturate) duty[i] = pulse_width_[i](duty[i]);
   }
   return duty;
 }

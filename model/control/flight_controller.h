@@ -34,7 +34,7 @@ struct ControllerOptions {
   double yaw_omega_rad_per_s = 4.0;
   bool compensate = false;
   bool saturate = true;
-  bool quantize = true;
+  Pwm pwm = Pwm::kCarried;
   bool limit_reference = true;
 
   template <class Self, class Visitor>
@@ -56,7 +56,10 @@ struct ControllerOptions {
       omega,
       "reference of the heading, omega_0, critically damped");
     v("saturate", self.saturate, Names(), "duty cycles stay in [0, 1]");
-    v("quantize", self.quantize, Names(), "duty cycles are the integers of the hardware");
+    v("pwm",
+      self.pwm,
+      Names(),
+      "integers of the hardware: rounded, with the remainder carried on, or none");
     v("limit_reference",
       self.limit_reference,
       Names(),
@@ -92,6 +95,7 @@ class FlightController {
   [[nodiscard]] const ErrorIntegrals<double>& integrals() const { return integrals_; }
 
  private:
+  void Desaturate(double highest_speed);
   PerMotor<double> Duties(double battery_V);
 
   Vehicle vehicle_;
@@ -99,6 +103,7 @@ class FlightController {
   ControllerOptions options_;
   ReferenceModel down_;
   std::array<ReferenceModel, 3> angles_;
+  std::array<PulseWidth, 4> pulse_width_;
   InnerLoopReferences<double> references_{};
   ErrorIntegrals<double> integrals_{};
   InnerLoopOutput<double> output_{};

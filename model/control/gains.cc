@@ -11,10 +11,10 @@ namespace {
 constexpr double kLargest = 1e9;
 
 // The thesis prints no yaw and no position gains. Yaw: three real poles near 4 rad/s. Position:
-// both poles of X'' = -g (K_p X + K_d X') at 1.5 rad/s.
+// both poles of X'' = -g (K_p X + K_d X') at 1.2 rad/s.
 constexpr ErrorGains kYaw{.proportional = 48.0, .integral = 64.0, .derivative = 12.0};
-constexpr PositionGains kPosition{.proportional_rad_per_m = 2.25 / 9.81,
-                                  .derivative_rad_s_per_m = 3.0 / 9.81};
+constexpr PositionGains kPosition{.proportional_rad_per_m = 1.44 / 9.81,
+                                  .derivative_rad_s_per_m = 2.4 / 9.81};
 
 // Sections 6.2 and 6.3; the order of the aware altitude gains is corrected (docs/corrections.md).
 const std::array<Gains, 2>& Shipped() {

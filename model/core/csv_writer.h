@@ -14,6 +14,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -32,9 +33,12 @@ class CsvWriter {
   template <class... Numbers>
   void Row(Numbers... numbers) {
     (Number(numbers), ...);
-    buffer_.back() = '\n';
-    ++rows_;
-    if (buffer_.size() > kPiece) Flush();
+    EndRow();
+  }
+  /// The same of at least one number in a list.
+  void RowOf(std::span<const double> numbers) {
+    for (const double number : numbers) Number(number);
+    EndRow();
   }
 
   /// Hands what was written to the disk; Commit() does it too.
@@ -55,6 +59,11 @@ class CsvWriter {
  private:
   static constexpr std::size_t kPiece = std::size_t{1} << 20;
 
+  void EndRow() {
+    buffer_.back() = '\n';
+    ++rows_;
+    if (buffer_.size() > kPiece) Flush();
+  }
   void Number(double value) {
     if (!std::isnan(value)) {
       char digits[400];  // 1.8e308 has 309 of them before the point, 5e-324 has 326 behind it

@@ -1,0 +1,76 @@
+#pragma once
+
+/// @file
+/// A row of a flight log: the state at the start of a control step and what was decided there.
+/// Visit() is the only list of its columns; docs/formats.md describes them.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "model/vehicle/allocation.h"
+
+namespace lipoid {
+
+struct FlightSample {
+  double time_s = 0.0;
+  Triple<double> position_m{};        ///< x, y, altitude (up)
+  Triple<double> velocity_m_per_s{};  ///< along x, y and up
+  Triple<double> angles_rad{};
+  Triple<double> body_rates_rad_per_s{};
+  double altitude_reference_m = 0.0;
+  Triple<double> angle_references_rad{};
+  Triple<double> position_command_m{};  ///< x, y, altitude (up)
+  double altitude_estimate_m = 0.0;
+  Triple<double> angle_estimates_rad{};
+  PerMotor<double> speed_rad_per_s{};
+  PerMotor<double> duty{};
+  PerMotor<double> current_A{};
+  double battery_V = 0.0;
+  double battery_A = 0.0;
+  double soc = 0.0;  ///< NaN with an ideal source
+
+  /// v(name, value) for every column.
+  template <class Visitor>
+  void Visit(Visitor&& v) const {
+    v("time_s", time_s);
+    v("x_m", position_m[0]);
+    v("y_m", position_m[1]);
+    v("altitude_m", position_m[2]);
+    v("velocity_x_m_per_s", velocity_m_per_s[0]);
+    v("velocity_y_m_per_s", velocity_m_per_s[1]);
+    v("climb_m_per_s", velocity_m_per_s[2]);
+    v("roll_rad", angles_rad[0]);
+    v("pitch_rad", angles_rad[1]);
+    v("yaw_rad", angles_rad[2]);
+    v("roll_rate_rad_per_s", body_rates_rad_per_s[0]);
+    v("pitch_rate_rad_per_s", body_rates_rad_per_s[1]);
+    v("yaw_rate_rad_per_s", body_rates_rad_per_s[2]);
+    v("x_command_m", position_command_m[0]);
+    v("y_command_m", position_command_m[1]);
+    v("altitude_command_m", position_command_m[2]);
+    v("altitude_reference_m", altitude_reference_m);
+    v("roll_reference_rad", angle_references_rad[0]);
+    v("pitch_reference_rad", angle_references_rad[1]);
+    v("yaw_reference_rad", angle_references_rad[2]);
+    v("altitude_estimate_m", altitude_estimate_m);
+    v("roll_estimate_rad", angle_estimates_rad[0]);
+    v("pitch_estimate_rad", angle_estimates_rad[1]);
+    v("yaw_estimate_rad", angle_estimates_rad[2]);
+    constexpr std::array kSpeed{
+        "speed_1_rad_per_s", "speed_2_rad_per_s", "speed_3_rad_per_s", "speed_4_rad_per_s"};
+    constexpr std::array kDuty{"duty_1", "duty_2", "duty_3", "duty_4"};
+    constexpr std::array kCurrent{"current_1_A", "current_2_A", "current_3_A", "current_4_A"};
+    for (std::size_t i = 0; i < 4; ++i) v(kSpeed[i], speed_rad_per_s[i]);
+    for (std::size_t i = 0; i < 4; ++i) v(kDuty[i], duty[i]);
+    for (std::size_t i = 0; i < 4; ++i) v(kCurrent[i], current_A[i]);
+    v("battery_V", battery_V);
+    v("battery_A", battery_A);
+    v("soc", soc);
+  }
+};
+
+/// Whole or not at all. OptionError where the file cannot be written.
+void WriteFlightLog(const std::vector<FlightSample>& samples, const std::string& file);
+
+}  // namespace lipoid

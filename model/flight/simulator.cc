@@ -1,0 +1,409 @@
+#include "model/flight/simulator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/numeric/odeint/algebra/array_algebra.hpp>
+#include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+constexpr double kWatched_s = 5.0;     // after each altitude step
+constexpr double kEmptyAfter_s = 1.0;  // below cut-off
+constexpr double kHardestTouch_m_per_s = 1.5;
+constexpr double kSteepestTouch = 0.7;  // cosine of the tilt
+constexpr double kDescent_m_per_s = 0.5;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// Mean square and peaks of the errors, and the extremes of the battery, as the flight goes.
+class Metrics {
+ public:
+  explicit Metrics(std::vector<double> steps)
+      : steps_(std::move(steps)), peaks_(steps_.size(), -std::numeric_limits<double>::infinity()) {}
+
+  void Add(double time_s, double altitude_error_m, double pitch_error_rad, double battery_V) {
+    ++count_;
+    altitude_ += altitude_error_m * altitude_error_m;
+    pitch_ += pitch_error_rad * pitch_error_rad;
+    lowest_V_ = std::min(lowest_V_, battery_V);
+    while (next_ < steps_.size() && time_s >= steps_[next_] - 1e-9) ++next_;
+    if (next_ > 0 && time_s <= steps_[next_ - 1] + kWatched_s) {
+      peaks_[next_ - 1] = std::max(peaks_[next_ - 1], altitude_error_m);
+    }
+  }
+  void Report(FlightResult& result) const {
+    const double n = double(std::max<std::size_t>(count_, 1));
+    result.mse_altitude_m2 = altitude_ / n;
+    result.mse_pitch_deg2 = pitch_ / n * kDegrees * kDegrees;
+    result.minimum_voltage_V = lowest_V_;
+    // Steps that the flight did not live to see have no peak.
+    result.peak_altitude_error_m.assign(peaks_.begin(), peaks_.begin() + std::ptrdiff_t(next_));
+  }
+
+ private:
+  std::vector<double> steps_;
+  std::vector<double> peaks_;
+  std::size_t next_ = 0;
+  std::size_t count_ = 0;
+  double altitude_ = 0.0;
+  double pitch_ = 0.0;
+  double lowest_V_ = std::numeric_limits<double>::infinity();
+};
+
+bool Blows(const WindOptions& wind) {
+  return wind.wind_x_m_per_s != 0.0 || wind.wind_y_m_per_s != 0.0 || wind.wind_z_m_per_s != 0.0 ||
+         wind.gusts_m_per_s > 0.0;
+}
+
+void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
+  Require(!plan.commands.empty(), "a plan of at least one command", {});
+  Require(plan.duration_s > 0.0, "a positive duration", {{"duration_s", plan.duration_s}});
+  if (!setup.simulation.motor_lag && setup.cell) {
+    throw OptionError(
+        "motor_lag=false needs an ideal source: the speeds of motors without lag depend on the "
+        "battery's voltage and it on them. Give --battery ideal --xi X");
+  }
+  if ((setup.simulation.drag || Blows(setup.wind)) &&
+      !(setup.vehicle.linear_drag_N_s_per_m > 0.0)) {
+    throw OptionError(fmt::format(
+        "drag and wind need a vehicle with linear_drag_N_s_per_m; {} has none. Write it into a "
+        "vehicle file and give that",
+        setup.vehicle.name));
+  }
+  if (setup.cell && !(setup.initial_soc > 0.0)) {
+    throw OptionError(
+        fmt::format("the cell is empty at a state of charge of {}: nothing to fly with. Give "
+                    "--initial-soc between 0 and 1",
+                    setup.initial_soc));
+  }
+}
+
+// Follows the plan, and leaves it for the ground when the battery is low.
+class Pilot {
+ public:
+  explicit Pilot(const FlightPlan& plan) : plan_(plan) {}
+
+  [[nodiscard]] FlightCommand At(double time_s) {
+    while (next_ < plan_.commands.size() && time_s >= plan_.commands[next_].time_s - 1e-9) ++next_;
+    FlightCommand command = plan_.commands[std::max<std::size_t>(next_, 1) - 1].command;
+    if (landing_) {
+      target_m_ -= kDescent_m_per_s * kControlStep_s;
+      command.altitude_m = std::max(target_m_, -0.2);
+      command.roll_rad = 0.0;
+      command.pitch_rad = 0.0;
+      if (command.hold_position) {
+        command.x_m = x_m_;
+        command.y_m = y_m_;
+      }
+    }
+    return command;
+  }
+  void Land(double altitude_m, double x_m, double y_m) {
+    landing_ = true;
+    target_m_ = altitude_m;
+    x_m_ = x_m;
+    y_m_ = y_m;
+  }
+  [[nodiscard]] bool landing() const { return landing_; }
+
+ private:
+  const FlightPlan& plan_;
+  std::size_t next_ = 0;
+  bool landing_ = false;
+  double target_m_ = 0.0;
+  double x_m_ = 0.0;
+  double y_m_ = 0.0;
+};
+
+template <std::size_t N>
+class Simulation {
+ public:
+  Simulation(const FlightSetup& setup, const FlightPlan& plan)
+      : setup_(setup),
+        plan_(plan),
+        pilot_(plan),
+        plant_(setup.vehicle,
+               {.motor_lag = setup.simulation.motor_lag,
+                .drag = setup.simulation.drag || Blows(setup.wind),
+                .ground = setup.simulation.ground}),
+        controller_(setup.vehicle, setup.gains, setup.controller),
+        metrics_(plan.AltitudeSteps()) {
+    if (setup.cell) battery_.emplace(*setup.cell, setup.initial_soc);
+    if (Blows(setup.wind)) wind_.emplace(setup.wind, setup.seed);
+    inputs_.supply = {setup.xi * setup.vehicle.nominal_voltage_V, 0.0};
+    Start();
+  }
+
+  FlightResult Run(const FlightRecorder& record, const FlightProgress& progress) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto steps = static_cast<std::size_t>(std::llround(plan_.duration_s / kControlStep_s));
+    for (std::size_t k = 0; k < steps && !ended_; ++k) {
+      time_s_ = double(k) * kControlStep_s;
+      ControlStep(record);
+      Integrate();
+      ++result_.steps;
+      Judge();
+      if (progress && k % 1000 == 0) progress(double(k) / double(steps));
+    }
+    result_.wall_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    result_.simulated_s = double(result_.steps) * kControlStep_s;
+    const auto electrical = plant_.ElectricalAt(x_, inputs_);
+    result_.charge_C = x_[plant::kCharge];
+    result_.final_voltage_V = electrical.battery_V;
+    result_.final_soc = Soc();
+    metrics_.Report(result_);
+    if (result_.steps > 0) result_.saturated_share = double(saturated_) / double(result_.steps);
+    return result_;
+  }
+
+ private:
+  void Start() {
+    const bool compensate = setup_.controller.compensate;
+    result_.trim = battery_ ? HoverTrim(setup_.vehicle, *battery_, compensate)
+                            : HoverTrim(setup_.vehicle, inputs_.supply, compensate);
+    if (battery_) inputs_.supply = battery_->Linearize();
+    const Trim& trim = result_.trim;
+    const FlightCommand& first = plan_.commands.front().command;
+    x_.fill(0.0);
+    x_[plant::kPosition] = first.x_m;
+    x_[plant::kPosition + 1] = first.y_m;
+    x_[plant::kPosition + 2] = -first.altitude_m;
+    x_[plant::kAngles + 2] = first.yaw_rad;
+    for (std::size_t i = 0; i < 4; ++i) {
+      x_[plant::kSpeeds + i] = trim.speed_rad_per_s;
+      if constexpr (N > plant::kCurrents) x_[plant::kCurrents + i] = trim.motor_A;
+      inputs_.duty[i] = setup_.controller.saturate ? std::min(trim.duty, 1.0) : trim.duty;
+    }
+    MeasuredState measured = Truth();
+    measured.battery_V = trim.battery_V;
+    // A cell will be nearly empty one day: references must be within the motors' reach then too.
+    const double lowest_V = battery_ ? battery_->cutoff_V() : trim.battery_V;
+    controller_.Reset(
+        measured, trim.commanded_speed_rad_per_s, HeldSpeed(setup_.vehicle, lowest_V));
+  }
+
+  [[nodiscard]] MeasuredState Truth() const {
+    return {TripleAt(x_, plant::kPosition),
+            TripleAt(x_, plant::kVelocity),
+            TripleAt(x_, plant::kAngles),
+            TripleAt(x_, plant::kRates),
+            0.0};
+  }
+  [[nodiscard]] double Soc() const {
+    return battery_ ? battery_->soc() : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  [[nodiscard]] double Airspeed() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double relative = x_[plant::kVelocity + k] - wind_->mean_m_per_s()[k];
+      sum += relative * relative;
+    }
+    return std::sqrt(sum);
+  }
+
+  void ControlStep(const FlightRecorder& record) {
+    // The voltage is sampled before the new duty cycles take effect.
+    MeasuredState measured = Truth();
+    measured.battery_V = plant_.ElectricalAt(x_, inputs_).battery_V;
+    command_ = pilot_.At(time_s_);
+    inputs_.duty = controller_.Step(command_, measured);
+    if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
+    saturated_ += controller_.saturated() ? 1 : 0;
+    const auto electrical = plant_.ElectricalAt(x_, inputs_);
+    battery_V_ = electrical.battery_V;
+    const auto& reference = controller_.references();
+    metrics_.Add(time_s_,
+                 x_[plant::kPosition + 2] - reference.down.value,
+                 reference.angles[1].value - x_[plant::kAngles + 1],
+                 battery_V_);
+    if (record) record(Sample(measured, electrical));
+  }
+
+  [[nodiscard]] FlightSample Sample(const MeasuredState& measured,
+                                    const Electrical<double>& electrical) const {
+    const auto& reference = controller_.references();
+    FlightSample s;
+    s.time_s = time_s_;
+    s.position_m = {x_[0], x_[1], -x_[2]};
+    s.velocity_m_per_s = {
+        x_[plant::kVelocity], x_[plant::kVelocity + 1], -x_[plant::kVelocity + 2]};
+    s.angles_rad = TripleAt(x_, plant::kAngles);
+    s.body_rates_rad_per_s = TripleAt(x_, plant::kRates);
+    s.altitude_reference_m = -reference.down.value;
+    s.angle_references_rad = {
+        reference.angles[0].value, reference.angles[1].value, reference.angles[2].value};
+    s.position_command_m = {command_.x_m, command_.y_m, command_.altitude_m};
+    s.altitude_estimate_m = -measured.position_m[2];
+    s.angle_estimates_rad = measured.angles_rad;
+    s.speed_rad_per_s = electrical.speed_rad_per_s;
+    s.duty = inputs_.duty;
+    s.current_A = electrical.current_A;
+    s.battery_V = electrical.battery_V;
+    s.battery_A = electrical.battery_A;
+    s.soc = Soc();
+    return s;
+  }
+
+  void Integrate() {
+    const int substeps = setup_.simulation.substeps;
+    const double dt_s = kControlStep_s / substeps;
+    const auto derivative = [this](const State& x, State& dx, double) {
+      plant_.Derivative(x, inputs_, dx);
+    };
+    for (int k = 0; k < substeps; ++k) {
+      if (battery_) inputs_.supply = battery_->Linearize();
+      const double before_C = x_[plant::kCharge];
+      if (setup_.simulation.integrator == Integrator::kRk4) {
+        rk4_.do_step(derivative, x_, 0.0, dt_s);
+      } else {
+        odeint::integrate_adaptive(
+            odeint::make_controlled(
+                setup_.simulation.tolerance, setup_.simulation.tolerance, DormandPrince()),
+            derivative,
+            x_,
+            0.0,
+            dt_s,
+            dt_s);
+      }
+      if (battery_) battery_->Advance(x_[plant::kCharge] - before_C, dt_s);
+    }
+    // The slots of motors without lag show what (5.10) gives.
+    if (!setup_.simulation.motor_lag) {
+      const auto electrical = plant_.ElectricalAt(x_, inputs_);
+      for (std::size_t i = 0; i < 4; ++i) x_[plant::kSpeeds + i] = electrical.speed_rad_per_s[i];
+    }
+  }
+
+  void End(Outcome outcome, std::string reason) {
+    if (ended_) return;
+    ended_ = true;
+    result_.outcome = outcome;
+    result_.reason = std::move(reason);
+  }
+
+  // Whether the flight goes on.
+  void Judge() {
+    const double now_s = time_s_ + kControlStep_s;
+    for (const double value : x_) {
+      if (!std::isfinite(value)) {
+        return End(Outcome::kCrashed,
+                   fmt::format("the state is not finite at {:.3f} s: the loop is unstable, or the "
+                               "step too long",
+                               now_s));
+      }
+    }
+    const double pitch = x_[plant::kAngles + 1];
+    if (!(std::abs(pitch) < kGimbalLock_rad)) {
+      return End(Outcome::kCrashed,
+                 fmt::format("it stood on its nose at {:.3f} s: at a pitch of 90 degrees Euler "
+                             "angles end (gimbal lock)",
+                             now_s));
+    }
+    if (setup_.simulation.ground) JudgeGround(now_s);
+    if (battery_) JudgeBattery(now_s);
+  }
+
+  void JudgeGround(double now_s) {
+    if (!NearGround(setup_.vehicle, x_[plant::kPosition + 2])) return;
+    const Attitude<double> attitude(TripleAt(x_, plant::kAngles));
+    // Of the four feet the lowest, in inertial axes.
+    const double reach =
+        setup_.vehicle.lever_m() *
+        (std::abs(attitude.sin_pitch) + std::abs(attitude.cos_pitch * attitude.sin_roll));
+    if (x_[plant::kPosition + 2] + reach <= 0.0) return;
+    const double speed = x_[plant::kVelocity + 2];
+    const double upright = attitude.cos_roll * attitude.cos_pitch;
+    if (speed > kHardestTouch_m_per_s || upright < kSteepestTouch) {
+      return End(Outcome::kCrashed,
+                 fmt::format("it hit the ground at {:.3f} s with {:.2f} m/s, tilted by {:.0f} "
+                             "degrees",
+                             now_s,
+                             speed,
+                             std::acos(std::clamp(upright, -1.0, 1.0)) * kDegrees));
+    }
+    if (!pilot_.landing()) {
+      return End(Outcome::kCrashed,
+                 fmt::format("it touched the ground at {:.3f} s with {:.2f} m/s while {:.2f} m "
+                             "were commanded",
+                             now_s,
+                             speed,
+                             command_.altitude_m));
+    }
+    if (std::abs(speed) < 0.05) {
+      result_.landed_s = now_s;
+      End(Outcome::kCompleted, fmt::format("landed at {:.3f} s: the battery was low", now_s));
+    }
+  }
+
+  void JudgeBattery(double now_s) {
+    if (battery_->soc() <= 0.0) {
+      return End(Outcome::kBatteryEmpty,
+                 fmt::format("the state of charge reached 0 at {:.3f} s", now_s));
+    }
+    below_cutoff_s_ = battery_V_ < battery_->cutoff_V() ? below_cutoff_s_ + kControlStep_s : 0.0;
+    if (below_cutoff_s_ >= kEmptyAfter_s - 1e-9) {
+      return End(
+          Outcome::kBatteryEmpty,
+          fmt::format(
+              "the battery was below {} V for a second at {:.3f} s", battery_->cutoff_V(), now_s));
+    }
+    low_s_ = battery_V_ < setup_.land_below_V ? low_s_ + kControlStep_s : 0.0;
+    if (low_s_ >= kEmptyAfter_s - 1e-9 && !pilot_.landing()) {
+      pilot_.Land(-x_[plant::kPosition + 2], x_[0], x_[1]);
+    }
+  }
+
+  using State = PlantState<double, N>;
+  using DormandPrince =
+      odeint::runge_kutta_dopri5<State, double, State, double, odeint::array_algebra>;
+
+  const FlightSetup& setup_;
+  const FlightPlan& plan_;
+  Pilot pilot_;
+  Plant plant_;
+  FlightController controller_;
+  Metrics metrics_;
+  std::optional<BatterySupply> battery_;
+  std::optional<Wind> wind_;
+  odeint::runge_kutta4<State, double, State, double, odeint::array_algebra> rk4_;
+
+  State x_{};
+  PlantInputs<double> inputs_;
+  FlightCommand command_;
+  FlightResult result_;
+  double time_s_ = 0.0;
+  double battery_V_ = 0.0;
+  double below_cutoff_s_ = 0.0;
+  double low_s_ = 0.0;
+  std::size_t saturated_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+FlightResult Fly(const FlightSetup& setup,
+                 const FlightPlan& plan,
+                 const FlightRecorder& record,
+                 const FlightProgress& progress) {
+  CheckSetup(setup, plan);
+  if (setup.vehicle.armature_inductance_H > 0.0) {
+    return Simulation<plant::kStatesWithInductance>(setup, plan).Run(record, progress);
+  }
+  return Simulation<plant::kStates>(setup, plan).Run(record, progress);
+}
+
+}  // namespace lipoid

@@ -1,0 +1,112 @@
+#pragma once
+
+/// @file
+/// The coupled simulator: controller every 5 ms, plant by fixed steps of Runge-Kutta of fourth
+/// order between, the cell by its exact step under each step's mean current.
+///
+///   FlightSetup setup{.vehicle = LoadVehicle("mambo-coupled"), .cell = LoadCell("gifi-600mAh-1"),
+///                     .gains = LoadGains("aware")};
+///   const FlightResult flight = Fly(setup, FindManeuver("altitude-steps").plan({}));
+///
+/// Flight is deterministic: the same setup and seed give the same bits. Tests:
+/// tests/model/flight/simulator_test.cc.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/battery/cell.h"
+#include "model/control/flight_controller.h"
+#include "model/flight/flight_log.h"
+#include "model/flight/flight_plan.h"
+#include "model/flight/trim.h"
+#include "model/vehicle/plant.h"
+#include "model/vehicle/wind.h"
+
+namespace lipoid {
+
+enum class Integrator { kRk4, kDormandPrince };
+
+constexpr std::array<std::pair<Integrator, std::string_view>, 2> OptionNames(Integrator) {
+  return {{{Integrator::kRk4, "rk4"}, {Integrator::kDormandPrince, "dormand-prince"}}};
+}
+
+struct SimulationOptions {
+  Integrator integrator = Integrator::kRk4;
+  int substeps = 1;
+  double tolerance = 1e-9;
+  bool motor_lag = true;
+  bool ground = true;
+  bool drag = false;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("integrator", self.integrator, Names(), "fixed steps, or adaptive ones as a check of them");
+    v("substeps",
+      self.substeps,
+      Range{1, 10000},
+      "steps of the plant (and of the cell) in a control step of 5 ms");
+    v("tolerance", self.tolerance, Range{1e-14, 1e-2}, "of dormand-prince, absolute and relative");
+    v("motor_lag",
+      self.motor_lag,
+      Names(),
+      "off: motors are at their equilibrium (5.10), an ideal source only");
+    v("ground", self.ground, Names(), "off: there is none");
+    v("drag", self.drag, Names(), "the vehicle's linear drag against the air");
+  }
+};
+
+struct FlightSetup {
+  Vehicle vehicle;
+  std::optional<Cell> cell;  ///< none: an ideal source of xi v_b0
+  double xi = 1.0;
+  double initial_soc = 1.0;
+  Gains gains;
+  ControllerOptions controller;
+  SimulationOptions simulation;
+  WindOptions wind;
+  std::uint64_t seed = 0;  ///< of gusts and of the sensors' noise
+  /// Of the pack: lands when the battery has been below it for a second.
+  double land_below_V = 0.0;
+};
+
+enum class Outcome { kCompleted, kCrashed, kBatteryEmpty };
+
+constexpr std::array<std::pair<Outcome, std::string_view>, 3> OptionNames(Outcome) {
+  return {{{Outcome::kCompleted, "completed"},
+           {Outcome::kCrashed, "crashed"},
+           {Outcome::kBatteryEmpty, "battery-empty"}}};
+}
+
+struct FlightResult {
+  Outcome outcome = Outcome::kCompleted;
+  std::string reason;  ///< why it ended, for people
+  Trim trim;           ///< what it started from
+  std::size_t steps = 0;
+  double simulated_s = 0.0;
+  double wall_s = 0.0;  ///< the loop alone
+  /// Per altitude step: the most that the reference was above the altitude in the 5 s after it.
+  std::vector<double> peak_altitude_error_m;
+  double mse_altitude_m2 = 0.0;
+  double mse_pitch_deg2 = 0.0;
+  double charge_C = 0.0;
+  double final_voltage_V = 0.0;
+  double minimum_voltage_V = 0.0;
+  double final_soc = 1.0;  ///< NaN with an ideal source
+  std::optional<double> landed_s;
+  double saturated_share = 0.0;  ///< of the control steps, in which a motor was at its limit
+};
+
+using FlightRecorder = std::function<void(const FlightSample&)>;
+using FlightProgress = std::function<void(double fraction)>;
+
+/// Flies the plan. OptionError where the setup cannot be simulated: motors without lag on a cell,
+/// an empty cell, drag without a coefficient.
+[[nodiscard]] FlightResult Fly(const FlightSetup& setup,
+                               const FlightPlan& plan,
+                               const FlightRecorder& record = {},
+                               const FlightProgress& progress = {});
+
+}  // namespace lipoid

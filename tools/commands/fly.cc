@@ -1,0 +1,232 @@
+// lipoid fly MANEUVER: a flight of a vehicle on an identified cell, or on an ideal source.
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "model/battery/cell_file.h"
+#include "model/control/gains.h"
+#include "model/core/errors.h"
+#include "model/flight/maneuvers/maneuvers.h"
+#include "model/flight/simulator.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/start_options.h"
+#include "tools/commands/wind_option.h"
+
+namespace lipoid {
+namespace {
+
+using cli::Align;
+using cli::Significant;
+
+enum class Battery { kCell, kIdeal };
+
+constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Battery) {
+  return {{{Battery::kCell, "cell"}, {Battery::kIdeal, "ideal"}}};
+}
+
+std::string_view OutcomeName(Outcome outcome) {
+  for (const auto& [value, name] : OptionNames(Outcome{})) {
+    if (value == outcome) return name;
+  }
+  return "?";
+}
+
+Json NullUnlessFinite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json Summary(const FlightResult& flight) {
+  Json trim = {{"possible", flight.trim.possible()},
+               {"speed_rad_per_s", flight.trim.speed_rad_per_s},
+               {"duty", flight.trim.duty},
+               {"battery_V", flight.trim.battery_V},
+               {"battery_A", flight.trim.battery_A}};
+  Json summary = {{"outcome", OutcomeName(flight.outcome)},
+                  {"reason", flight.reason},
+                  {"trim", std::move(trim)},
+                  {"steps", flight.steps},
+                  {"simulated_s", flight.simulated_s},
+                  {"wall_s", flight.wall_s},
+                  {"peak_altitude_error_m", flight.peak_altitude_error_m},
+                  {"mse_altitude_m2", NullUnlessFinite(flight.mse_altitude_m2)},
+                  {"mse_pitch_deg2", NullUnlessFinite(flight.mse_pitch_deg2)},
+                  {"charge_C", NullUnlessFinite(flight.charge_C)},
+                  {"final_voltage_V", NullUnlessFinite(flight.final_voltage_V)},
+                  {"final_soc", NullUnlessFinite(flight.final_soc)},
+                  {"minimum_voltage_V", NullUnlessFinite(flight.minimum_voltage_V)},
+                  {"saturated_share", flight.saturated_share}};
+  if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
+  return summary;
+}
+
+void PrintFlight(cli::CommandLine& line, const FlightResult& flight) {
+  cli::TextTable table({{"", Align::kLeft}, {""}, {"", Align::kLeft}});
+  const auto row = [&](std::string what, std::string value, std::string unit) {
+    table.Row({std::move(what), std::move(value), std::move(unit)});
+  };
+  row("outcome", std::string(OutcomeName(flight.outcome)), "");
+  row("simulated", fmt::format("{:.3f}", flight.simulated_s), "s");
+  row("hover duty", fmt::format("{:.3f}", flight.trim.duty), "at the start");
+  row("hover current", fmt::format("{:.3f}", flight.trim.battery_A), "A");
+  row("altitude error", Significant(std::sqrt(flight.mse_altitude_m2)), "m rms");
+  row("pitch error", Significant(std::sqrt(flight.mse_pitch_deg2)), "degrees rms");
+  for (std::size_t k = 0; k < flight.peak_altitude_error_m.size(); ++k) {
+    row(fmt::format("peak after step {}", k + 1),
+        fmt::format("{:.4f}", flight.peak_altitude_error_m[k]),
+        "m, reference above altitude");
+  }
+  row("charge", fmt::format("{:.2f}", flight.charge_C), "C");
+  row("voltage", fmt::format("{:.4f}", flight.final_voltage_V), "V at the end");
+  row("", fmt::format("{:.4f}", flight.minimum_voltage_V), "V at the lowest");
+  if (std::isfinite(flight.final_soc))
+    row("soc", fmt::format("{:.4f}", flight.final_soc), "at the end");
+  if (flight.saturated_share > 0.0) {
+    row("saturated", fmt::format("{:.1f}", 100.0 * flight.saturated_share), "% of the steps");
+  }
+  line.Print("{}", table.Text());
+}
+
+}  // namespace
+
+cli::ExitCode FlyCommand(cli::CommandLine& line) {
+  std::string maneuver_name;
+  std::string cell_name;
+  std::string vehicle_name;
+  std::string gains_name = "aware";
+  std::string output;
+  std::string wind;
+  ManeuverRequest request;
+  FlightSetup setup;
+  StartOptions start;
+  std::optional<Battery> battery;
+  std::optional<double> xi;
+  std::optional<double> duration_s;
+  double log_step_s = kControlStep_s;
+
+  std::vector<std::string> names;
+  for (const Maneuver& maneuver : Maneuvers()) names.emplace_back(maneuver.name);
+  line.Describe(
+      "Flies a maneuver: rigid body, motors, battery and flight controller, coupled through the "
+      "battery's voltage. Starts hovering. Exit code 1 where the vehicle crashes or the battery "
+      "runs empty.",
+      "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
+  line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
+  line.Argument("MANEUVER", maneuver_name, fmt::format("one of: {}", fmt::join(names, ", ")));
+  line.Option("battery",
+              battery,
+              Names(),
+              "an identified cell, or an ideal source of xi times the nominal voltage");
+  line.Text("cell",
+            cell_name,
+            "CELL",
+            "a cell file, or the name of a shipped cell (default gifi-600mAh-1)");
+  line.Option(
+      "xi", xi, Range{0.01, 2.0}, "voltage of the ideal source over the nominal one (default 1)");
+  line.Text("vehicle",
+            vehicle_name,
+            "VEHICLE",
+            "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
+            "mambo-thesis on an ideal source)");
+  line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Flag("compensate", setup.controller.compensate, "commands use the measured voltage (5.52)");
+  line.Input("waypoints",
+             request.waypoints_file,
+             "FILE",
+             "places for the maneuver waypoints (docs/formats.md)");
+  line.Text("wind", wind, "X[,Y[,Z]]", "m/s that the air moves along x, y and down");
+  line.Option("gusts",
+              setup.wind.gusts_m_per_s,
+              Range{0.0, 60.0},
+              "Dryden gusts by the wind speed at 20 ft: 7.7 light, 15.4 moderate, 23.2 severe");
+  line.Option(
+      "duration", duration_s, Range{kControlStep_s, 1e6}, "seconds, instead of the maneuver's own");
+  line.Option("land-below-V",
+              setup.land_below_V,
+              Range{0.0, 1e4},
+              "land when the battery has been below it for a second; 0: never");
+  line.Option(
+      "log-step-s", log_step_s, Range{kControlStep_s, 1e4}, "between rows of the flight log");
+  start.AddTo(line);
+  line.OutputOption("output,o",
+                    output,
+                    "CSV",
+                    "flight log: state, references, motors, battery (docs/formats.md)");
+  line.Group("controller", setup.controller);
+  line.Group("simulation", setup.simulation);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Maneuver& maneuver = FindManeuver(maneuver_name);
+  if (maneuver.needs_file != !request.waypoints_file.empty()) {
+    throw OptionError(maneuver.needs_file
+                          ? "maneuver waypoints needs a file of places: --waypoints FILE"
+                          : fmt::format("option --waypoints is for the maneuver waypoints, not {}",
+                                        maneuver.name));
+  }
+  const Battery source =
+      battery.value_or(xi && cell_name.empty() ? Battery::kIdeal : Battery::kCell);
+  if (source == Battery::kIdeal && !cell_name.empty()) {
+    throw OptionError("options --battery ideal and --cell: give one of them");
+  }
+  if (source == Battery::kCell && xi) {
+    throw OptionError(
+        "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
+        "leave --xi out");
+  }
+  if (source == Battery::kIdeal && (start.initial_soc || start.initial_voltage_V)) {
+    throw OptionError(
+        "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
+  }
+  if (source == Battery::kCell) {
+    setup.cell = LoadCell(cell_name.empty() ? "gifi-600mAh-1" : cell_name);
+    setup.initial_soc = start.Soc(*setup.cell);
+  }
+  setup.xi = xi.value_or(1.0);
+  if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
+  setup.vehicle = LoadVehicle(vehicle_name);
+  setup.gains = LoadGains(gains_name);
+  setup.seed = line.seed();
+  ReadWind("wind", wind, setup.wind);
+  FlightPlan plan = maneuver.plan(request);
+  if (duration_s) plan.duration_s = *duration_s;
+
+  std::vector<FlightSample> samples;
+  FlightRecorder recorder;
+  if (!output.empty()) {
+    const auto every = std::max(1LL, std::llround(log_step_s / kControlStep_s));
+    recorder = [&samples, every, k = 0LL](const FlightSample& sample) mutable {
+      if (k++ % every == 0) samples.push_back(sample);
+    };
+  }
+  const FlightResult flight = Fly(
+      setup, plan, recorder, [&](double fraction) { line.progress().Update(fraction, "flying"); });
+  line.progress().Wipe();
+  if (!output.empty()) WriteFlightLog(samples, output);
+
+  line.summary() = Summary(flight);
+  line.summary()["maneuver"] = maneuver.name;
+  line.summary()["vehicle"] = setup.vehicle.name;
+  line.summary()["battery"] =
+      setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
+  line.summary()["gains"] = setup.gains.name;
+  PrintFlight(line, flight);
+  line.Message("{} on {}, {} gains{}",
+               setup.vehicle.name,
+               setup.cell ? setup.cell->name
+                          : fmt::format("an ideal source of {:.3f} V",
+                                        setup.xi * setup.vehicle.nominal_voltage_V),
+               setup.gains.name,
+               setup.controller.compensate ? ", commands compensated for the voltage" : "");
+  if (!flight.trim.possible()) {
+    line.Message("{} cannot hover on this battery: {}",
+                 setup.vehicle.name,
+                 flight.trim.power_suffices
+                     ? fmt::format("it would need a duty cycle of {:.3f} at {:.3f} V",
+                                   flight.trim.duty,
+                                   flight.trim.battery_V)
+                     : std::string("it never gives the power"));
+  }
+  if (!flight.reason.empty()) line.Message("{}", flight.reason);
+  return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+}
+
+}  // namespace lipoid
