@@ -23,6 +23,7 @@ class BatterySupply {
   BatterySupply(const Cell& cell, double initial_soc)
       : model_(cell.Parameters()),
         state_(model_.Relaxed(initial_soc)),
+        step_(model_.MakeStep(0.0)),
         series_(cell.series),
         parallel_(cell.parallel),
         cutoff_V_(cell.cutoff_V) {}
@@ -33,11 +34,12 @@ class BatterySupply {
     const double relaxed_soc = model_.Soc(state_, 0.0);  // without the tail's share
     const double soc = model_.Soc(state_, last_A_);
     const auto curve = p.open_circuit_voltage.Evaluate(soc);
-    double voltage_V = curve.value_V + curve.slope_V * (relaxed_soc - soc);
+    // A curve that falls with A would give the tail a negative resistance: it is taken as flat.
+    const double slope_V = std::max(curve.slope_V, 0.0);
+    double voltage_V = curve.value_V + slope_V * (relaxed_soc - soc);
     for (const double drop : state_.branch_V) voltage_V -= drop;
-    const double tail_Ohm = curve.slope_V * model_.tail_s() / p.alpha_C;
-    // A curve that falls with A would give the tail a negative resistance.
-    const double resistance_Ohm = p.series_resistance_Ohm(soc) + std::max(tail_Ohm, 0.0);
+    const double resistance_Ohm =
+        p.series_resistance_Ohm(soc) + slope_V * model_.tail_s() / p.alpha_C;
     return {series_ * voltage_V, series_ * resistance_Ohm / parallel_};
   }
 

@@ -6,8 +6,12 @@
 #include <cstdlib>
 #include <new>
 
+#include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
+#include "model/vehicle/battery_supply.h"
+#include "model/vehicle/plant.h"
+#include "model/vehicle/vehicle_file.h"
 
 // A sanitizer brings operators of its own, which must not be replaced.
 #if defined(__SANITIZE_ADDRESS__)
@@ -81,6 +85,22 @@ TEST(NoAllocation, PerRowOfARecordOnceItsIntervalsAreKnown) {
   for (int k = 10; k < 1000; ++k) stepper.Row(0.01 * k, 1.0);
   // A rounded stamp may fall into the neighbouring slot once: its two vectors.
   EXPECT_LE(allocations - before, 4U);
+}
+
+TEST(NoAllocation, InTheBatteryOfAFlightAndItsPlant) {
+  BatterySupply battery(LoadCell("gifi-600mAh-1"), 0.9);
+  const Plant plant(LoadVehicle("mambo-coupled"), {});
+  PlantState<double> x{};
+  PlantState<double> dx{};
+  PlantInputs<double> in{.duty = {0.5, 0.5, 0.5, 0.5}};
+  const std::size_t before = allocations;
+  for (int k = 0; k < 1000; ++k) {
+    in.supply = battery.Linearize();
+    plant.Derivative(x, in, dx);
+    battery.Advance(0.005 * dx[plant::kCharge], 0.005);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_LT(battery.soc(), 0.9);
 }
 
 }  // namespace

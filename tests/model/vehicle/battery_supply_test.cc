@@ -1,0 +1,176 @@
+#include "model/vehicle/battery_supply.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/battery/cell_file.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kStep_s = 0.005;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+// Sums of a dozen terms of up to 4.2 V.
+constexpr double kRounding_V = 64.0 * kEpsilon;
+
+// A cell whose curve is one straight line, so that a supply is exact at any current.
+Cell StraightCell() {
+  Cell cell;
+  cell.name = "straight";
+  cell.capacity_Ah = 0.6;
+  cell.cutoff_V = 3.0;
+  cell.diffusion = Cell::Diffusion{.alpha_C = 1353.6, .beta_per_sqrt_s = 0.1924};
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.2, 4.2});
+  cell.series_resistance_Ohm = {0.13};
+  cell.branches = {{.resistance_Ohm = {0.03}, .time_constant_s = 20.0, .capacitance_F = {}},
+                   {.resistance_Ohm = {0.01}, .time_constant_s = 0.5, .capacitance_F = {}}};
+  return cell;
+}
+
+// The current of step k: climbs, rests and charges for a moment.
+double Current_A(int step) {
+  return 2.0 + 1.5 * std::sin(0.01 * step) - (step % 7 == 0 ? 4.0 : 0.0);
+}
+
+double At(const Supply<double>& supply, double current_A) {
+  return supply.voltage_V - supply.resistance_Ohm * current_A;
+}
+
+// The supply before each step says which voltage each current would find: the cell's own.
+void ExpectTheVoltageOfTheCell(const Cell& cell, double tolerance_V) {
+  BatterySupply battery(cell, 0.9);
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(0.9);
+  const auto step = model.MakeStep(kStep_s);
+  double last_A = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    const auto supply = battery.Linearize();
+    for (const double current_A : {last_A, 0.0, 3.0, -1.0}) {
+      ASSERT_NEAR(At(supply, current_A), model.Voltage(state, current_A), tolerance_V)
+          << "step " << k << ", " << current_A << " A";
+    }
+    last_A = Current_A(k);
+    battery.Advance(last_A * kStep_s, kStep_s);
+    model.Advance(state, last_A, step);
+    ASSERT_NEAR(battery.soc(), model.Soc(state, last_A), 1e-12);
+  }
+}
+
+TEST(BatterySupply, HasTheVoltageOfTheCellAtEveryCurrent) {
+  ExpectTheVoltageOfTheCell(StraightCell(), kRounding_V);
+}
+
+TEST(BatterySupply, HasItWithoutTheTail) {
+  Cell cell = StraightCell();
+  cell.diffusion->tail = false;
+  ExpectTheVoltageOfTheCell(cell, kRounding_V);
+  // The tail is a resistance: slope of the curve times what the modes beyond M hold back.
+  const double r_tail = BatterySupply(StraightCell(), 0.9).Linearize().resistance_Ohm - 0.13;
+  double sum = std::numbers::pi * std::numbers::pi / 6.0;
+  for (int m = 1; m <= 10; ++m) sum -= 1.0 / (m * m);
+  EXPECT_NEAR(r_tail, 1.0 * 2.0 * sum / (0.1924 * 0.1924 * 1353.6), 1e-14);
+  EXPECT_EQ(BatterySupply(cell, 0.9).Linearize().resistance_Ohm, 0.13);
+}
+
+TEST(BatterySupply, HasItWithoutDiffusion) {
+  Cell cell = StraightCell();
+  cell.diffusion.reset();
+  ExpectTheVoltageOfTheCell(cell, kRounding_V);
+}
+
+// A table of resistances is read at the A of the last current: exact for that current.
+TEST(BatterySupply, HasItAtTheLastCurrentWithTablesOfResistance) {
+  Cell cell = StraightCell();
+  cell.series_resistance_Ohm = {{0.2, 0.6, 0.9}, {0.25, 0.15, 0.12}};
+  cell.branches[0].resistance_Ohm = {{0.0, 1.0}, {0.1, 0.02}};
+  BatterySupply battery(cell, 0.9);
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(0.9);
+  const auto step = model.MakeStep(kStep_s);
+  for (int k = 0; k < 2000; ++k) {
+    const double current_A = Current_A(k);
+    battery.Advance(current_A * kStep_s, kStep_s);
+    model.Advance(state, current_A, step);
+    ASSERT_NEAR(At(battery.Linearize(), current_A), model.Voltage(state, current_A), kRounding_V)
+        << k;
+  }
+}
+
+// On a bent curve the straight line holds at the last current, on whichever side of the bend.
+TEST(BatterySupply, HasItAtTheLastCurrentAcrossTheBendsOfACurve) {
+  Cell cell = StraightCell();
+  cell.open_circuit_voltage =
+      OpenCircuitVoltage::Linear({0.0, 0.3, 0.88, 0.89, 1.0}, {3.0, 3.7, 3.9, 4.05, 4.2});
+  BatterySupply battery(cell, 0.9);
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(0.9);
+  const auto step = model.MakeStep(kStep_s);
+  double lowest = 1.0;
+  for (int k = 0; k < 4000; ++k) {
+    const double current_A = Current_A(k);
+    battery.Advance(current_A * kStep_s, kStep_s);
+    model.Advance(state, current_A, step);
+    lowest = std::min(lowest, battery.soc());
+    ASSERT_NEAR(At(battery.Linearize(), current_A), model.Voltage(state, current_A), kRounding_V)
+        << k;
+  }
+  EXPECT_LT(lowest, 0.88);
+  // Expect() says for which current the line is to be right, without moving the cell.
+  battery.Expect(5.0);
+  EXPECT_NEAR(At(battery.Linearize(), 5.0), model.Voltage(state, 5.0), kRounding_V);
+}
+
+// Where the curve falls with A the tail would be a negative resistance: it is left out, and the
+// voltage at the last current is still the cell's.
+TEST(BatterySupply, LeavesOutATailThatWouldBeANegativeResistance) {
+  Cell cell = StraightCell();
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.0, 3.9});
+  BatterySupply battery(cell, 0.9);
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(0.9);
+  battery.Advance(3.0 * kStep_s, kStep_s);
+  model.Advance(state, 3.0, model.MakeStep(kStep_s));
+  EXPECT_EQ(battery.Linearize().resistance_Ohm, 0.13);
+  EXPECT_NEAR(At(battery.Linearize(), 3.0), model.Voltage(state, 3.0), kRounding_V);
+}
+
+TEST(BatterySupply, APackIsItsCellsTimesSeriesAndOverParallel) {
+  Cell pack_cell = StraightCell();
+  pack_cell.series = 3;
+  pack_cell.parallel = 2;
+  BatterySupply pack(pack_cell, 0.8);
+  BatterySupply single(StraightCell(), 0.8);
+  EXPECT_EQ(pack.cutoff_V(), 9.0);
+  EXPECT_EQ(pack.parallel(), 2.0);
+  for (int k = 0; k < 500; ++k) {
+    const double current_A = Current_A(k);
+    pack.Advance(2.0 * current_A * kStep_s, kStep_s);
+    single.Advance(current_A * kStep_s, kStep_s);
+    ASSERT_NEAR(pack.soc(), single.soc(), 1e-14);
+    ASSERT_NEAR(
+        At(pack.Linearize(), 2.0 * 1.7), 3.0 * At(single.Linearize(), 1.7), 3.0 * kRounding_V);
+  }
+  pack.Expect(4.0);
+  single.Expect(2.0);
+  EXPECT_NEAR(pack.soc(), single.soc(), 1e-14);
+}
+
+// Charge balance: once everything has relaxed, A is what the charge that left says, however the
+// steps were long.
+TEST(BatterySupply, WhatLeavesIsMissing) {
+  BatterySupply battery(StraightCell(), 1.0);
+  double charge_C = 0.0;
+  for (int k = 0; k < 1000; ++k) {
+    const double dt_s = k % 3 == 0 ? 0.01 : kStep_s;
+    battery.Advance(Current_A(k) * dt_s, dt_s);
+    charge_C += Current_A(k) * dt_s;
+  }
+  EXPECT_LT(battery.soc(), 1.0 - charge_C / 1353.6);  // some is held back
+  battery.Advance(0.0, 3600.0);
+  EXPECT_NEAR(battery.soc(), 1.0 - charge_C / 1353.6, 1e-13);
+}
+
+}  // namespace
+}  // namespace lipoid
