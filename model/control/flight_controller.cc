@@ -14,6 +14,12 @@ ReferenceModel AngleReference(const ControllerOptions& options, std::size_t axis
                                     limit);
 }
 
+// Half of the tilt that is allowed; the other half is for errors.
+ReferenceModel PositionReference(const ControllerOptions& options, const Gains& gains) {
+  const double limit = 0.5 * kGravity_m_per_s2 * gains.position.tilt_limit_rad;
+  return {options.position_omega_rad_per_s, 1.0, kControlStep_s, std::max(limit, 1e-3)};
+}
+
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 LoopReference<double> Reference(const ReferenceModel::Output& out) {
@@ -30,6 +36,7 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
       angles_{AngleReference(options, 0, kNoLimit),
               AngleReference(options, 1, kNoLimit),
               AngleReference(options, 2, kNoLimit)},
+      position_{PositionReference(options, gains_), PositionReference(options, gains_)},
       pulse_width_{PulseWidth(vehicle_, options.pwm),
                    PulseWidth(vehicle_, options.pwm),
                    PulseWidth(vehicle_, options.pwm),
@@ -57,6 +64,7 @@ void FlightController::Reset(const MeasuredState& state,
   }
   down_.Reset(state.position_m[2]);
   for (std::size_t k = 0; k < 3; ++k) angles_[k].Reset(state.angles_rad[k]);
+  for (std::size_t k = 0; k < 2; ++k) position_[k].Reset(state.position_m[k]);
   integrals_ = {};
   const double pseudo_control = kGravity_m_per_s2 - 4.0 * vehicle_.thrust_coefficient_N_s2 *
                                                         commanded_speed * commanded_speed /
@@ -97,22 +105,30 @@ PerMotor<double> FlightController::Duties(double battery_V) {
   return duty;
 }
 
-PerMotor<double> FlightController::Step(const FlightCommand& command, const MeasuredState& state) {
-  double roll = command.roll_rad;
-  double pitch = command.pitch_rad;
-  if (command.hold_position) {
-    const TiltCommand tilt = PositionControl(gains_.position,
-                                             state.angles_rad[2],
-                                             state.position_m[0] - command.x_m,
-                                             state.position_m[1] - command.y_m,
-                                             state.velocity_m_per_s[0],
-                                             state.velocity_m_per_s[1]);
-    roll = tilt.roll_rad;
-    pitch = tilt.pitch_rad;
+TiltCommand FlightController::Tilt(const FlightCommand& command, const MeasuredState& state) {
+  // A critically damped reference settles at omega_0/2 times the gap: a gap that is cut keeps the
+  // speed.
+  const double reach = 2.0 * options_.position_speed_m_per_s / options_.position_omega_rad_per_s;
+  const std::array target{command.x_m, command.y_m};
+  std::array<double, 2> error;
+  std::array<double, 2> velocity;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double from = position_[k].value();
+    const auto reference = position_[k].Step(std::clamp(target[k], from - reach, from + reach));
+    error[k] = state.position_m[k] - reference.value;
+    velocity[k] = state.velocity_m_per_s[k] - reference.rate;
   }
+  return PositionControl(
+      gains_.position, state.angles_rad[2], error[0], error[1], velocity[0], velocity[1]);
+}
+
+PerMotor<double> FlightController::Step(const FlightCommand& command, const MeasuredState& state) {
+  const TiltCommand tilt = command.hold_position ? Tilt(command, state)
+                                                 : TiltCommand{.roll_rad = command.roll_rad,
+                                                               .pitch_rad = command.pitch_rad};
   references_.down = Reference(down_.Step(-command.altitude_m));
-  references_.angles = {Reference(angles_[0].Step(roll)),
-                        Reference(angles_[1].Step(pitch)),
+  references_.angles = {Reference(angles_[0].Step(tilt.roll_rad)),
+                        Reference(angles_[1].Step(tilt.pitch_rad)),
                         Reference(angles_[2].Step(command.yaw_rad))};
   const InnerLoopState<double> inner{
       state.position_m[2], state.velocity_m_per_s[2], state.angles_rad, state.body_rates_rad_per_s};

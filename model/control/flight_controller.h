@@ -32,6 +32,8 @@ struct ControllerOptions {
   double attitude_omega_rad_per_s = 100.0;
   double attitude_damping = 1.0;
   double yaw_omega_rad_per_s = 4.0;
+  double position_omega_rad_per_s = 1.2;
+  double position_speed_m_per_s = 1.5;
   bool compensate = false;
   bool saturate = true;
   Pwm pwm = Pwm::kCarried;
@@ -55,6 +57,11 @@ struct ControllerOptions {
       self.yaw_omega_rad_per_s,
       omega,
       "reference of the heading, omega_0, critically damped");
+    v("position_omega_rad_per_s",
+      self.position_omega_rad_per_s,
+      omega,
+      "reference of x and y, omega_0, critically damped");
+    v("position_speed_m_per_s", self.position_speed_m_per_s, omega, "and its speed at most");
     v("saturate", self.saturate, Names(), "duty cycles stay in [0, 1]");
     v("pwm",
       self.pwm,
@@ -95,6 +102,7 @@ class FlightController {
   [[nodiscard]] const ErrorIntegrals<double>& integrals() const { return integrals_; }
 
  private:
+  [[nodiscard]] TiltCommand Tilt(const FlightCommand& command, const MeasuredState& state);
   void Desaturate(double highest_speed);
   PerMotor<double> Duties(double battery_V);
 
@@ -103,6 +111,7 @@ class FlightController {
   ControllerOptions options_;
   ReferenceModel down_;
   std::array<ReferenceModel, 3> angles_;
+  std::array<ReferenceModel, 2> position_;
   std::array<PulseWidth, 4> pulse_width_;
   InnerLoopReferences<double> references_{};
   ErrorIntegrals<double> integrals_{};

@@ -5,16 +5,20 @@
 
 #include <array>
 
+#include "model/vehicle/vehicle.h"
+
 namespace lipoid {
 namespace {
 
 constexpr double kLargest = 1e9;
 
-// The thesis prints no yaw and no position gains. Yaw: three real poles near 4 rad/s. Position:
-// both poles of X'' = -g (K_p X + K_d X') at 1.2 rad/s.
+// The thesis prints no yaw and no position gains. Yaw: three real poles at 4 rad/s. Position: both
+// poles of X'' = -g (K_p X + K_d X') at 3 rad/s. Slower ones, near the 1 rad/s at which the thesis'
+// attitude gains ring, are unstable as soon as xi < 1 leaves a part of each tilt to the feedback
+// (docs/theory.md).
 constexpr ErrorGains kYaw{.proportional = 48.0, .integral = 64.0, .derivative = 12.0};
-constexpr PositionGains kPosition{.proportional_rad_per_m = 1.44 / 9.81,
-                                  .derivative_rad_s_per_m = 2.4 / 9.81};
+constexpr PositionGains kPosition{.proportional_rad_per_m = 9.0 / kGravity_m_per_s2,
+                                  .derivative_rad_s_per_m = 6.0 / kGravity_m_per_s2};
 
 // Sections 6.2 and 6.3; the order of the aware altitude gains is corrected (docs/corrections.md).
 const std::array<Gains, 2>& Shipped() {
