@@ -16,6 +16,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
+cli::ExitCode PolesCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
@@ -28,6 +29,7 @@ inline constexpr cli::Command kCommands[] = {
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
+    {"poles", "closed-loop poles as the voltage falls", &PolesCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
     {"study", "one stage done in several ways: branches, v_oc(A), diffusion modes", &StudyCommand},
     {"synthesize",

@@ -1,0 +1,161 @@
+#include "model/analysis/poles.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "model/control/control_law.h"
+#include "model/core/errors.h"
+#include "model/flight/trim.h"
+#include "model/vehicle/plant.h"
+
+namespace lipoid {
+namespace {
+
+using Jet = ceres::Jet<double, kClosedLoopStates>;
+constexpr std::size_t kIntegrals = plant::kStates;
+constexpr double kHeight_m = 10.0;  // clear of the ground
+
+template <class T>
+using ClosedLoopState = std::array<T, kClosedLoopStates>;
+
+template <class Matrix>
+Poles SortedEigenvalues(const Matrix& matrix) {
+  const Eigen::EigenSolver<Matrix> solver(matrix, /*computeEigenvectors=*/false);
+  Poles poles(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  std::sort(poles.begin(), poles.end(), [](const auto& a, const auto& b) {
+    return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();
+  });
+  return poles;
+}
+
+// The loop as it flies, but continuous: the same control law, allocation, motors and body.
+template <class T>
+ClosedLoopState<T> Rate(const Plant& vehicle_plant,
+                        const Gains& gains,
+                        double xi,
+                        const ClosedLoopState<T>& x) {
+  using std::sqrt;
+  const Vehicle& vehicle = vehicle_plant.vehicle();
+  PlantState<T> body;
+  std::copy_n(x.begin(), plant::kStates, body.begin());
+
+  InnerLoopReferences<T> reference{};
+  reference.down.value = T(-kHeight_m);
+  const InnerLoopState<T> measured{body[plant::kPosition + 2],
+                                   body[plant::kVelocity + 2],
+                                   TripleAt(body, plant::kAngles),
+                                   TripleAt(body, plant::kRates)};
+  const ErrorIntegrals<T> integrals{x[kIntegrals],
+                                    {x[kIntegrals + 1], x[kIntegrals + 2], x[kIntegrals + 3]}};
+  const auto out = InnerLoops(vehicle, gains, measured, reference, integrals);
+  PlantInputs<T> inputs;
+  inputs.supply = {T(xi * vehicle.nominal_voltage_V), T(0.0)};
+  for (std::size_t i = 0; i < 4; ++i) {
+    inputs.duty[i] =
+        DutyCycle(vehicle, T(sqrt(out.speed_squared[i])), T(vehicle.nominal_voltage_V));
+  }
+  PlantState<T> body_rate;
+  vehicle_plant.Derivative(body, inputs, body_rate);
+
+  ClosedLoopState<T> rate;
+  std::copy(body_rate.begin(), body_rate.end(), rate.begin());
+  rate[kIntegrals] = out.down_error;
+  for (std::size_t k = 0; k < 3; ++k) rate[kIntegrals + 1 + k] = out.angle_errors[k];
+  return rate;
+}
+
+ClosedLoopState<double> Hover(const Vehicle& vehicle, const Gains& gains, double xi) {
+  const Trim trim = HoverTrim(vehicle, Supply<double>{xi * vehicle.nominal_voltage_V, 0.0});
+  Require(gains.altitude.integral > 0.0 || xi == 1.0,
+          "an integral gain of the altitude: without one hover at xi < 1 is no equilibrium",
+          {{"xi", xi}});
+  ClosedLoopState<double> x{};
+  x[plant::kPosition + 2] = -kHeight_m;
+  for (std::size_t i = 0; i < 4; ++i) x[plant::kSpeeds + i] = trim.speed_rad_per_s;
+  const double speed = trim.commanded_speed_rad_per_s;
+  const double thrust_per_mass =
+      4.0 * vehicle.thrust_coefficient_N_s2 * speed * speed / vehicle.mass_kg;
+  if (gains.altitude.integral > 0.0) {
+    x[kIntegrals] = (kGravity_m_per_s2 - thrust_per_mass) / gains.altitude.integral;
+  }
+  return x;
+}
+
+Plant QuietPlant(const Vehicle& vehicle, bool motor_lag) {
+  return {vehicle, {.motor_lag = motor_lag, .drag = false, .ground = false}};
+}
+
+}  // namespace
+
+double Kappa(const Vehicle& vehicle, double xi) {
+  Require(xi > 0.0, "xi above 0", {{"xi", xi}});
+  const Trim trim = HoverTrim(vehicle, Supply<double>{xi * vehicle.nominal_voltage_V, 0.0});
+  const double gamma = vehicle.gamma_rad_per_s();
+  const double w = trim.speed_rad_per_s;
+  const double commanded = trim.commanded_speed_rad_per_s;
+  return xi * w * (2.0 * commanded + gamma) / (commanded * (2.0 * w + gamma));
+}
+
+Poles ClosedFormPoles(const ErrorGains& gains, double kappa) {
+  Eigen::Matrix3d companion;
+  companion << 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -kappa * gains.integral, -kappa * gains.proportional,
+      -kappa * gains.derivative;  // (5.21)
+  return SortedEigenvalues(companion);
+}
+
+ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
+                                     const Gains& gains,
+                                     double xi,
+                                     bool motor_lag) {
+  const ClosedLoopState<double> at = Hover(vehicle, gains, xi);
+  ClosedLoopState<Jet> x;
+  for (int k = 0; k < kClosedLoopStates; ++k) x[std::size_t(k)] = Jet(at[std::size_t(k)], k);
+  const auto rate = Rate(QuietPlant(vehicle, motor_lag), gains, xi, x);
+  ClosedLoopMatrix matrix;
+  for (int k = 0; k < kClosedLoopStates; ++k) matrix.row(k) = rate[std::size_t(k)].v.transpose();
+  return matrix;
+}
+
+Eigen::Matrix<double, kClosedLoopStates, 1> ClosedLoopRateAtHover(const Vehicle& vehicle,
+                                                                  const Gains& gains,
+                                                                  double xi,
+                                                                  bool motor_lag) {
+  const auto rate = Rate(QuietPlant(vehicle, motor_lag), gains, xi, Hover(vehicle, gains, xi));
+  return Eigen::Map<const Eigen::Matrix<double, kClosedLoopStates, 1>>(rate.data());
+}
+
+Poles LoopPoles(Loop loop, const ClosedLoopMatrix& matrix, bool motor_lag) {
+  // The loop's states as directions of the whole: unit vectors, and a pattern of the four speeds.
+  const bool altitude = loop == Loop::kAltitude;
+  const std::size_t integral = altitude ? kIntegrals : kIntegrals + 2;
+  const std::size_t value = altitude ? plant::kPosition + 2 : plant::kAngles + 1;
+  const std::size_t rate = altitude ? plant::kVelocity + 2 : plant::kRates + 1;
+  const int size = motor_lag ? 4 : 3;
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(kClosedLoopStates, size);
+  basis(Eigen::Index(integral), 0) = 1.0;
+  basis(Eigen::Index(value), 1) = 1.0;
+  basis(Eigen::Index(rate), 2) = 1.0;
+  if (motor_lag) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      basis(Eigen::Index(plant::kSpeeds + i), 3) = altitude ? 1.0 : kPitchSign[i];
+    }
+  }
+  const Eigen::MatrixXd image = matrix * basis;
+  const Eigen::VectorXd weight = basis.colwise().squaredNorm().cwiseInverse();
+  const Eigen::MatrixXd reduced = weight.asDiagonal() * (basis.transpose() * image);
+  return SortedEigenvalues(reduced);
+}
+
+PolesRow PolesAt(Loop loop, const Vehicle& vehicle, const Gains& gains, double xi) {
+  const double kappa = Kappa(vehicle, xi);
+  return {xi,
+          kappa,
+          ClosedFormPoles(loop == Loop::kAltitude ? gains.altitude : gains.attitude, kappa),
+          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, xi, false), false),
+          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, xi, true), true)};
+}
+
+}  // namespace lipoid

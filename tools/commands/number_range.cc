@@ -1,0 +1,50 @@
+#include "tools/commands/number_range.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+std::vector<double> ReadRange(const std::string& option,
+                              const std::string& text,
+                              const Range& valid) {
+  constexpr double kMost = 1e6;
+  const auto fail = [&](std::string_view what) {
+    throw OptionError(fmt::format(
+        "option --{}: expected FIRST:STEP:LAST or one number, found '{}'{}", option, text, what));
+  };
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ':') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  const auto number = [&](const std::string& part, const Range& range) {
+    return options_internal::ParseDouble("--" + option, part, range);
+  };
+  if (parts.size() == 1) return {number(parts[0], valid)};
+  if (parts.size() != 3) fail("");
+  const double first = number(parts[0], valid);
+  const double step = number(parts[1], Range{});
+  const double last = number(parts[2], valid);
+  const double count = (last - first) / step;
+  if (!(count >= 0.0)) fail(": the step does not lead from the first to the last");
+  if (!(count < kMost)) fail(": more than a million numbers");
+  std::vector<double> values;
+  // A step that misses the last by rounding only has hit it.
+  const auto steps = static_cast<long>(std::floor(count + 1e-9));
+  for (long k = 0; k <= steps; ++k) {
+    // 0.8 + 2 * 0.01 is 0.82 to its reader.
+    const double value = std::round((first + double(k) * step) * 1e12) * 1e-12;
+    values.push_back(std::abs(double(k) - count) < 1e-9 ? last : value);
+  }
+  return values;
+}
+
+}  // namespace lipoid

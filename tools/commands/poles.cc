@@ -1,0 +1,126 @@
+// lipoid poles altitude|attitude: closed-loop poles against the voltage ratio xi.
+#include "model/analysis/poles.h"
+
+#include <cmath>
+
+#include "model/control/gains.h"
+#include "model/core/csv_writer.h"
+#include "model/core/errors.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tools/cli/suggest.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/number_range.h"
+
+namespace lipoid {
+namespace {
+
+Json ToJson(const Poles& poles) {
+  Json list = Json::array();
+  for (const auto& pole : poles) list.push_back({pole.real(), pole.imag()});
+  return list;
+}
+
+// "-1.36, -0.25 ± 2.1i"
+std::string ToText(const Poles& poles) {
+  std::string text;
+  for (const auto& pole : poles) {
+    if (pole.imag() > 0.0) continue;  // its partner stands for both
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{:.4g}", pole.real());
+    if (pole.imag() != 0.0) text += fmt::format(" \u00b1 {:.4g}i", -pole.imag());
+  }
+  return text;
+}
+
+Loop FindLoop(const std::string& name) {
+  if (name == "altitude") return Loop::kAltitude;
+  if (name == "attitude") return Loop::kAttitude;
+  throw OptionError(cli::UnknownName("loop", name, {"altitude", "attitude"}));
+}
+
+}  // namespace
+
+cli::ExitCode PolesCommand(cli::CommandLine& line) {
+  std::string loop_name;
+  std::string vehicle_name = "mambo-thesis";
+  std::string gains_name = "unaware";
+  std::string range = "0.8:0.01:1";
+  std::string output;
+  line.Describe(
+      "Closed-loop poles of the altitude or the attitude (pitch) loop as the battery's voltage "
+      "falls: by the closed form, by differentiating the flight with the motors at their "
+      "equilibrium, and with the motors' lag.",
+      "lipoid poles altitude --vehicle mambo-thesis --gains unaware --xi 0.8:0.01:1");
+  line.Argument("LOOP", loop_name, "altitude, or attitude");
+  line.Text("vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+  line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Text("xi", range, "RANGE", "voltage over the nominal one: FIRST:STEP:LAST, or one number");
+  line.OutputOption("output,o", output, "CSV", "one row per pole: xi, kappa, kind, re, im");
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Loop loop = FindLoop(loop_name);
+  const Vehicle vehicle = LoadVehicle(vehicle_name);
+  const Gains gains = LoadGains(gains_name);
+  const ErrorGains& own = loop == Loop::kAltitude ? gains.altitude : gains.attitude;
+  if (!(gains.altitude.integral > 0.0)) {
+    throw OptionError(fmt::format(
+        "gains {}: the altitude has no integral gain, so hover at xi < 1 is no equilibrium and has "
+        "no poles. Give it one",
+        gains.name));
+  }
+
+  cli::TextTable table({{"xi"},
+                        {"kappa"},
+                        {"closed form", cli::Align::kLeft},
+                        {"quasi-static", cli::Align::kLeft},
+                        {"with motor lag", cli::Align::kLeft}});
+  Json rows = Json::array();
+  std::vector<PolesRow> all;
+  for (const double xi : ReadRange("xi", range, Range{1e-3, 2.0})) {
+    const PolesRow row = PolesAt(loop, vehicle, gains, xi);
+    table.Row({fmt::format("{:.4g}", xi),
+               fmt::format("{:.4f}", row.kappa),
+               ToText(row.closed_form),
+               ToText(row.quasistatic),
+               ToText(row.full)});
+    rows.push_back({{"xi", xi},
+                    {"kappa", row.kappa},
+                    {"poles", ToJson(row.closed_form)},
+                    {"poles_quasistatic", ToJson(row.quasistatic)},
+                    {"poles_full", ToJson(row.full)}});
+    all.push_back(row);
+  }
+  if (!output.empty()) {
+    // 0 closed form, 1 quasi-static, 2 full.
+    CsvWriter csv(output, "xi,kappa,kind,re,im");
+    for (const PolesRow& row : all) {
+      double kind = 0.0;
+      for (const Poles* poles : {&row.closed_form, &row.quasistatic, &row.full}) {
+        for (const auto& pole : *poles) csv.Row(row.xi, row.kappa, kind, pole.real(), pole.imag());
+        kind += 1.0;
+      }
+    }
+    csv.Commit();
+  }
+  line.summary()["rows"] = std::move(rows);
+  line.summary()["loop"] = loop_name;
+  line.summary()["vehicle"] = vehicle.name;
+  line.summary()["gains"] = gains.name;
+  line.Print("{}", table.Text());
+  line.Message("{} loop of {} with K_e {}, K_I {}, K_edot {} ({})",
+               loop_name,
+               vehicle.name,
+               own.proportional,
+               own.integral,
+               own.derivative,
+               gains.name);
+  const auto unstable = std::count_if(
+      all.begin(), all.end(), [](const PolesRow& row) { return row.full.front().real() >= 0.0; });
+  if (unstable > 0) {
+    line.Message("with motor lag {} of {} are unstable", unstable, all.size());
+  }
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
