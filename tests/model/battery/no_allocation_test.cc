@@ -1,5 +1,6 @@
-// Advance() and Voltage() must not allocate: they are called per 5 ms of flight and per row of a
-// log. This file replaces the global operator new of the test program by one that counts.
+// What is called per 5 ms of flight or per row of a log must not allocate: the cell, the wind, the
+// sensors and the estimator. This file replaces the global operator new of the test program by one
+// that counts.
 
 #include <gtest/gtest.h>
 
@@ -9,9 +10,12 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
+#include "model/control/estimator.h"
 #include "model/vehicle/battery_supply.h"
 #include "model/vehicle/plant.h"
+#include "model/vehicle/sensors.h"
 #include "model/vehicle/vehicle_file.h"
+#include "model/vehicle/wind.h"
 
 // A sanitizer brings operators of its own, which must not be replaced.
 #if defined(__SANITIZE_ADDRESS__)
@@ -101,6 +105,28 @@ TEST(NoAllocation, InTheBatteryOfAFlightAndItsPlant) {
   }
   EXPECT_EQ(allocations, before);
   EXPECT_LT(battery.soc(), 0.9);
+}
+
+TEST(NoAllocation, InTheStepOfWindSensorsAndEstimator) {
+  WindOptions gusty;
+  gusty.gusts_m_per_s = 5.0;
+  Wind wind(gusty, 1);
+  Sensors sensors({}, 1);
+  Estimator estimator({});
+  SensedMotion motion;
+  motion.position_m[2] = -1.5;
+  motion.specific_force_m_per_s2[2] = -9.81;
+  estimator.Reset({.position_m = motion.position_m}, {});
+  MeasuredState state;
+  const std::size_t before = allocations;
+  for (int k = 0; k < 1000; ++k) {
+    motion.velocity_m_per_s = wind.Step(1.5 + 1e-3 * k, 2.0);
+    SensorReadings readings = sensors.Read(motion);
+    if (k % 50 == 0) readings.sonar_m = 9.0;
+    state = estimator.Step(readings);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_NE(state.velocity_m_per_s[0], 0.0);
 }
 
 }  // namespace
