@@ -1,7 +1,6 @@
 #include "model/vehicle/wind.h"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -11,6 +10,7 @@ namespace lipoid {
 namespace {
 
 constexpr double kFoot_m = 0.3048;
+constexpr double kForgotten = 100.0;                // e^-100: what was before is below rounding
 constexpr std::uint32_t kNoiseStream = 0x77696e64;  // of its own, whatever else the seed feeds
 
 }  // namespace
@@ -45,18 +45,27 @@ double DrydenAcross::Step(double theta, NormalNoise& noise) {
   return std::sqrt(1.5) * state_[0] + 0.5 * (1.0 - std::numbers::sqrt3) * state_[1];
 }
 
-// The noise of a step has the covariance P - F P F', whose entries are incomplete gamma functions:
-// 1 - e^{-x} (1 + x + ... ) without the difference of near numbers.
+// The noise of a step has the covariance P - F P F'. Its entries, with x = 2 theta, are
+//   1 - e^-x,   sqrt 1/2 (1 - e^-x (1 + x)),   1 - e^-x (1 + x + x²/2),
+// tails of the series of e^x: as sums of positive terms they lose no digits where steps are small.
 void DrydenAcross::Discretize(double theta) {
   theta_ = theta;
   decay_ = std::exp(-theta);
   couple_ = std::numbers::sqrt2 * theta * decay_;
-  const double x = 2.0 * theta;
   spread_ = {};
+  const double x = std::min(kForgotten, 2.0 * theta);
   if (x == 0.0) return;
-  spread_[0] = std::sqrt(-std::expm1(-x));
-  spread_[1] = std::numbers::sqrt2 / 2.0 * boost::math::gamma_p(2.0, x) / spread_[0];
-  spread_[2] = std::sqrt(std::max(0.0, boost::math::gamma_p(3.0, x) - spread_[1] * spread_[1]));
+  double third = 0.0;
+  double term = x * x * x / 6.0;
+  for (int k = 4; third + term != third; ++k) {
+    third += term;
+    term *= x / k;
+  }
+  const double second = third + 0.5 * x * x;
+  const double fade = std::exp(-x);
+  spread_[0] = std::sqrt(fade * (second + x));
+  spread_[1] = std::numbers::sqrt2 / 2.0 * fade * second / spread_[0];
+  spread_[2] = std::sqrt(std::max(0.0, fade * third - spread_[1] * spread_[1]));
 }
 
 Wind::Wind(const WindOptions& options, std::uint64_t seed, double step_s)

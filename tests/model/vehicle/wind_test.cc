@@ -121,6 +121,23 @@ TEST(Dryden, OverNoWayDoesNotChange) {
   EXPECT_NEAR(next, first, 4.0 * std::sqrt(3e-9));
 }
 
+TEST(Dryden, ForgetsOverALongWay) {
+  constexpr int kCount = 100'000;
+  NormalNoise noise(kSeed, 5);
+  DrydenAcross across;
+  double square = 0.0;
+  double product = 0.0;
+  double last = 0.0;
+  for (int k = 0; k < kCount; ++k) {
+    const double v = across.Step(k % 2 == 0 ? 60.0 : 1e6, noise);
+    square += v * v;
+    product += v * last;
+    last = v;
+  }
+  EXPECT_NEAR(square / kCount, 1.0, 4.0 * std::sqrt(2.0 / kCount));
+  EXPECT_NEAR(product / kCount, 0.0, 4.0 / std::sqrt(kCount));
+}
+
 TEST(Dryden, HasTheLengthsAndIntensitiesOfTheStandard) {
   constexpr double kDigits = 1e-12;  // conversions of feet
   const auto low = DrydenAt(0.0, 15.0);
