@@ -1,0 +1,149 @@
+#include "model/control/reference_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+struct Point {
+  double value;
+  double rate;
+};
+
+// Answer of y'' + 2 zeta w y' + w² y = w² to a unit step from rest, in the three cases of damping.
+Point StepResponse(double w, double zeta, double t) {
+  if (zeta < 1.0) {
+    const double wd = w * std::sqrt(1.0 - zeta * zeta);
+    const double decay = std::exp(-zeta * w * t);
+    return {1.0 - decay * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)),
+            decay * w * w / wd * std::sin(wd * t)};
+  }
+  if (zeta == 1.0) {
+    return {1.0 - (1.0 + w * t) * std::exp(-w * t), w * w * t * std::exp(-w * t)};
+  }
+  const double root = w * std::sqrt(zeta * zeta - 1.0);
+  const double slow = zeta * w - root;
+  const double fast = zeta * w + root;
+  return {1.0 + (slow * std::exp(-fast * t) - fast * std::exp(-slow * t)) / (fast - slow),
+          slow * fast * (std::exp(-slow * t) - std::exp(-fast * t)) / (fast - slow)};
+}
+
+struct Case {
+  double omega, damping, step_s;
+};
+class ReferenceModelOf : public testing::TestWithParam<Case> {};
+
+TEST_P(ReferenceModelOf, FollowsTheClosedFormExactlyAtEverySample) {
+  const auto [w, zeta, step_s] = GetParam();
+  constexpr double kFrom = -0.5;
+  constexpr double kTo = 1.5;
+  // One rounding per step does not grow: the modes decay. The exponential of a matrix is good to
+  // some hundred roundings.
+  constexpr double kRounding = 1e-13;
+  ReferenceModel model(w, zeta, step_s);
+  model.Reset(kFrom);
+  for (int k = 0; k < 400; ++k) {
+    const auto wanted = StepResponse(w, zeta, k * step_s);
+    const auto next = StepResponse(w, zeta, (k + 1) * step_s);
+    const auto out = model.Step(kTo);
+    ASSERT_NEAR(out.value, kFrom + (kTo - kFrom) * wanted.value, kRounding * (1.0 + w)) << k;
+    ASSERT_NEAR(out.rate, (kTo - kFrom) * wanted.rate, kRounding * w * (1.0 + w)) << k;
+    // The mean acceleration carries the rate to the next sample.
+    ASSERT_NEAR(out.acceleration,
+                (kTo - kFrom) * (next.rate - wanted.rate) / step_s,
+                kRounding * w * (1.0 + w) / step_s)
+        << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         ReferenceModelOf,
+                         testing::Values(Case{5.0, 0.3, 0.005},
+                                         Case{5.0, 1.0, 0.005},
+                                         Case{5.0, 2.5, 0.005},
+                                         Case{100.0, 1.0, 0.005},
+                                         Case{200.0, 0.7, 0.005},
+                                         Case{1.0, 1.0, 0.1}));
+
+// Where neighbouring cases of damping meet nothing jumps.
+TEST(ReferenceModel, IsContinuousInTheDamping) {
+  const auto end = [](double damping) {
+    ReferenceModel model(5.0, damping, 0.005);
+    model.Reset(0.0);
+    for (int k = 0; k < 60; ++k) (void)model.Step(1.0);
+    return model.value();
+  };
+  EXPECT_NEAR(end(1.0 - 1e-7), end(1.0), 1e-6);
+  EXPECT_NEAR(end(1.0 + 1e-7), end(1.0), 1e-6);
+}
+
+TEST(ReferenceModel, RestsWhereItIsReset) {
+  ReferenceModel model(5.0, 1.0, 0.005);
+  model.Reset(3.0);
+  for (int k = 0; k < 10; ++k) {
+    const auto out = model.Step(3.0);
+    EXPECT_EQ(out.value, 3.0);
+    EXPECT_EQ(out.rate, 0.0);
+    EXPECT_EQ(out.acceleration, 0.0);
+  }
+  (void)model.Step(4.0);
+  model.Reset(1.0);  // rate and all
+  EXPECT_EQ(model.Step(1.0).rate, 0.0);
+}
+
+// A limit of the acceleration: a parabola while it holds, never above it, and still to the command.
+TEST(ReferenceModel, KeepsWithinItsLimitAndArrives) {
+  constexpr double kStep_s = 0.005;
+  constexpr double kLimit = 40.0;
+  for (const double command : {0.07, 0.35, -1.0}) {
+    SCOPED_TRACE(command);
+    ReferenceModel model(100.0, 1.0, kStep_s, kLimit);
+    model.Reset(0.0);
+    std::vector<ReferenceModel::Output> path;
+    for (int k = 0; k < 400; ++k) path.push_back(model.Step(command));
+    for (int k = 0; k < 5; ++k) {
+      const double t = k * kStep_s;
+      ASSERT_NEAR(path[std::size_t(k)].value, std::copysign(0.5 * kLimit * t * t, command), 1e-14);
+      ASSERT_NEAR(path[std::size_t(k)].rate, std::copysign(kLimit * t, command), 1e-14);
+    }
+    double furthest = 0.0;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+      ASSERT_LE(std::abs(path[k].acceleration), kLimit);
+      furthest = std::max(furthest, path[k].value / command);
+      if (k + 1 == path.size()) break;
+      // What is handed out is what the reference does.
+      ASSERT_NEAR(path[k + 1].rate - path[k].rate, kStep_s * path[k].acceleration, 1e-13);
+    }
+    EXPECT_NEAR(path.back().value, command, 1e-9 * std::abs(command));
+    EXPECT_NEAR(path.back().rate, 0.0, 1e-9);
+    EXPECT_GE(furthest, 1.0 - 1e-9);
+  }
+}
+
+// Up to some 4 limit/omega_0² the limit only delays: here 4 degrees at what the motors of a Mambo
+// can do.
+TEST(ReferenceModel, DoesNotOvershootBecauseOfItsLimitOnASmallStep) {
+  ReferenceModel model(100.0, 1.0, 0.005, 230.0);
+  model.Reset(0.0);
+  const double command = 4.0 * std::numbers::pi / 180.0;
+  EXPECT_GT(100.0 * 100.0 * command, 230.0);  // it does limit
+  for (int k = 0; k < 400; ++k) ASSERT_LE(model.Step(command).value, command * (1.0 + 1e-12));
+}
+
+TEST(ReferenceModel, RefusesWhatIsNoReference) {
+  EXPECT_THROW(ReferenceModel(0.0, 1.0, 0.005), PreconditionError);
+  EXPECT_THROW(ReferenceModel(5.0, 0.0, 0.005), PreconditionError);
+  EXPECT_THROW(ReferenceModel(5.0, 1.0, 0.0), PreconditionError);
+  EXPECT_THROW(ReferenceModel(5.0, 1.0, 0.005, 0.0), PreconditionError);
+  EXPECT_THROW(ReferenceModel(std::nan(""), 1.0, 0.005), PreconditionError);
+}
+
+}  // namespace
+}  // namespace lipoid
