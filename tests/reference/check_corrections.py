@@ -19,6 +19,7 @@ from scipy.linalg import solve_banded
 from scipy.signal import lfilter
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import quadrotor_corrections  # noqa: E402
 import reference_cell  # noqa: E402
 
 PI = math.pi
@@ -207,7 +208,7 @@ def gauge():
 
 
 CHECKS = (fick_second_law, theta_identity, steady_unavailable_charge, finite_time, truncation,
-          discrete_time, transfer_functions, tables, percent, gauge)
+          discrete_time, transfer_functions, tables, percent, gauge) + quadrotor_corrections.CHECKS
 
 
 def main(names):
