@@ -8,11 +8,13 @@
 namespace lipoid {
 
 /// Proportional, integral and derivative gain: K_e, K_eI, K_edot.
-struct ErrorGains {
-  double proportional = 0.0;  ///< 1/s²
-  double integral = 0.0;      ///< 1/s³
-  double derivative = 0.0;    ///< 1/s
+template <class T>
+struct BasicErrorGains {
+  T proportional{};  ///< 1/s²
+  T integral{};      ///< 1/s³
+  T derivative{};    ///< 1/s
 };
+using ErrorGains = BasicErrorGains<double>;
 
 /// nu = y_ref'' + K_eI e_I + K_e e + K_edot e', with e = y_ref - y, (3.60)-(3.63).
 template <class T>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/control/saturation.h"
+
 namespace lipoid {
 namespace {
 
@@ -28,6 +30,23 @@ LoopReference<double> Reference(const ReferenceModel::Output& out) {
 
 }  // namespace
 
+Triple<double> AngleReferenceLimits(const Vehicle& vehicle, double highest_speed) {
+  constexpr std::array kShare{0.35, 0.35, 0.1};
+  const double hover_squared =
+      vehicle.mass_kg * kGravity_m_per_s2 / (4.0 * vehicle.thrust_coefficient_N_s2);
+  const double margin =
+      std::clamp(std::min(hover_squared, highest_speed * highest_speed - hover_squared),
+                 0.05 * hover_squared,
+                 hover_squared);
+  const double tilt = vehicle.lever_m() * vehicle.thrust_coefficient_N_s2;
+  const std::array torque_per_square{tilt, tilt, vehicle.torque_coefficient_N_m_s2};
+  Triple<double> limits;
+  for (std::size_t k = 0; k < 3; ++k) {
+    limits[k] = kShare[k] * 4.0 * torque_per_square[k] * margin / vehicle.inertia_kg_m2[k];
+  }
+  return limits;
+}
+
 FlightController::FlightController(Vehicle vehicle, Gains gains, const ControllerOptions& options)
     : vehicle_(std::move(vehicle)),
       gains_(std::move(gains)),
@@ -45,22 +64,9 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
 void FlightController::Reset(const MeasuredState& state,
                              double commanded_speed,
                              double highest_speed) {
-  const double hover_squared =
-      vehicle_.mass_kg * kGravity_m_per_s2 / (4.0 * vehicle_.thrust_coefficient_N_s2);
   if (options_.saturate && options_.limit_reference) {
-    // What the motors can be moved from hover, up or down, before one of them saturates, shared out
-    // between roll, pitch and yaw; the rest is for the altitude and the feedback.
-    constexpr std::array kShare{0.35, 0.35, 0.1};
-    const double margin =
-        std::clamp(std::min(hover_squared, highest_speed * highest_speed - hover_squared),
-                   0.05 * hover_squared,
-                   hover_squared);
-    const double tilt = vehicle_.lever_m() * vehicle_.thrust_coefficient_N_s2;
-    const std::array torque_per_square{tilt, tilt, vehicle_.torque_coefficient_N_m_s2};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double most_N_m = 4.0 * torque_per_square[k] * margin;
-      angles_[k] = AngleReference(options_, k, kShare[k] * most_N_m / vehicle_.inertia_kg_m2[k]);
-    }
+    const Triple<double> limits = AngleReferenceLimits(vehicle_, highest_speed);
+    for (std::size_t k = 0; k < 3; ++k) angles_[k] = AngleReference(options_, k, limits[k]);
   }
   down_.Reset(state.position_m[2]);
   for (std::size_t k = 0; k < 3; ++k) angles_[k].Reset(state.angles_rad[k]);
@@ -73,28 +79,11 @@ void FlightController::Reset(const MeasuredState& state,
   saturated_ = false;
 }
 
-// Torque before thrust: a lost torque stays as a rate that the weak attitude gains need seconds to
-// brake, lost thrust is back in the next step. Squares are moved together into [0, highest²]; only
-// where they are further apart than that the torques shrink.
-void FlightController::Desaturate(double highest_speed) {
-  PerMotor<double>& squared = output_.speed_squared;
-  const double limit = highest_speed * highest_speed;
-  const auto [low, high] = std::minmax_element(squared.begin(), squared.end());
-  const double least = *low;
-  const double most = *high;
-  saturated_ = !(least >= 0.0 && most <= limit);
-  if (!saturated_) return;
-  const double share = std::min(1.0, limit / (most - least));
-  const double middle = 0.5 * (least + most);
-  const double reach = 0.5 * share * (most - least);
-  const double shifted = std::clamp(middle, reach, std::max(limit - reach, reach));
-  for (double& square : squared) {
-    square = std::clamp(shifted + share * (square - middle), 0.0, limit);
-  }
-}
-
 PerMotor<double> FlightController::Duties(double battery_V) {
-  if (options_.saturate) Desaturate(HeldSpeed(vehicle_, battery_V));
+  if (options_.saturate) {
+    const double highest_speed = HeldSpeed(vehicle_, battery_V);
+    saturated_ = Desaturate(output_.speed_squared, highest_speed * highest_speed);
+  }
   PerMotor<double> duty;
   for (std::size_t i = 0; i < 4; ++i) {
     // Without saturation a negative square still has no root.
@@ -139,10 +128,8 @@ PerMotor<double> FlightController::Step(const FlightCommand& command, const Meas
                              : vehicle_.nominal_voltage_V;  // (3.17)
   const PerMotor<double> duty = Duties(voltage);
 
-  // Anti-windup: while a motor saturates, an integral may shrink but not grow.
   const auto integrate = [&](double& integral, double error) {
-    if (saturated_ && options_.saturate && error * integral > 0.0) return;
-    integral += kControlStep_s * error;  // (3.61)
+    if (MayIntegrate(saturated_, integral, error)) integral += kControlStep_s * error;  // (3.61)
   };
   integrate(integrals_.down, output_.down_error);
   for (std::size_t k = 0; k < 3; ++k) integrate(integrals_.angles[k], output_.angle_errors[k]);

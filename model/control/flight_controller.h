@@ -83,6 +83,11 @@ struct MeasuredState {
   double battery_V = 0.0;
 };
 
+/// Accelerations of the angles' references in rad/s² that motors of this highest speed can follow:
+/// what they can be moved from hover, up or down, before one saturates, shared out between roll,
+/// pitch and yaw with a rest for the altitude and the feedback.
+[[nodiscard]] Triple<double> AngleReferenceLimits(const Vehicle& vehicle, double highest_speed);
+
 class FlightController {
  public:
   FlightController(Vehicle vehicle, Gains gains, const ControllerOptions& options);
@@ -103,7 +108,6 @@ class FlightController {
 
  private:
   [[nodiscard]] TiltCommand Tilt(const FlightCommand& command, const MeasuredState& state);
-  void Desaturate(double highest_speed);
   PerMotor<double> Duties(double battery_V);
 
   Vehicle vehicle_;

@@ -1,0 +1,105 @@
+#pragma once
+
+/// @file
+/// Controller gains by optimization: the integral of the squared error over a maneuver, at xi = 1
+/// (battery-unaware) or summed over several xi (battery-aware), (5.49)-(5.50) and (6.2)-(6.5).
+/// Motor lag and saturation are included: without them the error at xi = 1 is zero for any gains.
+/// Gains are bounded, their gradient is exact, and every optimizer of the table takes the problem.
+/// Tests: tests/identify/gains/gain_design_test.cc.
+
+#include <functional>
+#include <vector>
+
+#include "identify/gains/reduced_loops.h"
+#include "identify/optimizers/least_squares.h"
+#include "identify/optimizers/optimizers.h"
+#include "model/analysis/poles.h"
+
+namespace lipoid {
+
+struct GainDesignOptions {
+  double proportional_bound = 0.0;
+  double integral_bound = 0.0;
+  double derivative_bound = 0.0;
+  double step_m = 0.4;
+  double duration_s = 0.0;
+  bool motor_lag = true;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    const Range bound{0.0, 1e6};
+    v("proportional_bound",
+      self.proportional_bound,
+      bound,
+      "largest K_e in 1/s²; 0: 10 for the altitude, 1 for the attitude, as the thesis");
+    v("integral_bound", self.integral_bound, bound, "largest K_eI in 1/s³; 0: likewise");
+    v("derivative_bound", self.derivative_bound, bound, "largest K_edot in 1/s; 0: likewise");
+    v("step_m", self.step_m, Range{1e-6, 100.0}, "height of the step of the altitude");
+    v("duration_s",
+      self.duration_s,
+      Range{0.0, 1e4},
+      "t_f; 0: 5 s for the altitude, 50 s for the attitude, as the thesis");
+    v("motor_lag", self.motor_lag, Names(), "motors have inertia");
+  }
+};
+
+/// One xi of the sum, and its weight.
+struct WeightedXi {
+  double xi;
+  double weight;
+};
+
+struct GainDesign {
+  Loop loop = Loop::kAltitude;
+  Vehicle vehicle;
+  std::vector<WeightedXi> xi;
+  ControllerOptions controller;
+  GainDesignOptions options;
+  ErrorGains altitude_gains;  ///< held while the attitude is designed
+};
+
+/// The maneuver of a design: a step up of the altitude, or Fig 6.9's pitch.
+[[nodiscard]] FlightPlan DesignPlan(const GainDesign& design);
+
+/// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost.
+class GainProblem : public LeastSquaresProblem {
+ public:
+  explicit GainProblem(const GainDesign& design);
+
+  [[nodiscard]] int size() const override { return 3; }
+  [[nodiscard]] Eigen::VectorXd lower() const override { return Eigen::VectorXd::Zero(3); }
+  [[nodiscard]] Eigen::VectorXd upper() const override { return Eigen::VectorXd::Ones(3); }
+  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override;
+  [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override;
+
+  [[nodiscard]] const ErrorGains& bounds() const { return bounds_; }
+  [[nodiscard]] ErrorGains Gains(const Eigen::VectorXd& x) const;
+  [[nodiscard]] Eigen::VectorXd Point(const ErrorGains& gains) const;
+  /// sum_i w_i integral of e² dt, (6.3): m² s, or rad² s.
+  [[nodiscard]] double CostOf(const ErrorGains& gains) const { return 2.0 * Cost(Point(gains)); }
+
+ private:
+  template <class T, class Visit>
+  void Run(std::size_t k, const BasicErrorGains<T>& gains, Visit&& visit) const;
+
+  GainDesign design_;
+  ErrorGains bounds_;
+  std::vector<LoopTask> tasks_;
+  std::vector<FlightCommand> commands_;
+};
+
+struct GainDesignResult {
+  ErrorGains gains;
+  double cost = 0.0;        ///< of gains, as CostOf
+  double start_cost = 0.0;  ///< of the gains it started from
+  OptimizationSummary optimization;
+  /// Of Levenberg-Marquardt from the answer on: what the optimizer left on the table, at least.
+  double polished_cost = 0.0;
+};
+
+[[nodiscard]] GainDesignResult DesignGains(const GainProblem& problem,
+                                           const ErrorGains& start,
+                                           const OptimizerEntry& optimizer,
+                                           const OptimizerSettings& settings);
+
+}  // namespace lipoid

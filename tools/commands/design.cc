@@ -1,0 +1,221 @@
+// lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "identify/gains/gain_design.h"
+#include "model/control/gains.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "model/core/run_record.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tools/cli/suggest.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/number_range.h"
+
+namespace lipoid {
+namespace {
+
+using cli::Align;
+using cli::Significant;
+
+// A longer run is made where it is worth the wait.
+enum class Check { kAuto, kAlways, kNever };
+
+constexpr std::array<std::pair<Check, std::string_view>, 3> OptionNames(Check) {
+  return {{{Check::kAuto, "auto"}, {Check::kAlways, "always"}, {Check::kNever, "never"}}};
+}
+
+constexpr double kPatience_s = 60.0;
+
+std::string_view TerminationName(Termination termination) {
+  for (const auto& [value, name] : OptionNames(Termination{})) {
+    if (value == termination) return name;
+  }
+  return "?";
+}
+
+Json ToJson(const ErrorGains& gains) {
+  return {{"proportional", gains.proportional},
+          {"integral", gains.integral},
+          {"derivative", gains.derivative}};
+}
+
+std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::string& weights) {
+  std::vector<double> w;
+  for (std::size_t from = 0; !weights.empty() && from <= weights.size();) {
+    const std::size_t to = std::min(weights.find(',', from), weights.size());
+    w.push_back(options_internal::ParseDouble(
+        "--weights", weights.substr(from, to - from), Range{0.0, 1e9}));
+    from = to + 1;
+  }
+  if (!w.empty() && w.size() != xi.size()) {
+    throw OptionError(fmt::format(
+        "option --weights: expected {} numbers, one for each xi, found {}", xi.size(), w.size()));
+  }
+  std::vector<WeightedXi> all;
+  for (std::size_t k = 0; k < xi.size(); ++k) all.push_back({xi[k], w.empty() ? 1.0 : w[k]});
+  return all;
+}
+
+// Ten times as long by every option that ends a run.
+OptimizerSettings TenTimesLonger(const OptimizerEntry& optimizer, OptimizerSettings settings) {
+  for (const auto& [name, value] : optimizer.values(settings)) {
+    if (name == "stall" || name == "iterations_per_variable") {
+      optimizer.set(settings, name, fmt::format("{}", 10 * std::stol(value)));
+    }
+  }
+  return settings;
+}
+
+}  // namespace
+
+cli::ExitCode DesignCommand(cli::CommandLine& line) {
+  std::string loop_name;
+  std::string vehicle_name = "mambo-thesis";
+  std::string start_name;
+  std::string optimizer_name = "particle-swarm";
+  std::string range;
+  std::string weights;
+  std::string output;
+  bool aware = false;
+  Check check = Check::kAuto;
+  GainDesign design;
+  OptimizerSettings settings;
+  line.Describe(
+      "Finds the error controller's gains of the altitude or the attitude loop: the least squared "
+      "error over a maneuver at full voltage (6.2), (6.4), or with --aware summed over the "
+      "voltages "
+      "of a discharge (6.3), (6.5). Motor lag and saturation are included.",
+      "lipoid design altitude --aware -o gains.json");
+  line.Example("lipoid design attitude --aware --optimizer levenberg-marquardt");
+  line.Argument("LOOP", loop_name, "altitude, or attitude");
+  line.Flag("aware", aware, "over all xi instead of xi = 1 alone");
+  line.Text("xi",
+            range,
+            "RANGE",
+            "voltages over the nominal one, FIRST:STEP:LAST (default 0.8:0.01:1 with --aware, 1 "
+            "without)");
+  line.Text("weights", weights, "W,W,...", "one for each xi (default 1)");
+  line.Text("vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+  line.Text("start",
+            start_name,
+            "GAINS",
+            "where the search starts, and the gains of the other loops: unaware, aware, or a gains "
+            "file (default aware with --aware)");
+  line.Text("optimizer", optimizer_name, "NAME", "any of `lipoid list optimizers`");
+  line.Option(
+      "check",
+      check,
+      Names(),
+      "state the gap of the cost to a run ten times longer; auto: unless that takes minutes");
+  line.OutputOption("output,o", output, "JSON", "gains file for `lipoid fly --gains`");
+  line.Group("design", design.options);
+  line.Group("controller", design.controller);
+  for (const OptimizerEntry& entry : Optimizers()) {
+    line.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
+      entry.set(settings, name, text);
+    });
+  }
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  if (loop_name != "altitude" && loop_name != "attitude") {
+    throw OptionError(cli::UnknownName("loop", loop_name, {"altitude", "attitude"}));
+  }
+  const bool altitude = loop_name == "altitude";
+  const OptimizerEntry& optimizer = FindOptimizer(optimizer_name);
+  if (start_name.empty()) start_name = aware ? "aware" : "unaware";
+  const Gains start = LoadGains(start_name);
+  design.loop = altitude ? Loop::kAltitude : Loop::kAttitude;
+  design.vehicle = LoadVehicle(vehicle_name);
+  design.altitude_gains = start.altitude;
+  if (range.empty()) range = aware ? "0.8:0.01:1" : "1";
+  design.xi = WeightedXis(ReadRange("xi", range, Range{1e-3, 2.0}), weights);
+  settings.context.seed = line.seed();
+  settings.context.threads = 0;
+
+  const GainProblem problem(design);
+  const ErrorGains& from = altitude ? start.altitude : start.attitude;
+  line.progress().Update(0.0, "designing");
+  const GainDesignResult result = DesignGains(problem, from, optimizer, settings);
+  line.progress().Wipe();
+
+  Json& summary = line.summary();
+  summary["loop"] = loop_name;
+  summary["vehicle"] = design.vehicle.name;
+  summary["optimizer"] = optimizer.name;
+  summary["xi"] = Json::array();
+  for (const auto& [xi, weight] : design.xi) summary["xi"].push_back(xi);
+  summary["gains"] = ToJson(result.gains);
+  summary["bounds"] = ToJson(problem.bounds());
+  summary["cost"] = result.cost;
+  summary["start"] = {{"gains", ToJson(from)}, {"cost", result.start_cost}};
+  summary["polished_cost"] = result.polished_cost;
+  summary["evaluations"] = result.optimization.evaluations;
+  summary["gradient_evaluations"] = result.optimization.gradient_evaluations;
+  summary["termination"] = TerminationName(result.optimization.termination);
+  summary["message"] = result.optimization.message;
+  summary["wall_s"] = result.optimization.wall_s;
+
+  const std::string unit = altitude ? "m² s" : "rad² s";
+  cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}});
+  const auto row = [&](std::string name, const ErrorGains& gains, double cost) {
+    table.Row({std::move(name),
+               Significant(gains.proportional),
+               Significant(gains.integral),
+               Significant(gains.derivative),
+               Significant(cost)});
+  };
+  row("start: " + start.name, from, result.start_cost);
+  row("found", result.gains, result.cost);
+  const auto gap_percent = [&](double other) {
+    return other > 0.0 ? 100.0 * (result.cost - other) / other : 0.0;
+  };
+  const double longer_s = 10.0 * result.optimization.wall_s;
+  const bool longer_run =
+      check == Check::kAlways || (check == Check::kAuto && longer_s < kPatience_s);
+  if (longer_run) {
+    line.progress().Update(0.0, "checking with a run ten times longer");
+    const GainDesignResult longer =
+        DesignGains(problem, from, optimizer, TenTimesLonger(optimizer, settings));
+    line.progress().Wipe();
+    row("ten times longer", longer.gains, longer.cost);
+    summary["longer_run"] = {{"gains", ToJson(longer.gains)},
+                             {"cost", longer.cost},
+                             {"evaluations", longer.optimization.evaluations},
+                             {"wall_s", longer.optimization.wall_s},
+                             {"gap_percent", gap_percent(longer.cost)}};
+  }
+  line.Print("{}", table.Text());
+  line.Message("{} on {}: {} evaluations in {:.2f} s, {} ({})",
+               optimizer.name,
+               design.vehicle.name,
+               result.optimization.evaluations,
+               result.optimization.wall_s,
+               TerminationName(result.optimization.termination),
+               result.optimization.message);
+  line.Message("Levenberg-Marquardt from there on finds {:.3g} % less",
+               gap_percent(result.polished_cost));
+  if (longer_run) {
+    const auto& longer = summary["longer_run"];
+    line.Message("a run ten times longer ({} evaluations, {:.1f} s) leaves a gap of {:.3g} %",
+                 longer["evaluations"].get<int>(),
+                 longer["wall_s"].get<double>(),
+                 longer["gap_percent"].get<double>());
+  } else {
+    line.Message("not compared with a run ten times longer, about {:.0f} s: --check always does",
+                 longer_s);
+  }
+
+  if (!output.empty()) {
+    Gains gains = start;
+    gains.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
+    (altitude ? gains.altitude : gains.attitude) = result.gains;
+    WriteFileAtomically(output, GainsToJson(gains).dump(2) + "\n");
+  }
+  return result.optimization.usable() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+}
+
+}  // namespace lipoid
