@@ -13,8 +13,9 @@
 /// Biases, noise, ranges and the sonar's floor are the figures published with the vehicle's
 /// simulation package. It gives none for the noise of sonar, pressure and flow: the first two are
 /// taken as a sixth of the gates that the vehicle's estimator has for them, so that no healthy
-/// reading is refused; the flow's is chosen. (The estimator's R of 0.1 m² cannot be the sonar's
-/// variance: a third of its readings would then lie beyond its gate of 0.3 m.)
+/// reading is refused. (The estimator's R of 0.1 m² cannot be the sonar's variance: a third of its
+/// readings would then lie beyond its gate of 0.3 m.) The flow's is chosen: it is what the position
+/// controller turns into tilt, half a degree at most in a hover, as little as the vehicle shows.
 ///
 /// Altitude is -Z, positive up. Noise is white. Switching one kind of noise off leaves the numbers
 /// of the others as they are. Tests: tests/model/vehicle/sensors_test.cc.
@@ -46,7 +47,7 @@ struct SensorOptions {
   double sonar_noise_m = 0.05;
   double pressure_noise_m = 0.13;
   double pressure_bias_m = 0.0;
-  double flow_noise_m_per_s = 0.1;
+  double flow_noise_m_per_s = 0.02;
   double voltage_noise_V = 0.0;
   double voltage_step_V = 0.0;
 
