@@ -9,7 +9,8 @@
 /// over the coming step: a controller that holds its output over the step then gives the vehicle
 /// exactly the reference's change of rate. (Its value at the sample does not: at omega_0 = 100
 /// rad/s and 5 ms a step of 4 degrees would leave a rate of 2 rad/s behind.) A limit on the
-/// acceleration keeps the reference within what the motors can do. Tests:
+/// acceleration keeps the reference within what the motors can do; it then also brakes in time, so
+/// that with zeta_0 >= 1 no command however far is overshot. Tests:
 /// tests/model/control/reference_model_test.cc.
 
 #include <array>
@@ -44,6 +45,7 @@ class ReferenceModel {
  private:
   double step_s_;
   double limit_;
+  double far_;                  // a gap beyond which the limit could not brake what (3.59) asks for
   std::array<double, 4> flow_;  // transition of (value - command, rate) over a step
   double value_ = 0.0;
   double rate_ = 0.0;

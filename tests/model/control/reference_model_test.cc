@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "model/core/errors.h"
@@ -102,7 +101,7 @@ TEST(ReferenceModel, RestsWhereItIsReset) {
 TEST(ReferenceModel, KeepsWithinItsLimitAndArrives) {
   constexpr double kStep_s = 0.005;
   constexpr double kLimit = 40.0;
-  for (const double command : {0.07, 0.35, -1.0}) {
+  for (const double command : {0.07, 0.35, -1.0}) {  // all at full limit for five steps
     SCOPED_TRACE(command);
     ReferenceModel model(100.0, 1.0, kStep_s, kLimit);
     model.Reset(0.0);
@@ -127,14 +126,46 @@ TEST(ReferenceModel, KeepsWithinItsLimitAndArrives) {
   }
 }
 
-// Up to some 4 limit/omega_0² the limit only delays: here 4 degrees at what the motors of a Mambo
-// can do.
-TEST(ReferenceModel, DoesNotOvershootBecauseOfItsLimitOnASmallStep) {
-  ReferenceModel model(100.0, 1.0, 0.005, 230.0);
-  model.Reset(0.0);
-  const double command = 4.0 * std::numbers::pi / 180.0;
-  EXPECT_GT(100.0 * 100.0 * command, 230.0);  // it does limit
-  for (int k = 0; k < 400; ++k) ASSERT_LE(model.Step(command).value, command * (1.0 + 1e-12));
+// However far the command: it is never overshot, and reached in little more than the least time,
+// 2 sqrt(gap/limit), that any brake of this limit needs.
+TEST(ReferenceModel, BrakesInTime) {
+  constexpr double kStep_s = 0.005;
+  constexpr double kLimit = 40.0;
+  for (const double omega : {4.0, 100.0, 200.0}) {
+    for (const double ratio : {1.0, 5.0, 10.0, 30.0, 100.0, 1000.0}) {
+      SCOPED_TRACE(testing::Message() << "omega " << omega << ", ratio " << ratio);
+      const double command = ratio * kLimit / (omega * omega);
+      ReferenceModel model(omega, 1.0, kStep_s, kLimit);
+      model.Reset(0.0);
+      // Critically damped, the last 2 % take 6/omega from rest.
+      const double enough = 1.25 * 2.0 * std::sqrt(command / kLimit) + 6.0 / omega + 2.0 * kStep_s;
+      double rate = 0.0;
+      for (int k = 0; k < 10000; ++k) {
+        const auto out = model.Step(command);
+        ASSERT_LE(out.value, command * (1.0 + 1e-12)) << k;
+        ASSERT_LE(std::abs(out.acceleration), kLimit);
+        ASSERT_NEAR(out.rate, rate, 1e-12 * (1.0 + rate)) << k;
+        rate += kStep_s * out.acceleration;
+        if (k * kStep_s > enough) {
+          ASSERT_GE(out.value, 0.98 * command) << k * kStep_s << " s";
+        }
+      }
+    }
+  }
+}
+
+// A command that would not need the limit's brake is answered by (3.59) itself.
+TEST(ReferenceModel, IsItselfWhereTheLimitIsNotReached) {
+  ReferenceModel limited(5.0, 1.0, 0.005, 10.0);
+  ReferenceModel free(5.0, 1.0, 0.005);
+  limited.Reset(0.0);
+  free.Reset(0.0);
+  for (int k = 0; k < 400; ++k) {
+    const auto a = limited.Step(0.39);  // 5² * 0.39 = 9.75
+    const auto b = free.Step(0.39);
+    ASSERT_EQ(a.value, b.value);
+    ASSERT_EQ(a.acceleration, b.acceleration);
+  }
 }
 
 TEST(ReferenceModel, RefusesWhatIsNoReference) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
-#include "model/battery/cell_file.h"
+#include "model/vehicle/vehicle_file.h"
 
 namespace lipoid {
 namespace {
@@ -134,6 +136,38 @@ TEST(BatterySupply, LeavesOutATailThatWouldBeANegativeResistance) {
   model.Advance(state, 3.0, model.MakeStep(kStep_s));
   EXPECT_EQ(battery.Linearize().resistance_Ohm, 0.13);
   EXPECT_NEAR(At(battery.Linearize(), 3.0), model.Voltage(state, 3.0), kRounding_V);
+}
+
+// Battery and motors solved together: the closed form is the voltage at which the whole cell, tail
+// and all, gives the current that four motors take.
+TEST(BatterySupply, TheLoopWithTheMotorsIsTheRootOfTheWholeCell) {
+  const Vehicle v = LoadVehicle("mambo-coupled");
+  const PerMotor<double> duty{0.5, 0.6, 0.7, 0.55};
+  const PerMotor<double> speed{1900.0, 2100.0, 2000.0, 1700.0};
+  for (const int parallel : {1, 3}) {
+    Cell cell = StraightCell();
+    cell.parallel = parallel;
+    BatterySupply battery(cell, 0.9);
+    const CellModel<double> model(cell.Parameters());
+    auto state = model.Relaxed(0.9);
+    const auto step = model.MakeStep(kStep_s);
+    for (int k = 0; k < 500; ++k) {
+      battery.Advance(parallel * Current_A(k) * kStep_s, kStep_s);
+      model.Advance(state, Current_A(k), step);
+    }
+    const auto surplus = [&](double volts) {
+      double pack_A = 0.0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        pack_A += duty[i] * (duty[i] * volts - v.motor_constant_N_m_per_A * speed[i]) /
+                  v.armature_resistance_Ohm;
+      }
+      return model.Voltage(state, pack_A / parallel) - volts;
+    };
+    std::uintmax_t iterations = 200;
+    const auto root = boost::math::tools::toms748_solve(
+        surplus, 0.0, 10.0, boost::math::tools::eps_tolerance<double>(52), iterations);
+    EXPECT_NEAR(LoopVoltage(v, battery.Linearize(), duty, speed), root.first, 1e-13);
+  }
 }
 
 TEST(BatterySupply, APackIsItsCellsTimesSeriesAndOverParallel) {

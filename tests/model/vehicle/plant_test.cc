@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/plant_flight.h"
@@ -17,7 +16,6 @@ namespace {
 using State = PlantState<double>;
 using test::AsEigen;
 
-constexpr unsigned kSeed = 20261120;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr PlantOptions kAir{.motor_lag = true, .drag = false, .ground = false};
 
