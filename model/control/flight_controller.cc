@@ -31,7 +31,7 @@ LoopReference<double> Reference(const ReferenceModel::Output& out) {
 }  // namespace
 
 Triple<double> AngleReferenceLimits(const Vehicle& vehicle, double highest_speed) {
-  constexpr std::array kShare{0.35, 0.35, 0.1};
+  constexpr std::array kShare{0.35, 0.35, 0.05};
   const double hover_squared =
       vehicle.mass_kg * kGravity_m_per_s2 / (4.0 * vehicle.thrust_coefficient_N_s2);
   const double margin =
@@ -64,8 +64,10 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
 void FlightController::Reset(const MeasuredState& state,
                              double commanded_speed,
                              double highest_speed) {
+  yaw_limit_N_m_ = kNoLimit;
   if (options_.saturate && options_.limit_reference) {
     const Triple<double> limits = AngleReferenceLimits(vehicle_, highest_speed);
+    yaw_limit_N_m_ = limits[2] * vehicle_.inertia_kg_m2[2];
     for (std::size_t k = 0; k < 3; ++k) angles_[k] = AngleReference(options_, k, limits[k]);
   }
   down_.Reset(state.position_m[2]);
@@ -122,6 +124,14 @@ PerMotor<double> FlightController::Step(const FlightCommand& command, const Meas
   const InnerLoopState<double> inner{
       state.position_m[2], state.velocity_m_per_s[2], state.angles_rad, state.body_rates_rad_per_s};
   output_ = InnerLoops(vehicle_, gains_, inner, references_, integrals_);
+  // Yaw last: pitching while rolled asks for a yaw torque of which the motors have little, and
+  // motors that are pulled apart by pitch and yaw at once roll the vehicle, their thrust being no
+  // linear function of the command.
+  double& yaw_N_m = output_.wrench.torque_N_m[2];
+  if (std::abs(yaw_N_m) > yaw_limit_N_m_) {
+    yaw_N_m = std::copysign(yaw_limit_N_m_, yaw_N_m);
+    output_.speed_squared = SquaredSpeedsOf(vehicle_, output_.wrench);  // (3.13)
+  }
   saturated_ = false;
   const double voltage = options_.compensate && state.battery_V > 0.0
                              ? state.battery_V              // (5.52)

@@ -70,7 +70,7 @@ struct ControllerOptions {
     v("limit_reference",
       self.limit_reference,
       Names(),
-      "references of the angles keep within the torque of the motors");
+      "references of the angles, and the yaw torque, keep within what the motors can do");
   }
 };
 
@@ -120,6 +120,7 @@ class FlightController {
   InnerLoopReferences<double> references_{};
   ErrorIntegrals<double> integrals_{};
   InnerLoopOutput<double> output_{};
+  double yaw_limit_N_m_ = std::numeric_limits<double>::infinity();
   bool saturated_ = false;
 };
 

@@ -187,20 +187,51 @@ class Simulation {
       if constexpr (N > plant::kCurrents) x_[plant::kCurrents + i] = trim.motor_A;
       inputs_.duty[i] = setup_.controller.saturate ? std::min(trim.duty, 1.0) : trim.duty;
     }
-    MeasuredState measured = Truth();
-    measured.battery_V = trim.battery_V;
+    const MeasuredState measured = Truth(trim.battery_V);
+    if (setup_.estimate) StartEstimating(measured);
     // A cell will be nearly empty one day: references must be within the motors' reach then too.
     const double lowest_V = battery_ ? battery_->cutoff_V() : trim.battery_V;
     controller_.Reset(
         measured, trim.commanded_speed_rad_per_s, HeldSpeed(setup_.vehicle, lowest_V));
   }
 
-  [[nodiscard]] MeasuredState Truth() const {
+  // The biases are found at rest, where the specific force is that of hover.
+  void StartEstimating(const MeasuredState& at_rest) {
+    sensors_.emplace(setup_.sensors, setup_.seed);
+    estimator_.emplace(setup_.estimator);
+    const SensedMotion rest{.position_m = at_rest.position_m,
+                            .angles_rad = at_rest.angles_rad,
+                            .specific_force_m_per_s2 = {0.0, 0.0, -kGravity_m_per_s2},
+                            .battery_V = at_rest.battery_V};
+    std::vector<SensorReadings> readings;
+    for (int k = 0; k < setup_.estimator.calibration_samples; ++k) {
+      readings.push_back(sensors_->Read(rest));
+    }
+    estimator_->Reset(at_rest, readings);
+  }
+
+  [[nodiscard]] MeasuredState Truth(double battery_V) const {
     return {TripleAt(x_, plant::kPosition),
             TripleAt(x_, plant::kVelocity),
             TripleAt(x_, plant::kAngles),
             TripleAt(x_, plant::kRates),
-            0.0};
+            battery_V};
+  }
+
+  [[nodiscard]] MeasuredState Measure() {
+    const MeasuredState truth = Truth(plant_.ElectricalAt(x_, inputs_).battery_V);
+    if (!estimator_) return truth;
+    State rate;
+    plant_.Derivative(x_, inputs_, rate);
+    Triple<double> force = TripleAt(rate, plant::kVelocity);
+    force[2] -= kGravity_m_per_s2;
+    const Attitude<double> attitude(truth.angles_rad);
+    return estimator_->Step(sensors_->Read({.position_m = truth.position_m,
+                                            .angles_rad = truth.angles_rad,
+                                            .velocity_m_per_s = truth.velocity_m_per_s,
+                                            .body_rates_rad_per_s = truth.body_rates_rad_per_s,
+                                            .specific_force_m_per_s2 = attitude.ToBody(force),
+                                            .battery_V = truth.battery_V}));
   }
   [[nodiscard]] double Soc() const {
     return battery_ ? battery_->soc() : std::numeric_limits<double>::quiet_NaN();
@@ -217,8 +248,7 @@ class Simulation {
 
   void ControlStep(const FlightRecorder& record) {
     // The voltage is sampled before the new duty cycles take effect.
-    MeasuredState measured = Truth();
-    measured.battery_V = plant_.ElectricalAt(x_, inputs_).battery_V;
+    const MeasuredState measured = Measure();
     command_ = pilot_.At(time_s_);
     inputs_.duty = controller_.Step(command_, measured);
     if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
@@ -379,6 +409,8 @@ class Simulation {
   Metrics metrics_;
   std::optional<BatterySupply> battery_;
   std::optional<Wind> wind_;
+  std::optional<Sensors> sensors_;
+  std::optional<Estimator> estimator_;
   odeint::runge_kutta4<State, double, State, double, odeint::array_algebra> rk4_;
 
   State x_{};

@@ -18,11 +18,13 @@
 #include <vector>
 
 #include "model/battery/cell.h"
+#include "model/control/estimator.h"
 #include "model/control/flight_controller.h"
 #include "model/flight/flight_log.h"
 #include "model/flight/flight_plan.h"
 #include "model/flight/trim.h"
 #include "model/vehicle/plant.h"
+#include "model/vehicle/sensors.h"
 #include "model/vehicle/wind.h"
 
 namespace lipoid {
@@ -66,6 +68,9 @@ struct FlightSetup {
   Gains gains;
   ControllerOptions controller;
   SimulationOptions simulation;
+  bool estimate = false;  ///< the controller sees sensors and estimator, not the true state
+  SensorOptions sensors;
+  EstimatorOptions estimator;
   WindOptions wind;
   std::uint64_t seed = 0;  ///< of gusts and of the sensors' noise
   /// Of the pack: lands when the battery has been below it for a second.

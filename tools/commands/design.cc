@@ -60,13 +60,18 @@ std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::st
   return all;
 }
 
-// Ten times as long by every option that ends a run.
+// Ten times the population, or the iterations of methods that have none.
 OptimizerSettings TenTimesLonger(const OptimizerEntry& optimizer, OptimizerSettings settings) {
-  for (const auto& [name, value] : optimizer.values(settings)) {
-    if (name == "stall" || name == "iterations_per_variable") {
+  const auto values = optimizer.values(settings);
+  const auto longer = [&](std::string_view option) {
+    for (const auto& [name, value] : values) {
+      if (name != option) continue;
       optimizer.set(settings, name, fmt::format("{}", 10 * std::stol(value)));
+      return true;
     }
-  }
+    return false;
+  };
+  if (!longer("population")) longer("iterations_per_variable");
   return settings;
 }
 
@@ -204,7 +209,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                  longer["evaluations"].get<int>(),
                  longer["wall_s"].get<double>(),
                  longer["gap_percent"].get<double>());
-  } else {
+  } else if (check == Check::kAuto) {
     line.Message("not compared with a run ten times longer, about {:.0f} s: --check always does",
                  longer_s);
   }

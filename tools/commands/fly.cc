@@ -129,6 +129,9 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
             "mambo-thesis on an ideal source)");
   line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
   line.Flag("compensate", setup.controller.compensate, "commands use the measured voltage (5.52)");
+  line.Flag("estimate",
+            setup.estimate,
+            "the controller sees noisy sensors through the estimator, not the true state");
   line.Input("waypoints",
              request.waypoints_file,
              "FILE",
@@ -153,6 +156,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                     "flight log: state, references, motors, battery (docs/formats.md)");
   line.Group("controller", setup.controller);
   line.Group("simulation", setup.simulation);
+  line.Group("sensors", setup.sensors);
+  line.Group("estimator", setup.estimator);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Maneuver& maneuver = FindManeuver(maneuver_name);
