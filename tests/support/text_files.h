@@ -32,4 +32,20 @@ inline std::string ReadText(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// The rest of an indented example of the docs from the line that starts so, up to the first line
+/// of text after it.
+inline std::string DocsExample(const std::string& document, const std::string& first_line) {
+  const std::string text = ReadText(SourcePath(document));
+  std::string example;
+  for (auto at = text.find("\n    " + first_line); at != std::string::npos;) {
+    const auto end = text.find('\n', at + 1);
+    const std::string line = text.substr(at + 1, end - at - 1);
+    if (!line.empty() && line.rfind("    ", 0) != 0) break;
+    example += (line.empty() ? line : line.substr(4)) + "\n";
+    at = end;
+  }
+  EXPECT_FALSE(example.empty()) << document << ": no example '" << first_line << "'";
+  return example;
+}
+
 }  // namespace lipoid::test

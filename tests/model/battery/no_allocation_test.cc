@@ -11,6 +11,7 @@
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
 #include "model/control/estimator.h"
+#include "model/control/flight_controller.h"
 #include "model/vehicle/battery_supply.h"
 #include "model/vehicle/plant.h"
 #include "model/vehicle/sensors.h"
@@ -127,6 +128,22 @@ TEST(NoAllocation, InTheStepOfWindSensorsAndEstimator) {
   }
   EXPECT_EQ(allocations, before);
   EXPECT_NE(state.velocity_m_per_s[0], 0.0);
+}
+
+TEST(NoAllocation, InTheStepOfAFlightController) {
+  FlightController controller(LoadVehicle("mambo-coupled"), LoadGains("aware"), {});
+  MeasuredState state;
+  state.position_m[2] = -1.0;
+  state.battery_V = 3.8;
+  controller.Reset(state, 2000.0, 2700.0);
+  double sum = 0.0;
+  const std::size_t before = allocations;
+  for (int k = 0; k < 1000; ++k) {
+    state.angles_rad[0] = 1e-4 * k;  // into saturation
+    sum += controller.Step({.altitude_m = 1.5, .x_m = 1.0}, state)[0];
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(sum, 0.0);
 }
 
 }  // namespace

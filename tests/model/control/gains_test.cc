@@ -119,5 +119,12 @@ TEST(Gains, AreLoadedByNameOrFromAFile) {
             "found neither");
 }
 
+TEST(Gains, TheExampleInTheDocsIsOne) {
+  const Gains gains = ParseGains(
+      "{\n" + test::DocsExample("docs/formats.md", "  \"schema\": \"lipoid.gains/1\","), "docs");
+  EXPECT_EQ(gains.name, "mine");
+  EXPECT_EQ(gains.position.tilt_limit_rad, 0.35);
+}
+
 }  // namespace
 }  // namespace lipoid

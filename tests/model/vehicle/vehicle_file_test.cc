@@ -215,5 +215,11 @@ TEST(VehicleFile, ShippedVehiclesSayWhereEveryNumberIsFrom) {
   }
 }
 
+TEST(VehicleFile, TheExampleInTheDocsIsOne) {
+  const Vehicle v = ParseVehicle(test::DocsExample("docs/formats.md", "name = \"mine\""), "docs");
+  EXPECT_EQ(v.name, "mine");
+  EXPECT_EQ(v.friction_N_m_s, 3.5e-7);
+}
+
 }  // namespace
 }  // namespace lipoid
