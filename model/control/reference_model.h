@@ -45,7 +45,7 @@ class ReferenceModel {
  private:
   double step_s_;
   double limit_;
-  double far_;                  // a gap beyond which the limit could not brake what (3.59) asks for
+  double far_;                  // the gap beyond which the limit could no longer brake
   std::array<double, 4> flow_;  // transition of (value - command, rate) over a step
   double value_ = 0.0;
   double rate_ = 0.0;

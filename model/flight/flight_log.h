@@ -30,6 +30,8 @@ struct FlightSample {
   double battery_A = 0.0;
   double soc = 0.0;  ///< NaN with an ideal source
 
+  [[nodiscard]] double altitude_m() const { return position_m[2]; }
+
   /// v(name, value) for every column.
   template <class Visitor>
   void Visit(Visitor&& v) const {

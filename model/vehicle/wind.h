@@ -29,6 +29,7 @@
 namespace lipoid {
 
 struct WindOptions {
+  static constexpr Range kSpeedRange{-60.0, 60.0};
   double wind_x_m_per_s = 0.0;
   double wind_y_m_per_s = 0.0;
   double wind_z_m_per_s = 0.0;
@@ -36,10 +37,12 @@ struct WindOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    const Range speed{-60.0, 60.0};
-    v("wind_x_m_per_s", self.wind_x_m_per_s, speed, "constant wind, what the air moves along X");
-    v("wind_y_m_per_s", self.wind_y_m_per_s, speed, "and along Y");
-    v("wind_z_m_per_s", self.wind_z_m_per_s, speed, "and along Z, down");
+    v("wind_x_m_per_s",
+      self.wind_x_m_per_s,
+      kSpeedRange,
+      "constant wind, what the air moves along X");
+    v("wind_y_m_per_s", self.wind_y_m_per_s, kSpeedRange, "and along Y");
+    v("wind_z_m_per_s", self.wind_z_m_per_s, kSpeedRange, "and along Z, down");
     v("gusts_m_per_s",
       self.gusts_m_per_s,
       Range{0.0, 60.0},

@@ -10,6 +10,7 @@
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
+#include "model/flight/maneuvers/maneuvers.h"
 #include "model/vehicle/motor.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/suggest.h"
@@ -54,6 +55,20 @@ Json ListFormats(cli::CommandLine& line) {
   for (const Layout* format : LogFormats()) {
     table.Row({std::string(format->name), std::string(format->summary)});
     rows.push_back({{"name", format->name}, {"summary", format->summary}});
+  }
+  line.Print("{}", table.Text());
+  return rows;
+}
+
+Json ListManeuvers(cli::CommandLine& line) {
+  cli::TextTable table(
+      {{"maneuver", Align::kLeft}, {"what it flies", Align::kLeft}, {"from", Align::kLeft}});
+  Json rows = Json::array();
+  for (const Maneuver& maneuver : Maneuvers()) {
+    table.Row(
+        {std::string(maneuver.name), std::string(maneuver.summary), std::string(maneuver.source)});
+    rows.push_back(
+        {{"name", maneuver.name}, {"summary", maneuver.summary}, {"source", maneuver.source}});
   }
   line.Print("{}", table.Text());
   return rows;
@@ -182,6 +197,7 @@ constexpr Topic kTopics[] = {
     {"cells", &ListCells},
     {"formats", &ListFormats},
     {"gains", &ListGains},
+    {"maneuvers", &ListManeuvers},
     {"optimizers", &ListOptimizers},
     {"protocols", &ListProtocols},
     {"vehicles", &ListVehicles},

@@ -112,7 +112,7 @@ TEST(FlightController, KeepsItsTorqueWhereThrustSaturates) {
   free.saturate = false;
   for (const double height : {-20.0, 40.0}) {  // full thrust, none
     MeasuredState state = AtHeight(height);
-    state.angles_rad = {0.05, -0.03, 0.1};
+    state.angles_rad = {0.05, -0.03, 0.01};
     FlightController a = Hovering(clipped);
     FlightController b = Hovering(free);
     const auto duty = a.Step({.altitude_m = 1.0, .hold_position = false}, state);
@@ -131,6 +131,29 @@ TEST(FlightController, KeepsItsTorqueWhereThrustSaturates) {
       EXPECT_GE(duty[i], 0.0);
       EXPECT_LE(duty[i], 1.0);
     }
+  }
+}
+
+// Of yaw the motors have little: an absurd one takes its share, and roll and pitch keep theirs.
+TEST(FlightController, BoundsTheYawTorqueAndNoOther) {
+  MeasuredState state = AtHeight(1.0);
+  state.angles_rad = {0.05, -0.03, 2.0};
+  const FlightCommand command{.altitude_m = 1.0, .hold_position = false};
+  ControllerOptions options = Continuous();
+  FlightController bounded = Hovering(options);
+  (void)bounded.Step(command, state);
+  options.limit_reference = false;
+  options.saturate = false;
+  FlightController free = Hovering(options);
+  (void)free.Step(command, state);
+  const auto given = WrenchOf(Mambo(), bounded.output().speed_squared);
+  const auto wanted = WrenchOf(Mambo(), free.output().speed_squared);
+  const double limit = AngleReferenceLimits(Mambo(), HeldSpeed(Mambo(), 4.2))[2] * 1e-4;  // J_z
+  EXPECT_LT(wanted.torque_N_m[2], -10.0 * limit);
+  EXPECT_NEAR(given.torque_N_m[2], -limit, 1e-9 * limit);
+  EXPECT_NEAR(given.thrust_N, wanted.thrust_N, 1e-12);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(given.torque_N_m[k], wanted.torque_N_m[k], 1e-15);
   }
 }
 

@@ -1,0 +1,125 @@
+#include "identify/gains/gain_design.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/core/errors.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tests/support/ridders.h"
+
+namespace lipoid {
+namespace {
+
+GainDesign Design(Loop loop, std::vector<WeightedXi> xi) {
+  GainDesign design;
+  design.loop = loop;
+  design.vehicle = LoadVehicle("mambo-thesis");
+  design.xi = std::move(xi);
+  design.altitude_gains = LoadGains("aware").altitude;
+  if (loop == Loop::kAttitude) design.options.duration_s = 12.0;
+  return design;
+}
+
+TEST(GainDesign, GradientsAreExact) {
+  for (const Loop loop : {Loop::kAltitude, Loop::kAttitude}) {
+    const GainProblem problem(Design(loop, {{0.85, 1.0}, {1.0, 2.0}}));
+    for (const auto& x : {Eigen::Vector3d(0.5, 0.14, 0.8), Eigen::Vector3d(0.3, 0.02, 0.5)}) {
+      Eigen::VectorXd gradient;
+      const double cost = problem.Gradient(x, gradient);
+      // One a sum of 4000 squares, the other the norm of a triangular factor.
+      EXPECT_NEAR(cost, problem.Cost(x), 1e-11 * cost);
+      for (int k = 0; k < 3; ++k) {
+        const auto along = [&](double value) {
+          Eigen::VectorXd at = x;
+          at[k] = value;
+          return problem.Cost(at);
+        };
+        const auto slope = test::Ridders(along, x[k], 1e-3);
+        // Saturation makes kinks: differences over them err, the tangent does not.
+        EXPECT_NEAR(gradient[k], slope.value, 1e-5 * gradient.norm() + 10.0 * slope.error)
+            << int(loop) << " " << k;
+      }
+    }
+  }
+}
+
+TEST(GainDesign, CostIsTheIntegralOfTheSquaredError) {
+  const GainDesign design = Design(Loop::kAltitude, {{0.8, 1.0}, {0.9, 3.0}});
+  const GainProblem problem(design);
+  const ErrorGains gains = LoadGains("aware").altitude;
+  double expected = 0.0;
+  for (const auto& [xi, weight] : design.xi) {
+    LoopTask task;
+    task.vehicle = design.vehicle;
+    task.xi = xi;
+    task.plan = DesignPlan(design);
+    RunAltitudeLoop(task, SampledCommands(task.plan), gains, [&](std::size_t, double e) {
+      expected += weight * e * e * kControlStep_s;
+    });
+  }
+  EXPECT_NEAR(problem.CostOf(gains), expected, 1e-14 * expected);
+  EXPECT_GT(expected, 1e-4);
+}
+
+TEST(GainDesign, EveryLocalMethodFindsTheSameGains) {
+  const GainProblem problem(Design(Loop::kAltitude, {{0.8, 1.0}, {0.9, 1.0}, {1.0, 1.0}}));
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<std::string, double>> costs;
+  for (const OptimizerEntry& optimizer : Optimizers()) {
+    if (optimizer.global) continue;
+    const auto result = DesignGains(problem, LoadGains("aware").altitude, optimizer, {});
+    EXPECT_TRUE(result.optimization.usable()) << optimizer.name;
+    EXPECT_LE(result.cost, result.start_cost);
+    EXPECT_LE(result.polished_cost, result.cost);
+    costs.emplace_back(optimizer.name, result.cost);
+    best = std::min(best, result.cost);
+  }
+  ASSERT_GE(costs.size(), 6U);
+  for (const auto& [name, cost] : costs) {
+    // Nelder-Mead's simplex flattens on the bounds that hold here and ends above the others.
+    EXPECT_LT(cost, (name == "nelder-mead" ? 1.05 : 1.001) * best) << name;
+  }
+}
+
+TEST(GainDesign, TheSwarmFindsItToo) {
+  const GainProblem problem(Design(Loop::kAltitude, {{0.8, 1.0}, {1.0, 1.0}}));
+  OptimizerSettings settings;
+  settings.context.seed = 3;
+  const ErrorGains start = LoadGains("unaware").altitude;
+  const auto swarm = DesignGains(problem, start, FindOptimizer("particle-swarm"), settings);
+  const auto again = DesignGains(problem, start, FindOptimizer("particle-swarm"), settings);
+  EXPECT_LT(swarm.cost, 1.001 * swarm.polished_cost);
+  EXPECT_EQ(swarm.cost, again.cost);
+  EXPECT_LE(swarm.gains.proportional, problem.bounds().proportional);
+  EXPECT_LT(swarm.cost, problem.CostOf(start));
+}
+
+TEST(GainDesign, BoundsAreTheThesisOrTheUsers) {
+  GainDesign design = Design(Loop::kAltitude, {{1.0, 1.0}});
+  EXPECT_EQ(GainProblem(design).bounds().derivative, 10.0);
+  design.options.derivative_bound = 3.5;
+  EXPECT_EQ(GainProblem(design).bounds().derivative, 3.5);
+  EXPECT_EQ(GainProblem(Design(Loop::kAttitude, {{1.0, 1.0}})).bounds().proportional, 1.0);
+}
+
+TEST(GainDesign, WithoutLagAndSaturationAnyGainsAreAsGoodAtFullVoltage) {
+  // What makes (6.2) degenerate: the error left is that of sampling.
+  GainDesign design = Design(Loop::kAltitude, {{1.0, 1.0}});
+  design.options.motor_lag = false;
+  design.controller.saturate = false;
+  const GainProblem ideal(design);
+  design.options.motor_lag = true;
+  design.controller.saturate = true;
+  const GainProblem real(design);
+  const ErrorGains unaware = LoadGains("unaware").altitude;
+  EXPECT_LT(ideal.CostOf(unaware), 0.02 * real.CostOf(unaware));
+}
+
+TEST(GainDesign, RefusesNoXi) {
+  EXPECT_THROW(GainProblem(Design(Loop::kAltitude, {})), PreconditionError);
+  EXPECT_THROW(GainProblem(Design(Loop::kAltitude, {{0.0, 1.0}})), PreconditionError);
+}
+
+}  // namespace
+}  // namespace lipoid

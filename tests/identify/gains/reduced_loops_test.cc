@@ -1,0 +1,112 @@
+#include "identify/gains/reduced_loops.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/control/gains.h"
+#include "model/flight/maneuvers/maneuvers.h"
+#include "model/flight/simulator.h"
+#include "model/vehicle/vehicle_file.h"
+
+namespace lipoid {
+namespace {
+
+std::vector<FlightSample> FlyWhole(const LoopTask& task, const Gains& gains) {
+  FlightSetup setup;
+  setup.vehicle = task.vehicle;
+  setup.xi = task.xi;
+  setup.gains = gains;
+  setup.controller = task.controller;
+  setup.controller.pwm = Pwm::kContinuous;
+  setup.simulation.motor_lag = task.motor_lag;
+  setup.simulation.ground = false;
+  std::vector<FlightSample> samples;
+  (void)Fly(setup, task.plan, [&](const FlightSample& s) { samples.push_back(s); });
+  return samples;
+}
+
+LoopTask Task(double xi, FlightPlan plan, bool lag, bool saturate) {
+  LoopTask task;
+  task.vehicle = LoadVehicle("mambo-thesis");
+  task.xi = xi;
+  task.plan = std::move(plan);
+  task.motor_lag = lag;
+  task.controller.saturate = saturate;
+  return task;
+}
+
+// Sums of four equal motors against one motor times four: rounding, amplified by seconds of a loop
+// that rings.
+constexpr double kRounding = 1e-10;
+
+TEST(ReducedLoops, TheAltitudeIsThatOfTheWholeFlight) {
+  for (const char* name : {"unaware", "aware"}) {
+    const Gains gains = LoadGains(name);
+    for (const double xi : {0.8, 0.9, 1.0}) {
+      for (const bool lag : {false, true}) {
+        for (const bool saturate : {false, true}) {
+          const LoopTask task = Task(xi, AltitudeStepsPlan({}), lag, saturate);
+          const auto whole = FlyWhole(task, gains);
+          std::vector<double> errors;
+          RunAltitudeLoop(
+              task, SampledCommands(task.plan), gains.altitude, [&](std::size_t, double e) {
+                errors.push_back(e);
+              });
+          ASSERT_EQ(errors.size(), whole.size());
+          double largest = 0.0;
+          for (std::size_t k = 0; k < errors.size(); ++k) {
+            // e_Z = Z_ref - Z with z down is altitude less reference.
+            ASSERT_NEAR(errors[k], whole[k].altitude_m() - whole[k].altitude_reference_m, kRounding)
+                << name << " " << xi << " " << lag << saturate << " at " << k;
+            largest = std::max(largest, std::abs(errors[k]));
+          }
+          if (xi < 1.0 || lag) {
+            EXPECT_GT(largest, 1e-3);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(ReducedLoops, ThePitchIsThatOfTheWholeFlight) {
+  for (const char* name : {"unaware", "aware"}) {
+    const Gains gains = LoadGains(name);
+    for (const double xi : {0.85, 1.0}) {
+      for (const bool lag : {false, true}) {
+        const LoopTask task = Task(xi, AttitudeDoubletsPlan({}), lag, true);
+        const auto whole = FlyWhole(task, gains);
+        std::vector<double> errors;
+        RunPitchLoop(task,
+                     SampledCommands(task.plan),
+                     gains.altitude,
+                     gains.attitude,
+                     [&](std::size_t, double e) { errors.push_back(e); });
+        ASSERT_EQ(errors.size(), whole.size());
+        double largest = 0.0;
+        for (std::size_t k = 0; k < errors.size(); ++k) {
+          ASSERT_NEAR(
+              errors[k], whole[k].angle_references_rad[1] - whole[k].angles_rad[1], kRounding)
+              << name << " " << xi << " " << lag << " at " << k;
+          largest = std::max(largest, std::abs(errors[k]));
+        }
+        if (xi < 1.0 || lag) {
+          EXPECT_GT(largest, 1e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST(ReducedLoops, WithoutIntegralGainHoverIsHeldAllTheSame) {
+  const LoopTask task =
+      Task(0.85, {.commands = {{0.0, {.altitude_m = 1.0}}}, .duration_s = 5.0}, true, true);
+  const ErrorGains gains{.proportional = 1.0, .integral = 0.0, .derivative = 1.0};
+  RunAltitudeLoop(task, SampledCommands(task.plan), gains, [](std::size_t, double e) {
+    ASSERT_NEAR(e, 0.0, 1e-9);
+  });
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,293 @@
+#include "model/flight/simulator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
+#include "model/core/errors.h"
+#include "model/flight/maneuvers/maneuvers.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+FlightSetup Coupled(const char* vehicle = "mambo-coupled", const char* gains = "aware") {
+  FlightSetup setup;
+  setup.vehicle = LoadVehicle(vehicle);
+  setup.cell = LoadCell("gifi-600mAh-1");
+  setup.gains = LoadGains(gains);
+  return setup;
+}
+
+FlightSetup Ideal(double xi, const char* gains = "aware") {
+  FlightSetup setup;
+  setup.vehicle = LoadVehicle("mambo-thesis");
+  setup.xi = xi;
+  setup.gains = LoadGains(gains);
+  return setup;
+}
+
+std::vector<FlightSample> Record(const FlightSetup& setup, const FlightPlan& plan) {
+  std::vector<FlightSample> samples;
+  (void)Fly(setup, plan, [&](const FlightSample& sample) { samples.push_back(sample); });
+  return samples;
+}
+
+FlightPlan For(FlightPlan plan, double duration_s) {
+  plan.duration_s = duration_s;
+  return plan;
+}
+
+double Peak(const FlightSetup& setup) {
+  return Fly(setup, For(AltitudeStepsPlan({}), 17.5)).peak_altitude_error_m.at(0);
+}
+
+TEST(Fly, StaysInTrimWhereNothingDisturbsIt) {
+  FlightSetup setup = Ideal(0.9, "unaware");
+  setup.controller.pwm = Pwm::kContinuous;
+  const auto samples = Record(setup, For(HoverPlan({}), 10.0));
+  for (const auto& s : samples) {
+    // An equilibrium up to rounding: 1e-9 m is 6 digits below what PWM does.
+    ASSERT_NEAR(s.altitude_m(), 1.1, 1e-9) << s.time_s;
+    ASSERT_NEAR(s.speed_rad_per_s[0], samples[0].speed_rad_per_s[0], 1e-6);
+  }
+}
+
+TEST(Fly, ChargeIsTheIntegralOfTheCurrentAndWhatTheCellHasLost) {
+  const FlightSetup setup = Coupled();
+  std::vector<double> time_s;
+  std::vector<double> current_A;
+  const FlightPlan plan = For(HoverPlan({}), 60.0);
+  const FlightResult flight = Fly(setup, plan, [&](const FlightSample& s) {
+    time_s.push_back(s.time_s);
+    current_A.push_back(s.battery_A);
+  });
+  ASSERT_EQ(flight.outcome, Outcome::kCompleted);
+  double charge_C = 0.0;
+  for (const double current : current_A) charge_C += current * kControlStep_s;
+  // The current of a step's start for the whole step: PWM moves it by some percent from step to
+  // step around its mean, which leaves 1e-4 of the sum.
+  EXPECT_NEAR(charge_C, flight.charge_C, 1e-4 * flight.charge_C);
+  // The same current through the cell alone.
+  time_s.push_back(60.0);
+  current_A.push_back(current_A.back());
+  const auto prediction = Predict(*setup.cell, time_s, current_A, Hold::kForward, 1.0);
+  EXPECT_NEAR(prediction.soc.back(), flight.final_soc, 2e-4);
+  EXPECT_NEAR(prediction.voltage_V.back(), flight.final_voltage_V, 0.02);
+}
+
+TEST(Fly, TheDefaultStepIsFineEnough) {
+  FlightSetup coarse = Coupled();
+  coarse.controller.pwm = Pwm::kContinuous;  // an integer more or less would hide the difference
+  FlightSetup fine = coarse;
+  fine.simulation.substeps = 20;
+  FlightSetup adaptive = coarse;
+  adaptive.simulation.integrator = Integrator::kDormandPrince;
+  adaptive.simulation.tolerance = 1e-12;
+  const FlightPlan plan = For(AltitudeStepsPlan({}), 25.0);
+  const auto a = Record(coarse, plan);
+  const auto b = Record(fine, plan);
+  const auto c = Record(adaptive, plan);
+  double to_fine = 0.0;
+  double to_adaptive = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    to_fine = std::max(to_fine, std::abs(a[k].altitude_m() - b[k].altitude_m()));
+    to_adaptive = std::max(to_adaptive, std::abs(a[k].altitude_m() - c[k].altitude_m()));
+  }
+  // Against the same cell step RK4 errs by (5 ms/18 ms)^5/120 of what the motors do; against finer
+  // steps of the cell by its mean current of 5 ms. Both far below the 10 cm of the maneuver.
+  EXPECT_LT(to_adaptive, 2e-5);
+  EXPECT_LT(to_fine, 1e-3);
+  EXPECT_GT(to_fine, 0.0);
+}
+
+TEST(Fly, InductanceOfMicrohenriesChangesNothing) {
+  FlightSetup without = Coupled();
+  without.controller.pwm = Pwm::kContinuous;
+  without.simulation.substeps = 2000;
+  FlightSetup with = without;
+  with.vehicle.armature_inductance_H = 5e-6;  // 10 us with r_a
+  const FlightPlan plan{.commands = {{0.0, {.altitude_m = 1.1}}, {0.1, {.altitude_m = 1.5}}},
+                        .duration_s = 0.5};
+  const auto a = Record(without, plan);
+  const auto b = Record(with, plan);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    // 10 us of delay at most in a motor that needs 18 ms.
+    ASSERT_NEAR(a[k].altitude_m(), b[k].altitude_m(), 1e-4);
+    ASSERT_NEAR(a[k].speed_rad_per_s[0], b[k].speed_rad_per_s[0], 2.0);
+  }
+}
+
+TEST(Fly, TheSameSeedGivesTheSameBits) {
+  FlightSetup setup = Coupled();
+  setup.estimate = true;
+  setup.wind.gusts_m_per_s = 3.0;
+  setup.seed = 7;
+  const FlightPlan plan = For(SquarePlan({}), 8.0);
+  const auto a = Record(setup, plan);
+  const auto b = Record(setup, plan);
+  setup.seed = 8;
+  const auto c = Record(setup, plan);
+  ASSERT_EQ(a.size(), b.size());
+  bool differs = false;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    ASSERT_EQ(a[k].position_m, b[k].position_m) << k;
+    ASSERT_EQ(a[k].duty, b[k].duty) << k;
+    differs = differs || a[k].position_m != c[k].position_m;
+  }
+  EXPECT_TRUE(differs);
+}
+
+// What section 6.2 quotes from the quasi-static model, as docs/corrections.md explains it.
+TEST(Fly, UnawareGainsSuffersFromLowVoltageAndAwareGainsHardly) {
+  const auto quasistatic = [](double xi, const char* gains) {
+    FlightSetup setup = Ideal(xi, gains);
+    setup.simulation.motor_lag = false;
+    setup.controller.saturate = false;
+    return Peak(setup);
+  };
+  EXPECT_NEAR(quasistatic(0.8, "unaware"), 0.1, 0.015);
+  EXPECT_LT(quasistatic(0.8, "aware"), 0.04);
+  double last = 0.0;
+  for (const double xi : {1.0, 0.95, 0.9, 0.85, 0.8}) {
+    const double peak = quasistatic(xi, "unaware");
+    EXPECT_GT(peak, last) << xi;
+    last = peak;
+  }
+  // At full voltage and without lag the inversion is exact for any gains, up to the sampling.
+  EXPECT_LT(quasistatic(1.0, "unaware"), 0.01);
+}
+
+TEST(Fly, LagAndClippingMakeItWorse) {
+  FlightSetup quasistatic = Ideal(0.8, "unaware");
+  quasistatic.simulation.motor_lag = false;
+  quasistatic.controller.saturate = false;
+  const FlightSetup real = Ideal(0.8, "unaware");
+  EXPECT_GT(Peak(real), 1.5 * Peak(quasistatic));
+  EXPECT_GT(Fly(real, AltitudeStepsPlan({})).saturated_share, 0.0);
+}
+
+TEST(Fly, CompensationTracksBetterForTheSameCharge) {
+  FlightSetup setup = Coupled();
+  const FlightResult without = Fly(setup, AltitudeStepsPlan({}));
+  setup.controller.compensate = true;
+  const FlightResult with = Fly(setup, AltitudeStepsPlan({}));
+  EXPECT_LT(with.mse_altitude_m2, 0.1 * without.mse_altitude_m2);
+  // (5.61) promises more charge; at equal thrust D v_b is the same, so it is little.
+  EXPECT_GT(with.charge_C, without.charge_C);
+  EXPECT_LT(with.charge_C, 1.02 * without.charge_C);
+}
+
+TEST(Fly, EndsWithAnEmptyBattery) {
+  FlightSetup setup = Coupled();
+  const FlightResult flight = Fly(setup, EndurancePlan({}));
+  EXPECT_EQ(flight.outcome, Outcome::kBatteryEmpty);
+  // "about 4 minutes" of 600 mAh.
+  EXPECT_NEAR(flight.simulated_s, 240.0, 20.0);
+  EXPECT_LT(flight.final_voltage_V, 3.0);
+  // A second below the cut-off, not a dip.
+  EXPECT_NE(flight.reason.find("below 3 V for a second"), std::string::npos) << flight.reason;
+}
+
+TEST(Fly, LandsWhenTheVoltageIsLow) {
+  FlightSetup setup = Coupled();
+  setup.land_below_V = 3.4;
+  const auto samples = Record(setup, EndurancePlan({}));
+  const FlightResult flight = Fly(setup, EndurancePlan({}));
+  EXPECT_EQ(flight.outcome, Outcome::kCompleted);
+  ASSERT_TRUE(flight.landed_s.has_value());
+  EXPECT_GT(flight.final_soc, 0.2);
+  EXPECT_NEAR(samples.back().altitude_m(), 0.0, 0.02);
+  EXPECT_LT(std::abs(samples.back().velocity_m_per_s[2]), 0.6);
+}
+
+TEST(Fly, CrashesAreOutcomesWithAReason) {
+  // It cannot hover: the ground comes.
+  const FlightResult weak = Fly(Ideal(0.6), HoverPlan({}));
+  EXPECT_EQ(weak.outcome, Outcome::kCrashed);
+  EXPECT_FALSE(weak.trim.possible());
+  EXPECT_NE(weak.reason.find("ground"), std::string::npos) << weak.reason;
+  // Without ground it falls on; nothing ends it.
+  FlightSetup bottomless = Ideal(0.6);
+  bottomless.simulation.ground = false;
+  EXPECT_EQ(Fly(bottomless, For(HoverPlan({}), 5.0)).outcome, Outcome::kCompleted);
+  // References that no motor can follow, where nothing holds them back.
+  FlightSetup wild = Ideal(1.0);
+  wild.controller.limit_reference = false;
+  wild.simulation.ground = false;
+  const FlightResult nose = Fly(wild, AttitudeDoubletsPlan({}));
+  EXPECT_EQ(nose.outcome, Outcome::kCrashed);
+  EXPECT_NE(nose.reason.find("gimbal lock"), std::string::npos) << nose.reason;
+  // Unstable by sampling: gains beyond what 5 ms can do.
+  FlightSetup unstable = Ideal(1.0);
+  unstable.gains.altitude = {.proportional = 1e9, .integral = 1e9, .derivative = 1e9};
+  unstable.controller.saturate = false;
+  unstable.simulation.ground = false;
+  const FlightResult lost = Fly(unstable, AltitudeStepsPlan({}));
+  EXPECT_EQ(lost.outcome, Outcome::kCrashed);
+}
+
+TEST(Fly, RefusesWhatCannotBeSimulated) {
+  FlightSetup setup = Coupled();
+  setup.simulation.motor_lag = false;
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+            "motor_lag=false needs an ideal source: the speeds of motors without lag depend on the "
+            "battery's voltage and it on them. Give --battery ideal --xi X");
+  setup = Coupled();
+  setup.initial_soc = 0.0;
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+            "the cell is empty at a state of charge of 0: nothing to fly with. Give --initial-soc "
+            "between 0 and 1");
+  setup = Coupled();
+  setup.vehicle.linear_drag_N_s_per_m = 0.0;
+  setup.wind.wind_x_m_per_s = 1.0;
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+      "drag and wind need a vehicle with linear_drag_N_s_per_m; mambo-coupled has none. Write "
+      "it into a vehicle file and give that");
+}
+
+TEST(Fly, WindPushesAsFarAsDragSays) {
+  FlightSetup setup = Coupled("mambo-physical");
+  setup.wind.wind_x_m_per_s = 1.0;
+  const auto samples = Record(setup, For(HoverPlan({}), 30.0));
+  // At rest the tilt holds against the drag: m g tan(pitch) = k_d v_wind.
+  const double tilt =
+      std::atan(setup.vehicle.linear_drag_N_s_per_m / (setup.vehicle.mass_kg * kGravity_m_per_s2));
+  double pitch = 0.0;
+  for (std::size_t k = samples.size() - 2000; k < samples.size(); ++k) {
+    pitch += samples[k].angles_rad[1] / 2000.0;
+  }
+  // The mean over 10 s of an attitude that rings with 6 s: a tenth of the tilt.
+  EXPECT_NEAR(pitch, tilt, 0.1 * tilt);
+}
+
+TEST(Fly, SquaresAreFlownOnEveryVehicle) {
+  for (const char* vehicle : {"mambo-coupled", "mambo-physical"}) {
+    for (const char* gains : {"aware", "unaware"}) {
+      FlightSetup setup = Coupled(vehicle, gains);
+      EXPECT_EQ(Fly(setup, SquarePlan({})).outcome, Outcome::kCompleted) << vehicle << gains;
+    }
+  }
+}
+
+TEST(Fly, TheEstimatorFliesToo) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    FlightSetup setup = Coupled("mambo-physical");
+    setup.estimate = true;
+    setup.seed = seed;
+    for (const auto& plan : {AltitudeStepsPlan({}), AttitudeDoubletsPlan({}), SquarePlan({})}) {
+      const FlightResult flight = Fly(setup, plan);
+      EXPECT_EQ(flight.outcome, Outcome::kCompleted) << flight.reason;
+      EXPECT_LT(flight.mse_altitude_m2, 0.1 * 0.1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,94 @@
+#include "model/flight/trim.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/battery/cell_file.h"
+#include "model/vehicle/plant.h"
+#include "model/vehicle/vehicle_file.h"
+
+namespace lipoid {
+namespace {
+
+// Every rate of the plant at the trim, save the delivered charge's; accelerations of the rotors are
+// thousands of rad/s² when a millivolt is missing.
+double LargestRate(const Vehicle& vehicle, const Trim& trim, const Supply<double>& supply) {
+  const Plant plant(vehicle, {});
+  PlantState<double> x{};
+  x[plant::kPosition + 2] = -1.0;
+  for (std::size_t i = 0; i < 4; ++i) x[plant::kSpeeds + i] = trim.speed_rad_per_s;
+  PlantInputs<double> inputs;
+  inputs.duty.fill(trim.duty);
+  inputs.supply = supply;
+  PlantState<double> rate;
+  plant.Derivative(x, inputs, rate);
+  rate[plant::kCharge] = 0.0;
+  double largest = 0.0;
+  for (const double r : rate) largest = std::max(largest, std::abs(r));
+  return largest;
+}
+
+TEST(HoverTrim, IsAnEquilibriumOnAnIdealSource) {
+  const Vehicle vehicle = LoadVehicle("mambo-thesis");
+  for (const double xi : {0.75, 0.9, 1.0}) {
+    const Supply<double> supply{xi * vehicle.nominal_voltage_V, 0.0};
+    const Trim trim = HoverTrim(vehicle, supply);
+    EXPECT_TRUE(trim.possible());
+    // Rounding of speeds of 2000 rad/s with time constants of 18 ms.
+    EXPECT_LT(LargestRate(vehicle, trim, supply), 1e-9) << xi;
+  }
+}
+
+TEST(HoverTrim, IsAnEquilibriumOnEveryCellThatCanCarryTheVehicle) {
+  int flying = 0;
+  for (const char* vehicle_name : {"mambo-coupled", "mambo-physical"}) {
+    const Vehicle vehicle = LoadVehicle(vehicle_name);
+    for (const std::string& cell_name : ShippedCellNames()) {
+      for (const double soc : {1.0, 0.5}) {
+        BatterySupply battery(LoadCell(cell_name), soc);
+        const Trim trim = HoverTrim(vehicle, battery);
+        if (!trim.possible()) continue;
+        ++flying;
+        EXPECT_LT(LargestRate(vehicle, trim, battery.Linearize()), 1e-9)
+            << vehicle_name << " on " << cell_name << " at " << soc;
+        // What leaves the battery is what the motors take.
+        EXPECT_NEAR(trim.battery_V * trim.battery_A, 4.0 * trim.motor_V * trim.motor_A, 1e-12);
+      }
+    }
+  }
+  EXPECT_GE(flying, 12);
+}
+
+TEST(HoverTrim, AgreesWithTheFiguresOfTheCorrections) {
+  BatterySupply coupled(LoadCell("gifi-600mAh-1"), 1.0);
+  BatterySupply physical(LoadCell("gifi-600mAh-1"), 1.0);
+  // "about 3.3 A" and "about 2.4 A".
+  EXPECT_NEAR(HoverTrim(LoadVehicle("mambo-coupled"), coupled).battery_A, 3.3, 0.05);
+  EXPECT_NEAR(HoverTrim(LoadVehicle("mambo-physical"), physical).battery_A, 2.4, 0.05);
+}
+
+TEST(HoverTrim, CommandsTheSpeedItselfWithCompensation) {
+  const Vehicle vehicle = LoadVehicle("mambo-coupled");
+  BatterySupply battery(LoadCell("gifi-600mAh-1"), 0.7);
+  const Trim trim = HoverTrim(vehicle, battery, /*compensate=*/true);
+  EXPECT_NEAR(trim.commanded_speed_rad_per_s, trim.speed_rad_per_s, 1e-9);
+  const Trim nominal = HoverTrim(vehicle, battery);
+  EXPECT_GT(nominal.commanded_speed_rad_per_s, 1.05 * nominal.speed_rad_per_s);
+}
+
+TEST(HoverTrim, SaysThatASupplyIsTooWeak) {
+  const Vehicle vehicle = LoadVehicle("mambo-thesis");
+  const Trim low = HoverTrim(vehicle, Supply<double>{2.9, 0.0});
+  EXPECT_TRUE(low.power_suffices);
+  EXPECT_GT(low.duty, 1.0);
+  EXPECT_FALSE(low.possible());
+  // E²/(4 R) is the most that a source gives: here 1.8 W, where the motors need 27 W.
+  const Trim soft = HoverTrim(vehicle, Supply<double>{4.2, 2.45});
+  EXPECT_FALSE(soft.power_suffices);
+  EXPECT_FALSE(soft.possible());
+  EXPECT_DOUBLE_EQ(soft.battery_V, 2.1);
+}
+
+}  // namespace
+}  // namespace lipoid

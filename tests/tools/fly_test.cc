@@ -1,0 +1,224 @@
+// lipoid fly, poles, design, end to end. What they find: tests/model/flight/,
+// tests/model/analysis/, tests/identify/gains/.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+// Of a message; the second says how to get help.
+std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n') + 1); }
+
+TEST(Fly, WritesTheLogAndTheSummary) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"fly",
+                              "altitude-steps",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--vehicle",
+                              "mambo-coupled",
+                              "-o",
+                              "flight.csv",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("outcome"), "completed");
+  EXPECT_EQ(summary.at("steps"), 10000);
+  EXPECT_EQ(summary.at("simulated_s"), 50.0);
+  EXPECT_EQ(summary.at("peak_altitude_error_m").size(), 5U);
+  for (const char* key : {"wall_s",
+                          "mse_altitude_m2",
+                          "mse_pitch_deg2",
+                          "charge_C",
+                          "final_voltage_V",
+                          "final_soc",
+                          "minimum_voltage_V"}) {
+    EXPECT_TRUE(summary.at(key).is_number()) << key;
+  }
+  const std::string csv = ReadTextFile(folder + "/flight.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 10001);
+  EXPECT_EQ(csv.substr(0, csv.find(',')), "time_s");
+  EXPECT_NE(csv.find(",battery_V,battery_A,soc\n"), std::string::npos);
+  EXPECT_NE(run.out.find("completed"), std::string::npos);
+}
+
+TEST(Fly, NeedsNothingButAManeuver) {
+  const auto run = RunLipoid(TestFolder(), {"fly", "hover", "--duration", "1"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("mambo-coupled on"), std::string::npos) << run.err;
+}
+
+TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
+  const auto folder = TestFolder();
+  auto run = RunLipoid(folder, {"fly", "hover", "--xi", "0.6", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "crashed");
+  EXPECT_NE(
+      run.err.find("mambo-thesis cannot hover on this battery: it would need a duty cycle of"),
+      std::string::npos)
+      << run.err;
+  run = RunLipoid(folder, {"fly", "endurance", "--initial-soc", "0.2", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
+}
+
+TEST(Fly, SaysWhatDoesNotGoTogether) {
+  const auto folder = TestFolder();
+  const auto error = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), "fly");
+    const auto run = RunLipoid(folder, options);
+    return std::to_string(run.exit_code) + " " + FirstLine(run.err);
+  };
+  EXPECT_EQ(error({"hover", "--battery", "ideal", "--cell", "gifi-600mAh-1"}),
+            "2 lipoid fly: error: options --battery ideal and --cell: give one of them\n");
+  EXPECT_EQ(error({"hover", "--battery", "cell", "--xi", "0.9"}),
+            "2 lipoid fly: error: option --xi is for an ideal source: a cell has its own voltage. "
+            "Give --battery ideal, or leave --xi out\n");
+  EXPECT_EQ(error({"hover", "--xi", "1", "--initial-soc", "0.5"}),
+            "2 lipoid fly: error: options --initial-soc and --initial-voltage-V are for a cell; an "
+            "ideal source has --xi\n");
+  EXPECT_EQ(error({"waypoints"}),
+            "2 lipoid fly: error: maneuver waypoints needs a file of places: --waypoints FILE\n");
+  EXPECT_EQ(error({"hover", "--wind", "1,2,3,4"}),
+            "2 lipoid fly: error: option --wind: expected one to three numbers X,Y,Z, found "
+            "'1,2,3,4'\n");
+  EXPECT_EQ(error({"hover", "--wind", "strong"}),
+            "2 lipoid fly: error: option --wind: expected -60 .. 60, found 'strong'\n");
+  EXPECT_NE(error({"loop"}).find("unknown maneuver 'loop'"), std::string::npos);
+  EXPECT_EQ(error({"hover", "--cell", "none.json"}).substr(0, 2), "3 ");
+  EXPECT_EQ(error({"hover", "--initial-soc", "-0.1"}).substr(0, 2), "2 ");
+  EXPECT_TRUE(FilesIn(folder).empty());
+}
+
+TEST(Fly, AFailedRunWritesNothing) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"fly", "hover", "--vehicle", "none.toml", "-o", "f.csv"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_TRUE(FilesIn(folder).empty());
+}
+
+TEST(Fly, TheSameSeedWritesTheSameBytes) {
+  const auto folder = TestFolder();
+  for (const char* name : {"a.csv", "b.csv"}) {
+    const auto run = RunLipoid(folder,
+                               {"fly",
+                                "square",
+                                "--estimate",
+                                "--gusts",
+                                "2",
+                                "--seed",
+                                "5",
+                                "--duration",
+                                "6",
+                                "--threads",
+                                name[0] == 'a' ? "1" : "2",
+                                "-o",
+                                name});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  EXPECT_EQ(ReadTextFile(folder + "/a.csv"), ReadTextFile(folder + "/b.csv"));
+}
+
+TEST(List, KnowsManeuvers) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"list", "maneuvers", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("maneuvers").size(), 6U);
+  EXPECT_NE(run.out.find("Fig 6.7"), std::string::npos);
+}
+
+TEST(Poles, PrintsThreeWaysForARange) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"poles",
+                              "altitude",
+                              "--vehicle",
+                              "mambo-thesis",
+                              "--gains",
+                              "unaware",
+                              "--xi",
+                              "0.8:0.01:1",
+                              "--summary",
+                              "s.json",
+                              "-o",
+                              "p.csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto rows = ReadJson(folder, "s.json").at("rows");
+  ASSERT_EQ(rows.size(), 21U);
+  EXPECT_EQ(rows.back().at("xi"), 1.0);
+  EXPECT_EQ(rows[2].at("xi"), 0.82);
+  EXPECT_EQ(rows[0].at("poles").size(), 3U);
+  EXPECT_EQ(rows[0].at("poles_quasistatic").size(), 3U);
+  EXPECT_EQ(rows[0].at("poles_full").size(), 4U);
+  EXPECT_EQ(rows[0].at("poles")[0].size(), 2U);
+  EXPECT_NEAR(rows.back().at("kappa").get<double>(), 1.0, 1e-12);
+  const std::string csv = ReadTextFile(folder + "/p.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 21 * 10);
+}
+
+TEST(Poles, SaysWhatARangeIs) {
+  const auto folder = TestFolder();
+  const auto error = [&](const char* range) {
+    return FirstLine(RunLipoid(folder, {"poles", "attitude", "--xi", range}).err);
+  };
+  EXPECT_EQ(error("0.8:1"),
+            "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
+            "'0.8:1'\n");
+  EXPECT_EQ(error("0.8:-0.1:1"),
+            "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
+            "'0.8:-0.1:1': the step does not lead from the first to the last\n");
+  EXPECT_EQ(error("0.8:1e-9:1"),
+            "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
+            "'0.8:1e-9:1': more than a million numbers\n");
+  EXPECT_NE(error("0.8:0:1").find("error"), std::string::npos);
+  EXPECT_NE(error("nan").find("found 'nan'"), std::string::npos);
+  EXPECT_EQ(RunLipoid(folder, {"poles", "yaw"}).exit_code, 2);
+}
+
+TEST(Design, WritesGainsThatFly) {
+  const auto folder = TestFolder();
+  auto run = RunLipoid(folder,
+                       {"design",
+                        "altitude",
+                        "--aware",
+                        "--optimizer",
+                        "levenberg-marquardt",
+                        "--xi",
+                        "0.8:0.1:1",
+                        "-o",
+                        "g.json",
+                        "--summary",
+                        "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  for (const char* key : {"cost", "evaluations", "wall_s"}) {
+    EXPECT_TRUE(summary.at(key).is_number()) << key;
+  }
+  for (const char* key : {"proportional", "integral", "derivative"}) {
+    EXPECT_TRUE(summary.at("gains").at(key).is_number()) << key;
+  }
+  EXPECT_TRUE(summary.at("longer_run").at("gap_percent").is_number());
+  EXPECT_LT(summary.at("cost"), summary.at("start").at("cost"));
+  EXPECT_NE(run.err.find("a run ten times longer"), std::string::npos) << run.err;
+  run = RunLipoid(folder, {"fly", "hover", "--gains", "g.json", "--duration", "2"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(Design, SaysWhatIsWrong) {
+  const auto folder = TestFolder();
+  EXPECT_EQ(RunLipoid(folder, {"design", "yaw"}).exit_code, 2);
+  EXPECT_EQ(
+      FirstLine(RunLipoid(folder, {"design", "altitude", "--aware", "--weights", "1,2"}).err),
+      "lipoid design: error: option --weights: expected 21 numbers, one for each xi, found 2\n");
+  EXPECT_EQ(RunLipoid(folder, {"design", "altitude", "--optimizer", "guess"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lipoid::test
