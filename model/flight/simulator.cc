@@ -82,6 +82,21 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
         "vehicle file and give that",
         setup.vehicle.name));
   }
+  // Runge-Kutta of fourth order is stable up to 2.78 time constants; half of it is accurate.
+  const double dt_s = kControlStep_s / setup.simulation.substeps;
+  const double constant_s =
+      setup.vehicle.armature_inductance_H / setup.vehicle.armature_resistance_Ohm;
+  if (constant_s > 0.0 && setup.simulation.integrator == Integrator::kRk4 &&
+      dt_s > 1.4 * constant_s) {
+    throw OptionError(fmt::format(
+        "the armature current of {} has a time constant of {:.3g} s, steps of {:.3g} s cannot "
+        "follow it. Give --set simulation.substeps={} or more, or "
+        "simulation.integrator=dormand-prince",
+        setup.vehicle.name,
+        constant_s,
+        dt_s,
+        std::ceil(kControlStep_s / (1.4 * constant_s))));
+  }
   if (setup.cell && !(setup.initial_soc > 0.0)) {
     throw OptionError(
         fmt::format("the cell is empty at a state of charge of {}: nothing to fly with. Give "

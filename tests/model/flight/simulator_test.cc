@@ -252,6 +252,18 @@ TEST(Fly, RefusesWhatCannotBeSimulated) {
       "it into a vehicle file and give that");
 }
 
+TEST(Fly, AsksForStepsThatFollowTheInductance) {
+  FlightSetup setup = Coupled();
+  setup.vehicle.armature_inductance_H = 4.9e-6;
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+      "the armature current of mambo-coupled has a time constant of 1e-05 s, steps of 0.005 s "
+      "cannot follow it. Give --set simulation.substeps=358 or more, or "
+      "simulation.integrator=dormand-prince");
+  setup.simulation.substeps = 358;
+  EXPECT_EQ(Fly(setup, For(HoverPlan({}), 0.2)).outcome, Outcome::kCompleted);
+}
+
 TEST(Fly, WindPushesAsFarAsDragSays) {
   FlightSetup setup = Coupled("mambo-physical");
   setup.wind.wind_x_m_per_s = 1.0;
