@@ -59,8 +59,8 @@ Json Summary(const FlightResult& flight) {
   return summary;
 }
 
-void PrintFlight(cli::CommandLine& line, const FlightResult& flight) {
-  cli::TextTable table({{"", Align::kLeft}, {""}, {"", Align::kLeft}});
+void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
+  cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}});
   const auto row = [&](std::string what, std::string value, std::string unit) {
     table.Row({std::move(what), std::move(value), std::move(unit)});
   };
@@ -73,7 +73,7 @@ void PrintFlight(cli::CommandLine& line, const FlightResult& flight) {
   for (std::size_t k = 0; k < flight.peak_altitude_error_m.size(); ++k) {
     row(fmt::format("peak after step {}", k + 1),
         fmt::format("{:.4f}", flight.peak_altitude_error_m[k]),
-        "m, reference above altitude");
+        "m of the reference above the altitude");
   }
   row("charge", fmt::format("{:.2f}", flight.charge_C), "C");
   row("voltage", fmt::format("{:.4f}", flight.final_voltage_V), "V at the end");
@@ -213,7 +213,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.summary()["battery"] =
       setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
   line.summary()["gains"] = setup.gains.name;
-  PrintFlight(line, flight);
+  PrintFlight(line, maneuver.name, flight);
   line.Message("{} on {}, {} gains{}",
                setup.vehicle.name,
                setup.cell ? setup.cell->name
