@@ -140,7 +140,12 @@ OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
   Eigen::VectorXd x = monitor.start();
   std::vector<bool> held = bounds.Held(x, monitor.Factor(x));
   while (true) {
-    const std::vector<int> free = Free(held);
+    std::vector<int> free = Free(held);
+    if (free.empty()) {
+      // A bound that took hold on the way here may be worth leaving by now.
+      held = bounds.Held(x, monitor.Factor(x));
+      free = Free(held);
+    }
     if (free.empty()) {
       return monitor.Finish(Termination::kConverged, "Every parameter stands at a bound.");
     }

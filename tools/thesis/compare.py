@@ -3,8 +3,8 @@
 Not to the last bit: another compiler rounds otherwise, and a rounding can turn a pulse width (6.1),
 which is an integer, up instead of down. Moving xi and the first state of charge by 1e-13 does the
 same. It was measured to move peaks and charges by up to 5e-5 of them, mean square pitch errors by
-0.5 % or 6e-4 degrees² (weak gains keep a kick for seconds), a rate of growth by 4e-4 per second and
-a spread over ten noisy flights by 2.4 %. Ten times that is allowed.
+0.5 % or 6e-4 degrees² (weak gains keep a kick for seconds), a rate of growth by 4e-4 per second
+and a spread over ten noisy flights by 2.4 %. Ten times that is allowed.
 """
 
 # By key: relative, absolute. Of several names in a path the first one here counts.

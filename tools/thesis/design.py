@@ -10,6 +10,22 @@ CASES = {  # equation: loop, gain set, optimizers
 }
 
 
+def flown(lipoid):
+    """The aware altitude gains, printed and found, on a cell instead of a voltage that stays."""
+    file = lipoid.scratch / "altitude-aware.json"
+    find = ["design", "altitude", "--aware", "--optimizer", "levenberg-marquardt", "--check",
+            "never", "-o", file]
+    found = lipoid.summary(*find)
+    rows = []
+    for name, gains in (("printed", "aware"), ("found", file)):
+        fly = ["fly", "altitude-steps", "--vehicle", "mambo-physical", "--gains", gains]
+        summary = lipoid.summary(*fly)
+        rows.append({"gains": name, "command": lipoid.shown(*fly),
+                     "mse_altitude_m2": summary["mse_altitude_m2"],
+                     "peaks_m": summary["peak_altitude_error_m"]})
+    return {"command": lipoid.shown(*find), "gains": found["gains"], "rows": rows}
+
+
 def measure(lipoid):
     return [design(lipoid, equation, loop, gains, optimizer)
             for equation, (loop, gains, optimizers) in CASES.items() for optimizer in optimizers]

@@ -67,8 +67,8 @@ def head(result, name):
     return (
         "# The results of chapter 6, flown again\n\n"
         f"Made by `tools/reproduce --report` from [{name}]({name}), which `tools/reproduce` left: "
-        "run both to have your own.\nNothing is tuned to meet a quoted figure; where ours differs "
-        "the text says why. Sections 6.5 to 6.7 of the thesis are\nexperiments with a real "
+        "run both to have your own. Nothing is tuned to meet a quoted figure; where ours differs "
+        "the text says why. Sections 6.5 to 6.7 of the thesis are experiments with a real "
         "vehicle: a simulation can show a trend of them, not their figures.\n\n"
         f"lipoid at commit {commit}, {facts['compiler']}, {facts['date']}.\n")
 
@@ -128,7 +128,7 @@ def poles_summary(stage):
 def poles(stage, _):
     text = ("## Closed-loop poles against xi (Figs 6.12, 6.14, 6.16, 6.19)\n\n"
             "Three ways: the corrected closed form, automatic differentiation of the flight itself "
-            "with the motors at their\nequilibrium, and the same with motor lag. The first two "
+            "with the motors at their equilibrium, and the same with motor lag. The first two "
             f"differ by at most {worst_difference(stage):.1e} per second.\n\n")
     for loop in stage["loops"]:
         text += code(loop["command"])
@@ -142,14 +142,14 @@ def poles(stage, _):
     aware = loop_of(stage, "altitude", "aware")
     lowest, highest = aware["rows"][0], aware["rows"][-1]
     text += (
-        "\n* **Altitude, unaware.** As the thesis says: the real pole stays, the pair moves towards "
-        "the origin and loses damping.\n"
+        "\n* **Altitude, unaware.** As the thesis says: the real pole stays, the pair moves "
+        "towards the origin and loses damping.\n"
         "* **Altitude, aware.** What moves with xi is the fast pole, from "
         f"{number(highest['poles'][-1][0], 3)} to {number(lowest['poles'][-1][0], 3)} per second; "
-        "the dominant pair stays. This is why\n  the response hardly changes.\n"
+        "the dominant pair stays. This is why the response hardly changes.\n"
         "* **Attitude.** The picture is that of the altitude, because small "
-        "signals see the same kappa(xi): the pair\n  moves, the real poles stay. The thesis has a "
-        "leftmost real pole that moves towards the origin; ours is the motors', near -55 per\n  "
+        "signals see the same kappa(xi): the pair moves, the real poles stay. The thesis has a "
+        "leftmost real pole that moves towards the origin; ours is the motors', near -55 per "
         "second, and hardly moves. Which blocks Simulink linearized is not printed.\n")
     return text + printed_order(stage["printed_order"]) + unstable(stage["attitude_unaware"])
 
@@ -179,9 +179,9 @@ def printed_order(loop):
     return (
         "\n### The printed order of the aware altitude gains\n\n" + code(loop["command"]) + "\n"
         f"Section 6.3.1 prints [K_e K_I K_edot] = [{gains['proportional']} {gains['integral']} "
-        f"{gains['derivative']}]. With the file holding just that the poles are\n"
+        f"{gains['derivative']}]. With the file holding just that the poles are "
         f"{poles_text(first['poles'])} at xi = 1 and {poles_text(last['poles'])} at xi = 0.8: "
-        f"unstable throughout, as\nRouth's criterion says, K_edot K_e kappa = {number(product, 3)} "
+        f"unstable throughout, as Routh's criterion says, K_edot K_e kappa = {number(product, 3)} "
         f"kappa < K_I = {gains['integral']}. The shipped set `aware` has the last two exchanged.\n")
 
 
@@ -191,11 +191,11 @@ def unstable(margins):
         "\n### The unaware attitude gains and motor lag\n\n" + code(margins["command"])
         + code(margins["flight_command"]) + "\n"
         "The closed form is stable for every xi, barely. With the motors' lag the pair crosses the "
-        f"axis: unstable up to xi = {margins['unstable_up_to_xi']}.\nA flight also samples every "
+        f"axis: unstable up to xi = {margins['unstable_up_to_xi']}. A flight also samples every "
         "5 ms, which costs a little more. Its real part, from the oscillation that is left long "
-        "after the\nlast doublet:\n\n" + table(["xi", "real part in flight / s⁻¹"], rows)
+        "after the last doublet:\n\n" + table(["xi", "real part in flight / s⁻¹"], rows)
         + f"\nIt changes sign near xi = {number(margins['unstable_in_flight_below_xi'], 2)}. The "
-        "thesis saw no such instability: a doublet is over long before it shows, with a\nrate of "
+        "thesis saw no such instability: a doublet is over long before it shows, with a rate of "
         f"{number(margins['flights'][0]['rate_per_s'], 1)} per second at xi = 0.8.\n")
 
 
@@ -242,22 +242,24 @@ def altitude(stage, _):
     text += (
         f"\nQuoted: {QUOTED['altitude unaware']} for unaware, {QUOTED['altitude aware']} for aware "
         "gains.\n\n"
-        "* **Quasi-static** (no motor lag, duty not clipped) is what the thesis analyses. At xi = 1 "
-        "the inversion is exact; what is left,\n  "
-        f"{number(1e3 * unaware[-1]['peak_m'], 2)} mm, is the sampling: commands are held for 5 ms, "
-        f"which leaves (omega_0 5 ms)²/12 of a step, {number(400.0 * 0.025 ** 2 / 12.0, 2)} mm of "
-        "0.4 m. At xi = 0.8\n  the unaware gains reach "
+        "* **Quasi-static** (no motor lag, duty not clipped) is what the thesis analyses. At "
+        "xi = 1 the inversion is exact; what is left, "
+        f"{number(1e3 * unaware[-1]['peak_m'], 2)} mm, is the sampling: commands are held for "
+        f"5 ms, which leaves (omega_0 5 ms)²/12 of a step, "
+        f"{number(400.0 * 0.025 ** 2 / 12.0, 2)} mm of "
+        "0.4 m. At xi = 0.8 the unaware gains reach "
         f"{number(unaware[0]['peak_m'], 2)} m, {percent(unaware[0]['peak_m'] / 0.14, 2)} of the "
-        "quoted 0.14 m, the\n  aware ones "
+        "quoted 0.14 m, the aware ones "
         f"{number(aware[0]['peak_m'], 2)} m, within the quoted 0.04 m: "
         f"{number(unaware[0]['peak_m'] / aware[0]['peak_m'], 2)} times less.\n"
         "* **With lag and clipping** both are larger. mambo-thesis hovers at a duty of "
-        f"{number(unaware[-1]['hover_duty'], 3)} at xi = 1 and {number(unaware[0]['hover_duty'], 3)}"
-        " at xi = 0.8; a step of 0.4 m\n  with omega_0 = 5 asks for 10 m/s² at once, more than is "
+        f"{number(unaware[-1]['hover_duty'], 3)} at xi = 1 and "
+        f"{number(unaware[0]['hover_duty'], 3)} at xi = 0.8; a step of 0.4 m with "
+        "omega_0 = 5 asks for 10 m/s² at once, more than is "
         f"left: motors are at their limit in {percent(wanted['saturated_share'], 2)} of the steps "
         "at xi = 0.8.\n"
         "* The quoted 0.14 to 0.16 m lie between the two models: with lag and clipping ours reach "
-        f"them at xi = {number(reaches(stage, 0.14), 3)}. How Fig 6.13 was simulated (lag,\n  "
+        f"them at xi = {number(reaches(stage, 0.14), 3)}. How Fig 6.13 was simulated (lag, "
         "limits, which of the five steps) is not printed.\n")
     return text
 
@@ -294,16 +296,16 @@ def attitude(stage, stages):
     aware_low = series_of(stage, "aware", "with lag")["rows"][0]
     text += (
         "\nQuasi-static here is without lag only: with omega_0 = 100 a step of 4 degrees asks for "
-        "more torque than the motors have, so the\nreference keeps within their limits in both "
+        "more torque than the motors have, so the reference keeps within their limits in both "
         "models.\n\n"
         "* The thesis prints no figure, and calls the variation small. Ours is not: root mean "
         f"square, the unaware gains go from {number(high['mse_pitch_deg2'] ** 0.5, 2)} to "
-        f"{number(low['mse_pitch_deg2'] ** 0.5, 2)} degrees,\n  the aware ones end at "
+        f"{number(low['mse_pitch_deg2'] ** 0.5, 2)} degrees, the aware ones end at "
         f"{number(aware_low['mse_pitch_deg2'] ** 0.5, 2)}. The doublets are 4 degrees high.\n"
         "* Why: below xi = 1 the share 1 - kappa of every pitch acceleration is missing, and gains "
-        "of about 1 per second squared take seconds\n  to make up for it. The maneuver repeats "
-        "every 9 s, near the period of the barely damped pair (8 s at xi = 0.8), and the errors\n"
-        "  add up. In the drawing, of the first doublet alone, they are smaller, and the two sets "
+        "of about 1 per second squared take seconds to make up for it. The maneuver repeats "
+        "every 9 s, near the period of the barely damped pair (8 s at xi = 0.8), and the errors "
+        "add up. In the drawing, of the first doublet alone, they are smaller, and the two sets "
         "hardly differ.\n"
         "* The aware gains help less here than in the altitude, as the thesis says: "
         f"{number(low['mse_pitch_deg2'] / aware_low['mse_pitch_deg2'], 2)} times less squared "
@@ -363,14 +365,15 @@ def compensation(stage, _):
                      for a, b in steps)
     return text + (
         f"\nThe error falls by factors of {gain}. Part of the error without compensation is no "
-        "transient: while the voltage falls the integral lags\nbehind it, and the vehicle hangs "
+        "transient: while the voltage falls the integral lags behind it, and the vehicle hangs "
         "low; in hover that is all of it.\n\n"
         f"The charge grows by {extra} and the voltage at the end falls by {drop} mV: the direction "
-        "of Fig 6.22, not its size. (5.60) and (5.61)\ncompare currents at equal commanded speeds. "
-        "In closed loop the controller holds the height either way, so the motors need the\nsame "
-        f"power D v_b i whichever way D was found: hovering costs the same charge to {100.0 * hover_extra:.4f} %. "
-        "What is left is the steps: compensated\ncommands climb as steeply as the reference asks, "
-        "at currents whose losses grow with their square, down to a voltage that is\nmomentarily "
+        "of Fig 6.22, not its size. (5.60) and (5.61) compare currents at equal commanded speeds. "
+        "In closed loop the controller holds the height either way, so the motors need the same "
+        f"power D v_b i whichever way D was found: hovering costs the same charge to "
+        f"{100.0 * hover_extra:.4f} %. "
+        "What is left is the steps: compensated commands climb as steeply as the reference asks, "
+        "at currents whose losses grow with their square, down to a voltage that is momentarily "
         "below the cut-off of 3 V (a flight counts as empty only after a second below it).\n")
 
 
@@ -430,15 +433,16 @@ def square_findings(stage):
     text = (
         "\n* **Altitude.** The two are equal to "
         f"{percent(abs(fast['mse_altitude_m2'] / slow['mse_altitude_m2'] - 1.0), 1)}, as in the "
-        "experiment. Its 0.018 m² (0.13 m rms) hold air, sensors and take-off;\n  ours is the lag of "
+        "experiment. Its 0.018 m² (0.13 m rms) hold air, sensors and take-off; ours is the lag of "
         "the integral behind the falling voltage.\n"
         "* **Pitch.** Ours is worse at 200, the experiment's better. The controller holds its "
-        "output over 5 ms: that gives the vehicle the\n  reference's change of rate in each step, "
+        "output over 5 ms: that gives the vehicle the reference's change of rate in each step, "
         f"but leaves (omega_0 5 ms)²/12 of each tilt to the slow feedback, {number(left[0], 2)} % "
-        f"at 100 and\n  {number(left[1], 2)} % at 200. The motors, with 18 ms, are slower than "
+        f"at 100 and {number(left[1], 2)} % at 200. The motors, with 18 ms, are slower than "
         "either reference.\n"
-        f"* **Charge.** With the true state the fast reference saves {number(1e3 * saved, 2)} mC of "
-        f"{number(slow['charge_C'], 4)} C: the sign of the thesis' hypothesis, and\n  "
+        f"* **Charge.** With the true state the fast reference saves "
+        f"{number(1e3 * saved, 2)} mC of "
+        f"{number(slow['charge_C'], 4)} C: the sign of the thesis' hypothesis, and "
         f"{percent(saved / slow['charge_C'], 1)}. ")
     noise = [case["rows"][0]["charge_C"] for case in stage["estimated"]
              if case["vehicle"] == "mambo-physical"][0]
@@ -450,25 +454,34 @@ def square_findings(stage):
         text += (f"* **With sensors** ({case['vehicle']}, flow noise {case['flow_noise_m_per_s']} "
                  f"m/s, {both['pairs']} pairs with the same noise) the fast one costs "
                  f"{number(both['charge_C']['mean'], 3)} ± "
-                 f"{number(both['charge_C']['error_of_mean'], 2)} C *more*,\n  and its pitch error "
+                 f"{number(both['charge_C']['error_of_mean'], 2)} C *more*, and its pitch error "
                  f"is larger by {number(both['mse_pitch_deg2']['mean'], 2)} ± "
                  f"{number(both['mse_pitch_deg2']['error_of_mean'], 1)} degrees²: omega_0² times "
                  "the noise of the velocity goes to the motors.\n")
     lost = [f"{case['vehicle']} at {case['flow_noise_m_per_s']} m/s" for case in stage["estimated"]
             if case["rows"][1]["completed"] == 0]
-    with_lag, without = stage["motor_lag"]
     if lost:
-        text += (f"* **Lost flights.** At omega_0 = 200 no flight is completed by "
-                 f"{'; '.join(lost)}. The noise of the velocity reaches the\n  motors through the "
-                 "position gains (0.61 rad s/m, ours; the thesis prints none) and omega_0². It takes "
-                 "the motors' lag to lose a flight:\n  on an ideal source of 4.2 V mambo-physical "
-                 f"completes {with_lag['completed']} of {with_lag['seeds']} with lag and "
-                 f"{without['completed']} of {without['seeds']} without. At omega_0 = 100 all are "
-                 "completed.\n\n" + code(with_lag["command"]) + code(without["command"]) + "\n")
+        text += lost_flights(stage["causes"], lost)
     return text + (
         "* **To conclude.** The simulation supports that the choice hardly matters for the charge. "
-        "It cannot confirm that a faster reference\n  saves any: the saving is smaller than the "
+        "It cannot confirm that a faster reference saves any: the saving is smaller than the "
         "spread of single flights, and noise turns its sign.\n")
+
+
+def lost_flights(causes, lost):
+    """Why none of them is completed."""
+    return (
+        f"* **Lost flights.** At omega_0 = 200 no flight is completed by {'; '.join(lost)}; at 100 "
+        "all are. The noise of the velocity reaches the pitch reference through the position gains "
+        "(0.61 rad s/m, ours; the thesis prints none) and its acceleration by omega_0². While the "
+        "vehicle is rolled, the inversion answers each pitch acceleration by yaw, of which the "
+        "motors have little: pitch and yaw together pull the four of them apart, and because they "
+        "lag while thrust goes with the square of the speed, what remains on the mean is a torque "
+        "about the roll axis that grows with the roll angle. Changing one thing at a time shows "
+        "it:\n\n" + "".join(code(case["command"]) for case in causes) + "\n"
+        + table(["changed", "completed"],
+                [[case["changed"], f"{case['completed']} of {case['seeds']}"] for case in causes])
+        + "\n")
 
 
 # Hover
@@ -509,11 +522,12 @@ def hover(stage, _):
             + table(["vehicle", "cell", "speed / rad/s", "duty", "voltage / V", "current / A",
                      "endurance / min", "charge / C", "SOC left"], rows)
             + "\n* mambo-thesis cannot hover on the 600 mAh cells: with the friction b = 1e-6 of "
-            f"Table 6.1 it needs {number(needed_W(stage), 3)} W,\n  and a source of 4.2 V behind "
-            f"{RESISTANCE_OHM} ohm (Table 4.11) gives at most {number(4.2 ** 2 / (4.0 * RESISTANCE_OHM), 3)} "
+            f"Table 6.1 it needs {number(needed_W(stage), 3)} W, and a source of 4.2 V behind "
+            f"{RESISTANCE_OHM} ohm (Table 4.11) gives at most "
+            f"{number(4.2 ** 2 / (4.0 * RESISTANCE_OHM), 3)} "
             "W.\n"
             "* The mass is the vehicle's as given; that of the cell is not modelled. A 32 Ah cell "
-            "weighs several times what these vehicles can\n  lift: its rows show what a stiff "
+            "weighs several times what these vehicles can lift: its rows show what a stiff "
             "supply does, not a flight.\n"
             "* On the small cells a part of the charge stays behind: at 2 to 3 A the voltage is "
             "at the cut-off before the cell is empty.\n")
@@ -541,6 +555,17 @@ def gains_text(gains):
     return " ".join(number(gains[key], 3) for key in ("proportional", "integral", "derivative"))
 
 
+def designed(stage, _):
+    printed, found = stage["rows"]
+    errors = [f"{number(1e3 * row['mse_altitude_m2'] ** 0.5, 3)} mm" for row in (printed, found)]
+    return ("### The gains of (6.3) on a cell\n\n" + code(stage["command"])
+            + code(printed["command"]) + code(found["command"])
+            + f"\nThe altitude error is {errors[0]} rms with the printed gains and {errors[1]} "
+            f"with those found ({gains_text(stage['gains'])}). (6.3) holds the voltage still in "
+            "each of its flights; on a cell it falls all the time, and what carries the vehicle "
+            "through that is the integral, of which the gains found have less.\n")
+
+
 def design(stage, _):
     text = "## Gains by optimization, (6.2) to (6.5), against the printed ones\n\n"
     for case in stage:
@@ -556,17 +581,17 @@ def design(stage, _):
          for case in stage])
     text += (
         "\nCosts are integrals of the squared error in m² s (altitude) and rad² s (attitude), "
-        "summed over 21 values of xi for the aware gains.\nMotor lag and saturation are included, "
+        "summed over 21 values of xi for the aware gains. Motor lag and saturation are included, "
         "and have to be: at xi = 1 without them the inversion is exact, the error is zero for any "
-        "gains\nand (6.2), (6.4) have no answer of their own.\n\n"
+        "gains and (6.2), (6.4) have no answer of their own.\n\n"
         "* **The printed gains are no optima of this plant**, and the swarm's answers are those "
-        "of a run ten times longer.\n  Bounds are active: K_edot stands at its "
+        "of a run ten times longer. Bounds are active: K_edot stands at its "
         "bound in every problem, so the bound, not the plant, chooses the answer.\n")
     stuck = [case for case in stage if case["cost"] > 1.01 * case["polished_cost"]]
     for case in stuck:
         text += (f"* **{case['optimizer']} on ({case['equation']})** ends in a corner of the box "
                  f"({gains_text(case['gains'])}) at {number(case['cost'], 4)}; started again from "
-                 f"near there it finds {number(case['polished_cost'], 4)},\n  as the swarm does: "
+                 f"near there it finds {number(case['polished_cost'], 4)}, as the swarm does: "
                  "the corner is no minimum, and the swarm's answer is the one to take.\n")
     return text + (
         "* (6.2) to (6.5) know nothing of noise, which large gains amplify. The printed gains are "
@@ -574,7 +599,8 @@ def design(stage, _):
 
 
 SECTIONS = {"poles": poles, "altitude": altitude, "attitude": attitude,
-            "compensation": compensation, "square": square, "hover": hover, "design": design}
+            "compensation": compensation, "square": square, "hover": hover, "design": design,
+            "designed": designed}
 SUMMARIES = {"poles": poles_summary, "altitude": altitude_summary, "attitude": attitude_summary,
              "compensation": compensation_summary, "square": square_summary,
              "hover": hover_summary, "design": design_summary}

@@ -14,6 +14,7 @@ STAGES = {
     "square": square.measure,
     "hover": hover.measure,
     "design": design.measure,
+    "designed": design.flown,
 }
 SLOW = ("design",)
 
