@@ -9,9 +9,6 @@
 namespace lipoid {
 namespace {
 
-// JSON knows no NaN and no infinity: what is not a number is null.
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
   const OptimizationSummary& summary = result.summary;
   Json improvements = Json::array();
@@ -20,11 +17,11 @@ Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
         {{"evaluations", i.evaluations}, {"wall_s", i.wall_s}, {"cost_V2", i.cost}});
   }
   return {{"optimizer", result.optimizer},
-          {"mean_error_percent", Number(result.errors.metrics.mean_error_percent)},
-          {"max_error_percent", Number(result.errors.metrics.max_error_percent)},
-          {"rmse_V", Number(result.errors.metrics.rmse)},
-          {"cost_V2", Number(summary.cost)},
-          {"gap_percent", Number(100.0 * result.gap)},
+          {"mean_error_percent", NumberOrNull(result.errors.metrics.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(result.errors.metrics.max_error_percent)},
+          {"rmse_V", NumberOrNull(result.errors.metrics.rmse)},
+          {"cost_V2", NumberOrNull(summary.cost)},
+          {"gap_percent", NumberOrNull(100.0 * result.gap)},
           {"wall_s", summary.wall_s},
           {"iterations", summary.iterations},
           {"evaluations", summary.evaluations},
@@ -35,9 +32,9 @@ Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
           {"starts", result.starts},
           {"successes", result.successes},
           {"success_rate", result.success_rate()},
-          {"best_cost_V2", Number(result.best_cost)},
-          {"time_to_target_s", Number(result.time_to_target_s)},
-          {"evaluations_to_target", Number(result.evaluations_to_target)},
+          {"best_cost_V2", NumberOrNull(result.best_cost)},
+          {"time_to_target_s", NumberOrNull(result.time_to_target_s)},
+          {"evaluations_to_target", NumberOrNull(result.evaluations_to_target)},
           {"improvements", std::move(improvements)}};
 }
 
@@ -52,15 +49,16 @@ Json ComparisonToJson(const Comparison& comparison, bool diffusion) {
                        {"logarithmic", v.logarithmic},
                        {"start", Entry(comparison.start, v)},
                        {"lower", v.lower},
-                       {"upper", Number(v.upper)},
+                       {"upper", NumberOrNull(v.upper)},
                        {"box_upper", comparison.boxed[k].upper}});
   }
   Json results = Json::array();
   for (const auto& result : comparison.results) results.push_back(ResultToJson(result, diffusion));
-  return {{"problem", std::move(problem)},
-          {"best",
-           {{"optimizer", comparison.best_optimizer}, {"cost_V2", Number(comparison.best_cost)}}},
-          {"results", std::move(results)}};
+  return {
+      {"problem", std::move(problem)},
+      {"best",
+       {{"optimizer", comparison.best_optimizer}, {"cost_V2", NumberOrNull(comparison.best_cost)}}},
+      {"results", std::move(results)}};
 }
 
 std::string ComparisonToCsv(const Comparison& comparison, bool diffusion) {

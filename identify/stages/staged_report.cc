@@ -7,9 +7,6 @@
 namespace lipoid {
 namespace {
 
-// JSON knows no NaN: what is not a number is null.
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json DischargeTimesToJson(const DischargeTimesResult& stage) {
   Json logs = Json::array();
   for (const auto& row : stage.rows) {
@@ -19,26 +16,27 @@ Json DischargeTimesToJson(const DischargeTimesResult& stage) {
                     {"predicted_s", row.predicted_s},
                     {"error_percent", row.error_percent}});
   }
-  return {{"alpha_C", Number(stage.alpha_C)},
-          {"beta_per_sqrt_s", stage.identifiable ? Number(stage.beta_per_sqrt_s) : Json(nullptr)},
-          {"alpha_standard_error_C", Number(stage.alpha_standard_error_C)},
-          {"beta_standard_error_per_sqrt_s",
-           stage.identifiable ? Number(stage.beta_standard_error_per_sqrt_s) : Json(nullptr)},
-          {"identifiable", stage.identifiable},
-          {"reason", stage.identifiable ? Json(nullptr) : Json(stage.reason)},
-          {"beta_lower_bound_per_sqrt_s", Number(stage.beta_lower_bound_per_sqrt_s)},
-          {"beta_start_per_sqrt_s", Number(stage.beta_start_per_sqrt_s)},
-          {"mean_error_percent", Number(stage.mean_error_percent)},
-          {"max_error_percent", Number(stage.max_error_percent)},
-          {"rmse_s", Number(stage.rmse_s)},
-          {"logs", logs}};
+  return {
+      {"alpha_C", NumberOrNull(stage.alpha_C)},
+      {"beta_per_sqrt_s", stage.identifiable ? NumberOrNull(stage.beta_per_sqrt_s) : Json(nullptr)},
+      {"alpha_standard_error_C", NumberOrNull(stage.alpha_standard_error_C)},
+      {"beta_standard_error_per_sqrt_s",
+       stage.identifiable ? NumberOrNull(stage.beta_standard_error_per_sqrt_s) : Json(nullptr)},
+      {"identifiable", stage.identifiable},
+      {"reason", stage.identifiable ? Json(nullptr) : Json(stage.reason)},
+      {"beta_lower_bound_per_sqrt_s", NumberOrNull(stage.beta_lower_bound_per_sqrt_s)},
+      {"beta_start_per_sqrt_s", NumberOrNull(stage.beta_start_per_sqrt_s)},
+      {"mean_error_percent", NumberOrNull(stage.mean_error_percent)},
+      {"max_error_percent", NumberOrNull(stage.max_error_percent)},
+      {"rmse_s", NumberOrNull(stage.rmse_s)},
+      {"logs", logs}};
 }
 
 Json OcvToJson(const OcvFitResult& stage) {
   return {{"method", options_internal::ToText(stage.curve.method())},
-          {"mean_error_percent", Number(stage.mean_error_percent)},
-          {"max_error_percent", Number(stage.max_error_percent)},
-          {"rmse_V", Number(stage.rmse_V)},
+          {"mean_error_percent", NumberOrNull(stage.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(stage.max_error_percent)},
+          {"rmse_V", NumberOrNull(stage.rmse_V)},
           {"nodes", stage.curve.soc().size()},
           {"rows", stage.rows},
           {"charge_C", stage.charge_C},
@@ -49,9 +47,9 @@ Json OcvToJson(const OcvFitResult& stage) {
 
 Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
   return {{"optimizer", stage.optimizer},
-          {"mean_error_percent", Number(stage.errors.mean_error_percent)},
-          {"max_error_percent", Number(stage.errors.max_error_percent)},
-          {"rmse_V", Number(stage.errors.rmse)},
+          {"mean_error_percent", NumberOrNull(stage.errors.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(stage.errors.max_error_percent)},
+          {"rmse_V", NumberOrNull(stage.errors.rmse)},
           {"evaluations", stage.evaluations},
           {"termination", options_internal::ToText(stage.summary.termination)},
           {"message", stage.summary.message},
@@ -82,11 +80,11 @@ Json SweepParametersToJson(const SweepParameters& p, bool diffusion) {
 
 Json LogErrorsToJson(const LogErrors& errors) {
   return {{"file", errors.file},
-          {"mean_error_percent", Number(errors.all.mean_error_percent)},
-          {"max_error_percent", Number(errors.all.max_error_percent)},
-          {"rmse_V", Number(errors.all.rmse)},
-          {"mean_error_percent_above_10_soc", Number(errors.above_10_soc.mean_error_percent)},
-          {"rmse_V_above_10_soc", Number(errors.above_10_soc.rmse)},
+          {"mean_error_percent", NumberOrNull(errors.all.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(errors.all.max_error_percent)},
+          {"rmse_V", NumberOrNull(errors.all.rmse)},
+          {"mean_error_percent_above_10_soc", NumberOrNull(errors.above_10_soc.mean_error_percent)},
+          {"rmse_V_above_10_soc", NumberOrNull(errors.above_10_soc.rmse)},
           {"rows", errors.all.rows},
           {"rows_outside_curve", errors.rows_outside_curve}};
 }
@@ -111,9 +109,9 @@ Json StagedToJson(const StagedResult& result) {
           {"alpha_source", result.alpha_source},
           {"low_rate_charge_C",
            result.low_rate_charge_C > 0.0 ? Json(result.low_rate_charge_C) : Json(nullptr)},
-          {"alpha_over_low_rate_charge", Number(ratio)},
+          {"alpha_over_low_rate_charge", NumberOrNull(ratio)},
           {"low_rate_offset_V",
-           result.open_circuit_voltage ? Number(result.low_rate_offset_V) : Json(nullptr)},
+           result.open_circuit_voltage ? NumberOrNull(result.low_rate_offset_V) : Json(nullptr)},
           {"stages", stages},
           {"validation", validation},
           {"done_instead", result.done_instead},

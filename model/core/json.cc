@@ -152,6 +152,8 @@ std::string ReadTextFileOr(const std::string& name_or_file, const std::string& e
   return ReadTextFile(name_or_file);
 }
 
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 Json ParseJson(std::string_view text, const std::string& file) {
   Json document;
   try {

@@ -30,6 +30,9 @@ using Json = nlohmann::ordered_json;
 /// Parses text that came from `file` (only for messages).
 [[nodiscard]] Json ParseJson(std::string_view text, const std::string& file);
 
+/// JSON knows no NaN and no infinity: what is not finite is null.
+[[nodiscard]] Json NumberOrNull(double value);
+
 /// A cursor into a parsed document that knows its pointer, and the text for positions of messages.
 class JsonReader {
  public:

@@ -49,6 +49,7 @@ BENCHMARK(FlightEstimated)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 void FlightEstimatedInGusts(benchmark::State& state) {
   FlightSetup setup = Setup();
+  setup.vehicle = LoadVehicle("mambo-physical");  // mambo-coupled has too little to spare
   setup.estimate = true;
   setup.wind.gusts_m_per_s = 2.0;
   Run(state, setup, AltitudeStepsPlan({}));

@@ -9,7 +9,7 @@ from .process import run, say
 
 NOISE_V = 0.001
 OPTIONS = [
-    "--with", "r_1=0.001,c_1=20000", "--rates-C", "1,2,3,4,5,6,7,8",
+    "--with", "r_1=0.002,c_1=5000", "--rates-C", "1,2,3,4,5,6,7,8",
     "--voltage-noise-V", str(NOISE_V), "--voltage-resolution-V", "0.00001", "--seed", "1",
 ]
 HEADER = b"time_s,current_A,voltage_V\n"

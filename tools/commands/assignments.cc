@@ -6,19 +6,10 @@
 
 #include "model/core/errors.h"
 #include "model/core/options.h"
+#include "tools/commands/split.h"
 
 namespace lipoid {
 namespace {
-
-std::vector<std::string> Split(const std::string& text) {
-  std::vector<std::string> pieces;
-  for (std::size_t from = 0; from <= text.size();) {
-    const auto to = std::min(text.find(',', from), text.size());
-    pieces.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return pieces;
-}
 
 double Number(const std::string& option, const std::string& name, const std::string& text) {
   return options_internal::ParseDouble(option + " " + name, text, Range{});
@@ -30,7 +21,7 @@ std::vector<std::pair<std::string, double>> ParseAssignments(
     const std::string& option, const std::vector<std::string>& texts) {
   std::vector<std::pair<std::string, double>> all;
   for (const std::string& text : texts) {
-    for (const std::string& piece : Split(text)) {
+    for (const std::string& piece : SplitAt(text, ',')) {
       const auto equals = piece.find('=');
       if (equals == std::string::npos) {
         throw OptionError(fmt::format("option {}: expected NAME=VALUE, found '{}'", option, text));
@@ -47,8 +38,8 @@ std::vector<std::pair<std::string, std::pair<double, double>>> ParseRanges(
   std::vector<std::pair<std::string, std::pair<double, double>>> all;
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
-    const auto ends =
-        equals == std::string::npos ? std::vector<std::string>{} : Split(text.substr(equals + 1));
+    const auto ends = equals == std::string::npos ? std::vector<std::string>{}
+                                                  : SplitAt(text.substr(equals + 1), ',');
     if (ends.size() != 2) {
       throw OptionError(fmt::format("option {}: expected NAME=LOW,HIGH, found '{}'", option, text));
     }

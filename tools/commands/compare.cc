@@ -12,6 +12,7 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
 
 namespace lipoid {
@@ -37,14 +38,12 @@ std::vector<const OptimizerEntry*> Chosen(const std::string& text) {
     for (const auto& entry : Optimizers()) chosen.push_back(&entry);
     return chosen;
   }
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t to = std::min(text.find(',', from), text.size());
-    const OptimizerEntry& entry = FindOptimizer(text.substr(from, to - from));
+  for (const std::string& name : SplitAt(text, ',')) {
+    const OptimizerEntry& entry = FindOptimizer(name);
     if (std::find(chosen.begin(), chosen.end(), &entry) != chosen.end()) {
       throw OptionError(fmt::format("option --optimizers: {} stands there twice", entry.name));
     }
     chosen.push_back(&entry);
-    from = to + 1;
   }
   return chosen;
 }

@@ -7,6 +7,7 @@
 #include "model/core/errors.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
+#include "tools/commands/split.h"
 
 namespace lipoid {
 namespace {
@@ -58,11 +59,9 @@ struct Selection {
   static std::vector<int> Numbers(std::string_view option, const std::vector<std::string>& words) {
     std::vector<int> numbers;
     for (const auto& word : words) {
-      for (std::size_t from = 0; from <= word.size();) {
-        const auto to = std::min(word.find(',', from), word.size());
-        numbers.push_back(options_internal::ParseInt(
-            fmt::format("--{}", option), word.substr(from, to - from), Range{-1e9, 1e9}));
-        from = to + 1;
+      for (const auto& piece : SplitAt(word, ',')) {
+        numbers.push_back(
+            options_internal::ParseInt(fmt::format("--{}", option), piece, Range{-1e9, 1e9}));
       }
     }
     return numbers;

@@ -14,6 +14,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/number_range.h"
+#include "tools/commands/split.h"
 
 namespace lipoid {
 namespace {
@@ -30,13 +31,6 @@ constexpr std::array<std::pair<Check, std::string_view>, 3> OptionNames(Check) {
 
 constexpr double kPatience_s = 60.0;
 
-std::string_view TerminationName(Termination termination) {
-  for (const auto& [value, name] : OptionNames(Termination{})) {
-    if (value == termination) return name;
-  }
-  return "?";
-}
-
 Json ToJson(const ErrorGains& gains) {
   return {{"proportional", gains.proportional},
           {"integral", gains.integral},
@@ -45,11 +39,10 @@ Json ToJson(const ErrorGains& gains) {
 
 std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::string& weights) {
   std::vector<double> w;
-  for (std::size_t from = 0; !weights.empty() && from <= weights.size();) {
-    const std::size_t to = std::min(weights.find(',', from), weights.size());
-    w.push_back(options_internal::ParseDouble(
-        "--weights", weights.substr(from, to - from), Range{0.0, 1e9}));
-    from = to + 1;
+  if (!weights.empty()) {
+    for (const std::string& piece : SplitAt(weights, ',')) {
+      w.push_back(options_internal::ParseDouble("--weights", piece, Range{0.0, 1e9}));
+    }
   }
   if (!w.empty() && w.size() != xi.size()) {
     throw OptionError(fmt::format(
@@ -160,7 +153,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["polished_cost"] = result.polished_cost;
   summary["evaluations"] = result.optimization.evaluations;
   summary["gradient_evaluations"] = result.optimization.gradient_evaluations;
-  summary["termination"] = TerminationName(result.optimization.termination);
+  summary["termination"] = options_internal::ToText(result.optimization.termination);
   summary["message"] = result.optimization.message;
   summary["wall_s"] = result.optimization.wall_s;
 
@@ -199,7 +192,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                design.vehicle.name,
                result.optimization.evaluations,
                result.optimization.wall_s,
-               TerminationName(result.optimization.termination),
+               options_internal::ToText(result.optimization.termination),
                result.optimization.message);
   line.Message("Levenberg-Marquardt from there on finds {:.3g} % less",
                gap_percent(result.polished_cost));

@@ -26,34 +26,25 @@ constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Batter
   return {{{Battery::kCell, "cell"}, {Battery::kIdeal, "ideal"}}};
 }
 
-std::string_view OutcomeName(Outcome outcome) {
-  for (const auto& [value, name] : OptionNames(Outcome{})) {
-    if (value == outcome) return name;
-  }
-  return "?";
-}
-
-Json NullUnlessFinite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json Summary(const FlightResult& flight) {
   Json trim = {{"possible", flight.trim.possible()},
                {"speed_rad_per_s", flight.trim.speed_rad_per_s},
                {"duty", flight.trim.duty},
                {"battery_V", flight.trim.battery_V},
                {"battery_A", flight.trim.battery_A}};
-  Json summary = {{"outcome", OutcomeName(flight.outcome)},
+  Json summary = {{"outcome", options_internal::ToText(flight.outcome)},
                   {"reason", flight.reason},
                   {"trim", std::move(trim)},
                   {"steps", flight.steps},
                   {"simulated_s", flight.simulated_s},
                   {"wall_s", flight.wall_s},
                   {"peak_altitude_error_m", flight.peak_altitude_error_m},
-                  {"mse_altitude_m2", NullUnlessFinite(flight.mse_altitude_m2)},
-                  {"mse_pitch_deg2", NullUnlessFinite(flight.mse_pitch_deg2)},
-                  {"charge_C", NullUnlessFinite(flight.charge_C)},
-                  {"final_voltage_V", NullUnlessFinite(flight.final_voltage_V)},
-                  {"final_soc", NullUnlessFinite(flight.final_soc)},
-                  {"minimum_voltage_V", NullUnlessFinite(flight.minimum_voltage_V)},
+                  {"mse_altitude_m2", NumberOrNull(flight.mse_altitude_m2)},
+                  {"mse_pitch_deg2", NumberOrNull(flight.mse_pitch_deg2)},
+                  {"charge_C", NumberOrNull(flight.charge_C)},
+                  {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
+                  {"final_soc", NumberOrNull(flight.final_soc)},
+                  {"minimum_voltage_V", NumberOrNull(flight.minimum_voltage_V)},
                   {"saturated_share", flight.saturated_share}};
   if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
   return summary;
@@ -64,7 +55,7 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   const auto row = [&](std::string what, std::string value, std::string unit) {
     table.Row({std::move(what), std::move(value), std::move(unit)});
   };
-  row("outcome", std::string(OutcomeName(flight.outcome)), "");
+  row("outcome", options_internal::ToText(flight.outcome), "");
   row("simulated", fmt::format("{:.3f}", flight.simulated_s), "s");
   row("hover duty", fmt::format("{:.3f}", flight.trim.duty), "at the start");
   row("hover current", fmt::format("{:.3f}", flight.trim.battery_A), "A");

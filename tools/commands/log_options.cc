@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "model/core/errors.h"
+#include "tools/commands/split.h"
 
 namespace lipoid {
 
@@ -23,11 +24,7 @@ ReadOptions LogOptions::ToReadOptions() const {
   ReadOptions read;
   read.hold = hold;
   if (!units.empty()) {
-    for (std::size_t from = 0; from <= units.size();) {
-      const auto to = std::min(units.find(',', from), units.size());
-      read.units.push_back(units.substr(from, to - from));
-      from = to + 1;
-    }
+    read.units = SplitAt(units, ',');
     if (read.units.size() != 3) {
       throw OptionError(fmt::format(
           "option --units: expected three, of time, current and voltage (s,A,V), found '{}'",

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "model/core/errors.h"
+#include "tools/commands/split.h"
 
 namespace lipoid {
 
@@ -17,14 +18,7 @@ std::vector<double> ReadRange(const std::string& option,
     throw OptionError(fmt::format(
         "option --{}: expected FIRST:STEP:LAST or one number, found '{}'{}", option, text, what));
   };
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ':') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
+  const auto parts = SplitAt(text, ':');
   const auto number = [&](const std::string& part, const Range& range) {
     return options_internal::ParseDouble("--" + option, part, range);
   };

@@ -87,15 +87,19 @@ TEST(GainDesign, ABoundOnTheWayIsLeftAgain) {
   GainDesign design = Design(Loop::kAttitude, {{0.8, 1.0}});
   design.options.duration_s = 50.0;
   const GainProblem problem(design);
-  const auto result = DesignGains(
-      problem, LoadGains("aware").attitude, FindOptimizer("levenberg-marquardt"), {});
+  const auto result =
+      DesignGains(problem, LoadGains("aware").attitude, FindOptimizer("levenberg-marquardt"), {});
   const Eigen::VectorXd x = problem.Point(result.gains);
   Eigen::VectorXd slope;
   // Slopes are of the cost over a whole range of gains: in the corner a third of the cost.
   const double flat = 1e-3 * problem.Gradient(x, slope);
   for (int k = 0; k < 3; ++k) {
-    if (x[k] > 0.0) EXPECT_LT(slope[k], flat) << k;
-    if (x[k] < 1.0) EXPECT_GT(slope[k], -flat) << k;
+    if (x[k] > 0.0) {
+      EXPECT_LT(slope[k], flat) << k;
+    }
+    if (x[k] < 1.0) {
+      EXPECT_GT(slope[k], -flat) << k;
+    }
   }
 }
 
