@@ -15,12 +15,9 @@ namespace lipoid {
 std::vector<FlightCommand> SampledCommands(const FlightPlan& plan) {
   std::vector<FlightCommand> sampled;
   const auto steps = static_cast<std::size_t>(std::llround(plan.duration_s / kControlStep_s));
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < steps; ++k) {
-    const double time_s = double(k) * kControlStep_s;
-    while (next < plan.commands.size() && time_s >= plan.commands[next].time_s - 1e-9) ++next;
-    sampled.push_back(plan.commands[std::max<std::size_t>(next, 1) - 1].command);
-  }
+  PlanFollower follower(plan);
+  for (std::size_t k = 0; k < steps; ++k)
+    sampled.push_back(follower.At(double(k) * kControlStep_s));
   return sampled;
 }
 

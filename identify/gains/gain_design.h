@@ -7,7 +7,6 @@
 /// Gains are bounded, their gradient is exact, and every optimizer of the table takes the problem.
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
-#include <functional>
 #include <vector>
 
 #include "identify/gains/reduced_loops.h"

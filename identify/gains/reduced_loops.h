@@ -13,7 +13,7 @@
 #include <boost/numeric/odeint/algebra/array_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
-#include <optional>
+#include <limits>
 #include <vector>
 
 #include "model/control/flight_controller.h"

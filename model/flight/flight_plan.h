@@ -3,6 +3,8 @@
 /// @file
 /// What a maneuver is: commands that hold from their time until the next, and an end.
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "model/control/flight_controller.h"
@@ -29,6 +31,23 @@ struct FlightPlan {
     }
     return steps;
   }
+};
+
+/// What a plan commands, asked in the order of time.
+class PlanFollower {
+ public:
+  /// The plan outlives it.
+  explicit PlanFollower(const FlightPlan& plan) : plan_(plan) {}
+
+  /// A command holds from its time on, up to the rounding of k times the control step.
+  [[nodiscard]] const FlightCommand& At(double time_s) {
+    while (next_ < plan_.commands.size() && time_s >= plan_.commands[next_].time_s - 1e-9) ++next_;
+    return plan_.commands[std::max<std::size_t>(next_, 1) - 1].command;
+  }
+
+ private:
+  const FlightPlan& plan_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace lipoid

@@ -111,8 +111,7 @@ class Pilot {
   explicit Pilot(const FlightPlan& plan) : plan_(plan) {}
 
   [[nodiscard]] FlightCommand At(double time_s) {
-    while (next_ < plan_.commands.size() && time_s >= plan_.commands[next_].time_s - 1e-9) ++next_;
-    FlightCommand command = plan_.commands[std::max<std::size_t>(next_, 1) - 1].command;
+    FlightCommand command = plan_.At(time_s);
     if (landing_) {
       target_m_ -= kDescent_m_per_s * kControlStep_s;
       command.altitude_m = std::max(target_m_, -0.2);
@@ -134,8 +133,7 @@ class Pilot {
   [[nodiscard]] bool landing() const { return landing_; }
 
  private:
-  const FlightPlan& plan_;
-  std::size_t next_ = 0;
+  PlanFollower plan_;
   bool landing_ = false;
   double target_m_ = 0.0;
   double x_m_ = 0.0;

@@ -12,7 +12,6 @@
 /// tests/model/flight/simulator_test.cc.
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,9 +1,4 @@
 // lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
-#include <fmt/ranges.h>
-
-#include <chrono>
-#include <cmath>
-
 #include "identify/gains/gain_design.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
