@@ -69,6 +69,16 @@ TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
 }
 
+TEST(Fly, EnduranceEndsOnlyWithTheBattery) {
+  // 33 Ah at 3 A are eleven hours.
+  const auto folder = TestFolder();
+  const auto run =
+      RunLipoid(folder, {"fly", "endurance", "--cell", "grepow-32Ah-1", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
+  EXPECT_GT(ReadJson(folder, "s.json").at("simulated_s"), 30000.0);
+}
+
 TEST(Fly, SaysWhatDoesNotGoTogether) {
   const auto folder = TestFolder();
   const auto error = [&](std::vector<std::string> options) {
@@ -86,6 +96,9 @@ TEST(Fly, SaysWhatDoesNotGoTogether) {
             "ideal source has --xi\n");
   EXPECT_EQ(error({"waypoints"}),
             "2 lipoid fly: error: maneuver waypoints needs a file of places: --waypoints FILE\n");
+  EXPECT_EQ(error({"endurance", "--xi", "1"}),
+            "2 lipoid fly: error: maneuver endurance ends with an empty battery, and an ideal "
+            "source is never empty: give --duration\n");
   EXPECT_EQ(error({"hover", "--wind", "1,2,3,4"}),
             "2 lipoid fly: error: option --wind: expected one to three numbers X,Y,Z, found "
             "'1,2,3,4'\n");

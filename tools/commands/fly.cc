@@ -182,6 +182,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.gains = LoadGains(gains_name);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
+  if (maneuver.until_empty && !setup.cell && !duration_s) {
+    throw OptionError(
+        fmt::format("maneuver {} ends with an empty battery, and an ideal source is never empty: "
+                    "give --duration",
+                    maneuver.name));
+  }
   FlightPlan plan = maneuver.plan(request);
   if (duration_s) plan.duration_s = *duration_s;
 

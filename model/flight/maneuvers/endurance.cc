@@ -3,8 +3,8 @@
 namespace lipoid {
 
 FlightPlan EndurancePlan(const ManeuverRequest&) {
-  // Two hours: an ideal source never ends.
-  return {.commands = {{0.0, {.altitude_m = 1.1}}}, .duration_s = 7200.0};
+  // Eleven days: no cell that carries a quadrotor lasts as long.
+  return {.commands = {{0.0, {.altitude_m = 1.1}}}, .duration_s = 1e6};
 }
 
 }  // namespace lipoid
