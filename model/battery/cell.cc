@@ -16,6 +16,8 @@ CellParameters<double> Cell::Parameters() const {
     parameters.branches.push_back({branch.resistance_Ohm, branch.time_constant_s});
   }
   parameters.open_circuit_voltage = open_circuit_voltage;
+  parameters.self_heating = self_heating;
+  parameters.charge_transfer = charge_transfer;
   return parameters;
 }
 

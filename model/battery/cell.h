@@ -30,6 +30,8 @@ struct Cell {
     /// Set where the branch is written by its capacitance (only with a constant resistance).
     std::optional<double> capacitance_F;
   };
+  using SelfHeating = lipoid::SelfHeating<double>;
+  using ChargeTransfer = lipoid::ChargeTransfer<double>;
 
   std::string name;
   int series = 1;
@@ -41,7 +43,9 @@ struct Cell {
   bool open_circuit_voltage_assumed = false;  ///< a typical curve, not a measured one
   Resistance<double> series_resistance_Ohm;
   std::vector<Branch> branches;
-  Json run = Json::object();  ///< how it was made; see RunRecord
+  std::optional<SelfHeating> self_heating;        ///< none: r_s does not know the current's past
+  std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
+  Json run = Json::object();                      ///< how it was made; see RunRecord
 
   /// Charge from A = 1 to A = 0 at vanishing rate.
   [[nodiscard]] double alpha_C() const {

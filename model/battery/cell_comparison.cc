@@ -6,17 +6,6 @@
 #include "model/battery/cell_parameters.h"
 
 namespace lipoid {
-namespace {
-
-const char* UnitOf(const std::string& name) {
-  if (name == "alpha") return "C";
-  if (name == "beta") return "s^-0.5";
-  if (name.starts_with("tau")) return "s";
-  return name.starts_with("c") ? "F" : "Ohm";
-}
-
-}  // namespace
-
 CellComparison CompareCells(const Cell& truth, const Cell& estimate) {
   CellComparison result;
   auto names = CellParameterNames(truth);
@@ -25,7 +14,7 @@ CellComparison CompareCells(const Cell& truth, const Cell& estimate) {
   }
   for (const auto& name : names) {
     ParameterComparison one{name,
-                            UnitOf(name),
+                            std::string(CellParameterUnit(name)),
                             CellParameter(truth, name),
                             CellParameter(estimate, name),
                             std::nullopt};

@@ -13,7 +13,7 @@
 namespace lipoid {
 
 struct ParameterComparison {
-  std::string name;  ///< as on the command line: alpha, beta, r_s, r_1, c_1, tau_1
+  std::string name;  ///< as on the command line, see cell_parameters.h
   std::string unit;
   std::optional<double> truth;  ///< none where that cell has no such parameter
   std::optional<double> estimate;

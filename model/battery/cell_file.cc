@@ -14,6 +14,7 @@ namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLeast = std::numeric_limits<double>::min();  // of what must be above 0
 
 std::string MethodName(OcvMethod method) {
   for (const auto& [value, name] : OptionNames(OcvMethod{})) {
@@ -132,6 +133,25 @@ Cell::Branch ReadBranch(const JsonReader& json) {
   return branch;
 }
 
+Cell::SelfHeating ReadSelfHeating(const JsonReader& json) {
+  json.OnlyKeys({"time_constant_s", "resistance_drop_Ohm_per_A2"});
+  return {
+      .time_constant_s = json.At("time_constant_s").Number(kLeast, kInfinity),
+      .resistance_drop_Ohm_per_A2 = json.At("resistance_drop_Ohm_per_A2").Number(0.0, kInfinity)};
+}
+
+Cell::ChargeTransfer ReadChargeTransfer(const JsonReader& json) {
+  json.OnlyKeys({"current_A", "resistance_Ohm"});
+  return {.current_A = json.At("current_A").Number(kLeast, kInfinity),
+          .resistance_Ohm = ReadResistance(json.At("resistance_Ohm"))};
+}
+
+void RequireFinite(const Resistance<double>& resistance, std::string_view rule) {
+  for (const double r : resistance.resistance_Ohm) {
+    Require(std::isfinite(r), rule, {{"resistance_Ohm", r}});
+  }
+}
+
 }  // namespace
 
 Cell ParseCell(const std::string& text, const std::string& file) {
@@ -150,19 +170,20 @@ Cell ParseCell(const std::string& text, const std::string& file) {
                  "open_circuit_voltage",
                  "series_resistance_Ohm",
                  "branches",
+                 "self_heating",
+                 "charge_transfer",
                  "run"});
   Cell cell;
   cell.name = json.At("name").Text();
   if (const auto series = json.Find("series")) cell.series = series->Integer(1, 100000);
   if (const auto parallel = json.Find("parallel")) cell.parallel = parallel->Integer(1, 100000);
-  const double least = std::numeric_limits<double>::min();
-  cell.capacity_Ah = json.At("capacity_Ah").Number(least, kInfinity);
+  cell.capacity_Ah = json.At("capacity_Ah").Number(kLeast, kInfinity);
   cell.cutoff_V = json.At("cutoff_V").Number(0.0, kInfinity);
   if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
     diffusion.OnlyKeys({"alpha_C", "beta_per_sqrt_s", "terms", "tail"});
     cell.diffusion =
-        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(least, kInfinity),
-                        .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(least, 1.0),
+        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(kLeast, kInfinity),
+                        .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(kLeast, 1.0),
                         .terms = diffusion.At("terms").Integer(0, 1000),
                         .tail = diffusion.At("tail").Boolean()};
   }
@@ -174,6 +195,9 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   const auto branches = json.At("branches");
   for (std::size_t j = 0; j < branches.Size(); ++j)
     cell.branches.push_back(ReadBranch(branches.Item(j)));
+  if (const auto term = json.Find("self_heating")) cell.self_heating = ReadSelfHeating(*term);
+  if (const auto term = json.Find("charge_transfer"))
+    cell.charge_transfer = ReadChargeTransfer(*term);
   if (const auto run = json.Find("run")) {
     if (!run->IsObject()) run->Fail("an object");
     cell.run = document.at("run");
@@ -203,17 +227,26 @@ Json CellToJson(const Cell& cell) {
   }
   Json curve = CurveToJson(cell.open_circuit_voltage);
   if (cell.open_circuit_voltage_assumed) curve["assumed"] = true;
-  return {{"schema", kCellSchema},
-          {"name", cell.name},
-          {"series", cell.series},
-          {"parallel", cell.parallel},
-          {"capacity_Ah", cell.capacity_Ah},
-          {"cutoff_V", cell.cutoff_V},
-          {"diffusion", diffusion},
-          {"open_circuit_voltage", curve},
-          {"series_resistance_Ohm", ResistanceToJson(cell.series_resistance_Ohm)},
-          {"branches", branches},
-          {"run", cell.run}};
+  Json json = {{"schema", kCellSchema},
+               {"name", cell.name},
+               {"series", cell.series},
+               {"parallel", cell.parallel},
+               {"capacity_Ah", cell.capacity_Ah},
+               {"cutoff_V", cell.cutoff_V},
+               {"diffusion", diffusion},
+               {"open_circuit_voltage", curve},
+               {"series_resistance_Ohm", ResistanceToJson(cell.series_resistance_Ohm)},
+               {"branches", branches}};
+  if (const auto& term = cell.self_heating) {
+    json["self_heating"] = {{"time_constant_s", term->time_constant_s},
+                            {"resistance_drop_Ohm_per_A2", term->resistance_drop_Ohm_per_A2}};
+  }
+  if (const auto& term = cell.charge_transfer) {
+    json["charge_transfer"] = {{"current_A", term->current_A},
+                               {"resistance_Ohm", ResistanceToJson(term->resistance_Ohm)}};
+  }
+  json["run"] = cell.run;
+  return json;
 }
 
 void WriteCellFile(const Cell& cell, const std::string& file) {
@@ -224,16 +257,24 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
                              cell.diffusion ? cell.diffusion->beta_per_sqrt_s : 0.0}) {
     Require(std::isfinite(value), "a cell of finite numbers", {{"value", value}});
   }
-  for (const double r : cell.series_resistance_Ohm.resistance_Ohm) {
-    Require(std::isfinite(r), "a finite series resistance", {{"resistance_Ohm", r}});
-  }
+  RequireFinite(cell.series_resistance_Ohm, "a finite series resistance");
   for (const auto& branch : cell.branches) {
     Require(std::isfinite(branch.time_constant_s),
             "finite time constants",
             {{"time_constant_s", branch.time_constant_s}});
-    for (const double r : branch.resistance_Ohm.resistance_Ohm) {
-      Require(std::isfinite(r), "finite resistances", {{"resistance_Ohm", r}});
-    }
+    RequireFinite(branch.resistance_Ohm, "finite resistances");
+  }
+  if (const auto& term = cell.self_heating) {
+    Require(std::isfinite(term->time_constant_s) && std::isfinite(term->resistance_drop_Ohm_per_A2),
+            "finite self-heating",
+            {{"time_constant_s", term->time_constant_s},
+             {"resistance_drop_Ohm_per_A2", term->resistance_drop_Ohm_per_A2}});
+  }
+  if (const auto& term = cell.charge_transfer) {
+    Require(std::isfinite(term->current_A),
+            "a finite current of charge transfer",
+            {{"current_A", term->current_A}});
+    RequireFinite(term->resistance_Ohm, "a finite resistance of charge transfer");
   }
   WriteFileAtomically(file, CellToJson(cell).dump(2) + "\n");
 }

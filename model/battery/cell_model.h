@@ -12,6 +12,9 @@
 ///   v_cj'     = (r_j(A) i - v_cj)/tau_j,  tau_j = r_j c_j    (4.50)
 ///   v_b       = v_oc - r_s(A) i - sum_j v_cj                 (4.51)
 ///
+/// and, where the cell has them, two terms beyond the thesis: self-heating lowers r_s
+/// (self_heating.h), charge transfer adds a drop (charge_transfer.h).
+///
 /// The tail replaces the modes beyond M, which are fast, by their steady value
 /// 2 i/beta² sum_{m>M} 1/m²: without it 5.8 % of the steady unavailable charge is lost at M = 10
 /// (4.41).
@@ -25,11 +28,14 @@
 
 #include <boost/math/special_functions/trigamma.hpp>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "model/battery/charge_transfer.h"
 #include "model/battery/exact_hold.h"
 #include "model/battery/open_circuit_voltage.h"
 #include "model/battery/resistance.h"
+#include "model/battery/self_heating.h"
 
 namespace lipoid {
 
@@ -51,6 +57,8 @@ struct CellParameters {
   Resistance<T> series_resistance_Ohm;
   std::vector<Branch> branches;
   OpenCircuitVoltage open_circuit_voltage;
+  std::optional<SelfHeating<T>> self_heating;
+  std::optional<ChargeTransfer<T>> charge_transfer;
 };
 
 template <class T>
@@ -60,6 +68,7 @@ class CellModel {
     T delivered_C = T(0.0);        ///< sigma_d
     std::vector<T> unavailable_C;  ///< sigma_um, m = 1 .. M
     std::vector<T> branch_V;       ///< v_cj
+    T warmth_A2 = T(0.0);          ///< h
   };
 
   /// What a step of one length needs; computed once per distinct length.
@@ -68,6 +77,7 @@ class CellModel {
     std::vector<HoldCoefficients<T>> diffusion;
     std::vector<HoldCoefficients<T>>
         branch;  ///< gain is per second of tau: multiply by r_j i/tau_j
+    HoldCoefficients<T> warmth{T(0.0), T(0.0)};  ///< likewise: multiply by i²/tau_h
   };
 
   explicit CellModel(CellParameters<T> parameters) : p_(std::move(parameters)) {
@@ -91,7 +101,8 @@ class CellModel {
   [[nodiscard]] State Relaxed(const T& soc) const {
     return {p_.alpha_C * (T(1.0) - soc),
             std::vector<T>(rate_per_s_.size(), T(0.0)),
-            std::vector<T>(p_.branches.size(), T(0.0))};
+            std::vector<T>(p_.branches.size(), T(0.0)),
+            T(0.0)};
   }
 
   /// Coefficients of a step of dt_s >= 0.
@@ -110,6 +121,7 @@ class CellModel {
     for (std::size_t j = 0; j < p_.branches.size(); ++j) {
       step.branch[j] = ExactHold(T(1.0) / p_.branches[j].time_constant_s, dt_s);  // (4.50)
     }
+    if (p_.self_heating) step.warmth = ExactHold(T(1.0) / p_.self_heating->time_constant_s, dt_s);
   }
 
   /// The state after `current_A` has flowed for step.dt_s.
@@ -133,6 +145,11 @@ class CellModel {
                                (step.diffusion[m].gain * current_A + kAlive);  // (4.46)
     }
     state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
+    if (p_.self_heating) {
+      state.warmth_A2 =
+          step.warmth.decay * state.warmth_A2 +
+          (step.warmth.gain / p_.self_heating->time_constant_s * (current_A * current_A) + kAlive);
+    }
   }
 
   /// sigma_u: the charge that diffusion holds back while current_A flows.
@@ -154,11 +171,18 @@ class CellModel {
     return p_.open_circuit_voltage(Soc(state, current_A));  // (4.49)
   }
 
+  /// r_s at this A, as the cell's warmth leaves it.
+  [[nodiscard]] T SeriesResistance(const State& state, const T& soc) const {
+    const T cold_Ohm = p_.series_resistance_Ohm(soc);
+    return p_.self_heating ? p_.self_heating->Warm(cold_Ohm, state.warmth_A2) : cold_Ohm;
+  }
+
   /// Terminal voltage v_b while current_A flows.
   [[nodiscard]] T Voltage(const State& state, const T& current_A) const {
     const T soc = Soc(state, current_A);
-    T voltage = p_.open_circuit_voltage(soc) - p_.series_resistance_Ohm(soc) * current_A;  // (4.51)
+    T voltage = p_.open_circuit_voltage(soc) - SeriesResistance(state, soc) * current_A;  // (4.51)
     for (const T& drop : state.branch_V) voltage = voltage - drop;
+    if (p_.charge_transfer) voltage = voltage - p_.charge_transfer->Drop(soc, current_A);
     return voltage;
   }
 

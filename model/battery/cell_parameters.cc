@@ -5,11 +5,23 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
+
+// A parameter that is still to come.
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+
+std::optional<double> UnlessMissing(double value) {
+  return std::isnan(value) ? std::nullopt : std::optional<double>(value);
+}
+
+std::optional<double> UnlessMissing(const Resistance<double>& resistance) {
+  return resistance.constant() ? UnlessMissing(resistance.resistance_Ohm[0]) : std::nullopt;
+}
 
 // "tau_2" is {"tau", 1}.
 struct BranchName {
@@ -38,7 +50,10 @@ void Check(bool holds, std::string_view name, std::string_view expected, double 
 
 void SetBranch(Cell& cell, std::string_view name, const BranchName& branch_name, double value) {
   const auto& [symbol, index] = branch_name;
-  if (index == cell.branches.size() && symbol == "r") cell.branches.emplace_back();
+  if (index == cell.branches.size() && symbol == "r") {
+    cell.branches.push_back(
+        {.resistance_Ohm = {}, .time_constant_s = kMissing, .capacitance_F = {}});
+  }
   if (index >= cell.branches.size()) {
     throw OptionError(fmt::format("{}: the cell has {} branch{}; give r_{} first to add one",
                                   name,
@@ -66,6 +81,35 @@ void SetBranch(Cell& cell, std::string_view name, const BranchName& branch_name,
   }
 }
 
+// tau_h, rho_h.
+void SetSelfHeating(Cell& cell, std::string_view name, double value) {
+  const bool time = name == "tau_h";
+  if (time) {
+    Check(value > 0.0, name, "a time constant above 0 s", value);
+  } else {
+    Check(value >= 0.0, name, "a drop of the resistance of at least 0 Ohm/A^2", value);
+  }
+  if (!cell.self_heating) cell.self_heating = Cell::SelfHeating{kMissing, kMissing};
+  (time ? cell.self_heating->time_constant_s : cell.self_heating->resistance_drop_Ohm_per_A2) =
+      value;
+}
+
+// i_0, r_ct.
+void SetChargeTransfer(Cell& cell, std::string_view name, double value) {
+  const bool current = name == "i_0";
+  if (current) {
+    Check(value > 0.0, name, "a current above 0 A", value);
+  } else {
+    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
+  }
+  if (!cell.charge_transfer) cell.charge_transfer = Cell::ChargeTransfer{kMissing, kMissing};
+  if (current) {
+    cell.charge_transfer->current_A = value;
+  } else {
+    cell.charge_transfer->resistance_Ohm = value;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> CellParameterNames(const Cell& cell) {
@@ -77,24 +121,31 @@ std::vector<std::string> CellParameterNames(const Cell& cell) {
   for (std::size_t j = 1; j <= cell.branches.size(); ++j) {
     for (const char* symbol : {"r", "c", "tau"}) add(fmt::format("{}_{}", symbol, j));
   }
+  for (const char* name : {"tau_h", "rho_h", "i_0", "r_ct"}) add(name);
   return names;
 }
 
 std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
   if (name == "alpha" && cell.diffusion) return cell.diffusion->alpha_C;
   if (name == "beta" && cell.diffusion) return cell.diffusion->beta_per_sqrt_s;
-  if (name == "r_s" && cell.series_resistance_Ohm.constant()) {
-    return cell.series_resistance_Ohm.resistance_Ohm[0];
+  if (name == "r_s") return UnlessMissing(cell.series_resistance_Ohm);
+  if (const auto& term = cell.self_heating) {
+    if (name == "tau_h") return UnlessMissing(term->time_constant_s);
+    if (name == "rho_h") return UnlessMissing(term->resistance_drop_Ohm_per_A2);
+  }
+  if (const auto& term = cell.charge_transfer) {
+    if (name == "i_0") return UnlessMissing(term->current_A);
+    if (name == "r_ct") return UnlessMissing(term->resistance_Ohm);
   }
   const auto branch_name = ParseBranchName(name);
   if (!branch_name || branch_name->index >= cell.branches.size()) return std::nullopt;
   const auto& branch = cell.branches[branch_name->index];
-  if (branch_name->symbol == "tau") return branch.time_constant_s;
+  if (branch_name->symbol == "tau") return UnlessMissing(branch.time_constant_s);
   if (!branch.resistance_Ohm.constant()) return std::nullopt;
   const double resistance_Ohm = branch.resistance_Ohm.resistance_Ohm[0];
   if (branch_name->symbol == "r") return resistance_Ohm;
   if (branch.capacitance_F) return branch.capacitance_F;
-  if (resistance_Ohm > 0.0) return branch.time_constant_s / resistance_Ohm;
+  if (resistance_Ohm > 0.0) return UnlessMissing(branch.time_constant_s / resistance_Ohm);
   return std::nullopt;
 }
 
@@ -104,6 +155,10 @@ void SetCellParameter(Cell& cell, std::string_view name, double value) {
   if (name == "r_s") {
     Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
     cell.series_resistance_Ohm = Resistance<double>(value);
+  } else if (name == "tau_h" || name == "rho_h") {
+    SetSelfHeating(cell, name, value);
+  } else if (name == "i_0" || name == "r_ct") {
+    SetChargeTransfer(cell, name, value);
   } else if (name == "alpha" && cell.diffusion) {
     Check(value > 0.0, name, "a charge above 0 C", value);
     cell.diffusion->alpha_C = value;
@@ -115,6 +170,40 @@ void SetCellParameter(Cell& cell, std::string_view name, double value) {
                                   name,
                                   fmt::join(CellParameterNames(cell), ", ")));
   }
+}
+
+std::optional<std::string> MissingCellParameter(const Cell& cell) {
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+    if (std::isnan(cell.branches[j].time_constant_s)) {
+      return fmt::format("r_{0} needs c_{0} or tau_{0} beside it", j + 1);
+    }
+  }
+  const auto pair = [](bool first_missing, std::string_view first, std::string_view second) {
+    return fmt::format(
+        "{} needs {} beside it", first_missing ? second : first, first_missing ? first : second);
+  };
+  if (const auto& term = cell.self_heating) {
+    const bool no_time = std::isnan(term->time_constant_s);
+    if (no_time || std::isnan(term->resistance_drop_Ohm_per_A2)) {
+      return pair(no_time, "tau_h", "rho_h");
+    }
+  }
+  if (const auto& term = cell.charge_transfer) {
+    const bool no_current = std::isnan(term->current_A);
+    if (no_current || std::isnan(term->resistance_Ohm.resistance_Ohm[0])) {
+      return pair(no_current, "i_0", "r_ct");
+    }
+  }
+  return std::nullopt;
+}
+
+std::string_view CellParameterUnit(std::string_view name) {
+  if (name == "alpha") return "C";
+  if (name == "beta") return "s^-1/2";
+  if (name == "i_0") return "A";
+  if (name == "rho_h") return "Ohm/A^2";
+  if (name.starts_with("tau")) return "s";
+  return name.starts_with("c") ? "F" : "Ohm";
 }
 
 }  // namespace lipoid

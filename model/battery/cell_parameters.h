@@ -2,7 +2,8 @@
 
 /// @file
 /// The parameters of a cell by the names of the command line: alpha, beta, r_s, r_1, c_1, tau_1,
-/// r_2, ... in SI units (C, s^-1/2, Ohm, F, s). Tests: tests/model/battery/cell_parameters_test.cc.
+/// r_2, ... in SI units (C, s^-1/2, Ohm, F, s), and, of the two terms beyond the thesis, tau_h (s),
+/// rho_h (Ohm/A²), i_0 (A), r_ct (Ohm). Tests: tests/model/battery/cell_parameters_test.cc.
 
 #include <optional>
 #include <string>
@@ -13,16 +14,24 @@
 
 namespace lipoid {
 
-/// The names this cell has, in the order above; a branch with a table of resistances has only
-/// tau_j.
+/// The names this cell has, in the order above. A table of resistances has no name: of such a
+/// branch there is only tau_j.
 [[nodiscard]] std::vector<std::string> CellParameterNames(const Cell& cell);
 
 /// The value, or none where the cell has no such parameter.
 [[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
 
 /// Changes one parameter; r_j of the branch after the last adds a branch, to be completed by c_j or
-/// tau_j. With r_j given, a branch keeps what it was written with: its capacitance or its time
-/// constant. OptionError names the parameters there are, or the range.
+/// tau_j; tau_h or rho_h, i_0 or r_ct add their term, to be completed by the other of the two. With
+/// r_j given, a branch keeps what it was written with: its capacitance or its time constant.
+/// OptionError names the parameters there are, or the range.
 void SetCellParameter(Cell& cell, std::string_view name, double value);
+
+/// What SetCellParameter() began and did not complete, "r_2 needs c_2 or tau_2 beside it"; none
+/// where the cell is whole.
+[[nodiscard]] std::optional<std::string> MissingCellParameter(const Cell& cell);
+
+/// "C", "s^-1/2", "Ohm", ... of a name above.
+[[nodiscard]] std::string_view CellParameterUnit(std::string_view name);
 
 }  // namespace lipoid

@@ -15,8 +15,10 @@ namespace lipoid {
 /// A cell, or a pack of equal ones, as a voltage behind a resistance, moved by exact steps.
 ///
 /// The tail of the diffusion sum makes A depend on the current at once. Over one step v_oc(A) is
-/// its straight line at the A of the last current: exact on one segment of a linear table. Does
-/// not allocate after construction.
+/// its straight line at the A of the last current: exact on one segment of a linear table. So is
+/// the drop of charge transfer its tangent at the last current; the slope of a drop falls as the
+/// current grows, so that the voltage of another current lies above the tangent's, to second order
+/// in their difference. Does not allocate after construction.
 class BatterySupply {
  public:
   /// Relaxed at this state of charge.
@@ -38,8 +40,13 @@ class BatterySupply {
     const double slope_V = std::max(curve.slope_V, 0.0);
     double voltage_V = curve.value_V + slope_V * (relaxed_soc - soc);
     for (const double drop : state_.branch_V) voltage_V -= drop;
-    const double resistance_Ohm =
-        p.series_resistance_Ohm(soc) + slope_V * model_.tail_s() / p.alpha_C;
+    double resistance_Ohm =
+        model_.SeriesResistance(state_, soc) + slope_V * model_.tail_s() / p.alpha_C;
+    if (p.charge_transfer) {
+      const double slope_Ohm = SlopeOfDrop(*p.charge_transfer, soc, last_A_);
+      voltage_V -= p.charge_transfer->Drop(soc, last_A_) - slope_Ohm * last_A_;
+      resistance_Ohm += slope_Ohm;
+    }
     return {series_ * voltage_V, series_ * resistance_Ohm / parallel_};
   }
 
@@ -55,7 +62,8 @@ class BatterySupply {
   [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }
   [[nodiscard]] double parallel() const { return parallel_; }
 
-  /// The current for which v_oc(A) is taken as a straight line until the next Advance().
+  /// The current at which v_oc(A) and charge transfer are taken as straight lines until the next
+  /// Advance().
   void Expect(double pack_current_A) { last_A_ = pack_current_A / parallel_; }
 
  private:

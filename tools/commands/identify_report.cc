@@ -24,13 +24,6 @@ std::string PlusMinus(double value, double standard_error, std::string_view unit
   return fmt::format("{} +- {} {}", Significant(value, 5), Significant(standard_error, 2), unit);
 }
 
-std::string UnitOf(std::string_view name) {
-  if (name == "alpha") return "C";
-  if (name == "beta") return "s^-1/2";
-  if (name[0] == 'r') return "Ohm";
-  return name[0] == 'c' ? "F" : "s";
-}
-
 std::string DischargeTimesText(const StagedResult& result) {
   std::string text = "1  discharge times (4.53)\n";
   if (!result.discharge_times) {
@@ -209,7 +202,7 @@ TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {
     for (const auto& result : results) {
       if (const auto value = CellParameter(result.cell, name)) values.push_back(*value);
     }
-    add(name, UnitOf(name), values);
+    add(name, std::string(CellParameterUnit(name)), values);
   }
   std::vector<double> errors;
   for (const auto& result : results) errors.push_back(result.pulses.errors.mean_error_percent);

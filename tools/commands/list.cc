@@ -28,7 +28,7 @@ Json ListCells(cli::CommandLine& line) {
                         {"capacity / Ah"},
                         {"cut-off / V"},
                         {"alpha / C"},
-                        {"beta / s^-0.5"},
+                        {"beta / s^-1/2"},
                         {"r_s / Ohm"},
                         {"v_oc(A)", Align::kLeft}});
   Json rows = Json::array();

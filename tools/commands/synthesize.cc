@@ -43,10 +43,12 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
     protocols.push_back(fmt::format("{}: {}", row.name, row.summary));
   line.Text("protocol", protocol, "NAME", fmt::format("{}", fmt::join(protocols, "; ")));
   line.RequiredText("output,o", folder, "DIR", "the folder to write to; made where it is missing");
-  line.Texts("with",
-             changes,
-             "NAME=VALUE",
-             "change parameters of the cell: alpha, beta, r_s, r_1, c_1, tau_1, ...");
+  line.Texts(
+      "with",
+      changes,
+      "NAME=VALUE",
+      "change parameters of the cell: alpha, beta, r_s, r_1, c_1, tau_1, ..., tau_h and rho_h "
+      "(self-heating), i_0 and r_ct (charge transfer)");
   line.Option(
       "series", series, Range{1, 100000}, "cells in series, instead of what the cell file says");
   line.Option("parallel",
@@ -59,9 +61,8 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   Cell cell = LoadCell(cell_name);
   for (const auto& [name, value] : ParseAssignments("--with", changes))
     SetCellParameter(cell, name, value);
-  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
-    if (cell.branches[j].time_constant_s > 0.0) continue;
-    throw OptionError(fmt::format("option --with: r_{0} needs c_{0} or tau_{0} beside it", j + 1));
+  if (const auto missing = MissingCellParameter(cell)) {
+    throw OptionError("option --with: " + *missing);
   }
   if (series) cell.series = *series;
   if (parallel) cell.parallel = *parallel;

@@ -294,7 +294,8 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "\"title\": 1, \"name\"",
        "3:3: error: /title: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
-       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, run, found 'title'"},
+       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
+       "charge_transfer, run, found 'title'"},
       {"\"series\": 6",
        "\"series\": 0",
        "4:13: error: /series: expected a whole number from 1 to 100000, found 0"},
@@ -419,13 +420,132 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "\"seed\": 7\n  }, \"run2\": 3",
        "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
-       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, run, found 'run2'"},
+       "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
+       "charge_transfer, run, found 'run2'"},
       {"{\n    \"seed\": 7\n  }",
        "[]",
        "37:10: error: /run: expected an object, found a list of 0"}};
   for (const BadValue& bad : all) {
     EXPECT_EQ(Refusal(Changed(bad.from, bad.to)), "x.json:" + std::string(bad.message));
   }
+}
+
+// The full cell with the two terms beyond the thesis.
+Json WithTerms() {
+  Json json = Json::parse(kFull);
+  const Json run = json["run"];
+  json.erase("run");
+  json["self_heating"] = {{"time_constant_s", 300.0}, {"resistance_drop_Ohm_per_A2", 1e-5}};
+  json["charge_transfer"] = {
+      {"current_A", 0.5},
+      {"resistance_Ohm", {{"soc", {0.0, 1.0}}, {"resistance_Ohm", {0.2, 0.1}}}}};
+  json["run"] = run;
+  return json;
+}
+
+TEST(CellFile, TheTwoTermsAreReadAndWrittenBack) {
+  EXPECT_FALSE(ParseCell(kFull, "full.json").self_heating.has_value());
+  EXPECT_FALSE(ParseCell(kFull, "full.json").charge_transfer.has_value());
+  const Json json = WithTerms();
+  const Cell cell = ParseCell(json.dump(2), "x.json");
+  EXPECT_EQ(cell.self_heating->time_constant_s, 300.0);
+  EXPECT_EQ(cell.self_heating->resistance_drop_Ohm_per_A2, 1e-5);
+  EXPECT_EQ(cell.charge_transfer->current_A, 0.5);
+  EXPECT_EQ(cell.charge_transfer->resistance_Ohm.soc, (std::vector<double>{0.0, 1.0}));
+  EXPECT_EQ(cell.charge_transfer->resistance_Ohm.resistance_Ohm, (std::vector<double>{0.2, 0.1}));
+  const auto parameters = cell.Parameters();
+  EXPECT_EQ(parameters.self_heating->time_constant_s, 300.0);
+  EXPECT_EQ(parameters.self_heating->resistance_drop_Ohm_per_A2, 1e-5);
+  EXPECT_EQ(parameters.charge_transfer->current_A, 0.5);
+  EXPECT_NEAR(parameters.charge_transfer->resistance_Ohm(0.25), 0.175, 1e-16);
+  EXPECT_EQ(CellToJson(cell).dump(2), json.dump(2));
+  Json number = json;
+  number["charge_transfer"]["resistance_Ohm"] = 0.07;
+  EXPECT_EQ(CellToJson(ParseCell(number.dump(), "x.json")).dump(2), number.dump(2));
+}
+
+TEST(CellFile, ATermThatIsAbsentIsNotWritten) {
+  EXPECT_EQ(CellToJson(ParseCell(kFull, "full.json")).dump(2), Json::parse(kFull).dump(2));
+  for (const auto& name : ShippedCellNames()) {
+    const Json json = CellToJson(LoadCell(name));
+    EXPECT_FALSE(json.contains("self_heating")) << name;
+    EXPECT_FALSE(json.contains("charge_transfer")) << name;
+  }
+}
+
+TEST(CellFile, EveryBadTermIsRefusedWhereItStands) {
+  struct {
+    const char* pointer;
+    Json value;
+    const char* message;
+  } const all[] = {
+      {"/self_heating/time_constant_s",
+       0,
+       "56:22: error: /self_heating/time_constant_s: expected a number above 0, found 0"},
+      {"/self_heating/resistance_drop_Ohm_per_A2",
+       -1e-5,
+       "57:33: error: /self_heating/resistance_drop_Ohm_per_A2: expected a number of at least 0, "
+       "found -1e-05"},
+      {"/self_heating/tau",
+       1,
+       "58:3: error: /self_heating/tau: expected one of the keys time_constant_s, "
+       "resistance_drop_Ohm_per_A2, found 'tau'"},
+      {"/self_heating",
+       Json::object(),
+       "55:18: error: /self_heating: expected an object with the key 'time_constant_s', found an "
+       "object"},
+      {"/self_heating", nullptr, "55:18: error: /self_heating: expected an object, found null"},
+      {"/self_heating",
+       {{"time_constant_s", 300}},
+       "55:18: error: /self_heating: expected an object with the key "
+       "'resistance_drop_Ohm_per_A2', found an object"},
+      {"/charge_transfer/current_A",
+       0,
+       "60:16: error: /charge_transfer/current_A: expected a number above 0, found 0"},
+      {"/charge_transfer/resistance_Ohm",
+       -0.1,
+       "61:21: error: /charge_transfer/resistance_Ohm: expected a number of at least 0, found "
+       "-0.1"},
+      {"/charge_transfer/resistance_Ohm",
+       "0.1",
+       "61:21: error: /charge_transfer/resistance_Ohm: expected a number or a table of soc and "
+       "resistance_Ohm, found \"0.1\""},
+      {"/charge_transfer/resistance_Ohm/resistance_Ohm/1",
+       -0.1,
+       "68:5: error: /charge_transfer/resistance_Ohm/resistance_Ohm/1: expected a number of at "
+       "least 0, found -0.1"},
+      {"/charge_transfer",
+       {{"resistance_Ohm", 0.1}},
+       "59:21: error: /charge_transfer: expected an object with the key 'current_A', found an "
+       "object"},
+      {"/charge_transfer",
+       {{"current_A", 0.1}},
+       "59:21: error: /charge_transfer: expected an object with the key 'resistance_Ohm', found "
+       "an object"},
+      {"/charge_transfer/i_0",
+       1,
+       "71:3: error: /charge_transfer/i_0: expected one of the keys current_A, resistance_Ohm, "
+       "found 'i_0'"}};
+  for (const auto& bad : all) {
+    Json json = WithTerms();
+    json[Json::json_pointer(bad.pointer)] = bad.value;
+    EXPECT_EQ(Refusal(json.dump(1)), "x.json:" + std::string(bad.message));
+  }
+}
+
+TEST(CellFile, ATermThatIsNotFiniteIsNotWritten) {
+  const std::string file = test::FreshFolder("cell_not_finite") + "/never.json";
+  const Cell whole = ParseCell(WithTerms().dump(), "x.json");
+  const auto refusal = [&](auto&& change) {
+    Cell cell = whole;
+    change(cell, std::nan(""));
+    EXPECT_THROW(WriteCellFile(cell, file), PreconditionError);
+    EXPECT_FALSE(std::filesystem::exists(file));
+  };
+  refusal([](Cell& cell, double nan) { cell.self_heating->time_constant_s = nan; });
+  refusal([](Cell& cell, double nan) { cell.self_heating->resistance_drop_Ohm_per_A2 = nan; });
+  refusal([](Cell& cell, double nan) { cell.charge_transfer->current_A = nan; });
+  refusal([](Cell& cell, double nan) { cell.charge_transfer->resistance_Ohm = nan; });
 }
 
 TEST(CellFile, EveryBadSeriesIsRefused) {

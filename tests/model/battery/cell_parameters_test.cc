@@ -56,6 +56,67 @@ TEST(CellParameters, TheNextResistanceAddsABranch) {
   EXPECT_EQ(cell.branches[1].time_constant_s, 5.0);
 }
 
+TEST(CellParameters, ATermIsAddedByItsTwoParametersInEitherOrder) {
+  using Assignments = std::vector<std::pair<const char*, double>>;
+  for (const Assignments& all :
+       {Assignments{{"tau_h", 300}, {"rho_h", 1e-5}, {"i_0", 0.5}, {"r_ct", 0}},
+        Assignments{{"r_ct", 0}, {"rho_h", 1e-5}, {"i_0", 0.5}, {"tau_h", 300}}}) {
+    Cell cell = LoadCell("gifi-600mAh-1");
+    for (const auto& [name, value] : all) SetCellParameter(cell, name, value);
+    EXPECT_EQ(MissingCellParameter(cell), std::nullopt);
+    EXPECT_EQ(cell.self_heating->time_constant_s, 300.0);
+    EXPECT_EQ(cell.self_heating->resistance_drop_Ohm_per_A2, 1e-5);
+    EXPECT_EQ(cell.charge_transfer->current_A, 0.5);
+    EXPECT_EQ(cell.charge_transfer->resistance_Ohm.resistance_Ohm, (std::vector<double>{0.0}));
+    EXPECT_EQ(CellParameterNames(cell),
+              (std::vector<std::string>{
+                  "alpha", "beta", "r_s", "r_1", "c_1", "tau_1", "tau_h", "rho_h", "i_0", "r_ct"}));
+    for (const auto& [name, value] : all) EXPECT_EQ(CellParameter(cell, name), value) << name;
+    SetCellParameter(cell, "rho_h", 2e-5);
+    EXPECT_EQ(CellParameter(cell, "rho_h"), 2e-5);
+    EXPECT_EQ(CellParameter(cell, "tau_h"), 300.0);
+  }
+}
+
+TEST(CellParameters, WhatWasBegunAndNotCompletedIsNamed) {
+  const std::pair<const char*, const char*> all[] = {{"r_2", "r_2 needs c_2 or tau_2 beside it"},
+                                                     {"tau_h", "tau_h needs rho_h beside it"},
+                                                     {"rho_h", "rho_h needs tau_h beside it"},
+                                                     {"i_0", "i_0 needs r_ct beside it"},
+                                                     {"r_ct", "r_ct needs i_0 beside it"}};
+  for (const auto& [name, message] : all) {
+    Cell cell = LoadCell("gifi-600mAh-1");
+    EXPECT_EQ(MissingCellParameter(cell), std::nullopt);
+    SetCellParameter(cell, name, 0.01);
+    EXPECT_EQ(MissingCellParameter(cell), message);
+    EXPECT_EQ(CellParameterNames(cell),
+              (std::vector<std::string>{"alpha", "beta", "r_s", "r_1", "c_1", "tau_1", name}));
+  }
+}
+
+TEST(CellParameters, ATableHasNoName) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.series_resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.2, 0.1});
+  cell.charge_transfer = {0.5, cell.series_resistance_Ohm};
+  EXPECT_EQ(MissingCellParameter(cell), std::nullopt);
+  EXPECT_EQ(CellParameterNames(cell),
+            (std::vector<std::string>{"alpha", "beta", "r_1", "c_1", "tau_1", "i_0"}));
+}
+
+TEST(CellParameters, EachHasItsUnit) {
+  const std::pair<const char*, const char*> all[] = {{"alpha", "C"},
+                                                     {"beta", "s^-1/2"},
+                                                     {"r_s", "Ohm"},
+                                                     {"r_12", "Ohm"},
+                                                     {"c_1", "F"},
+                                                     {"tau_1", "s"},
+                                                     {"tau_h", "s"},
+                                                     {"rho_h", "Ohm/A^2"},
+                                                     {"i_0", "A"},
+                                                     {"r_ct", "Ohm"}};
+  for (const auto& [name, unit] : all) EXPECT_EQ(CellParameterUnit(name), unit) << name;
+}
+
 TEST(CellParameters, WhatCannotBeIsRefused) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   EXPECT_EQ(OptionErrorOf(cell, "beta", 1.5), "beta: expected a number in (0, 1], found 1.5");
@@ -64,6 +125,13 @@ TEST(CellParameters, WhatCannotBeIsRefused) {
             "r_s: expected a resistance of at least 0 Ohm, found -1");
   EXPECT_EQ(OptionErrorOf(cell, "c_2", 1.0),
             "c_2: the cell has 1 branch; give r_2 first to add one");
+  EXPECT_EQ(OptionErrorOf(cell, "tau_h", 0.0),
+            "tau_h: expected a time constant above 0 s, found 0");
+  EXPECT_EQ(OptionErrorOf(cell, "rho_h", -1e-5),
+            "rho_h: expected a drop of the resistance of at least 0 Ohm/A^2, found -1e-05");
+  EXPECT_EQ(OptionErrorOf(cell, "i_0", 0.0), "i_0: expected a current above 0 A, found 0");
+  EXPECT_EQ(OptionErrorOf(cell, "r_ct", -0.1),
+            "r_ct: expected a resistance of at least 0 Ohm, found -0.1");
   EXPECT_EQ(OptionErrorOf(cell, "gamma", 1.0),
             "'gamma' is no parameter of this cell; it has alpha, beta, r_s, r_1, c_1, tau_1");
 }

@@ -59,6 +59,8 @@ CellParameters<double> LargeCell() {
   cell.branches = {{0.03, 45.0}, {Resistance<double>({0.0, 0.5, 1.0}, {0.1, 0.2, 0.3}), 2.0}};
   cell.open_circuit_voltage =
       OpenCircuitVoltage::MonotoneCubic({0.0, 0.1, 0.5, 0.8, 1.0}, {3.0, 3.6, 3.8, 4.0, 4.2});
+  cell.self_heating = {300.0, 1e-3};
+  cell.charge_transfer = {0.5, Resistance<double>({0.0, 1.0}, {0.1, 0.05})};
   return cell;
 }
 

@@ -100,6 +100,46 @@ TEST(BatterySupply, HasItAtTheLastCurrentWithTablesOfResistance) {
   }
 }
 
+// Warmth is a state like the others: between two steps the supply is still exact at any current.
+TEST(BatterySupply, HasItWithSelfHeating) {
+  Cell cell = StraightCell();
+  cell.self_heating = {.time_constant_s = 3.0, .resistance_drop_Ohm_per_A2 = 6e-3};
+  ExpectTheVoltageOfTheCell(cell, kRounding_V);
+}
+
+Cell CellWithTerms() {
+  Cell cell = StraightCell();
+  cell.self_heating = {.time_constant_s = 3.0, .resistance_drop_Ohm_per_A2 = 6e-3};
+  cell.charge_transfer = {.current_A = 0.4, .resistance_Ohm = {{0.0, 1.0}, {0.1, 0.05}}};
+  return cell;
+}
+
+// The drop of charge transfer is its tangent: exact at the last current, and off by half its second
+// derivative elsewhere. With x = i/i_0 that is r_ct/i_0 x/(1 + x²)^1.5, at most 0.385 r_ct/i_0.
+TEST(BatterySupply, TakesChargeTransferByItsTangent) {
+  Cell cell = CellWithTerms();
+  cell.charge_transfer->resistance_Ohm = {0.06};
+  BatterySupply battery(cell, 0.9);
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(0.9);
+  const auto step = model.MakeStep(kStep_s);
+  double farthest_V = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    const double current_A = Current_A(k);
+    battery.Advance(current_A * kStep_s, kStep_s);
+    model.Advance(state, current_A, step);
+    const auto supply = battery.Linearize();
+    ASSERT_NEAR(At(supply, current_A), model.Voltage(state, current_A), kRounding_V) << k;
+    for (const double aside_A : {-0.2, 0.2, 1.0}) {
+      const double off_V =
+          At(supply, current_A + aside_A) - model.Voltage(state, current_A + aside_A);
+      farthest_V = std::max(farthest_V, std::abs(off_V));
+      ASSERT_LE(std::abs(off_V), 0.5 * 0.385 * 0.06 / 0.4 * aside_A * aside_A + kRounding_V) << k;
+    }
+  }
+  EXPECT_GT(farthest_V, 1e-3);
+}
+
 // On a bent curve the straight line holds at the last current, on whichever side of the bend.
 TEST(BatterySupply, HasItAtTheLastCurrentAcrossTheBendsOfACurve) {
   Cell cell = StraightCell();
@@ -170,12 +210,45 @@ TEST(BatterySupply, TheLoopWithTheMotorsIsTheRootOfTheWholeCell) {
   }
 }
 
+// The same with charge transfer: no closed form, but tangents that move to the current they find
+// end at the root of the whole cell, as Newton's method does.
+TEST(BatterySupply, TangentsEndAtTheRootOfTheWholeCell) {
+  const Vehicle v = LoadVehicle("mambo-coupled");
+  const PerMotor<double> duty{0.5, 0.6, 0.7, 0.55};
+  const PerMotor<double> speed{1900.0, 2100.0, 2000.0, 1700.0};
+  for (const int parallel : {1, 3}) {
+    Cell cell = CellWithTerms();
+    cell.parallel = parallel;
+    BatterySupply battery(cell, 0.9);
+    const CellModel<double> model(cell.Parameters());
+    auto state = model.Relaxed(0.9);
+    const auto step = model.MakeStep(kStep_s);
+    for (int k = 0; k < 500; ++k) {
+      battery.Advance(parallel * Current_A(k) * kStep_s, kStep_s);
+      model.Advance(state, Current_A(k), step);
+    }
+    double voltage_V = 0.0;
+    double pack_A = 0.0;
+    for (int round = 0; round < 6; ++round) {
+      voltage_V = LoopVoltage(v, battery.Linearize(), duty, speed);
+      PerMotor<double> motor_A;
+      for (std::size_t i = 0; i < 4; ++i)
+        motor_A[i] = ArmatureCurrent(v, duty[i] * voltage_V, speed[i]);
+      pack_A = BatteryCurrent(duty, motor_A);
+      battery.Expect(pack_A);
+    }
+    // The answer put back into the cell's own equation; tables are read at the A of this current.
+    EXPECT_NEAR(voltage_V, model.Voltage(state, pack_A / parallel), 1e-13) << parallel;
+    EXPECT_GT(pack_A, 0.0);
+  }
+}
+
 TEST(BatterySupply, APackIsItsCellsTimesSeriesAndOverParallel) {
-  Cell pack_cell = StraightCell();
+  Cell pack_cell = CellWithTerms();
   pack_cell.series = 3;
   pack_cell.parallel = 2;
   BatterySupply pack(pack_cell, 0.8);
-  BatterySupply single(StraightCell(), 0.8);
+  BatterySupply single(CellWithTerms(), 0.8);
   EXPECT_EQ(pack.cutoff_V(), 9.0);
   EXPECT_EQ(pack.parallel(), 2.0);
   for (int k = 0; k < 500; ++k) {
