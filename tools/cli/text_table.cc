@@ -58,4 +58,23 @@ std::string Significant(double value, int digits) {
   return fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent));
 }
 
+std::string Bullets(std::string_view title, const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return "";
+  std::string text = fmt::format("{}\n", title);
+  for (const auto& sentence : sentences) {
+    std::string line = "   -";
+    for (std::size_t from = 0; from < sentence.size();) {
+      const auto to = std::min(sentence.find(' ', from), sentence.size());
+      if (line.size() + 1 + (to - from) > 100) {
+        text += line + "\n";
+        line = "    ";
+      }
+      line += " " + sentence.substr(from, to - from);
+      from = to + 1;
+    }
+    text += line + "\n";
+  }
+  return text;
+}
+
 }  // namespace lipoid::cli

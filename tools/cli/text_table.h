@@ -9,6 +9,7 @@
 /// Tests: tests/tools/cli_test.cc.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lipoid::cli {
@@ -36,5 +37,9 @@ class TextTable {
 /// A number with so many significant digits, trailing zeros kept: "0.2234", "1354", "2.400e-05".
 /// "-" where it is not a number.
 [[nodiscard]] std::string Significant(double value, int digits = 4);
+
+/// A title, and sentences under it in lines of at most 100 characters, each marked; "" without any.
+[[nodiscard]] std::string Bullets(std::string_view title,
+                                  const std::vector<std::string>& sentences);
 
 }  // namespace lipoid::cli

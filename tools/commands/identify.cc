@@ -4,6 +4,8 @@
 #include <chrono>
 #include <filesystem>
 
+#include "identify/joint/joint_report.h"
+#include "identify/joint/joint_run.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_report.h"
@@ -14,15 +16,58 @@
 #include "model/core/run_record.h"
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
+#include "tools/commands/joint_text.h"
 #include "tools/commands/staged_arguments.h"
 #include "tools/commands/truth_table.h"
 
 namespace lipoid {
 namespace {
 
-enum class Method { kStaged };
-constexpr std::array<std::pair<Method, std::string_view>, 1> OptionNames(Method) {
-  return {{{Method::kStaged, "staged"}}};
+enum class Method { kStaged, kJoint };
+constexpr std::array<std::pair<Method, std::string_view>, 2> OptionNames(Method) {
+  return {{{Method::kStaged, "staged"}, {Method::kJoint, "joint"}}};
+}
+
+// What either method leaves.
+struct Outcome {
+  bool converged = false;
+  Json report;
+  std::string text;
+  std::vector<LogKind> fitted;      // kinds of logs that the last fit used
+  double mean_error_percent = 0.0;  // of the pulses, or of all logs
+  Cell cell;
+};
+
+Outcome Staged(const Campaign& campaign,
+               const std::vector<LoadedLog>& logs,
+               const StagedArguments& arguments,
+               const StageProgress& progress) {
+  StagedResult result =
+      IdentifyStaged(campaign, logs, arguments.options, arguments.given, progress);
+  return {.converged = result.converged,
+          .report = StagedToJson(result),
+          .text = IdentifyReport(campaign, result),
+          .fitted = {result.fitted_kind},
+          .mean_error_percent = result.pulses.errors.mean_error_percent,
+          .cell = std::move(result.cell)};
+}
+
+Outcome Joint(const Campaign& campaign,
+              const std::vector<LoadedLog>& logs,
+              const StagedArguments& arguments,
+              const JointOptions& options,
+              const StageProgress& progress) {
+  JointResult result =
+      IdentifyJoint(campaign, logs, arguments.options, options, arguments.given, progress);
+  double mean = 0.0;
+  for (const auto& log : result.fitted)
+    mean += log.all.mean_error_percent / static_cast<double>(result.fitted.size());
+  return {.converged = result.converged,
+          .report = JointToJson(result),
+          .text = JointReport(campaign, result),
+          .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
+          .mean_error_percent = mean,
+          .cell = std::move(result.cell)};
 }
 
 // Where the cell of a campaign goes: the file named, or one in the folder named, called after the
@@ -85,36 +130,41 @@ class Hashing {
 cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::vector<std::string> campaign_files;
   StagedArguments staged;
+  JointOptions joint;
   Method method = Method::kStaged;
   std::string output;
   std::string residuals;
   std::string truth_file;
 
   line.Describe(
-      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file: "
-      "discharge times "
-      "give alpha and beta, a low-rate discharge v_oc(A), pulses beta again with r_s and the "
-      "branches. What is "
-      "missing is done otherwise, and said. Several campaigns give one cell file each, in a "
-      "folder, and a table of "
+      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. "
+      "Staged, the thesis' method: discharge times give alpha and beta, a low-rate discharge "
+      "v_oc(A), pulses beta again with r_s and the branches. Joint: one fit of all logs, with "
+      "resistances over the state of charge where the data ask for them. What is missing is done "
+      "otherwise, and said. Several campaigns give one cell file each, in a folder, and a table of "
       "their spread.",
       "lipoid identify campaign.toml -o cell.json");
   line.Example(
       "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
       "--cutoff-V 3.0 -o "
       "cell.json");
+  line.Example("lipoid identify campaign.toml --method joint -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
   line.Arguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option("method", method, Names{}, "how");
+  line.Option("method", method, Names{}, "stage by stage, or all logs at once");
   staged.AddTo(line);
-  line.OutputOption(
-      "residuals", residuals, "CSV", "write measured and fitted voltages of stage 3, row by row");
+  line.OutputOption("residuals",
+                    residuals,
+                    "CSV",
+                    "write measured and fitted voltages of the last fit, row by row");
   line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
+  line.Group("joint", joint);
   if (!line.Parse()) return cli::ExitCode::kDone;
+  if (method == Method::kJoint && line.Given("branches")) joint.branches = staged.branches();
 
   const bool by_options = staged.ByOptions();
   const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
@@ -146,7 +196,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
 
   bool converged = true;
   Json cells = Json::array();
-  std::vector<StagedResult> results;
+  std::vector<Cell> found;
+  std::vector<double> mean_errors;
   for (std::size_t k = 0; k < campaigns.size(); ++k) {
     const Campaign& campaign = campaigns[k];
     const auto began = std::chrono::steady_clock::now();
@@ -157,32 +208,33 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.progress().Update(share(0.0), "reading logs");
     const auto logs = LoadCampaign(campaign);
     Hashing hashing(InputsOf(campaign, staged.given));
-    StagedResult result = IdentifyStaged(
-        campaign, logs, staged.options, staged.given, [&](std::string_view stage, double part) {
-          line.progress().Update(share(0.2 + 0.7 * part), stage);
-        });
+    const StageProgress tell = [&](std::string_view stage, double part) {
+      line.progress().Update(share(0.2 + 0.7 * part), stage);
+    };
+    Outcome result = method == Method::kJoint ? Joint(campaign, logs, staged, joint, tell)
+                                              : Staged(campaign, logs, staged, tell);
     line.progress().Update(share(0.95), "writing");
-    Json report = StagedToJson(result);
     RunRecord run;
     run.command = line.CommandText();
-    run.options = {{"method", "staged"}};
+    run.options = {{"method", options_internal::ToText(method)}};
     run.options.update(staged.ToJson());
     run.options["solver"] = OptionsToJson<Json>(staged.options.solver);
+    if (method == Method::kJoint) run.options["joint"] = OptionsToJson<Json>(joint);
     run.seed = line.seed();
-    run.metrics = report;
+    run.metrics = result.report;
     hashing.AddTo(run);
     result.cell.run = run.ToJson();
     result.cell.run["converged"] = result.converged;
-    if (!residuals.empty()) WriteResiduals(result, logs, residuals);
+    if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted, residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
-    entry.update(report);
+    entry.update(result.report);
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
-    line.Print("{}", IdentifyReport(campaign, result));
+    line.Print("{}", result.text);
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
       line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
@@ -191,12 +243,14 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.Print("\nCell file: {}\n", paths[k]);
     if (campaigns.size() == 1) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
     if (k + 1 < campaigns.size()) line.Print("\n");
-    results.push_back(std::move(result));
+    mean_errors.push_back(result.mean_error_percent);
+    found.push_back(std::move(result.cell));
   }
   if (campaigns.size() == 1) {
     line.summary().update(cells[0]);
   } else {
-    const auto spread = SpreadOfCells(results);
+    const auto spread = SpreadOfCells(
+        found, method == Method::kJoint ? "mean error" : "pulse mean error", mean_errors);
     line.Print("\n{}", spread.text);
     line.summary()["cells"] = std::move(cells);
     line.summary()["spread"] = spread.json;

@@ -14,6 +14,7 @@ namespace lipoid {
 namespace {
 
 using cli::Align;
+using cli::Bullets;
 using cli::Significant;
 using cli::TextTable;
 
@@ -120,26 +121,6 @@ std::string PulsesText(const StagedResult& result) {
   return table.Text();
 }
 
-// Long sentences in lines of 100, the first marked.
-std::string Bullets(std::string_view title, const std::vector<std::string>& sentences) {
-  if (sentences.empty()) return "";
-  std::string text = fmt::format("{}\n", title);
-  for (const auto& sentence : sentences) {
-    std::string line = "   -";
-    for (std::size_t from = 0; from < sentence.size();) {
-      const auto to = std::min(sentence.find(' ', from), sentence.size());
-      if (line.size() + 1 + (to - from) > 100) {
-        text += line + "\n";
-        line = "    ";
-      }
-      line += " " + sentence.substr(from, to - from);
-      from = to + 1;
-    }
-    text += line + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string IdentifyReport(const Campaign& campaign, const StagedResult& result) {
@@ -166,7 +147,9 @@ std::string IdentifyReport(const Campaign& campaign, const StagedResult& result)
   return text;
 }
 
-TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {
+TextAndJson SpreadOfCells(const std::vector<Cell>& cells,
+                          const std::string& error_name,
+                          const std::vector<double>& errors_percent) {
   TextAndJson spread{"", Json::object()};
   TextTable table({{"parameter", Align::kLeft},
                    {"mean"},
@@ -197,28 +180,27 @@ TextAndJson SpreadOfCells(const std::vector<StagedResult>& results) {
                              {"most", *most},
                              {"values", values}};
       };
-  for (const auto& name : CellParameterNames(results.front().cell)) {
+  for (const auto& name : CellParameterNames(cells.front())) {
     std::vector<double> values;
-    for (const auto& result : results) {
-      if (const auto value = CellParameter(result.cell, name)) values.push_back(*value);
+    for (const auto& cell : cells) {
+      if (const auto value = CellParameter(cell, name)) values.push_back(*value);
     }
     add(name, std::string(CellParameterUnit(name)), values);
   }
-  std::vector<double> errors;
-  for (const auto& result : results) errors.push_back(result.pulses.errors.mean_error_percent);
-  add("pulse mean error", "%", errors);
-  spread.text = fmt::format("Spread over {} cells\n", results.size()) + table.Text();
+  add(error_name, "%", errors_percent);
+  spread.text = fmt::format("Spread over {} cells\n", cells.size()) + table.Text();
   return spread;
 }
 
-void WriteResiduals(const StagedResult& result,
+void WriteResiduals(const Cell& cell,
                     const std::vector<LoadedLog>& logs,
+                    const std::vector<LogKind>& kinds,
                     const std::string& file) {
   CsvWriter csv(file, "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
-  Cell one = result.cell;  // the records are those of one cell
+  Cell one = cell;  // the records are those of one cell
   one.series = one.parallel = 1;
   for (std::size_t n = 0; n < logs.size(); ++n) {
-    if (logs[n].entry.kind != result.fitted_kind) continue;
+    if (std::find(kinds.begin(), kinds.end(), logs[n].entry.kind) == kinds.end()) continue;
     const Record& record = logs[n].log.record;
     const auto fitted =
         Predict(one, record.time_s, record.current_A, record.hold, logs[n].entry.initial_soc);

@@ -20,13 +20,16 @@ struct TextAndJson {
   Json json;
 };
 
-/// Mean, standard deviation and range of each parameter over several cells.
-[[nodiscard]] TextAndJson SpreadOfCells(const std::vector<StagedResult>& results);
+/// Mean, standard deviation and range of each parameter over several cells, and of their errors.
+[[nodiscard]] TextAndJson SpreadOfCells(const std::vector<Cell>& cells,
+                                        const std::string& error_name,
+                                        const std::vector<double>& errors_percent);
 
-/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs that stage 3
-/// used; `log` counts the logs of the campaign from 1.
-void WriteResiduals(const StagedResult& result,
+/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs of these kinds;
+/// `log` counts the logs of the campaign from 1.
+void WriteResiduals(const Cell& cell,
                     const std::vector<LoadedLog>& logs,
+                    const std::vector<LogKind>& kinds,
                     const std::string& file);
 
 }  // namespace lipoid

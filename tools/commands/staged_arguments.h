@@ -34,6 +34,9 @@ class StagedArguments {
   /// Whether logs were given by options.
   [[nodiscard]] bool ByOptions() const;
 
+  /// As --branches gave it.
+  [[nodiscard]] int branches() const { return branches_.value_or(options.pulses.branches); }
+
   /// For the run record.
   [[nodiscard]] Json ToJson() const;
 

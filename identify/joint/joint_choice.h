@@ -1,0 +1,102 @@
+#pragma once
+
+/// @file
+/// How many nodes, how many branches, which terms: chosen by what they say of rows left out.
+///
+/// The way goes from simple to rich. A richer structure is taken where it predicts better by kGain,
+/// or where it predicts as well as kLoss allows and fits better by kBetterFit; so that neither
+/// noise nor a single odd piece of a log decides. The rates of each candidate come from a grid of
+/// its own. Tests: tests/identify/joint/joint_choice_test.cc.
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/joint/joint_fit.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+
+enum class Presence { kAuto, kOn, kOff };
+constexpr std::array<std::pair<Presence, std::string_view>, 3> OptionNames(Presence) {
+  return {{{Presence::kAuto, "auto"}, {Presence::kOn, "on"}, {Presence::kOff, "off"}}};
+}
+
+struct JointOptions {
+  int branches = -1;
+  int most_branches = 2;
+  int resistance_nodes = 0;
+  int voltage_nodes = 0;
+  Presence self_heating = Presence::kAuto;
+  Presence charge_transfer = Presence::kAuto;
+  double smoothness = 0.0;
+  double charge_uncertainty = 0.002;
+  double voltage_uncertainty_V = 0.001;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("branches", self.branches, Range{-1.0, 5.0}, "resistor-capacitor branches; -1: the data say");
+    v("most_branches", self.most_branches, Range{0.0, 5.0}, "branches that are tried at most");
+    v("resistance_nodes",
+      self.resistance_nodes,
+      Range{0.0, 100.0},
+      "nodes of every resistance over the state of charge; 0: the data say; 1: constant");
+    v("voltage_nodes", self.voltage_nodes, Range{0.0, 1000.0}, "nodes of v_oc(A); 0: the data say");
+    v("self_heating",
+      self.self_heating,
+      Names{},
+      "a resistance that falls with the low pass of i²; auto: the data say");
+    v("charge_transfer",
+      self.charge_transfer,
+      Names{},
+      "a drop that grows as asinh(i/i_0); auto: the data say");
+    v("smoothness",
+      self.smoothness,
+      Range{0.0, 1e3},
+      "weight of the tables' second differences; 0: the data say");
+    v("charge_uncertainty",
+      self.charge_uncertainty,
+      Range{0.0, 1.0},
+      "share of alpha by which discharges of one cell differ: weighs rows down where v_oc is "
+      "steep");
+    v("voltage_uncertainty_V",
+      self.voltage_uncertainty_V,
+      Range{1e-9, 1e3},
+      "error of a voltage, beside the former");
+  }
+};
+
+/// A row of the table of what was tried.
+struct TriedStructure {
+  std::string what;  ///< "13 nodes, 2 branches, self-heating"
+  JointSolution solution = {};
+  LeftOutErrors errors = {};
+  bool taken = false;
+};
+
+struct JointChoice {
+  JointSolution best;
+  LeftOutErrors errors;
+  std::vector<TriedStructure> tried;
+  std::string reason;  ///< where nothing could be compared
+};
+
+/// `voltage_soc` are the nodes of v_oc, none where the curve is given; lowest_soc is where the
+/// charge of the logs ends. Progress gets the share done.
+[[nodiscard]] JointChoice ChooseStructure(const JointFit& fit,
+                                          const JointLogs& logs,
+                                          const std::vector<double>& voltage_soc,
+                                          double lowest_soc,
+                                          const JointOptions& options,
+                                          const std::function<void(double)>& progress = {});
+
+/// Nodes over the state of charge, denser where cells bend: `count` of them as nearly as the ladder
+/// has it.
+[[nodiscard]] std::vector<double> ResistanceNodes(int count);
+[[nodiscard]] std::vector<double> VoltageNodes(int count);
+/// Nodes for [0, 1], stretched to [lowest_soc, 1] where that is another range: they shall lie where
+/// the logs went, whatever alpha makes of it.
+[[nodiscard]] std::vector<double> OnAxis(std::vector<double> nodes, double lowest_soc);
+
+}  // namespace lipoid

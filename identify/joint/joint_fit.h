@@ -1,0 +1,115 @@
+#pragma once
+
+/// @file
+/// Variable projection for a given structure: the rates from a grid, so that the global optimum is
+/// found and not hoped for, then polished; for each of them all linear unknowns exactly.
+///
+///   minimize sum_logs W_l sum_k w_k (v_k - v_b(t_k))² + lambda² sum_tables |D x|²
+///   with  resistances >= 0, v_oc not falling with A
+///
+/// D takes second differences along the nodes, and a tenth of the first ones for resistances; of
+/// v_oc it takes them from the reference curve. lambda, the smoothness, only decides where the data
+/// do not. Tests: tests/identify/joint/joint_fit_test.cc.
+
+#include <atomic>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/joint/bounded_quadratic.h"
+#include "identify/joint/joint_sweep.h"
+
+namespace lipoid {
+
+/// What is not searched: beta, tau_j, tau_h, i_0 and constant r_s, r_j by name, and bounds of the
+/// rates.
+struct JointKnowledge {
+  std::map<std::string, double> fixed = {};
+  std::map<std::string, std::pair<double, double>> bounds = {};
+};
+
+struct JointSolution {
+  JointStructure structure;
+  JointRates rates;
+  double smoothness = 0.0;
+  Eigen::VectorXd x;          ///< as JointLayout has it
+  std::vector<char> at_zero;  ///< bounds that hold: of v_oc's rises and of the resistances
+  double cost = std::numeric_limits<double>::infinity();    ///< with the penalty
+  double square = std::numeric_limits<double>::infinity();  ///< without it
+  std::vector<std::string> at_bound;                        ///< rates that stand at a bound
+};
+
+/// What leaving groups of rows out says of a structure at its rates. Weighted means of the errors'
+/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares. NaN
+/// without two groups.
+struct LeftOutErrors {
+  double smoothness = 0.0;
+  double fitted_V = std::numeric_limits<double>::quiet_NaN();    ///< with the groups in the fit
+  double left_out_V = std::numeric_limits<double>::quiet_NaN();  ///< each predicted by the others
+  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). Pieces that are left
+  /// out whole are harder to predict than a new log of the same cell is.
+  double expected_V = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A smoothness that predicts rows left out no worse than the best one by this share is as good:
+/// the least such is taken, as it follows the data most closely.
+inline constexpr double kSmoothnessLoss = 0.02;
+
+class JointFit {
+ public:
+  JointFit(const JointLogs& logs, const JointSetup& setup, const JointKnowledge& known);
+
+  /// The whole search. Rates of `near`, where given, join the grid.
+  [[nodiscard]] JointSolution Search(const JointStructure& structure,
+                                     double smoothness,
+                                     const JointSolution* near = nullptr) const;
+  /// From its rates to a minimum nearby.
+  [[nodiscard]] JointSolution Polish(JointSolution from, double step_tolerance) const;
+  /// The linear unknowns at these rates.
+  [[nodiscard]] JointSolution Solve(const JointStructure& structure,
+                                    const JointRates& rates,
+                                    double smoothness,
+                                    const std::vector<char>& guess = {}) const;
+  /// The least smoothness of the rising ladder that predicts rows left out as well as any, but for
+  /// kSmoothnessLoss.
+  [[nodiscard]] LeftOutErrors LeaveOut(const JointStructure& structure,
+                                       const JointRates& rates,
+                                       const std::vector<double>& ladder) const;
+  /// Normal equations of the rates that were solved, and of the penalty: for standard errors.
+  [[nodiscard]] Eigen::MatrixXd Penalty(const JointStructure& structure, double smoothness) const;
+
+  [[nodiscard]] int evaluations() const { return evaluations_; }
+  [[nodiscard]] double shortest_tau_s() const { return shortest_tau_s_; }
+  [[nodiscard]] double longest_tau_s() const { return longest_tau_s_; }
+
+  /// A rate that is searched: its name, and bounds.
+  struct Rate {
+    std::string name;
+    double lower, upper;
+    double* (*entry)(JointRates&, int);
+    int index;
+  };
+  [[nodiscard]] std::vector<Rate> Rates(const JointStructure& structure) const;
+  /// Beta and time constants that are not searched stand in the rates that this returns.
+  [[nodiscard]] JointRates Base(const JointStructure& structure) const;
+
+ private:
+  [[nodiscard]] std::vector<double> BetaGrid(const JointStructure& structure) const;
+  [[nodiscard]] std::vector<JointRates> RatesGrid(const JointStructure& structure) const;
+  [[nodiscard]] JointSolution SolveSums(const JointStructure& structure,
+                                        const JointRates& rates,
+                                        double smoothness,
+                                        const NormalEquations& sum,
+                                        const std::vector<char>& guess) const;
+
+  const JointLogs& logs_;
+  const JointSetup& setup_;
+  const JointKnowledge& known_;
+  double shortest_tau_s_ = 0.0;
+  double longest_tau_s_ = 0.0;
+  mutable std::atomic<int> evaluations_ = 0;
+};
+
+}  // namespace lipoid

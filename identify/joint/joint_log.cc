@@ -1,0 +1,168 @@
+#include "identify/joint/joint_log.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/logs/segments.h"
+#include "identify/stages/condensed_log.h"
+
+namespace lipoid {
+namespace {
+
+// Every fifth pulse, and every fifth of sixty pieces of each discharge, are left out together: what
+// is left covers all states of charge at the same currents. The ends of a discharge stay: beyond
+// them there is nothing to predict from.
+constexpr int kGroups = 5;
+constexpr int kPieces = 60;
+// Logs of up to so many rows are taken as they are.
+constexpr std::size_t kShortLog = 2500;
+// Blocks take no more than this share of a log's rows, so that v_oc(A) is seen in detail.
+constexpr double kLargestBlock = 1.0 / 150.0;
+
+// Rows that start a pulse: with what follows until the next one they are left out together.
+std::vector<std::size_t> PulseStarts(const std::vector<Segment>& segments) {
+  std::vector<std::size_t> starts;
+  bool rested = true;
+  for (const Segment& segment : segments) {
+    if (segment.kind != SegmentKind::kRest && rested) starts.push_back(segment.first);
+    rested = segment.kind == SegmentKind::kRest;
+  }
+  return starts;
+}
+
+Condensation HowToCondense(const Record& record) {
+  if (record.size() <= kShortLog) return Condensation::None();
+  Condensation how;
+  how.nodes = 3;
+  how.growth = 0.16;
+  how.late_growth = 0.16;
+  how.least_rows = 6;
+  how.most_rows = std::max<std::size_t>(
+      8, static_cast<std::size_t>(kLargestBlock * static_cast<double>(record.size())));
+  how.coarse = true;
+  return how;
+}
+
+JointLog MakeJointLog(const LoadedLog& loaded,
+                      double alpha_C,
+                      const OpenCircuitVoltage& curve,
+                      const JointWeights& weights) {
+  const Record& record = loaded.log.record;
+  JointLog log;
+  log.file = loaded.entry.file;
+  log.kind = loaded.entry.kind;
+  log.delivered_C = alpha_C * (1.0 - loaded.entry.initial_soc);
+  log.rows = record.size();
+
+  const auto segments = FindSegments(record);
+  std::vector<std::size_t> starts;
+  if (log.kind == LogKind::kPulses) starts = PulseStarts(segments);
+  const double from_s = record.time_s.front();
+  const double length_s = record.time_s.back() - from_s;
+  const auto group_of = [&](std::size_t row) {
+    if (log.kind == LogKind::kLowRate) return JointLog::kAlways;
+    if (log.kind == LogKind::kConstantCurrent) {
+      const double share = (record.time_s[row] - from_s) / length_s;
+      const int piece = static_cast<int>(share * kPieces);
+      return piece == 0 || piece >= kPieces - 2 ? JointLog::kAlways : piece % kGroups;
+    }
+    const auto after = std::upper_bound(starts.begin(), starts.end(), row);
+    return std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0) % kGroups;
+  };
+  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, int at) {
+    log.time_s.push_back(time_s);
+    log.step_A.push_back(step_A);
+    log.current_A.push_back(current_A);
+    log.voltage_V.push_back(v);
+    log.weight.push_back(w);
+    log.group.push_back(at);
+  };
+  const CondensedLog condensed(record, HowToCondense(record));
+  const bool backward = record.hold == Hold::kBackward;
+  for (const CondensedPiece& piece : condensed.pieces()) {
+    if (piece.plain()) {
+      for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) {
+        const double step_A = k == 0 ? 0.0 : record.current_A[backward ? k : k - 1];
+        add(record.time_s[k], step_A, record.current_A[k], record.voltage_V[k], 1.0, group_of(k));
+      }
+      continue;
+    }
+    const BlockShape& shape = condensed.shapes()[piece.shape];
+    const double* voltage_V = condensed.node_voltage_V(piece);
+    const double before_s = record.time_s[piece.first - 1];
+    const int group = group_of(piece.first);
+    for (Eigen::Index j = 0; j < shape.nodes(); ++j) {
+      add(before_s + shape.node_s[j],
+          piece.current_A,
+          piece.current_A,
+          voltage_V[j],
+          shape.weight[j],
+          group);
+    }
+    const double end_s = before_s + piece.duration_s;
+    if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, group);
+  }
+
+  // Weights of rows, then of the log.
+  double charge_C = log.delivered_C;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (k > 0) charge_C += log.step_A[k] * (log.time_s[k] - log.time_s[k - 1]);
+    const double slope_V = curve.Evaluate(1.0 - charge_C / alpha_C).slope_V;
+    const double charge_V = weights.charge_uncertainty * slope_V;
+    const double voltage_V = weights.voltage_uncertainty_V;
+    sum += log.weight[k];
+    log.weight[k] /= 1.0 + charge_V * charge_V / (voltage_V * voltage_V);
+  }
+  log.log_weight = loaded.entry.weight;
+  for (double& w : log.weight) w *= log.log_weight / sum;
+
+  log.shortest_s = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    log.shortest_s = std::min(log.shortest_s, record.time_s[k] - record.time_s[k - 1]);
+  }
+  for (const Segment& segment : segments) {
+    log.longest_s = std::max(log.longest_s, segment.duration_s());
+  }
+  return log;
+}
+
+}  // namespace
+
+JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
+                        double alpha_C,
+                        const OpenCircuitVoltage& curve,
+                        const JointWeights& weights) {
+  std::vector<const LoadedLog*> used;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kValidation && log.log.record.size() > 1) used.push_back(&log);
+  }
+  JointLogs all;
+  all.logs.resize(used.size());
+  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t l) {
+    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights);
+  });
+  double squares = 0.0;
+  double loaded = 0.0;
+  for (JointLog& log : all.logs) {
+    for (const int group : log.group) all.groups = std::max(all.groups, group + 1);
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      all.largest_A = std::max(all.largest_A, std::abs(log.current_A[k]));
+    }
+    all.weight_sum += log.log_weight;
+  }
+  for (const JointLog& log : all.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (std::abs(log.current_A[k]) < 0.05 * all.largest_A) continue;
+      squares += log.weight[k] * log.current_A[k] * log.current_A[k];
+      loaded += log.weight[k];
+    }
+  }
+  all.typical_A = loaded > 0.0 ? std::sqrt(squares / loaded) : 1.0;
+  return all;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,68 @@
+#pragma once
+
+/// @file
+/// The logs as the joint estimator sees them: the points at which voltages are compared, their
+/// weights, and which of them are left out together when structures are validated.
+///
+/// Long stretches of constant current are said in a few points (condensed_log.h), so that ten
+/// million rows cost no more than ten thousand. Errors are reported on all rows all the same.
+///
+/// A row's weight is 1/(voltage_uncertainty_V² + (charge_uncertainty dv_oc/dA)²): where v_oc is
+/// steep, a charge that differs by a thousandth between two discharges of the same cell moves the
+/// voltage by more than anything that a resistance does. Each log then counts as much as its weight
+/// in the campaign says, whatever the number of its rows.
+/// Tests: tests/identify/joint/joint_log_test.cc.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "identify/logs/load_campaign.h"
+#include "model/battery/open_circuit_voltage.h"
+
+namespace lipoid {
+
+struct JointWeights {
+  double charge_uncertainty = 0.002;  ///< of alpha, between logs of one cell
+  double voltage_uncertainty_V = 0.001;
+};
+
+struct JointLog {
+  /// Left out never.
+  static constexpr int kAlways = -1;
+
+  std::string file;
+  LogKind kind = LogKind::kPulses;
+  double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
+  /// One entry per point: the current that flowed since the point before, the current at the point,
+  /// what was measured there, the weight (0: only a point on the way), and the group in which it is
+  /// left out.
+  std::vector<double> time_s;
+  std::vector<double> step_A;
+  std::vector<double> current_A;
+  std::vector<double> voltage_V;
+  std::vector<double> weight;
+  std::vector<int> group;
+  double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
+  std::size_t rows = 0;     ///< of the record
+  double shortest_s = 0.0;  ///< between two rows
+  double longest_s = 0.0;   ///< at one current
+
+  [[nodiscard]] std::size_t size() const { return time_s.size(); }
+};
+
+struct JointLogs {
+  std::vector<JointLog> logs;
+  int groups = 0;           ///< that can be left out
+  double weight_sum = 0.0;  ///< over all logs
+  double largest_A = 0.0;
+  double typical_A = 0.0;  ///< root mean square of the currents under load
+};
+
+/// Logs of kind validation do not enter. Weights use the slope of `curve` at 1 - charge/alpha.
+[[nodiscard]] JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
+                                      double alpha_C,
+                                      const OpenCircuitVoltage& curve,
+                                      const JointWeights& weights);
+
+}  // namespace lipoid

@@ -1,0 +1,97 @@
+#pragma once
+
+/// @file
+/// The unknowns of the joint estimator. Given the few that the model is not linear in,
+///
+///   beta, tau_1 .. tau_n  [, tau_h, i_0]
+///
+/// the state of charge A(t) of every log is known, and the voltage is linear in all the others:
+///
+///   v_b = sum_k V_k phi_k(A) - sum_k R_k psi_k(A) i - sum_j sum_k R_jk L_j[psi_k(A) i]
+///         [- sum_k C_k psi_k(A) i_0 asinh(i/i_0)] [+ rho h i]                 (4.51)
+///
+/// with straight-line nodes phi_k, psi_k (psi constant, phi straight beyond the ends), the low pass
+/// L_j of branch j (4.50), and the warmth h, the low pass of i² by tau_h. A constant resistance is
+/// a table of one node. Symbols: docs/joint.md.
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "model/battery/cell.h"
+
+namespace lipoid {
+
+/// Which terms there are.
+struct JointStructure {
+  int branches = 1;
+  std::vector<double> resistance_soc{0.5};  ///< nodes of every resistance; one: constant
+  std::vector<double> voltage_soc;          ///< nodes of v_oc; empty: the curve is given
+  bool self_heating = false;
+  bool charge_transfer = false;
+
+  [[nodiscard]] int nodes() const { return static_cast<int>(resistance_soc.size()); }
+  friend bool operator==(const JointStructure&, const JointStructure&) = default;
+};
+
+/// The unknowns that the voltage is not linear in.
+struct JointRates {
+  double beta_per_sqrt_s = std::numeric_limits<double>::infinity();  ///< infinite: no diffusion
+  std::vector<double> time_constant_s;
+  double heating_time_constant_s = std::numeric_limits<double>::quiet_NaN();
+  double charge_transfer_A = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Where each linear unknown stands. All are in volts: node voltages as they are, resistances
+/// times the typical current, rho times its cube.
+class JointLayout {
+ public:
+  explicit JointLayout(const JointStructure& structure)
+      : voltages_(static_cast<int>(structure.voltage_soc.size())),
+        nodes_(structure.nodes()),
+        branches_(structure.branches),
+        transfer_(structure.charge_transfer),
+        heating_(structure.self_heating) {}
+
+  [[nodiscard]] int voltages() const { return voltages_; }
+  [[nodiscard]] int nodes() const { return nodes_; }
+  [[nodiscard]] int series() const { return voltages_; }
+  [[nodiscard]] int branch(int j) const { return voltages_ + (1 + j) * nodes_; }
+  [[nodiscard]] int transfer() const { return branch(branches_); }
+  [[nodiscard]] int heating() const { return branch(branches_ + (transfer_ ? 1 : 0)); }
+  [[nodiscard]] int size() const { return heating() + (heating_ ? 1 : 0); }
+  /// Tables of resistances: r_s, r_1 .. r_n and, where it is there, that of the charge transfer.
+  [[nodiscard]] int tables() const { return 1 + branches_ + (transfer_ ? 1 : 0); }
+  [[nodiscard]] int table(int t) const { return voltages_ + t * nodes_; }
+
+ private:
+  int voltages_, nodes_, branches_;
+  bool transfer_, heating_;
+};
+
+/// The two nodes between which a state of charge lies, and the share of the upper one. Beyond the
+/// ends the share leaves [0, 1].
+struct NodeShare {
+  int lower = 0;
+  double share = 0.0;
+};
+
+/// Finds nodes quickly when states of charge come in order, as in a log.
+class NodeFinder {
+ public:
+  explicit NodeFinder(const std::vector<double>& soc) : soc_(soc) {}
+
+  NodeShare operator()(double soc) {
+    const int last = static_cast<int>(soc_.size()) - 2;
+    if (last < 0) return {};
+    while (k_ < last && soc >= soc_[k_ + 1]) ++k_;
+    while (k_ > 0 && soc < soc_[k_]) --k_;
+    return {k_, (soc - soc_[k_]) / (soc_[k_ + 1] - soc_[k_])};
+  }
+
+ private:
+  const std::vector<double>& soc_;
+  int k_ = 0;
+};
+
+}  // namespace lipoid

@@ -1,0 +1,66 @@
+#include "identify/joint/joint_report.h"
+
+#include "identify/stages/staged_report.h"
+
+namespace lipoid {
+namespace {
+
+Json TriedToJson(const TriedStructure& row) {
+  const JointStructure& s = row.solution.structure;
+  return {{"what", row.what},
+          {"branches", s.branches},
+          {"resistance_nodes", s.nodes()},
+          {"voltage_nodes", s.voltage_soc.size()},
+          {"self_heating", s.self_heating},
+          {"charge_transfer", s.charge_transfer},
+          {"smoothness", row.errors.smoothness},
+          {"fitted_V", NumberOrNull(row.errors.fitted_V)},
+          {"left_out_V", NumberOrNull(row.errors.left_out_V)},
+          {"expected_V", NumberOrNull(row.errors.expected_V)},
+          {"beta_per_sqrt_s", NumberOrNull(row.solution.rates.beta_per_sqrt_s)},
+          {"time_constants_s", row.solution.rates.time_constant_s},
+          {"taken", row.taken}};
+}
+
+}  // namespace
+
+Json JointToJson(const JointResult& result) {
+  Json staged = StagedToJson(result.staged);
+  Json tried = Json::array();
+  for (const auto& row : result.choice.tried) tried.push_back(TriedToJson(row));
+  Json logs = Json::array();
+  for (std::size_t l = 0; l < result.fitted.size(); ++l) {
+    Json log = LogErrorsToJson(result.fitted[l]);
+    log["staged"] = LogErrorsToJson(result.fitted_staged[l]);
+    log["staged"].erase("file");
+    logs.push_back(std::move(log));
+  }
+  Json validation = Json::array();
+  for (const auto& errors : result.validation) validation.push_back(LogErrorsToJson(errors));
+  const JointSolution& best = result.choice.best;
+  return {{"method", "joint"},
+          {"converged", result.converged},
+          {"alpha_C", result.alpha_C},
+          {"alpha_source", result.alpha_source},
+          {"low_rate_charge_C", staged["low_rate_charge_C"]},
+          {"joint",
+           {{"rmse_V", result.rmse_V},
+            {"evaluations", result.evaluations},
+            {"wall_s", result.wall_s},
+            {"branches", best.structure.branches},
+            {"resistance_nodes", best.structure.nodes()},
+            {"voltage_nodes", best.structure.voltage_soc.size()},
+            {"self_heating", best.structure.self_heating},
+            {"charge_transfer", best.structure.charge_transfer},
+            {"smoothness", best.smoothness},
+            {"at_bound", best.at_bound},
+            {"tried", tried}}},
+          {"logs", logs},
+          {"validation", validation},
+          {"cautions", result.cautions},
+          {"done_instead", staged["done_instead"]},
+          {"stages", staged["stages"]},
+          {"staged", staged}};
+}
+
+}  // namespace lipoid

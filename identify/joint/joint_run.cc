@@ -1,0 +1,405 @@
+#include "identify/joint/joint_run.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "identify/validation.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The curve at nodes, made to rise: the bounds of the fit start there.
+OpenCircuitVoltage AtNodes(const OpenCircuitVoltage& curve, const std::vector<double>& soc) {
+  std::vector<double> voltage_V;
+  double highest_V = -kInfinity;
+  for (const double a : soc) {
+    highest_V = std::max(highest_V, curve(a));
+    voltage_V.push_back(highest_V);
+  }
+  return OpenCircuitVoltage::Linear(soc, std::move(voltage_V));
+}
+
+// v_oc(A) over the axis of another alpha.
+OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, double to_C) {
+  constexpr int kSamples = 400;
+  std::vector<double> soc;
+  std::vector<double> voltage_V;
+  for (int k = 0; k <= kSamples; ++k) {
+    const double a = curve.soc_lo() + (curve.soc_hi() - curve.soc_lo()) * k / double(kSamples);
+    soc.push_back(1.0 - (1.0 - a) * alpha_C / to_C);
+    voltage_V.push_back(curve(a));
+  }
+  return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
+}
+
+JointKnowledge Knowledge(const StagedGiven& given) {
+  JointKnowledge known;
+  for (const auto& [name, value] : given.parameters.fixed) {
+    if (name.rfind("c_", 0) == 0) {
+      throw OptionError(fmt::format(
+          "--fix {}: the joint method knows branches by their time constants; fix tau_{} instead",
+          name,
+          name.substr(2)));
+    }
+    known.fixed[name] = value;
+  }
+  for (const auto& [name, ends] : given.parameters.bounds) {
+    if (name != "beta" && name.rfind("tau_", 0) != 0) {
+      throw OptionError(fmt::format("--bounds {}: the joint method bounds beta and tau_j", name));
+    }
+    known.bounds[name] = ends;
+  }
+  if (!given.parameters.start.empty()) {
+    throw OptionError(fmt::format("--start {}: the joint method searches a grid and needs no start",
+                                  given.parameters.start.begin()->first));
+  }
+  return known;
+}
+
+class JointRun {
+ public:
+  JointRun(const Campaign& campaign,
+           const std::vector<LoadedLog>& logs,
+           const StagedOptions& staged_options,
+           const JointOptions& options,
+           const StagedGiven& given,
+           const StageProgress& progress)
+      : campaign_(campaign),
+        logs_(logs),
+        staged_options_(staged_options),
+        options_(options),
+        given_(given),
+        progress_(progress),
+        known_(Knowledge(given)) {}
+
+  JointResult Run() {
+    const auto began = std::chrono::steady_clock::now();
+    StagedGiven for_staged = given_;
+    for_staged.parameters = {};  // structures differ: what is held here need not be there
+    result_.staged = IdentifyStaged(
+        campaign_, logs_, staged_options_, for_staged, [&](auto stage, double share) {
+          Tell(stage, 0.2 * share);
+        });
+    curve_given_ = given_.open_circuit_voltage.has_value();
+    FindAlpha();
+    Fit();
+    MakeCell();
+    Judge();
+    NameCautions();
+    result_.wall_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return std::move(result_);
+  }
+
+ private:
+  void Tell(std::string_view stage, double share) const {
+    if (progress_) progress_(stage, share);
+  }
+
+  void Prepare(double alpha_C) {
+    const StagedResult& staged = result_.staged;
+    JointSetup& setup = result_.setup;
+    setup.alpha_C = alpha_C;
+    setup.diffusion = staged_options_.pulses.diffusion;
+    setup.terms = staged_options_.pulses.terms;
+    setup.tail = staged_options_.pulses.tail;
+    setup.reference = staged.cell.open_circuit_voltage;
+    if (!curve_given_) {
+      setup.reference = AtNodes(Rescaled(setup.reference, staged.alpha_C, alpha_C),
+                                OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
+    }
+    result_.logs = MakeJointLogs(logs_,
+                                 alpha_C,
+                                 setup.reference,
+                                 {.charge_uncertainty = options_.charge_uncertainty,
+                                  .voltage_uncertainty_V = options_.voltage_uncertainty_V});
+  }
+
+  // Where the charge of the logs ends.
+  [[nodiscard]] double LowestSoc(double alpha_C) const {
+    double most_C = 0.0;
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind == LogKind::kValidation) continue;
+      double charge_C = alpha_C * (1.0 - log.entry.initial_soc);
+      const Record& record = log.log.record;
+      for (std::size_t k = 1; k < record.size(); ++k) {
+        const double held_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
+        charge_C += held_A * (record.time_s[k] - record.time_s[k - 1]);
+        most_C = std::max(most_C, charge_C);
+      }
+    }
+    return 1.0 - most_C / alpha_C;
+  }
+
+  [[nodiscard]] std::vector<double> CurveNodes() const {
+    return curve_given_ ? std::vector<double>{} : result_.setup.reference.soc();
+  }
+
+  // alpha with which v_oc(0) is the cut-off, by a first fit.
+  void FindAlpha() {
+    const StagedResult& staged = result_.staged;
+    if (given_.alpha_C || curve_given_ || !campaign_.cutoff_V) {
+      Prepare(staged.alpha_C);
+      result_.alpha_source = staged.alpha_source;
+      return;
+    }
+    double alpha_C = staged.alpha_C;
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind == LogKind::kLowRate && staged.low_rate_charge_C > 0.0) {
+        alpha_C = staged.low_rate_charge_C / log.entry.initial_soc;
+        break;
+      }
+    }
+    result_.alpha_source = "cut-off";
+    // Twice: the nodes move with the gauge, and where they lie matters a little.
+    for (int pass = 0; pass < 2; ++pass) {
+      Tell("alpha", 0.2 + 0.05 * pass);
+      Prepare(alpha_C);
+      const JointFit fit(result_.logs, result_.setup, known_);
+      JointStructure structure;
+      structure.branches = options_.branches >= 0 ? options_.branches : 1;
+      structure.resistance_soc =
+          OnAxis(ResistanceNodes(options_.resistance_nodes > 0 ? options_.resistance_nodes
+                                 : result_.logs.groups >= 2    ? 13
+                                                               : 1),
+                 LowestSoc(alpha_C));
+      structure.voltage_soc = CurveNodes();
+      const JointSolution rough = fit.Search(structure, 1e-3);
+      if (rough.x.size() == 0) return;
+      const double next_C = alpha_C * (1.0 - SocAtCutoff(rough));
+      if (!(next_C > 0.5 * alpha_C && next_C < 2.0 * alpha_C)) return;
+      const double change = std::abs(next_C / alpha_C - 1.0);
+      alpha_C = next_C;
+      if (change < 1e-5) break;
+    }
+    Prepare(alpha_C);
+  }
+
+  // A at which the solution's v_oc reaches the cut-off: by its last slope where no row went there.
+  [[nodiscard]] double SocAtCutoff(const JointSolution& solution) const {
+    const OpenCircuitVoltage curve = Curve(solution);
+    const double cutoff_V = *campaign_.cutoff_V;
+    const auto lowest = curve.Evaluate(curve.soc_lo());
+    if (lowest.value_V <= cutoff_V) return curve.SocAtVoltage(cutoff_V);
+    return lowest.slope_V > 0.0 ? curve.soc_lo() - (lowest.value_V - cutoff_V) / lowest.slope_V
+                                : curve.soc_lo();
+  }
+
+  // The nodes that rows reached, and one on either side.
+  [[nodiscard]] OpenCircuitVoltage Curve(const JointSolution& solution) const {
+    const auto& nodes = solution.structure.voltage_soc;
+    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
+    const auto [first, last] = Reached(nodes, soc, 2);
+    std::vector<double> at;
+    std::vector<double> voltage_V;
+    for (std::size_t k = first; k <= last; ++k) {
+      at.push_back(nodes[k]);
+      voltage_V.push_back(result_.setup.reference(nodes[k]) +
+                          solution.x[static_cast<Eigen::Index>(k)]);
+    }
+    return OpenCircuitVoltage::Linear(std::move(at), std::move(voltage_V));
+  }
+
+  static std::pair<std::size_t, std::size_t> Reached(const std::vector<double>& nodes,
+                                                     const SocTrace& soc,
+                                                     std::size_t least) {
+    std::size_t first = 0;
+    std::size_t last = nodes.size() - 1;
+    while (first + least <= last && nodes[first + 1] <= soc.lowest) ++first;
+    while (first + least <= last && nodes[last - 1] >= soc.highest) --last;
+    return {first, last};
+  }
+
+  void Fit() {
+    const JointFit fit(result_.logs, result_.setup, known_);
+    result_.choice =
+        ChooseStructure(fit,
+                        result_.logs,
+                        CurveNodes(),
+                        LowestSoc(result_.setup.alpha_C),
+                        options_,
+                        [&](double share) { Tell("all logs at once", 0.3 + 0.6 * share); });
+    if (result_.choice.best.x.size() == 0) {
+      throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
+                      "expected logs from which v_oc(A) and a resistance follow, found none that "
+                      "determine them");
+    }
+    const JointSolution& best = result_.choice.best;
+    result_.rmse_V = std::sqrt(std::max(best.square, 0.0) / result_.logs.weight_sum);
+    result_.evaluations = fit.evaluations();
+    result_.converged = true;
+  }
+
+  Resistance<double> Table(const JointSolution& solution, int table, const SocTrace& soc) const {
+    const auto& nodes = solution.structure.resistance_soc;
+    const double per_A = 1.0 / result_.logs.typical_A;
+    if (nodes.size() == 1) return {solution.x[table] * per_A};
+    const auto [first, last] = Reached(nodes, soc, 1);
+    std::vector<double> at;
+    std::vector<double> resistance_Ohm;
+    for (std::size_t k = first; k <= last; ++k) {
+      at.push_back(nodes[k]);
+      resistance_Ohm.push_back(solution.x[table + static_cast<int>(k)] * per_A);
+    }
+    return {std::move(at), std::move(resistance_Ohm)};
+  }
+
+  void MakeCell() {
+    const JointSolution& best = result_.choice.best;
+    const JointLayout layout(best.structure);
+    const JointSetup& setup = result_.setup;
+    const SocTrace soc = TraceSoc(result_.logs, setup, best.rates.beta_per_sqrt_s);
+    Cell& cell = result_.cell;
+    cell = result_.staged.cell;  // name, pack, cut-off
+    cell.branches.clear();
+    if (!curve_given_) cell.open_circuit_voltage = Curve(best);
+    cell.series_resistance_Ohm = Table(best, layout.series(), soc);
+    for (int j = 0; j < best.structure.branches; ++j) {
+      Cell::Branch branch;
+      branch.resistance_Ohm = Table(best, layout.branch(j), soc);
+      branch.time_constant_s = best.rates.time_constant_s[j];
+      const double r = branch.resistance_Ohm.resistance_Ohm[0];
+      if (branch.resistance_Ohm.constant() && r > 0.0)
+        branch.capacitance_F = branch.time_constant_s / r;
+      cell.branches.push_back(std::move(branch));
+    }
+    std::sort(cell.branches.begin(), cell.branches.end(), [](const auto& a, const auto& b) {
+      return a.time_constant_s < b.time_constant_s;
+    });
+    const double per_A = 1.0 / result_.logs.typical_A;
+    if (best.structure.charge_transfer) {
+      cell.charge_transfer =
+          Cell::ChargeTransfer{.current_A = best.rates.charge_transfer_A,
+                               .resistance_Ohm = Table(best, layout.transfer(), soc)};
+    }
+    if (best.structure.self_heating) {
+      cell.self_heating = Cell::SelfHeating{
+          .time_constant_s = best.rates.heating_time_constant_s,
+          .resistance_drop_Ohm_per_A2 = best.x[layout.heating()] * per_A * per_A * per_A};
+    }
+    // Every log that starts full is the same in any gauge: the last word on alpha costs nothing.
+    double alpha_C = setup.alpha_C;
+    if (result_.alpha_source == "cut-off") alpha_C *= 1.0 - SocAtCutoff(best);
+    const bool all_full = std::all_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
+      return log.entry.initial_soc == 1.0;
+    });
+    if (all_full && alpha_C != setup.alpha_C) {
+      const auto move = [&](std::vector<double> at) {
+        for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
+        return at;
+      };
+      cell.open_circuit_voltage = OpenCircuitVoltage::Linear(move(cell.open_circuit_voltage.soc()),
+                                                             cell.open_circuit_voltage.voltage_V());
+      const auto move_table = [&](Resistance<double>& r) { r.soc = move(std::move(r.soc)); };
+      move_table(cell.series_resistance_Ohm);
+      for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
+      if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
+    } else {
+      alpha_C = setup.alpha_C;
+    }
+    result_.alpha_C = alpha_C;
+    if (setup.diffusion) {
+      cell.diffusion = Cell::Diffusion{.alpha_C = alpha_C,
+                                       .beta_per_sqrt_s = best.rates.beta_per_sqrt_s,
+                                       .terms = setup.terms,
+                                       .tail = setup.tail};
+    } else {
+      cell.diffusion.reset();
+      cell.capacity_Ah = alpha_C / 3600.0;
+    }
+  }
+
+  // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
+  void Judge() {
+    Tell("validation", 0.92);
+    Cell one = result_.cell;
+    one.series = one.parallel = 1;
+    Cell staged = result_.staged.cell;
+    staged.series = staged.parallel = 1;
+    std::vector<LogErrors> joint(logs_.size());
+    std::vector<LogErrors> before(logs_.size());
+    tbb::parallel_for(std::size_t{0}, 2 * logs_.size(), [&](std::size_t task) {
+      const LoadedLog& log = logs_[task / 2];
+      const bool by_joint = task % 2 == 0;
+      if (!by_joint && log.entry.kind == LogKind::kValidation) return;
+      const Validation v = Validate(by_joint ? one : staged, log.log.record, log.entry.initial_soc);
+      (by_joint ? joint : before)[task / 2] = {
+          log.entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve};
+    });
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      if (logs_[l].entry.kind == LogKind::kValidation) {
+        result_.validation.push_back(std::move(joint[l]));
+      } else {
+        result_.fitted.push_back(std::move(joint[l]));
+        result_.fitted_staged.push_back(std::move(before[l]));
+      }
+    }
+  }
+
+  void NameCautions() {
+    auto& say = result_.cautions;
+    const JointSolution& best = result_.choice.best;
+    if (!result_.choice.reason.empty()) say.push_back(result_.choice.reason);
+    for (const auto& name : best.at_bound) {
+      say.push_back(
+          name == "beta"
+              ? fmt::format("beta stands at its bound, {:.3g} s^-1/2: the logs need no "
+                            "diffusion beside the branches",
+                            best.rates.beta_per_sqrt_s)
+              : fmt::format("{} stands at a bound: the logs ask for a value beyond it, or "
+                            "do not need it",
+                            name));
+    }
+    if (result_.alpha_source == "cut-off" && campaign_.cutoff_V) {
+      const double lowest_V =
+          result_.cell.open_circuit_voltage(result_.cell.open_circuit_voltage.soc_lo());
+      if (lowest_V > *campaign_.cutoff_V + 0.02) {
+        say.push_back(fmt::format(
+            "v_oc was seen down to {:.3g} V only: alpha follows from its last slope to {:.3g} V",
+            lowest_V,
+            *campaign_.cutoff_V));
+      }
+    }
+    for (std::size_t j = 0; j < result_.cell.branches.size(); ++j) {
+      const auto& r = result_.cell.branches[j].resistance_Ohm.resistance_Ohm;
+      const auto& r_s = result_.cell.series_resistance_Ohm.resistance_Ohm;
+      if (*std::max_element(r.begin(), r.end()) <=
+          1e-3 * *std::max_element(r_s.begin(), r_s.end())) {
+        say.push_back(fmt::format(
+            "branch {} was not found: its resistance went to zero, and its time constant means "
+            "nothing",
+            j + 1));
+      }
+    }
+  }
+
+  const Campaign& campaign_;
+  const std::vector<LoadedLog>& logs_;
+  const StagedOptions& staged_options_;
+  const JointOptions& options_;
+  const StagedGiven& given_;
+  const StageProgress& progress_;
+  const JointKnowledge known_;
+  bool curve_given_ = false;
+  JointResult result_;
+};
+
+}  // namespace
+
+JointResult IdentifyJoint(const Campaign& campaign,
+                          const std::vector<LoadedLog>& logs,
+                          const StagedOptions& staged_options,
+                          const JointOptions& options,
+                          const StagedGiven& given,
+                          const StageProgress& progress) {
+  return JointRun(campaign, logs, staged_options, options, given, progress).Run();
+}
+
+}  // namespace lipoid

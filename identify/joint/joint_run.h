@@ -1,0 +1,49 @@
+#pragma once
+
+/// @file
+/// All logs at once: the staged method gives the start and stays for comparison; then one fit of
+/// every log together, with resistances that depend on the state of charge where the data say so.
+///
+/// alpha is a gauge: scaling it rescales the axis of v_oc(A) and moves no voltage. Convention: A =
+/// 0 where v_oc reaches the cut-off. The fit starts with the charge of the low-rate log and is
+/// moved to the convention by its own curve, which is the low-rate voltage corrected for drop and
+/// lag. The method, its derivation and its limits: docs/joint.md. Tests:
+/// tests/identify/joint/joint_run_test.cc.
+
+#include <string>
+#include <vector>
+
+#include "identify/joint/joint_choice.h"
+#include "identify/stages/staged_run.h"
+
+namespace lipoid {
+
+struct JointResult {
+  Cell cell;
+  bool converged = false;
+  StagedResult staged;
+  JointChoice choice;
+  double alpha_C = 0.0;
+  std::string alpha_source;              ///< "cut-off", "given", or what the staged method took
+  double rmse_V = 0.0;                   ///< weighted, of the fit
+  int evaluations = 0;                   ///< of rates
+  std::vector<LogErrors> fitted;         ///< every log that took part, all of its rows
+  std::vector<LogErrors> fitted_staged;  ///< the same by the staged cell
+  std::vector<LogErrors> validation;
+  std::vector<std::string> cautions;
+  double wall_s = 0.0;  ///< of the joint part and the staged one together
+  /// For standard errors: what the fit saw, in the final gauge.
+  JointLogs logs;
+  JointSetup setup;
+};
+
+/// Throws LoadError for logs that are not what the campaign says they are, OptionError for
+/// knowledge that the joint method cannot use.
+[[nodiscard]] JointResult IdentifyJoint(const Campaign& campaign,
+                                        const std::vector<LoadedLog>& logs,
+                                        const StagedOptions& staged_options = {},
+                                        const JointOptions& options = {},
+                                        const StagedGiven& given = {},
+                                        const StageProgress& progress = {});
+
+}  // namespace lipoid

@@ -1,0 +1,120 @@
+#include "tools/commands/joint_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/cli/text_table.h"
+
+namespace lipoid {
+namespace {
+
+using cli::Align;
+using cli::Significant;
+using cli::TextTable;
+
+std::string TriedText(const JointChoice& choice) {
+  TextTable table({{"1  tried", Align::kLeft},
+                   {"fitted_mV"},
+                   {"left_out_mV"},
+                   {"expected_mV"},
+                   {"beta"},
+                   {"tau / s"},
+                   {"", Align::kLeft}});
+  for (const auto& row : choice.tried) {
+    std::string taus;
+    for (const double tau : row.solution.rates.time_constant_s)
+      taus += (taus.empty() ? "" : " ") + Significant(tau, 3);
+    table.Row({"   " + row.what,
+               Significant(1e3 * row.errors.fitted_V, 3),
+               Significant(1e3 * row.errors.left_out_V, 3),
+               Significant(1e3 * row.errors.expected_V, 3),
+               Significant(row.solution.rates.beta_per_sqrt_s, 3),
+               taus.empty() ? "-" : taus,
+               row.taken ? "taken" : ""});
+  }
+  return table.Text();
+}
+
+// A constant, or what a table spans.
+std::string RangeText(const Resistance<double>& r) {
+  if (r.constant()) return Significant(r.resistance_Ohm[0], 5);
+  const auto [least, most] = std::minmax_element(r.resistance_Ohm.begin(), r.resistance_Ohm.end());
+  return fmt::format("{} .. {} ({} at half charge)",
+                     Significant(*least, 3),
+                     Significant(*most, 3),
+                     Significant(r(0.5), 4));
+}
+
+std::string FoundText(const JointResult& result) {
+  const Cell& cell = result.cell;
+  TextTable table({{"2  found", Align::kLeft}, {"", Align::kLeft}});
+  const auto row = [&](const std::string& name, const std::string& value) {
+    table.Row({"   " + name, value});
+  };
+  row("alpha / C",
+      fmt::format("{} ({})",
+                  Significant(result.alpha_C, 6),
+                  result.alpha_source == "cut-off" ? "A = 0 where v_oc is the cut-off"
+                                                   : result.alpha_source));
+  if (cell.diffusion) row("beta / s^-1/2", Significant(cell.diffusion->beta_per_sqrt_s, 5));
+  row("r_s / Ohm", RangeText(cell.series_resistance_Ohm));
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+    row(fmt::format("r_{} / Ohm", j + 1), RangeText(cell.branches[j].resistance_Ohm));
+    row(fmt::format("tau_{} / s", j + 1), Significant(cell.branches[j].time_constant_s, 5));
+  }
+  if (cell.charge_transfer) {
+    row("r_ct / Ohm", RangeText(cell.charge_transfer->resistance_Ohm));
+    row("i_0 / A", Significant(cell.charge_transfer->current_A, 4));
+  }
+  if (cell.self_heating) {
+    row("rho_h / Ohm A^-2", Significant(cell.self_heating->resistance_drop_Ohm_per_A2, 4));
+    row("tau_h / s", Significant(cell.self_heating->time_constant_s, 4));
+  }
+  row("v_oc(A)",
+      fmt::format("{} nodes, {} .. {} V",
+                  cell.open_circuit_voltage.soc().size(),
+                  Significant(cell.open_circuit_voltage(cell.open_circuit_voltage.soc_lo()), 4),
+                  Significant(cell.open_circuit_voltage(cell.open_circuit_voltage.soc_hi()), 4)));
+  return table.Text() + fmt::format("   {} evaluations, {} s with the staged run\n",
+                                    result.evaluations,
+                                    Significant(result.wall_s, 3));
+}
+
+std::string ErrorsText(const JointResult& result) {
+  TextTable table({{"3  errors of every row", Align::kLeft},
+                   {"mean_%"},
+                   {"max_%"},
+                   {"rmse_mV"},
+                   {"staged mean_%"}});
+  for (std::size_t l = 0; l < result.fitted.size(); ++l) {
+    const auto& log = result.fitted[l];
+    table.Row({"   " + log.file,
+               Significant(log.all.mean_error_percent, 3),
+               Significant(log.all.max_error_percent, 3),
+               Significant(1e3 * log.all.rmse),
+               Significant(result.fitted_staged[l].all.mean_error_percent, 3)});
+  }
+  for (std::size_t l = 0; l < result.validation.size(); ++l) {
+    const auto& log = result.validation[l];
+    table.Row({"   " + log.file + " (validation)",
+               Significant(log.all.mean_error_percent, 3),
+               Significant(log.all.max_error_percent, 3),
+               Significant(1e3 * log.all.rmse),
+               Significant(result.staged.validation[l].all.mean_error_percent, 3)});
+  }
+  return table.Text();
+}
+
+}  // namespace
+
+std::string JointReport(const Campaign& campaign, const JointResult& result) {
+  std::string text = campaign.name.empty() ? "" : campaign.name + "\n\n";
+  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result);
+  if (!result.staged.done_instead.empty())
+    text += "\n" + cli::Bullets("Done instead", result.staged.done_instead);
+  if (!result.cautions.empty()) text += "\n" + cli::Bullets("To know", result.cautions);
+  return text;
+}
+
+}  // namespace lipoid
