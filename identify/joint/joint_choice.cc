@@ -12,8 +12,9 @@ constexpr double kGain = 0.03;
 constexpr double kLoss = 0.05;
 constexpr double kBetterFit = 0.05;
 
-const std::vector<double> kSmoothness{1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1};
+const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
+constexpr double kFineStep = 1e-3;  // of the logarithms of the rates
 
 // Whether a richer structure is worth it.
 bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple) {
@@ -148,22 +149,21 @@ JointChoice ChooseStructure(const JointFit& fit,
         "too few pulses and discharges to leave any out: the simplest structure is taken";
   } else {
     // The terms first: without them no number of nodes tells a cell that warms from one that does
-    // not.
-    for (const bool heating : {true, false}) {
-      if ((heating ? options.self_heating : options.charge_transfer) != Presence::kAuto) continue;
-      JointStructure richer = choice.best.structure;
+    // not. Each alone, as one may stand in for the other; then both, if both helped.
+    const bool free_heating = options.self_heating == Presence::kAuto;
+    const bool free_transfer = options.charge_transfer == Presence::kAuto;
+    const LeftOutErrors plain = choice.errors;
+    bool both = free_heating && free_transfer;
+    for (const bool heating : {false, true}) {
+      if (!(heating ? free_heating : free_transfer)) continue;
+      JointStructure richer = structure;
       (heating ? richer.self_heating : richer.charge_transfer) = true;
       try_one(richer);
+      both = both && Better(choice.tried.back().errors, plain);
     }
-    if (choice.best.structure.self_heating && choice.best.structure.charge_transfer &&
-        options.self_heating == Presence::kAuto) {
-      // The one that came first may have stood in for the other.
-      JointStructure poorer = choice.best.structure;
-      poorer.self_heating = false;
-      const std::size_t rich = taken;
-      try_one(poorer);
-      take(Better(choice.tried[rich].errors, choice.tried.back().errors) ? rich
-                                                                         : choice.tried.size() - 1);
+    if (both) {
+      structure.self_heating = structure.charge_transfer = true;
+      try_one(structure);
     }
     if (given_nodes == 0) {
       const std::size_t middle = taken;
@@ -193,8 +193,22 @@ JointChoice ChooseStructure(const JointFit& fit,
     }
   }
   choice.tried[taken].taken = true;
-  choice.best = fit.Polish(
-      fit.Solve(choice.best.structure, choice.best.rates, choice.errors.smoothness), 1e-3);
+  // The last polish follows the fit; where rows left out are predicted worse for it, it followed
+  // noise along a flat valley.
+  JointSolution before =
+      fit.Solve(choice.best.structure, choice.best.rates, choice.errors.smoothness);
+  before.at_bound = choice.best.at_bound;
+  JointSolution polished = fit.Polish(before, kFineStep);
+  if (compare) {
+    const LeftOutErrors errors =
+        fit.LeaveOut(polished.structure, polished.rates, {choice.errors.smoothness});
+    if (errors.expected_V > choice.errors.expected_V) {
+      polished = std::move(before);
+    } else {
+      choice.errors = errors;
+    }
+  }
+  choice.best = std::move(polished);
   tell(1.0);
   return choice;
 }

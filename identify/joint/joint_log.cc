@@ -12,9 +12,9 @@
 namespace lipoid {
 namespace {
 
-// Every fifth pulse, and every fifth of sixty pieces of each discharge, are left out together: what
-// is left covers all states of charge at the same currents. The ends of a discharge stay: beyond
-// them there is nothing to predict from.
+// Of each log every fifth pulse, or every fifth of sixty pieces of a discharge, are left out
+// together: what is left covers all states of charge at the same currents. The ends of a discharge
+// stay: beyond them there is nothing to predict from.
 constexpr int kGroups = 5;
 constexpr int kPieces = 60;
 // Logs of up to so many rows are taken as they are.
@@ -148,7 +148,13 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
   double squares = 0.0;
   double loaded = 0.0;
   for (JointLog& log : all.logs) {
-    for (const int group : log.group) all.groups = std::max(all.groups, group + 1);
+    int most = -1;
+    for (int& group : log.group) {
+      if (group == JointLog::kAlways) continue;
+      most = std::max(most, group);
+      group += all.groups;
+    }
+    all.groups += most + 1;
     for (std::size_t k = 0; k < log.size(); ++k) {
       all.largest_A = std::max(all.largest_A, std::abs(log.current_A[k]));
     }
