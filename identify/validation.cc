@@ -4,24 +4,31 @@
 
 #include <cmath>
 
+#include "model/battery/prediction.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
-Validation Validate(const Cell& cell, const Record& record, double initial_soc) {
+LogErrors Validate(const Cell& cell, const Record& record, double initial_soc) {
   constexpr double kLowSoc = 0.1;
-  Validation result;
-  result.prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
   ErrorAccumulator all;
   ErrorAccumulator above;
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    const double predicted_V = result.prediction.voltage_V[k];
-    all.Add(record.voltage_V[k], predicted_V);
-    if (result.prediction.soc[k] > kLowSoc) above.Add(record.voltage_V[k], predicted_V);
-  }
-  result.all = all.Result();
-  result.above_10_soc = above.Result();
-  return result;
+  std::size_t outside = 0;
+  const auto compare = [&](std::size_t k, double soc, double voltage_V) {
+    all.Add(record.voltage_V[k], voltage_V);
+    if (soc > kLowSoc) above.Add(record.voltage_V[k], voltage_V);
+    if (!cell.open_circuit_voltage.InRange(soc)) ++outside;
+  };
+  PredictRows(cell, record.time_s, record.current_A, record.hold, initial_soc, compare);
+  return {record.file, all.Result(), above.Result(), outside};
+}
+
+LogErrors Validate(const Cell& cell, const LoadedLog& log) {
+  Cell one = cell;
+  one.series = one.parallel = 1;
+  LogErrors errors = Validate(one, log.log.record, log.entry.initial_soc);
+  errors.file = log.entry.file;
+  return errors;
 }
 
 double SocAtRestVoltage(const Cell& cell, double voltage_V) {

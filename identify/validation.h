@@ -5,22 +5,31 @@
 /// those above 10 % state of charge (below, the steep end of v_oc(A) makes any error of charge
 /// large). Tests: tests/identify/validation_test.cc.
 
+#include <cstddef>
+#include <string>
+
+#include "identify/logs/load_campaign.h"
 #include "identify/logs/record.h"
 #include "model/battery/cell.h"
 #include "model/battery/error_metrics.h"
-#include "model/battery/prediction.h"
 
 namespace lipoid {
 
-struct Validation {
+/// How the cell predicts a log.
+struct LogErrors {
+  std::string file;
   ErrorMetrics all;
-  ErrorMetrics above_10_soc;
-  Prediction prediction;
+  ErrorMetrics above_10_soc;  ///< rows with A > 0.1 only
+  std::size_t rows_outside_curve = 0;
 };
 
 /// The record is that of the pack the cell's series and parallel make; it starts relaxed at
 /// initial_soc.
-[[nodiscard]] Validation Validate(const Cell& cell, const Record& record, double initial_soc = 1.0);
+[[nodiscard]] LogErrors Validate(const Cell& cell, const Record& record, double initial_soc = 1.0);
+
+/// The same of a log of a campaign, which is that of one cell, with the name and the start that the
+/// campaign gives it.
+[[nodiscard]] LogErrors Validate(const Cell& cell, const LoadedLog& log);
 
 /// The state of charge at which the pack rests with this voltage. OptionError where v_oc(A) never
 /// has it.

@@ -89,6 +89,16 @@ Json LogErrorsToJson(const LogErrors& errors) {
           {"rows_outside_curve", errors.rows_outside_curve}};
 }
 
+Json ConstantCurrentErrorsToJson(const ConstantCurrentErrors& errors) {
+  Json json = {{"file", errors.voltage.file},
+               {"current_A", errors.current_A},
+               {"measured_s", errors.measured_s},
+               {"predicted_s", NumberOrNull(errors.predicted_s)},
+               {"error_percent", NumberOrNull(errors.error_percent)}};
+  json.update(LogErrorsToJson(errors.voltage));
+  return json;
+}
+
 Json StagedToJson(const StagedResult& result) {
   const bool diffusion = result.cell.diffusion.has_value();
   Json stages;
@@ -101,6 +111,9 @@ Json StagedToJson(const StagedResult& result) {
   stages["pulses"] = PulsesToJson(result.pulses, diffusion);
   Json validation = Json::array();
   for (const auto& errors : result.validation) validation.push_back(LogErrorsToJson(errors));
+  Json constant_current = Json::array();
+  for (const auto& errors : result.constant_current)
+    constant_current.push_back(ConstantCurrentErrorsToJson(errors));
   const double ratio =
       result.low_rate_charge_C > 0.0 ? result.alpha_C / result.low_rate_charge_C : std::nan("");
   return {{"method", "staged"},
@@ -114,6 +127,7 @@ Json StagedToJson(const StagedResult& result) {
            result.open_circuit_voltage ? NumberOrNull(result.low_rate_offset_V) : Json(nullptr)},
           {"stages", stages},
           {"validation", validation},
+          {"constant_current", constant_current},
           {"done_instead", result.done_instead},
           {"cautions", result.cautions}};
 }

@@ -10,7 +10,6 @@
 
 #include "identify/logs/discharge.h"
 #include "identify/logs/segments.h"
-#include "identify/validation.h"
 #include "model/battery/discharge_time.h"
 #include "model/core/errors.h"
 
@@ -59,14 +58,7 @@ class StagedRun {
     Tell("validation", 0.95);
     MakeCell();
     NameCautions();
-    for (const LoadedLog* log : OfKind(logs_, LogKind::kValidation)) {
-      // The records are those of one cell already.
-      Cell one = result_.cell;
-      one.series = one.parallel = 1;
-      const Validation v = Validate(one, log->log.record, log->entry.initial_soc);
-      result_.validation.push_back(
-          {log->entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve});
-    }
+    ValidateCell();
     result_.wall_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return std::move(result_);
@@ -285,6 +277,20 @@ class StagedRun {
         branch.capacitance_F = p.time_constant_s[j] / p.resistance_Ohm[j];
       cell.branches.push_back(std::move(branch));
     }
+  }
+
+  void ValidateCell() {
+    const auto held_out = OfKind(logs_, LogKind::kValidation);
+    result_.validation.resize(held_out.size());
+    tbb::parallel_invoke(
+        [&] {
+          tbb::parallel_for(std::size_t{0}, held_out.size(), [&](std::size_t k) {
+            result_.validation[k] = Validate(result_.cell, *held_out[k]);
+          });
+        },
+        [&] {
+          result_.constant_current = ValidateConstantCurrents(result_.cell, logs_, discharges_);
+        });
   }
 
   // docs/theory.md, 7: what the method itself leaves out, said where it matters for this cell.

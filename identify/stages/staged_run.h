@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "identify/constant_current_validation.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/discharge_times.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
@@ -35,14 +36,6 @@ struct StagedGiven {
   PulseFitKnowledge parameters;
 };
 
-/// How the cell predicts a log that took no part.
-struct LogErrors {
-  std::string file;
-  ErrorMetrics all;
-  ErrorMetrics above_10_soc;  ///< rows with A > 0.1 only
-  std::size_t rows_outside_curve = 0;
-};
-
 struct StagedResult {
   Cell cell;
   bool converged = false;
@@ -58,7 +51,9 @@ struct StagedResult {
   double low_rate_offset_V = 0.0;         ///< by which the low-rate log lies below v_oc
   std::vector<std::string> done_instead;  ///< for a kind of log that is missing
   std::vector<std::string> cautions;      ///< what the method leaves out, where it matters here
-  std::vector<LogErrors> validation;
+  std::vector<LogErrors> validation;      ///< of the logs that took no part
+  /// Of these logs the stages use the times alone, unless they stand in for pulses.
+  std::vector<ConstantCurrentErrors> constant_current;
   double wall_s = 0.0;
 };
 

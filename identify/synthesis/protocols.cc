@@ -43,10 +43,14 @@ double CurrentAtRate(const Cell& cell, double rate_C) {
 
 double HighestSuitableRate(const Cell& cell) {
   constexpr double kDrop_V = 0.5;
-  constexpr double kHighest = 8.0;
-  const double drop_per_rate_V = cell.series_resistance_Ohm(1.0) * cell.capacity_Ah;
-  if (!(drop_per_rate_V * kHighest > kDrop_V)) return kHighest;
-  return std::max(1.0, std::floor(kDrop_V / drop_per_rate_V));
+  const auto drop_V = [&](double rate_C) {
+    const double current_A = rate_C * cell.capacity_Ah;
+    const double ohmic_V = cell.series_resistance_Ohm(1.0) * current_A;
+    return cell.charge_transfer ? ohmic_V + cell.charge_transfer->Drop(1.0, current_A) : ohmic_V;
+  };
+  double rate_C = 8.0;
+  while (rate_C > 1.0 && drop_V(rate_C) > kDrop_V) rate_C -= 1.0;
+  return rate_C;
 }
 
 std::vector<TestPlan> ThesisProtocol(const Cell& cell, const SynthesisOptions& options) {

@@ -99,8 +99,8 @@ inline constexpr Protocol kProtocols[] = {
 /// OptionError that lists the protocols where there is none of that name.
 [[nodiscard]] const Protocol& FindProtocol(std::string_view name);
 
-/// The highest whole C-rate, at most 8, at which r_s alone takes no more than half a volt: 6C for
-/// the 600 mAh cells and 8C for the 32 Ah cells of the thesis, as chosen there.
+/// The highest whole C-rate, at most 8, at which a full cell drops no more than half a volt at
+/// once: 6C for the 600 mAh cells and 8C for the 32 Ah cells of the thesis, as chosen there.
 [[nodiscard]] double HighestSuitableRate(const Cell& cell);
 
 }  // namespace lipoid

@@ -10,6 +10,7 @@
 
 #include "model/battery/cell.h"
 #include "model/battery/record_stepper.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 
@@ -28,5 +29,25 @@ struct Prediction {
                                  std::span<const double> current_A,
                                  Hold hold = Hold::kBackward,
                                  double initial_soc = 1.0);
+
+/// The same row by row, keeping nothing: visit(k, soc, voltage_V).
+template <class Visit>
+void PredictRows(const Cell& cell,
+                 std::span<const double> time_s,
+                 std::span<const double> current_A,
+                 Hold hold,
+                 double initial_soc,
+                 Visit&& visit) {
+  Require(time_s.size() == current_A.size(),
+          "as many times as currents",
+          {{"times", static_cast<double>(time_s.size())},
+           {"currents", static_cast<double>(current_A.size())}});
+  const CellModel<double> model(cell.Parameters());
+  RecordStepper<double> stepper(model, hold, model.Relaxed(initial_soc));
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    stepper.Row(time_s[k], current_A[k] / cell.parallel);
+    visit(k, stepper.Soc(), cell.series * stepper.Voltage());
+  }
+}
 
 }  // namespace lipoid

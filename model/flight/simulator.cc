@@ -259,11 +259,25 @@ class Simulation {
     return std::sqrt(sum);
   }
 
+  // New duty cycles make the current jump: the battery's straight line is moved to where it lands.
+  void FollowTheCurrent() {
+    constexpr double kNear_A = 1e-6;  // of a tangent: nothing
+    double last_A = std::numeric_limits<double>::quiet_NaN();
+    for (int round = 0; round < 8; ++round) {
+      inputs_.supply = battery_->Linearize();
+      const double now_A = plant_.ElectricalAt(x_, inputs_).battery_A;
+      if (std::abs(now_A - last_A) < kNear_A) return;
+      battery_->Expect(now_A);
+      last_A = now_A;
+    }
+  }
+
   void ControlStep(const FlightRecorder& record) {
     // The voltage is sampled before the new duty cycles take effect.
     const MeasuredState measured = Measure();
     command_ = pilot_.At(time_s_);
     inputs_.duty = controller_.Step(command_, measured);
+    if (battery_ && battery_->bends()) FollowTheCurrent();
     if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
     saturated_ += controller_.saturated() ? 1 : 0;
     const auto electrical = plant_.ElectricalAt(x_, inputs_);

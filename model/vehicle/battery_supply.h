@@ -62,6 +62,13 @@ class BatterySupply {
   [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }
   [[nodiscard]] double parallel() const { return parallel_; }
 
+  /// Whether the drop is no straight line in the current, or read from a table: then a current that
+  /// jumps wants Expect().
+  [[nodiscard]] bool bends() const {
+    const auto& p = model_.parameters();
+    return p.charge_transfer.has_value() || !p.series_resistance_Ohm.constant();
+  }
+
   /// The current at which v_oc(A) and charge transfer are taken as straight lines until the next
   /// Advance().
   void Expect(double pack_current_A) { last_A_ = pack_current_A / parallel_; }

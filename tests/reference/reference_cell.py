@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """An independent lithium-polymer cell in NumPy, written from chapter 4 of the thesis and its
-corrections.
+corrections, and the two terms beyond it from docs/theory.md.
 
 It shares no code and no formulas-as-typed with the C++ library: the modes of (4.46) are filtered
 one by one with scipy.signal.lfilter where the sampling is uniform and with a plain loop where it is
@@ -156,7 +156,20 @@ def predict(cell, t, i, hold="backward", initial_soc=1.0, plain_loop=False):
     soc_at_start = initial_soc - (sigma[:-1] + tail * flow) / alpha  # of the step after each row
 
     open_circuit = curve(soc)
-    voltage = open_circuit - resistance(cell["series_resistance_Ohm"], soc) * i
+    series_Ohm = resistance(cell["series_resistance_Ohm"], soc)
+    if "self_heating" in cell:
+        heating = cell["self_heating"]
+        tau = heating["time_constant_s"]
+        warmth = first_order(1.0 / tau, shared, flow ** 2 / tau, plain_loop=plain_loop)
+        series_Ohm = np.maximum(
+            series_Ohm - heating["resistance_drop_Ohm_per_A2"] * warmth, series_Ohm / 4.0)
+    voltage = open_circuit - series_Ohm * i
+    if "charge_transfer" in cell:
+        i0 = cell["charge_transfer"]["current_A"]
+        ratio = i / i0  # asinh by its logarithm
+        bent = np.sign(ratio) * np.log1p(
+            np.abs(ratio) + ratio ** 2 / (1.0 + np.sqrt(1.0 + ratio ** 2)))
+        voltage = voltage - resistance(cell["charge_transfer"]["resistance_Ohm"], soc) * i0 * bent
     for branch in cell["branches"]:
         r = branch["resistance_Ohm"]
         tau = branch["time_constant_s"] if "time_constant_s" in branch \

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "model/battery/cell_file.h"
@@ -270,6 +271,40 @@ TEST(Reference, AgreesForTablesOfResistances) {
     }
   }
   ExpectAgreement("tables", cases);
+}
+
+TEST(Reference, AgreesForTheTwoTermsBeyondTheThesis) {
+  std::vector<Case> cases;
+  for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
+    Json heating = CellWith(10, true, 2);
+    // Up to 3/4 of r_s and beyond: 0.1314 Ohm against 0.03 Ohm/A² times 9 A².
+    heating["self_heating"] = {{"time_constant_s", 120.0}, {"resistance_drop_Ohm_per_A2", 0.03}};
+    Json kinetics = CellWith(10, false, 1);
+    kinetics["charge_transfer"] = {{"current_A", 0.25}, {"resistance_Ohm", 0.05}};
+    Json both = heating;
+    both["series"] = 3;
+    both["parallel"] = 2;
+    both["series_resistance_Ohm"] = {{"soc", {0.1, 0.3, 0.9}},
+                                     {"resistance_Ohm", {0.3, 0.15, 0.12}}};
+    both["charge_transfer"] = {
+        {"current_A", 0.25},
+        {"resistance_Ohm", {{"soc", {0.0, 0.5, 1.0}}, {"resistance_Ohm", {0.2, 0.04, 0.06}}}}};
+    for (const auto& [label, cell, largest_A] : {std::tuple{"heating", heating, 3.0},
+                                                 std::tuple{"kinetics", kinetics, 3.0},
+                                                 std::tuple{"both", both, 6.0}}) {
+      cases.push_back({label,
+                       cell,
+                       UniformTimes(1501, 1.0),
+                       SteppedCurrents(1501, largest_A, 15),
+                       hold,
+                       1.0,
+                       false});
+      const auto mixed = MixedTimes(16);
+      cases.push_back(
+          {label, cell, mixed, SteppedCurrents(mixed.size(), largest_A, 17), hold, 0.9, false});
+    }
+  }
+  ExpectAgreement("terms", cases);
 }
 
 // The record drives A from above 1 to below 0, so that every piece of each curve and both

@@ -62,7 +62,7 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   ASSERT_EQ(cell.run.at("inputs")[0].at("file"), "logs/campaign.toml");
   EXPECT_EQ(cell.run.at("inputs")[0].at("sha256").get<std::string>().size(), 64U);
   const Json summary = ReadJson(folder, "s.json");
-  for (const char* key : {"cell", "stages", "validation", "wall_s"})
+  for (const char* key : {"cell", "stages", "validation", "constant_current", "wall_s"})
     EXPECT_TRUE(summary.contains(key)) << key;
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }

@@ -72,6 +72,28 @@ TEST(Synthesize, TheTruthIsACellFileWithProtocolSeedAndNoise) {
   EXPECT_EQ(truth.run.at("options").at("current_noise_A"), 0.01);
 }
 
+TEST(Synthesize, TermsAreAddedByTheirParametersInAnyOrder) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, Arguments({"-o", "logs", "--with", "r_ct=0.02,rho_h=1e-3,i_0=0.5,tau_h=300"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Cell truth = ReadCellFile(folder + "/logs/truth.json");
+  EXPECT_EQ(truth.self_heating->time_constant_s, 300.0);
+  EXPECT_EQ(truth.self_heating->resistance_drop_Ohm_per_A2, 1e-3);
+  EXPECT_EQ(truth.charge_transfer->current_A, 0.5);
+  EXPECT_EQ(truth.charge_transfer->resistance_Ohm(0.5), 0.02);
+  const std::pair<const char*, const char*> unfinished[] = {
+      {"tau_h=300", "option --with: tau_h needs rho_h beside it"},
+      {"r_ct=0.02", "option --with: r_ct needs i_0 beside it"},
+      {"r_2=0.02", "option --with: r_2 needs c_2 or tau_2 beside it"}};
+  for (const auto& [with, message] : unfinished) {
+    const auto half = RunLipoid(folder, Arguments({"-o", "half", "--with", with}));
+    EXPECT_EQ(half.exit_code, 2);
+    EXPECT_NE(half.err.find(message), std::string::npos) << half.err;
+    EXPECT_FALSE(std::filesystem::exists(folder + "/half"));
+  }
+}
+
 TEST(Synthesize, TheSameSeedGivesTheSameBytesWithAnyNumberOfThreads) {
   const auto folder = TestFolder();
   const auto synthesize =

@@ -123,25 +123,54 @@ std::string PulsesText(const StagedResult& result) {
 
 }  // namespace
 
+std::string ValidationText(const std::vector<LogErrors>& logs) {
+  if (logs.empty()) return "";
+  TextTable table({{"validation", Align::kLeft},
+                   {"mean_%"},
+                   {"max_%"},
+                   {"rmse_mV"},
+                   {"mean_% above 10 % SOC"}});
+  for (const auto& log : logs) {
+    table.Row({"   " + log.file,
+               Significant(log.all.mean_error_percent, 3),
+               Significant(log.all.max_error_percent, 3),
+               Significant(1e3 * log.all.rmse),
+               Significant(log.above_10_soc.mean_error_percent, 3)});
+  }
+  return "\n" + table.Text();
+}
+
+std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) {
+  if (logs.empty()) return "";
+  TextTable table({{"constant current", Align::kLeft},
+                   {"current_A"},
+                   {"measured_s"},
+                   {"predicted_s"},
+                   {"error_%"},
+                   {"mean_%"},
+                   {"max_%"},
+                   {"rmse_mV"},
+                   {"mean_% above 10 % SOC"}});
+  for (const auto& log : logs) {
+    const bool ends = std::isfinite(log.predicted_s);
+    table.Row({"   " + log.voltage.file,
+               Significant(log.current_A),
+               Significant(log.measured_s, 5),
+               ends ? Significant(log.predicted_s, 5) : "never",
+               ends ? Significant(log.error_percent, 3) : "-",
+               Significant(log.voltage.all.mean_error_percent, 3),
+               Significant(log.voltage.all.max_error_percent, 3),
+               Significant(1e3 * log.voltage.all.rmse),
+               Significant(log.voltage.above_10_soc.mean_error_percent, 3)});
+  }
+  return "\n" + table.Text();
+}
+
 std::string IdentifyReport(const Campaign& campaign, const StagedResult& result) {
   std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
   text += DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
           PulsesText(result);
-  if (!result.validation.empty()) {
-    TextTable table({{"validation", Align::kLeft},
-                     {"mean_%"},
-                     {"max_%"},
-                     {"rmse_mV"},
-                     {"mean_% above 10 % SOC"}});
-    for (const auto& log : result.validation) {
-      table.Row({"   " + log.file,
-                 Significant(log.all.mean_error_percent, 3),
-                 Significant(log.all.max_error_percent, 3),
-                 Significant(1e3 * log.all.rmse),
-                 Significant(log.above_10_soc.mean_error_percent, 3)});
-    }
-    text += "\n" + table.Text();
-  }
+  text += ConstantCurrentText(result.constant_current) + ValidationText(result.validation);
   if (!result.done_instead.empty()) text += "\n" + Bullets("Done instead", result.done_instead);
   if (!result.cautions.empty()) text += "\n" + Bullets("To know", result.cautions);
   return text;

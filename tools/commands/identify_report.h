@@ -15,6 +15,10 @@ namespace lipoid {
 /// Stage by stage: what was found, how well, what was done instead, what to know.
 [[nodiscard]] std::string IdentifyReport(const Campaign& campaign, const StagedResult& result);
 
+/// How the cell predicts logs: one table each, nothing where there are none.
+[[nodiscard]] std::string ValidationText(const std::vector<LogErrors>& logs);
+[[nodiscard]] std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs);
+
 struct TextAndJson {
   std::string text;
   Json json;

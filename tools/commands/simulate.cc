@@ -1,7 +1,7 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
-#include "identify/validation.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"

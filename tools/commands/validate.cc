@@ -46,11 +46,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
   for (const auto& loaded : LoadCampaign(CampaignFromArguments(arguments))) {
-    const auto validation = Validate(one, loaded.log.record, initial_soc);
-    const LogErrors errors{loaded.entry.file,
-                           validation.all,
-                           validation.above_10_soc,
-                           validation.prediction.rows_outside_curve};
+    LogErrors errors = Validate(one, loaded.log.record, initial_soc);
+    errors.file = loaded.entry.file;
     table.Row({errors.file,
                fmt::format("{}", errors.all.rows),
                cli::Significant(errors.all.mean_error_percent),

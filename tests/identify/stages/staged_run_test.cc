@@ -141,6 +141,16 @@ TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
   EXPECT_LT(result.pulses.errors.rmse, result.pulses_beta_held->errors.rmse);
   ASSERT_EQ(result.validation.size(), 1U);
   EXPECT_LT(result.validation[0].above_10_soc.mean_error_percent, 1.0);
+  ASSERT_EQ(result.constant_current.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto& log = result.constant_current[k];
+    EXPECT_EQ(log.voltage.file, logs[k].entry.file);
+    EXPECT_EQ(log.measured_s, result.discharge_times->rows[k].measured_s);
+    EXPECT_EQ(log.current_A, result.discharge_times->rows[k].current_A);
+    EXPECT_LT(log.voltage.above_10_soc.mean_error_percent, 1.0);
+    // The times of the whole cell are nearer than those that know the diffusion alone.
+    EXPECT_LT(log.error_percent, 1.0) << k;
+  }
   // The curve of the low-rate log lies below v_oc by the ohmic drop.
   EXPECT_NEAR(result.low_rate_offset_V, 0.05 * (0.1314 + 0.03), 0.2 * 0.05 * 0.16);
   EXPECT_LT(result.cell.open_circuit_voltage(0.5), truth.open_circuit_voltage(0.5));
@@ -259,6 +269,22 @@ TEST(StagedRun, SummaryHasTheKeysOfTheContract) {
     }
   }
   EXPECT_TRUE(json.at("validation").is_array());
+  ASSERT_EQ(json.at("constant_current").size(), 2U);
+  for (const char* key : {"file",
+                          "current_A",
+                          "measured_s",
+                          "predicted_s",
+                          "error_percent",
+                          "mean_error_percent",
+                          "max_error_percent",
+                          "rmse_V",
+                          "mean_error_percent_above_10_soc",
+                          "rmse_V_above_10_soc"}) {
+    EXPECT_TRUE(json.at("constant_current")[1].at(key).is_number() || key == std::string("file"))
+        << key;
+  }
+  EXPECT_TRUE(ConstantCurrentErrorsToJson({}).at("predicted_s").is_null());
+  EXPECT_TRUE(ConstantCurrentErrorsToJson({}).at("error_percent").is_null());
 }
 
 StagedResult IdentifyLab(const std::string& file) {

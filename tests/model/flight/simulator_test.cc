@@ -80,6 +80,48 @@ TEST(Fly, ChargeIsTheIntegralOfTheCurrentAndWhatTheCellHasLost) {
   EXPECT_NEAR(prediction.voltage_V.back(), flight.final_voltage_V, 0.02);
 }
 
+// Tables and terms in flight: the battery's voltage is the one that the cell alone shows under the
+// current of the log, and not that of a cell without them.
+TEST(Fly, TheBatteryIsTheCellWithItsTablesAndTerms) {
+  FlightSetup setup = Coupled();
+  setup.controller.pwm = Pwm::kContinuous;
+  Cell& cell = *setup.cell;
+  cell.series_resistance_Ohm = {{0.5, 0.9, 1.0}, {0.2, 0.13, 0.10}};
+  cell.branches = {
+      {.resistance_Ohm = {{0.8, 1.0}, {0.06, 0.02}}, .time_constant_s = 5.0, .capacitance_F = {}}};
+  cell.self_heating = {.time_constant_s = 20.0, .resistance_drop_Ohm_per_A2 = 4e-3};
+  cell.charge_transfer = {.current_A = 0.4, .resistance_Ohm = {{0.8, 1.0}, {0.08, 0.04}}};
+  std::vector<double> time_s;
+  std::vector<double> current_A;
+  std::vector<double> voltage_V;
+  const FlightResult flight =
+      Fly(setup, For(AltitudeStepsPlan({}), 60.0), [&](const FlightSample& s) {
+        time_s.push_back(s.time_s);
+        current_A.push_back(s.battery_A);
+        voltage_V.push_back(s.battery_V);
+      });
+  ASSERT_EQ(flight.outcome, Outcome::kCompleted);
+  const auto rms_V = [&](const Cell& other) {
+    const auto predicted = Predict(other, time_s, current_A, Hold::kForward, 1.0).voltage_V;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < predicted.size(); ++k)
+      squares += std::pow(predicted[k] - voltage_V[k], 2);
+    return std::sqrt(squares / static_cast<double>(predicted.size()));
+  };
+  // The current of a step's start stands for the whole step of 5 ms. Measured: 0.012 mV; a battery
+  // whose line is not moved to the current after a jump is off by 1 mV, and by 68 mV at worst.
+  EXPECT_LT(rms_V(cell), 5e-5);
+  Cell cold = cell;
+  cold.self_heating.reset();
+  Cell straight = cell;
+  straight.charge_transfer.reset();
+  Cell constant = cell;
+  constant.series_resistance_Ohm = cell.series_resistance_Ohm(1.0);
+  Cell still = cell;
+  still.branches[0].resistance_Ohm = cell.branches[0].resistance_Ohm(1.0);
+  for (const Cell& other : {cold, straight, constant, still}) EXPECT_GT(rms_V(other), 4e-3);
+}
+
 TEST(Fly, TheDefaultStepIsFineEnough) {
   FlightSetup coarse = Coupled();
   coarse.controller.pwm = Pwm::kContinuous;  // an integer more or less would hide the difference

@@ -60,6 +60,26 @@ TEST(HoverTrim, IsAnEquilibriumOnEveryCellThatCanCarryTheVehicle) {
   EXPECT_GE(flying, 12);
 }
 
+// The drop of charge transfer is taken by tangents, which end at the current of hover.
+TEST(HoverTrim, IsAnEquilibriumOnACellWithTablesAndChargeTransfer) {
+  const Vehicle vehicle = LoadVehicle("mambo-coupled");
+  Cell cell = LoadCell("gifi-600mAh-1");
+  const double plain_V = [&] {
+    BatterySupply battery(cell, 0.8);
+    return HoverTrim(vehicle, battery).battery_V;
+  }();
+  cell.series_resistance_Ohm = {{0.0, 0.4, 1.0}, {0.2, 0.13, 0.12}};
+  cell.charge_transfer = {.current_A = 0.4, .resistance_Ohm = {{0.0, 0.5}, {0.09, 0.04}}};
+  BatterySupply battery(cell, 0.8);
+  const Trim trim = HoverTrim(vehicle, battery);
+  ASSERT_TRUE(trim.possible());
+  EXPECT_LT(LargestRate(vehicle, trim, battery.Linearize()), 1e-9);
+  // The cell's own equation at the current of hover.
+  const CellModel<double> model(cell.Parameters());
+  EXPECT_NEAR(model.Voltage(model.Relaxed(0.8), trim.battery_A), trim.battery_V, 1e-13);
+  EXPECT_LT(trim.battery_V, plain_V - 0.01);
+}
+
 TEST(HoverTrim, AgreesWithTheFiguresOfTheCorrections) {
   BatterySupply coupled(LoadCell("gifi-600mAh-1"), 1.0);
   BatterySupply physical(LoadCell("gifi-600mAh-1"), 1.0);

@@ -1,0 +1,58 @@
+#include "identify/constant_current_validation.h"
+
+#include <tbb/parallel_for.h>
+
+#include "identify/logs/discharge.h"
+#include "model/battery/time_to_cutoff.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+DischargeTime DischargeOf(const LoadedLog& log, double cutoff_V) {
+  const Discharge found = FindDischarge(log.log.record, cutoff_V);
+  return {log.entry.file, found.current_A, found.time_s()};
+}
+
+ConstantCurrentErrors ErrorsOf(const Cell& one,
+                               const LoadedLog& log,
+                               const DischargeTime& measured) {
+  ConstantCurrentErrors errors{.voltage = Validate(one, log),
+                               .current_A = measured.current_A,
+                               .measured_s = measured.time_s};
+  const auto predicted_s = TimeToCutoff(
+      one, measured.current_A, log.entry.initial_soc, kLongestDischarge * measured.time_s);
+  if (!predicted_s) return errors;
+  ErrorAccumulator time;
+  time.Add(measured.time_s, *predicted_s);
+  errors.predicted_s = *predicted_s;
+  errors.error_percent = time.Result().mean_error_percent;
+  return errors;
+}
+
+}  // namespace
+
+std::vector<ConstantCurrentErrors> ValidateConstantCurrents(
+    const Cell& cell,
+    const std::vector<LoadedLog>& logs,
+    const std::vector<DischargeTime>& measured) {
+  std::vector<const LoadedLog*> constant;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kConstantCurrent) constant.push_back(&log);
+  }
+  Require(measured.empty() || measured.size() == constant.size(),
+          "a discharge for each constant-current log",
+          {{"discharges", static_cast<double>(measured.size())},
+           {"logs", static_cast<double>(constant.size())}});
+  Cell one = cell;
+  one.series = one.parallel = 1;  // the records are those of one cell
+  std::vector<ConstantCurrentErrors> errors(constant.size());
+  tbb::parallel_for(std::size_t{0}, constant.size(), [&](std::size_t k) {
+    const LoadedLog& log = *constant[k];
+    errors[k] =
+        ErrorsOf(one, log, measured.empty() ? DischargeOf(log, cell.cutoff_V) : measured[k]);
+  });
+  return errors;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,94 @@
+#include "identify/validation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/battery/prediction.h"
+#include "model/core/errors.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// v_oc from 3 V to 4 V over 1000 C, and nothing else.
+Cell ChargeCounter() {
+  Cell cell;
+  cell.capacity_Ah = 1000.0 / 3600.0;
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.0});
+  return cell;
+}
+
+// From A = 1 to -0.02 in steps of 0.02, measured 1 % above what the cell says, and twice that below
+// A = 0.1 (0.09 leaves the rounding of 0.1 aside).
+Record Discharge() {
+  Record record;
+  record.file = "log.csv";
+  for (int k = 0; k <= 51; ++k) {
+    const double soc = 1.0 - 0.02 * k;
+    record.time_s.push_back(20.0 * k);
+    record.current_A.push_back(1.0);
+    record.voltage_V.push_back((3.0 + soc) / (soc > 0.09 ? 0.99 : 0.98));
+  }
+  return record;
+}
+
+TEST(Validation, SaysTheErrorsOfAllRowsAndOfThoseAboveTenPercent) {
+  const LogErrors errors = Validate(ChargeCounter(), Discharge());
+  EXPECT_EQ(errors.file, "log.csv");
+  EXPECT_EQ(errors.all.rows, 52U);
+  EXPECT_EQ(errors.rows_outside_curve, 1U);
+  EXPECT_NEAR(errors.all.max_error_percent, 2.0, 1e-12);
+  // Rows 46 .. 51 lie below; row 45 stands at 0.1 itself.
+  const auto above = errors.above_10_soc.rows;
+  EXPECT_TRUE(above == 45U || above == 46U) << above;
+  EXPECT_NEAR(errors.above_10_soc.mean_error_percent, 1.0, 1e-12);
+  EXPECT_NEAR(errors.all.mean_error_percent, (46.0 * 1.0 + 6.0 * 2.0) / 52.0, 1e-12);
+}
+
+TEST(Validation, AgreesWithThePredictionKeptRowByRow) {
+  const Record record = Discharge();
+  const auto prediction = Predict(ChargeCounter(), record.time_s, record.current_A);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < record.size(); ++k)
+    squares += std::pow(record.voltage_V[k] - prediction.voltage_V[k], 2);
+  EXPECT_NEAR(Validate(ChargeCounter(), record).all.rmse,
+              std::sqrt(squares / static_cast<double>(record.size())),
+              16.0 * kEpsilon);
+  EXPECT_EQ(prediction.rows_outside_curve, 1U);
+}
+
+TEST(Validation, OfALoggedCampaignIsThatOfOneCellFromItsOwnStart) {
+  LoadedLog log;
+  log.entry.file = "short name.csv";
+  log.entry.initial_soc = 0.5;
+  log.log.record = Discharge();
+  Cell pack = ChargeCounter();
+  pack.series = 6;
+  pack.parallel = 4;
+  const LogErrors errors = Validate(pack, log);
+  EXPECT_EQ(errors.file, "short name.csv");
+  EXPECT_EQ(errors.all.rmse, Validate(ChargeCounter(), Discharge(), 0.5).all.rmse);
+  EXPECT_GT(errors.all.rmse, 0.3);
+  // The record of a pack is judged by the pack.
+  Record of_pack = Discharge();
+  for (double& current : of_pack.current_A) current *= 4.0;
+  for (double& voltage : of_pack.voltage_V) voltage *= 6.0;
+  EXPECT_NEAR(Validate(pack, of_pack).all.rmse,
+              6.0 * Validate(ChargeCounter(), Discharge()).all.rmse,
+              100.0 * kEpsilon);
+}
+
+TEST(Validation, FindsTheChargeAtWhichAPackRests) {
+  Cell pack = ChargeCounter();
+  pack.series = 2;
+  EXPECT_NEAR(SocAtRestVoltage(pack, 7.5), 0.75, 4.0 * kEpsilon);
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 3.7); }),
+            "initial voltage: expected one that v_oc(A) of the cell has, 6 .. 8 V, found 3.7 V");
+}
+
+}  // namespace
+}  // namespace lipoid
