@@ -7,18 +7,13 @@
 #include <cmath>
 #include <random>
 
+#include "identify/median.h"
+
 namespace lipoid {
 namespace {
 
 // 53 bits of the engine: the same in every standard library.
 double Uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11U) * 0x1p-53; }
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
 
 // A parameter that starts at zero has no decades: its unit stands for it.
 double Middle(const PulseVariable& v, const PulseParameters& start) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "identify/median.h"
+
 namespace lipoid {
 namespace {
 
@@ -30,13 +32,6 @@ double Largest(const std::vector<double>& values) {
   return largest;
 }
 
-double Median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Scatter of the voltage about a straight line through neighbouring rows of equal current, and
 // never less than half the resolution.
 double VoltageNoise(const Record& record, double largest_A) {
@@ -57,7 +52,8 @@ double VoltageNoise(const Record& record, double largest_A) {
   if (bends.empty()) return kUnknown_V;
   constexpr std::size_t kEnoughBends = 6;  // fewer are as likely the shape of the curve
   const double most_V = bends.size() < kEnoughBends ? kUnknown_V : 1e3;
-  return std::max({std::min(Median(bends) / kMedianOfBend, most_V), resolution_V / 2, 1e-7});
+  return std::max(
+      {std::min(UpperMedian(std::move(bends)) / kMedianOfBend, most_V), resolution_V / 2, 1e-7});
 }
 
 struct Evidence {
@@ -87,7 +83,7 @@ Edges LookAtEdges(const Record& record, double largest_A, double noise_V) {
   for (std::size_t k = 1; k < record.size(); ++k)
     intervals_s.push_back(record.time_s[k] - record.time_s[k - 1]);
   // Across a gap the voltage moves for reasons that are not in the log.
-  const double longest_s = std::max(60.0, 20.0 * Median(intervals_s));
+  const double longest_s = std::max(60.0, 20.0 * UpperMedian(std::move(intervals_s)));
   Edges edges;
   double squares = 0.0;
   double products = 0.0;

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "identify/median.h"
+
 namespace lipoid {
 namespace {
 
@@ -22,13 +24,6 @@ double RoundToDigits(double value, int digits) {
   const double step = std::pow(10.0, std::floor(std::log10(value)) + 1 - digits);
   // Through decimal text, so that 33.1 does not become 33.100000000000001.
   return std::stod(fmt::format("{:.12g}", std::round(value / step) * step));
-}
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(),
-                   values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 double Tolerance(const Discharge& discharge) {
@@ -54,7 +49,7 @@ double FindCutoff(const std::vector<Candidate>& discharges) {
   ends_V.reserve(discharges.size());
   for (const Candidate& each : discharges)
     ends_V.push_back(each.inspection->discharge->end_voltage_V);
-  const double middle_V = Median(std::move(ends_V));
+  const double middle_V = UpperMedian(std::move(ends_V));
   const double round_V = RoundToDigits(std::round(middle_V / kCutoffStep_V) * kCutoffStep_V, 3);
   const double fine_V = RoundToDigits(std::ceil(middle_V * 1000.0) / 1000.0, 4);
   return std::abs(round_V - middle_V) <= 2.0 * kCutoffTolerance_V ? round_V : fine_V;

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <optional>
 
-#include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
 
 namespace lipoid {

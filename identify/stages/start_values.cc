@@ -5,16 +5,10 @@
 #include <limits>
 
 #include "identify/logs/segments.h"
+#include "identify/median.h"
 
 namespace lipoid {
 namespace {
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A step of the current between two rows: how much it shows, and how soon after.
 struct Edge {
@@ -78,9 +72,9 @@ StartValues FindStartValues(const std::vector<const Record*>& records) {
   }
   start.edges = static_cast<int>(resistances.size());
   start.relaxations = static_cast<int>(times.size());
-  start.series_resistance_Ohm = Median(std::move(resistances));
-  start.relaxation_s = Median(std::move(times));
-  start.relaxation_Ohm = Median(std::move(recoveries));
+  start.series_resistance_Ohm = UpperMedian(std::move(resistances));
+  start.relaxation_s = UpperMedian(std::move(times));
+  start.relaxation_Ohm = UpperMedian(std::move(recoveries));
   start.shortest_s = std::isfinite(shortest) ? shortest : 1.0;
   start.longest_s = std::max(start.longest_s, 4.0 * start.shortest_s);
   return start;
