@@ -319,19 +319,14 @@ class JointRun {
   // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
   void Judge() {
     Tell("validation", 0.92);
-    Cell one = result_.cell;
-    one.series = one.parallel = 1;
-    Cell staged = result_.staged.cell;
-    staged.series = staged.parallel = 1;
     std::vector<LogErrors> joint(logs_.size());
     std::vector<LogErrors> before(logs_.size());
     tbb::parallel_for(std::size_t{0}, 2 * logs_.size(), [&](std::size_t task) {
       const LoadedLog& log = logs_[task / 2];
       const bool by_joint = task % 2 == 0;
       if (!by_joint && log.entry.kind == LogKind::kValidation) return;
-      const Validation v = Validate(by_joint ? one : staged, log.log.record, log.entry.initial_soc);
-      (by_joint ? joint : before)[task / 2] = {
-          log.entry.file, v.all, v.above_10_soc, v.prediction.rows_outside_curve};
+      (by_joint ? joint : before)[task / 2] =
+          Validate(by_joint ? result_.cell : result_.staged.cell, log);
     });
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       if (logs_[l].entry.kind == LogKind::kValidation) {
