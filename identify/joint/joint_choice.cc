@@ -9,17 +9,19 @@ namespace lipoid {
 namespace {
 
 constexpr double kGain = 0.03;
-constexpr double kLoss = 0.05;
 constexpr double kBetterFit = 0.05;
+constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
 constexpr double kFineStep = 1e-3;  // of the logarithms of the rates
 
-// Whether a richer structure is worth it.
-bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple) {
+// Whether a richer structure is worth it. What fits as well as the noise lets it can only be
+// overtaken by following the noise.
+bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, double noise_V) {
+  if (simple.fitted_V <= kAtTheNoise * noise_V) return false;
   if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
-  return rich.expected_V < (1.0 + kLoss) * simple.expected_V &&
+  return rich.expected_V < simple.expected_V &&
          rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
 }
 
@@ -118,6 +120,9 @@ JointChoice ChooseStructure(const JointFit& fit,
     choice.best = choice.tried[k].solution;
     choice.errors = choice.tried[k].errors;
   };
+  const auto better = [&](const LeftOutErrors& rich, const LeftOutErrors& simple) {
+    return Better(rich, simple, logs.noise_mean_V);
+  };
   // Takes it where it is better than what was taken before.
   const auto try_one = [&](const JointStructure& structure) {
     const JointSolution* near = choice.tried.empty() ? nullptr : &choice.best;
@@ -127,10 +132,10 @@ JointChoice ChooseStructure(const JointFit& fit,
     } else {
       row.errors.smoothness = rough;
     }
-    const bool better =
-        choice.tried.empty() || (Complete(row.solution, logs) && Better(row.errors, choice.errors));
+    const bool taking =
+        choice.tried.empty() || (Complete(row.solution, logs) && better(row.errors, choice.errors));
     choice.tried.push_back(std::move(row));
-    if (better) take(choice.tried.size() - 1);
+    if (taking) take(choice.tried.size() - 1);
     tell(0.08 * static_cast<double>(choice.tried.size()));
   };
 
@@ -159,7 +164,7 @@ JointChoice ChooseStructure(const JointFit& fit,
       JointStructure richer = structure;
       (heating ? richer.self_heating : richer.charge_transfer) = true;
       try_one(richer);
-      both = both && Better(choice.tried.back().errors, plain);
+      both = both && better(choice.tried.back().errors, plain);
     }
     if (both) {
       structure.self_heating = structure.charge_transfer = true;
@@ -181,7 +186,7 @@ JointChoice ChooseStructure(const JointFit& fit,
       }
       std::size_t best = by_nodes.front();
       for (const std::size_t k : by_nodes) {
-        if (Better(choice.tried[k].errors, choice.tried[best].errors)) best = k;
+        if (better(choice.tried[k].errors, choice.tried[best].errors)) best = k;
       }
       take(best);
     }

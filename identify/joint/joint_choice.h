@@ -4,9 +4,10 @@
 /// How many nodes, how many branches, which terms: chosen by what they say of rows left out.
 ///
 /// The way goes from simple to rich. A richer structure is taken where it predicts better by kGain,
-/// or where it predicts as well as kLoss allows and fits better by kBetterFit; so that neither
-/// noise nor a single odd piece of a log decides. The rates of each candidate come from a grid of
-/// its own. Tests: tests/identify/joint/joint_choice_test.cc.
+/// or where it predicts better at all and fits better by kBetterFit; so that neither noise nor a
+/// single odd piece of a log decides. Where the simple one fits as well as the noise lets it,
+/// nothing is. The rates of each candidate come from a grid of its own. Tests:
+/// tests/identify/joint/joint_choice_test.cc.
 
 #include <functional>
 #include <string>

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "identify/logs/segments.h"
+#include "identify/median.h"
 #include "identify/stages/condensed_log.h"
 
 namespace lipoid {
@@ -31,6 +32,22 @@ std::vector<std::size_t> PulseStarts(const std::vector<Segment>& segments) {
     rested = segment.kind == SegmentKind::kRest;
   }
   return starts;
+}
+
+// Second differences of evenly spaced rows see the noise of a voltage and nothing of its slope; the
+// median does not see edges.
+double VoltageNoise(const Record& record) {
+  constexpr double kEven = 1e-3;
+  std::vector<double> bends;
+  for (std::size_t k = 1; k + 1 < record.size(); ++k) {
+    const double before_s = record.time_s[k] - record.time_s[k - 1];
+    const double after_s = record.time_s[k + 1] - record.time_s[k];
+    if (std::abs(after_s - before_s) > kEven * before_s) continue;
+    bends.push_back(
+        std::abs(record.voltage_V[k - 1] - 2.0 * record.voltage_V[k] + record.voltage_V[k + 1]));
+  }
+  constexpr double kMedianOfNormal = 0.6745;
+  return bends.empty() ? 0.0 : Median(std::move(bends)) / (kMedianOfNormal * std::sqrt(6.0));
 }
 
 Condensation HowToCondense(const Record& record) {
@@ -77,7 +94,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     log.step_A.push_back(step_A);
     log.current_A.push_back(current_A);
     log.voltage_V.push_back(v);
-    log.weight.push_back(w);
+    log.count.push_back(w);
     log.group.push_back(at);
   };
   const CondensedLog condensed(record, HowToCondense(record));
@@ -109,6 +126,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   // Weights of rows, then of the log.
   double charge_C = log.delivered_C;
   double sum = 0.0;
+  log.weight = log.count;
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (k > 0) charge_C += log.step_A[k] * (log.time_s[k] - log.time_s[k - 1]);
     const double slope_V = curve.Evaluate(1.0 - charge_C / alpha_C).slope_V;
@@ -120,6 +138,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   log.log_weight = loaded.entry.weight;
   for (double& w : log.weight) w *= log.log_weight / sum;
 
+  log.noise_V = VoltageNoise(record);
   log.shortest_s = std::numeric_limits<double>::infinity();
   for (std::size_t k = 1; k < record.size(); ++k) {
     log.shortest_s = std::min(log.shortest_s, record.time_s[k] - record.time_s[k - 1]);
@@ -167,6 +186,20 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
       loaded += log.weight[k];
     }
   }
+  for (const JointLog& log : all.logs) {
+    if (log.noise_V > 0.0 && !(all.noise_V > 0.0 && all.noise_V < log.noise_V))
+      all.noise_V = log.noise_V;
+  }
+  double left_out = 0.0;
+  for (const JointLog& log : all.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == JointLog::kAlways || log.count[k] <= 0.0) continue;
+      left_out += log.weight[k];
+      all.noise_mean_V += log.weight[k] * all.noise_V / std::sqrt(log.count[k]);
+    }
+  }
+  constexpr double kMeanOfNormal = 0.79788;  // sqrt(2/pi)
+  if (left_out > 0.0) all.noise_mean_V *= kMeanOfNormal / left_out;
   all.typical_A = loaded > 0.0 ? std::sqrt(squares / loaded) : 1.0;
   return all;
 }

@@ -35,16 +35,18 @@ struct JointLog {
   LogKind kind = LogKind::kPulses;
   double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
   /// One entry per point: the current that flowed since the point before, the current at the point,
-  /// what was measured there, the weight (0: only a point on the way), and the group in which it is
-  /// left out.
+  /// what was measured there, the number of rows it stands for (0: only a point on the way), their
+  /// weight in the sum of squares, and the group in which it is left out.
   std::vector<double> time_s;
   std::vector<double> step_A;
   std::vector<double> current_A;
   std::vector<double> voltage_V;
+  std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
+  double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen
   double shortest_s = 0.0;  ///< between two rows
   double longest_s = 0.0;   ///< at one current
 
@@ -56,7 +58,9 @@ struct JointLogs {
   int groups = 0;           ///< that can be left out
   double weight_sum = 0.0;  ///< over all logs
   double largest_A = 0.0;
-  double typical_A = 0.0;  ///< root mean square of the currents under load
+  double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows
+  double noise_mean_V = 0.0;  ///< weighted mean size of the noise of what can be left out
+  double typical_A = 0.0;     ///< root mean square of the currents under load
 };
 
 /// Logs of kind validation do not enter. Weights use the slope of `curve` at 1 - charge/alpha.

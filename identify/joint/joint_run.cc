@@ -39,7 +39,7 @@ OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, dou
   return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
 }
 
-JointKnowledge Knowledge(const StagedGiven& given) {
+JointKnowledge Knowledge(const StagedGiven& given, int branches) {
   JointKnowledge known;
   for (const auto& [name, value] : given.parameters.fixed) {
     if (name.rfind("c_", 0) == 0) {
@@ -47,6 +47,14 @@ JointKnowledge Knowledge(const StagedGiven& given) {
           "--fix {}: the joint method knows branches by their time constants; fix tau_{} instead",
           name,
           name.substr(2)));
+    }
+    const bool branch = name.rfind("r_", 0) == 0 || name.rfind("tau_", 0) == 0;
+    const int of = branch && name != "r_s" ? std::atoi(name.c_str() + name.find('_') + 1) : 0;
+    if (!(name == "beta" || name == "r_s" || (of >= 1 && of <= branches))) {
+      throw OptionError(fmt::format(
+          "--fix {}: the joint method holds beta, r_s, and r_j or tau_j of a branch that "
+          "--branches gives",
+          name));
     }
     known.fixed[name] = value;
   }
@@ -77,7 +85,7 @@ class JointRun {
         options_(options),
         given_(given),
         progress_(progress),
-        known_(Knowledge(given)) {}
+        known_(Knowledge(given, options.branches)) {}
 
   JointResult Run() {
     const auto began = std::chrono::steady_clock::now();

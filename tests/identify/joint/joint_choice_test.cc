@@ -1,0 +1,110 @@
+#include "identify/joint/joint_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "identify/joint/joint_run.h"
+#include "model/battery/cell_file.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kNoise_V = 0.0005;
+
+Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
+
+JointResult Identify(const Cell& truth, const JointOptions& options = {}) {
+  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  return IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
+}
+
+TEST(JointChoice, TakesTheSimplestStructureWhereNothingRicherIsThere) {
+  const JointStructure structure = Identify(Truth()).choice.best.structure;
+  EXPECT_EQ(structure.nodes(), 1);
+  EXPECT_EQ(structure.branches, 1);
+  EXPECT_FALSE(structure.self_heating);
+  EXPECT_FALSE(structure.charge_transfer);
+}
+
+TEST(JointChoice, TakesTablesWhereResistancesRiseTowardsEmpty) {
+  Cell truth = Truth();
+  truth.series_resistance_Ohm = {{0.0, 0.1, 0.3, 1.0}, {0.3, 0.2, 0.14, 0.13}};
+  const JointResult result = Identify(truth);
+  EXPECT_GT(result.choice.best.structure.nodes(), 1);
+  for (const double a : {0.1, 0.3, 0.6, 0.9}) {
+    EXPECT_NEAR(result.cell.series_resistance_Ohm(a), truth.series_resistance_Ohm(a), 0.005)
+        << "at " << a;
+  }
+}
+
+TEST(JointChoice, FindsSelfHeating) {
+  Cell truth = Truth();
+  truth.self_heating =
+      Cell::SelfHeating{.time_constant_s = 300.0, .resistance_drop_Ohm_per_A2 = 3e-3};
+  const JointResult result = Identify(truth);
+  ASSERT_TRUE(result.cell.self_heating);
+  EXPECT_FALSE(result.cell.charge_transfer);
+  EXPECT_NEAR(result.cell.self_heating->time_constant_s, 300.0, 15.0);
+  EXPECT_NEAR(result.cell.self_heating->resistance_drop_Ohm_per_A2, 3e-3, 1.5e-4);
+}
+
+TEST(JointChoice, FindsChargeTransfer) {
+  Cell truth = Truth();
+  truth.charge_transfer =
+      Cell::ChargeTransfer{.current_A = 0.5, .resistance_Ohm = Resistance<double>(0.1)};
+  const JointResult result = Identify(truth);
+  ASSERT_TRUE(result.cell.charge_transfer);
+  EXPECT_FALSE(result.cell.self_heating);
+  EXPECT_NEAR(result.cell.charge_transfer->current_A, 0.5, 0.05);
+  EXPECT_NEAR(result.cell.charge_transfer->resistance_Ohm(0.5), 0.1, 0.005);
+}
+
+TEST(JointChoice, DoesWhatItIsTold) {
+  const JointResult result = Identify(Truth(),
+                                      {.branches = 2,
+                                       .resistance_nodes = 6,
+                                       .self_heating = Presence::kOff,
+                                       .charge_transfer = Presence::kOn,
+                                       .smoothness = 0.01});
+  const JointSolution& best = result.choice.best;
+  EXPECT_EQ(best.structure.branches, 2);
+  EXPECT_EQ(best.structure.nodes(), 6);
+  EXPECT_TRUE(best.structure.charge_transfer);
+  EXPECT_FALSE(best.structure.self_heating);
+  EXPECT_EQ(best.smoothness, 0.01);
+  EXPECT_EQ(result.choice.tried.size(), 1U);
+}
+
+TEST(JointChoice, OneRowOfTheTableIsTaken) {
+  const auto tried = Identify(Truth()).choice.tried;
+  EXPECT_EQ(std::count_if(tried.begin(), tried.end(), [](const auto& row) { return row.taken; }),
+            1);
+  EXPECT_GT(tried.size(), 6U);
+}
+
+TEST(JointChoice, NodesRiseAndKeepToTheirRange) {
+  for (const int count : {1, 2, 3, 6, 10, 13, 20, 34, 60}) {
+    const auto nodes = ResistanceNodes(count);
+    EXPECT_EQ(static_cast<int>(nodes.size()), count);
+    EXPECT_TRUE(std::is_sorted(nodes.begin(), nodes.end(), std::less_equal<>()));
+    EXPECT_GE(nodes.front(), 0.0);
+    EXPECT_LE(nodes.back(), 1.0);
+  }
+  for (const int count : {0, 2, 5, 40, 200}) {
+    const auto nodes = VoltageNodes(count);
+    EXPECT_TRUE(std::is_sorted(nodes.begin(), nodes.end(), std::less_equal<>()));
+    EXPECT_EQ(nodes.back(), 1.0);
+  }
+  // Near zero the axis stays; elsewhere it is stretched over what was reached.
+  EXPECT_EQ(OnAxis({0.0, 0.5, 1.0}, 0.01), (std::vector<double>{0.0, 0.5, 1.0}));
+  EXPECT_EQ(OnAxis({0.0, 0.5, 1.0}, 0.5), (std::vector<double>{0.5, 0.75, 1.0}));
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,116 @@
+#include "identify/joint/joint_fit.h"
+
+#include <gtest/gtest.h>
+
+#include "identify/joint/joint_choice.h"
+#include "model/battery/cell_file.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
+
+// What a fit needs, from logs of a cell in its own gauge.
+struct Bench {
+  explicit Bench(const Cell& cell, const std::vector<LoadedLog>& made) : truth(cell) {
+    setup = {.alpha_C = cell.alpha_C(),
+             .diffusion = true,
+             .terms = 10,
+             .tail = true,
+             .reference = OpenCircuitVoltage::Linear({-0.1, 1.0}, {3.0, 4.2})};
+    logs = MakeJointLogs(made, setup.alpha_C, setup.reference, {});
+    structure.voltage_soc = VoltageNodes(0);
+  }
+  [[nodiscard]] double Ohm(const JointSolution& s, int at) const {
+    return s.x[at] / logs.typical_A;
+  }
+
+  Cell truth;
+  JointSetup setup;
+  JointLogs logs;
+  JointKnowledge known;
+  JointStructure structure;
+};
+
+// Rows stay as they are and nodes of v_oc lie on those of the truth: only the pull of smoothness
+// and the search's tolerance are left.
+constexpr double kExact = 1e-4;
+
+TEST(JointFit, FindsTheTruthFromItsGrid) {
+  const Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointSolution found = fit.Polish(fit.Search(bench.structure, 1e-4), 1e-6);
+  const JointLayout layout(found.structure);
+  EXPECT_NEAR(found.rates.beta_per_sqrt_s, 0.1924, kExact * 0.1924);
+  EXPECT_NEAR(found.rates.time_constant_s[0], 45.0, 10.0 * kExact * 45.0);
+  EXPECT_NEAR(bench.Ohm(found, layout.series()), 0.1314, kExact * 0.1314);
+  EXPECT_NEAR(bench.Ohm(found, layout.branch(0)), 0.03, 10.0 * kExact * 0.03);
+  EXPECT_TRUE(found.at_bound.empty());
+}
+
+TEST(JointFit, ResistancesAreNotNegativeAndTheCurveDoesNotFall) {
+  // Noise of 20 mV on few rows asks for both.
+  const Bench bench(Truth(), test::SyntheticLogs(Truth(), 60.0, 0.02));
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  JointStructure structure = bench.structure;
+  structure.resistance_soc = ResistanceNodes(34);
+  const JointSolution found = fit.Search(structure, 1e-6);
+  const JointLayout layout(structure);
+  ASSERT_EQ(found.x.size(), layout.size());
+  EXPECT_GE(found.x.tail(layout.size() - layout.voltages()).minCoeff(), 0.0);
+  EXPECT_EQ(found.x.tail(layout.size() - layout.voltages()).minCoeff(), 0.0);
+  double before_V = -1.0;
+  for (int k = 0; k < layout.voltages(); ++k) {
+    const double v = bench.setup.reference(structure.voltage_soc[k]) + found.x[k];
+    EXPECT_GE(v, before_V - 1e-12);
+    before_V = v;
+  }
+}
+
+TEST(JointFit, HoldsWhatIsKnown) {
+  Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
+  bench.known.fixed = {{"beta", 0.25}, {"tau_1", 30.0}, {"r_s", 0.12}};
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointSolution found = fit.Search(bench.structure, 1e-4);
+  EXPECT_EQ(found.rates.beta_per_sqrt_s, 0.25);
+  EXPECT_EQ(found.rates.time_constant_s[0], 30.0);
+  EXPECT_DOUBLE_EQ(bench.Ohm(found, JointLayout(found.structure).series()), 0.12);
+  bench.known = {.bounds = {{"tau_1", {60.0, 80.0}}}};
+  const JointFit bounded(bench.logs, bench.setup, bench.known);
+  const JointSolution at_bound = bounded.Search(bench.structure, 1e-4);
+  EXPECT_NEAR(at_bound.rates.time_constant_s[0], 60.0, 1e-6);
+  EXPECT_EQ(at_bound.at_bound, std::vector<std::string>{"tau_1"});
+}
+
+TEST(JointFit, LeavesOutNothingWhereThereIsOnlyOneGroup) {
+  auto made = test::SyntheticLogs(Truth(), 5.0);
+  made.erase(made.begin(), made.begin() + 3);
+  made.erase(made.begin() + 1);  // the low rate alone
+  const Bench bench(Truth(), made);
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const auto errors = fit.LeaveOut(bench.structure, fit.Base(bench.structure), {1e-3});
+  EXPECT_TRUE(std::isnan(errors.left_out_V));
+  EXPECT_EQ(errors.smoothness, 1e-3);
+}
+
+// Rows left out of a fit with little freedom are predicted as well as those in it.
+TEST(JointFit, ErrorsOfRowsLeftOutAreThoseOfTheNoise) {
+  constexpr double kNoise_V = 0.001;
+  // A second between rows: some seventy unknowns follow little of so many.
+  const Bench bench(Truth(), test::SyntheticLogs(Truth(), 1.0, kNoise_V));
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointSolution found = fit.Search(bench.structure, 1e-3);
+  const auto errors = fit.LeaveOut(bench.structure, found.rates, {1e-3});
+  EXPECT_GT(errors.left_out_V, errors.fitted_V);
+  EXPECT_LT(errors.left_out_V, 1.05 * errors.fitted_V);
+  // Seventy unknowns take their share of some thousand points; blocks average over noise.
+  EXPECT_NEAR(errors.fitted_V, bench.logs.noise_mean_V, 0.1 * bench.logs.noise_mean_V);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,103 @@
+#include "identify/joint/joint_log.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <set>
+
+#include "model/battery/cell_file.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+OpenCircuitVoltage Flat() { return OpenCircuitVoltage::Linear({0.0, 1.0}, {3.7, 3.7}); }
+
+double Sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+double ChargeOf(const JointLog& log) {
+  double charge_C = 0.0;
+  for (std::size_t k = 1; k < log.size(); ++k)
+    charge_C += log.step_A[k] * (log.time_s[k] - log.time_s[k - 1]);
+  return charge_C;
+}
+
+TEST(JointLog, EveryLogCountsAsItsWeightSaysWhateverItsRows) {
+  auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
+  logs[1].entry.weight = 3.0;
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  ASSERT_EQ(joint.logs.size(), 5U);
+  for (std::size_t l = 0; l < 5; ++l)
+    EXPECT_NEAR(Sum(joint.logs[l].weight), l == 1 ? 3.0 : 1.0, 1e-12);
+  EXPECT_DOUBLE_EQ(joint.weight_sum, 7.0);
+  EXPECT_DOUBLE_EQ(joint.largest_A, 3.6);
+}
+
+TEST(JointLog, RowsWeighLessWhereTheCurveIsSteep) {
+  const auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
+  const auto steep = OpenCircuitVoltage::Linear({0.0, 0.5, 1.0}, {3.0, 4.0, 4.0});  // 2 V, then 0
+  const JointLogs joint = MakeJointLogs(
+      logs, 1350.0, steep, {.charge_uncertainty = 0.002, .voltage_uncertainty_V = 0.001});
+  const JointLog& log = joint.logs[0];
+  // 2 V times 0.002 is four times the millivolt.
+  EXPECT_NEAR(log.weight[log.size() - 2] / log.weight[1], 1.0 / 17.0, 1e-12);
+}
+
+TEST(JointLog, ALongLogInFewPointsKeepsItsChargeAndItsRows) {
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  const auto logs = test::SyntheticLogs(cell, 0.1);
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  for (std::size_t l = 0; l < logs.size(); ++l) {
+    const JointLog& log = joint.logs[l];
+    const Record& record = logs[l].log.record;
+    EXPECT_EQ(log.rows, record.size());
+    EXPECT_LT(log.size(), record.size() / 3) << log.file;
+    EXPECT_NEAR(Sum(log.count), static_cast<double>(record.size()), 1e-6);
+    EXPECT_NEAR(ChargeOf(log), DeliveredCharge(record).back(), 1e-6);
+  }
+}
+
+TEST(JointLog, SeesTheNoiseOfTheInstrument) {
+  // 6C every ten seconds falls 4 mV a row.
+  const auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 10.0, 0.0002);
+  // The least of five estimates, of which those of slow rows see some curvature too.
+  EXPECT_NEAR(MakeJointLogs(logs, 1350.0, Flat(), {}).noise_V, 0.0002, 0.00003);
+}
+
+TEST(JointLog, ValidationTakesNoPart) {
+  auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 10.0);
+  logs[0].entry.kind = LogKind::kValidation;
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  ASSERT_EQ(joint.logs.size(), 4U);
+  EXPECT_EQ(joint.logs[0].file, "cc_3C.csv");
+}
+
+TEST(JointLog, PulsesAndPiecesAreLeftOutInTurnsAndEndsNever) {
+  const auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  EXPECT_EQ(joint.groups, 4 * 5);
+  for (const JointLog& log : joint.logs) {
+    const std::set<int> groups(log.group.begin(), log.group.end());
+    if (log.kind == LogKind::kLowRate) {
+      EXPECT_EQ(groups, std::set<int>{JointLog::kAlways});
+    } else if (log.kind == LogKind::kConstantCurrent) {
+      EXPECT_EQ(groups.size(), 6U);  // five, and the ends
+      EXPECT_EQ(log.group.front(), JointLog::kAlways);
+      EXPECT_EQ(log.group.back(), JointLog::kAlways);
+    } else {
+      EXPECT_EQ(groups.size(), 5U);
+      // A pulse and its rest stay together: the group changes where a pulse begins only.
+      for (std::size_t k = 2; k < log.size(); ++k) {
+        if (log.group[k] != log.group[k - 1]) {
+          EXPECT_EQ(log.current_A[k - 1], 0.0);
+          EXPECT_GT(log.current_A[k], 0.0);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
