@@ -27,9 +27,9 @@ bool SolveFree(const Eigen::MatrixXd& G,
   const auto n = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd G_FF(n, n);
   Eigen::VectorXd right(n);
-  for (Eigen::Index a = 0; a < n; ++a) {
-    for (Eigen::Index b = 0; b <= a; ++b) G_FF(a, b) = G(free[a], free[b]);
-    right[a] = g[free[a]];
+  for (Eigen::Index b = 0; b < n; ++b) {
+    for (Eigen::Index a = b; a < n; ++a) G_FF(a, b) = G(free[a], free[b]);
+    right[b] = g[free[b]];
   }
   for (Eigen::Index k = 0; k < g.size(); ++k) {
     if (!active[k] || lower[k] == 0.0) continue;

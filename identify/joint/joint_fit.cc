@@ -277,9 +277,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
                               const std::vector<char>& guess) const {
   ++evaluations_;
   const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s);
-  auto sums = SumNormalEquations(logs_, setup_, structure, soc, rates);
-  for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
-  return SolveSums(structure, rates, smoothness, sums.back(), guess);
+  return SolveSums(
+      structure, rates, smoothness, SumAll(logs_, setup_, structure, soc, rates), guess);
 }
 
 std::vector<double> JointFit::BetaGrid(const JointStructure& structure) const {
@@ -346,9 +345,8 @@ JointSolution JointFit::Search(const JointStructure& structure,
     for (JointRates rates : line) {
       ++evaluations_;
       rates.beta_per_sqrt_s = betas[b];
-      auto sums = SumNormalEquations(logs_, setup_, coarse, soc, rates);
-      for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
-      JointSolution solution = SolveSums(coarse, rates, smoothness, sums.back(), guess);
+      JointSolution solution =
+          SolveSums(coarse, rates, smoothness, SumAll(logs_, setup_, coarse, soc, rates), guess);
       guess = solution.at_zero;
       if (solution.cost < best[b].cost) best[b] = std::move(solution);
     }
@@ -401,7 +399,7 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
   if (!ladder.empty()) best.smoothness = ladder[ladder.size() / 2];
   if (logs_.groups < 2) return best;
   const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s);
-  auto sums = SumNormalEquations(logs_, setup_, structure, soc, rates);
+  const auto sums = SumGroups(logs_, setup_, structure, soc, rates);
   NormalEquations total = sums.back();
   double weight = 0.0;
   for (int g = 0; g < logs_.groups; ++g) {
@@ -409,25 +407,22 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
     weight += sums[g].weight;
   }
   const auto groups = static_cast<std::size_t>(logs_.groups);
+  std::vector<Eigen::VectorXd> whole;
+  std::vector<std::vector<char>> guess;  // what holds with all rows mostly holds without some
+  for (const double smoothness : ladder) {
+    JointSolution solution = SolveSums(
+        structure, rates, smoothness, total, guess.empty() ? std::vector<char>{} : guess.back());
+    whole.push_back(std::move(solution.x));
+    guess.push_back(std::move(solution.at_zero));
+  }
   // without[g][s]: the unknowns that the other groups give.
   std::vector<std::vector<Eigen::VectorXd>> without(groups);
   tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t g) {
     NormalEquations rest = total;
     rest.Add(sums[g], -1.0);
-    std::vector<char> guess;
-    for (const double smoothness : ladder) {
-      JointSolution solution = SolveSums(structure, rates, smoothness, rest, guess);
-      guess = solution.at_zero;
-      without[g].push_back(std::move(solution.x));
-    }
+    for (std::size_t s = 0; s < ladder.size(); ++s)
+      without[g].push_back(SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
   });
-  std::vector<Eigen::VectorXd> whole;
-  std::vector<char> whole_guess;
-  for (const double smoothness : ladder) {
-    JointSolution solution = SolveSums(structure, rates, smoothness, total, whole_guess);
-    whole_guess = solution.at_zero;
-    whole.push_back(std::move(solution.x));
-  }
   const auto fitted = SumErrors(logs_,
                                 setup_,
                                 structure,

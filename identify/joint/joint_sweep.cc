@@ -167,6 +167,17 @@ void VisitRows(const JointLogs& logs,
   }
 }
 
+void AddRow(NormalEquations& sum, double w, const Row& row) {
+  sum.weight += w;
+  sum.square += w * row.y * row.y;
+  for (int b = 0; b < row.entries; ++b) {
+    const double wb = w * row.value[b];
+    sum.right[row.index[b]] += wb * row.y;
+    double* column = sum.matrix.col(row.index[b]).data();
+    for (int a = b; a < row.entries; ++a) column[row.index[a]] += wb * row.value[a];
+  }
+}
+
 }  // namespace
 
 void NormalEquations::Add(const NormalEquations& other, double sign) {
@@ -228,27 +239,31 @@ SocTrace TraceSoc(const JointLogs& logs, const JointSetup& setup, double beta_pe
   return trace;
 }
 
-std::vector<NormalEquations> SumNormalEquations(const JointLogs& logs,
-                                                const JointSetup& setup,
-                                                const JointStructure& structure,
-                                                const SocTrace& soc,
-                                                const JointRates& rates) {
+std::vector<NormalEquations> SumGroups(const JointLogs& logs,
+                                       const JointSetup& setup,
+                                       const JointStructure& structure,
+                                       const SocTrace& soc,
+                                       const JointRates& rates) {
   const int n = JointLayout(structure).size();
   std::vector<NormalEquations> sums(static_cast<std::size_t>(logs.groups) + 1, NormalEquations(n));
   VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const Row& row) {
     const JointLog& log = logs.logs[l];
-    const double w = log.weight[k];
-    NormalEquations& sum = sums[log.group[k] == JointLog::kAlways ? logs.groups : log.group[k]];
-    sum.weight += w;
-    sum.square += w * row.y * row.y;
-    for (int b = 0; b < row.entries; ++b) {
-      const double wb = w * row.value[b];
-      sum.right[row.index[b]] += wb * row.y;
-      double* column = sum.matrix.col(row.index[b]).data();
-      for (int a = b; a < row.entries; ++a) column[row.index[a]] += wb * row.value[a];
-    }
+    const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
+    AddRow(sums[static_cast<std::size_t>(group)], log.weight[k], row);
   });
   return sums;
+}
+
+NormalEquations SumAll(const JointLogs& logs,
+                       const JointSetup& setup,
+                       const JointStructure& structure,
+                       const SocTrace& soc,
+                       const JointRates& rates) {
+  NormalEquations sum(JointLayout(structure).size());
+  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const Row& row) {
+    AddRow(sum, logs.logs[l].weight[k], row);
+  });
+  return sum;
 }
 
 std::vector<double> SumErrors(const JointLogs& logs,

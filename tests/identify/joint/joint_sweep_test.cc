@@ -96,7 +96,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(JointLayout(e.structure).size());
   const auto rows = LinearRows(joint, setup, e.structure, e.rates, zero);
-  auto sums = SumNormalEquations(
+  auto sums = SumGroups(
       joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
   for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
@@ -112,6 +112,11 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
     right += a.transpose() * w.asDiagonal() * rows[l].residual_V;
     square += rows[l].residual_V.dot(w.asDiagonal() * rows[l].residual_V);
   }
+  const NormalEquations all =
+      SumAll(joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
+  EXPECT_LT((all.matrix - sums.back().matrix).norm(), 1e-12 * matrix.norm());
+  EXPECT_LT((all.right - sums.back().right).norm(), 1e-12 * right.norm());
+  EXPECT_NEAR(all.weight, sums.back().weight, 1e-12);
   const Eigen::MatrixXd sum = sums.back().matrix.selfadjointView<Eigen::Lower>();
   EXPECT_LT((sum - matrix).norm(), 1e-12 * matrix.norm());
   EXPECT_LT((sums.back().right - right).norm(), 1e-12 * right.norm());
