@@ -1,0 +1,472 @@
+#include "identify/trust/trust.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <optional>
+
+#include "identify/trust/trust_sentence.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kConfidence = 0.95;
+// A vector has a part in a direction if that is more than this share of it.
+constexpr double kHasPart = 1e-4;
+// What a fit leaves of noise is given back up to this factor: beyond it the log is all but
+// interpolated, and its residuals say too little.
+constexpr double kMostGivenBack = 30.0;
+// Rounds of simulating with the correlation found so far.
+constexpr int kRounds = 2;
+// With fewer degrees of freedom Student's quantile is a statement about its own tails.
+constexpr double kLeastFreedom = 3.0;
+constexpr double kMostFreedom = 1e4;
+
+// A symmetric matrix of information, turned round: each coordinate in the unit in which its own
+// entry is 1, and directions without information left out.
+class Information {
+ public:
+  explicit Information(const Eigen::MatrixXd& matrix) {
+    const Eigen::Index n = matrix.rows();
+    const Eigen::VectorXd diagonal = matrix.diagonal();
+    unit_.resize(n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      unit_[k] = diagonal[k] > 0.0 ? 1.0 / std::sqrt(diagonal[k]) : 0.0;
+    if (n == 0) return;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit_.asDiagonal() * matrix *
+                                                               unit_.asDiagonal());
+    const Eigen::VectorXd& values = eigen.eigenvalues();
+    const double least = kNoInformation * std::max(values[n - 1], 0.0);
+    Eigen::Index empty = 0;
+    while (empty < n && !(values[empty] > least)) ++empty;
+    nothing_ = eigen.eigenvectors().leftCols(empty);
+    const Eigen::MatrixXd known = unit_.asDiagonal() * eigen.eigenvectors().rightCols(n - empty);
+    inverse_ = known * values.tail(n - empty).cwiseInverse().asDiagonal() * known.transpose();
+  }
+
+  /// A generalized inverse: right for every combination that is known.
+  [[nodiscard]] const Eigen::MatrixXd& inverse() const { return inverse_; }
+
+  /// Does the matrix hold information on this combination of the coordinates?
+  [[nodiscard]] bool Knows(const Eigen::VectorXd& combination) const {
+    for (Eigen::Index k = 0; k < unit_.size(); ++k) {
+      if (unit_[k] == 0.0 && combination[k] != 0.0) return false;
+    }
+    const Eigen::VectorXd scaled = combination.cwiseProduct(unit_);
+    return (nothing_.transpose() * scaled).norm() <= kHasPart * scaled.norm();
+  }
+
+ private:
+  Eigen::VectorXd unit_;
+  Eigen::MatrixXd nothing_;
+  Eigen::MatrixXd inverse_;
+};
+
+Eigen::Index Size(const std::vector<Eigen::Index>& list) {
+  return static_cast<Eigen::Index>(list.size());
+}
+
+// J'WJ, a strip of rows at a time.
+Eigen::MatrixXd Gram(const FittedRows& log) {
+  constexpr Eigen::Index kStrip = 1024;
+  const Eigen::Index p = log.sensitivity.cols();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
+  Eigen::MatrixXd strip;
+  for (Eigen::Index k = 0; k < log.sensitivity.rows(); k += kStrip) {
+    const Eigen::Index rows = std::min(kStrip, log.sensitivity.rows() - k);
+    strip =
+        log.weight.segment(k, rows).cwiseSqrt().asDiagonal() * log.sensitivity.middleRows(k, rows);
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(strip.transpose());
+  }
+  return gram.selfadjointView<Eigen::Lower>();
+}
+
+class Assessment {
+ public:
+  Assessment(std::span<const FittedRows> logs,
+             const Eigen::MatrixXd& penalty,
+             const std::vector<TrustedQuantity>& quantities,
+             const TrustOptions& options)
+      : logs_(logs), quantities_(quantities), options_(options) {
+    Check(penalty);
+    FindFree();
+    ReduceToQuantities(penalty);
+  }
+
+  TrustReport Run() {
+    FindCorrelation();
+    Judge();
+    FindCombinations();
+    report_.sentence = TrustSentence(report_);
+    return std::move(report_);
+  }
+
+ private:
+  void Check(const Eigen::MatrixXd& penalty) const {
+    Require(!logs_.empty(), "a log");
+    const Eigen::Index p = logs_[0].sensitivity.cols();
+    for (const FittedRows& log : logs_) {
+      const Eigen::Index rows = log.residual_V.size();
+      Require(static_cast<Eigen::Index>(log.time_s.size()) == rows && log.weight.size() == rows &&
+                  log.sensitivity.rows() == rows && log.sensitivity.cols() == p &&
+                  (log.averaged.size() == 0 || log.averaged.size() == rows),
+              "as many times, weights and sensitivities as residuals");
+      Require(log.residual_V.allFinite() && log.weight.allFinite() && log.sensitivity.allFinite(),
+              "finite residuals, weights and sensitivities");
+    }
+    Require(penalty.size() == 0 || (penalty.rows() == p && penalty.cols() == p),
+            "a penalty of p x p");
+    for (const TrustedQuantity& q : quantities_)
+      Require(q.combination.size() == p, "a combination of the p parameters");
+  }
+
+  // Parameters that no bound holds, and the quantities that depend on them.
+  void FindFree() {
+    const Eigen::Index p = logs_[0].sensitivity.cols();
+    std::vector<bool> held(static_cast<std::size_t>(p), false);
+    for (const Eigen::Index k : options_.held) held.at(static_cast<std::size_t>(k)) = true;
+    for (const TrustedQuantity& q : quantities_) {
+      for (Eigen::Index k = 0; q.at_bound && k < p; ++k) {
+        if (q.combination[k] != 0.0) held[static_cast<std::size_t>(k)] = true;
+      }
+    }
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (!held[static_cast<std::size_t>(k)]) free_.push_back(k);
+    }
+  }
+
+  // The information on the quantities, with the other parameters left to follow: a change of the
+  // quantities by dq moves the free parameters by D dq, and
+  //   A = D'HD,   covariance = A^{-1} (D'J'W Sigma W J D) A^{-1}
+  void ReduceToQuantities(const Eigen::MatrixXd& penalty) {
+    Eigen::MatrixXd all = penalty;
+    const Eigen::Index p = logs_[0].sensitivity.cols();
+    if (all.size() == 0) all.setZero(p, p);
+    for (const FittedRows& log : logs_) {
+      all += Gram(log);
+      weight_ += log.weight.sum();
+      rows_ +=
+          log.averaged.size() > 0 ? log.averaged.sum() : static_cast<double>(log.weight.size());
+    }
+    const Eigen::MatrixXd h = all(free_, free_);
+    fit_.emplace(h);
+    // In units in which each parameter carries as much as another.
+    Eigen::VectorXd unit(Size(free_));
+    for (Eigen::Index k = 0; k < Size(free_); ++k)
+      unit[k] = h(k, k) > 0.0 ? 1.0 / std::sqrt(h(k, k)) : 1.0;
+    // Quantities that do not follow from those before them.
+    Eigen::MatrixXd c(0, Size(free_));
+    Eigen::MatrixXd orthogonal(Size(free_), 0);
+    for (const TrustedQuantity& q : quantities_) {
+      Eigen::VectorXd row = q.combination(free_).cwiseProduct(unit);
+      Eigen::VectorXd rest = row;
+      for (int twice = 0; twice < 2; ++twice) rest -= orthogonal * (orthogonal.transpose() * rest);
+      if (q.at_bound || !(rest.norm() > 1e-9 * row.norm())) continue;
+      primary_.push_back(static_cast<Eigen::Index>(&q - quantities_.data()));
+      c.conservativeResize(c.rows() + 1, Eigen::NoChange);
+      c.bottomRows(1) = row.transpose();
+      orthogonal.conservativeResize(Eigen::NoChange, orthogonal.cols() + 1);
+      orthogonal.rightCols(1) = rest.normalized();
+    }
+    const Eigen::Index n = Size(primary_);
+    const Eigen::MatrixXd moves = c.transpose() * (c * c.transpose())
+                                                      .completeOrthogonalDecomposition()
+                                                      .solve(Eigen::MatrixXd::Identity(n, n));
+    Eigen::MatrixXd d = moves;
+    if (n < Size(free_)) {
+      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(orthogonal);
+      const Eigen::MatrixXd basis =
+          qr.householderQ() * Eigen::MatrixXd::Identity(Size(free_), Size(free_));
+      const Eigen::MatrixXd others = basis.rightCols(Size(free_) - n);
+      const Eigen::MatrixXd scaled = unit.asDiagonal() * h * unit.asDiagonal();
+      const Eigen::MatrixXd coupling = others.transpose() * scaled;
+      d -= others * (Information(coupling * others).inverse() * (coupling * moves));
+    }
+    d = unit.asDiagonal() * d;
+    information_ = d.transpose() * h * d;
+    information_ = 0.5 * (information_ + information_.transpose()).eval();
+    // What each quantity is in terms of the primary ones.
+    terms_.setZero(static_cast<Eigen::Index>(quantities_.size()), n);
+    for (std::size_t q = 0; q < quantities_.size(); ++q) {
+      if (quantities_[q].at_bound) continue;
+      terms_.row(static_cast<Eigen::Index>(q)) =
+          quantities_[q].combination(free_).cwiseProduct(unit).transpose() * moves;
+    }
+    for (Eigen::Index k = 0; k < n; ++k) {
+      terms_.row(primary_[static_cast<std::size_t>(k)]).setZero();
+      terms_(primary_[static_cast<std::size_t>(k)], k) = 1.0;
+    }
+    Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(p, n);
+    spread(free_, Eigen::all) = d;
+    for (const FittedRows& log : logs_)
+      scores_.emplace_back((log.sensitivity * spread).transpose() * log.weight.asDiagonal());
+  }
+
+  // What the fit leaves of noise: series x rows of every log, in place.
+  void Project(std::vector<Eigen::MatrixXd>& noise) const {
+    Eigen::MatrixXd score = Eigen::MatrixXd::Zero(noise[0].rows(), logs_[0].sensitivity.cols());
+    for (std::size_t l = 0; l < logs_.size(); ++l)
+      score += (noise[l] * logs_[l].weight.asDiagonal()) * logs_[l].sensitivity;
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(score.rows(), score.cols());
+    moved(Eigen::all, free_) = score(Eigen::all, free_) * fit_->inverse();
+    for (std::size_t l = 0; l < logs_.size(); ++l)
+      noise[l] -= moved * logs_[l].sensitivity.transpose();
+  }
+
+  void FindCorrelation() {
+    std::vector<Eigen::VectorXd> measured;
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      const FittedRows& log = logs_[l];
+      models_.emplace_back(log.time_s, log.averaged);
+      measured.emplace_back(models_[l].Variogram(log.residual_V.transpose()));
+      variances_.push_back(models_[l].Fit(measured[l]));
+      if (log.time_s.size() < 2) continue;
+      report_.span_s = std::max(report_.span_s, log.time_s.back() - log.time_s.front());
+      if (models_[l].time_constant_s().empty()) continue;
+      const double step_s = 0.5 * models_[l].time_constant_s()[0];
+      report_.sampling_s = report_.sampling_s > 0.0 ? std::min(report_.sampling_s, step_s) : step_s;
+    }
+    const auto series = static_cast<Eigen::Index>(options_.simulations);
+    std::vector<Eigen::MatrixXd> noise(logs_.size());
+    std::vector<Eigen::MatrixXd> before(logs_.size());
+    std::vector<Eigen::VectorXd> given_back(logs_.size());
+    simulated_.assign(logs_.size(), {});
+    for (int round = 0; series > 0 && round < kRounds; ++round) {
+      for (std::size_t l = 0; l < logs_.size(); ++l) {
+        noise[l] = models_[l].Simulate(
+            variances_[l], series, options_.seed, static_cast<std::uint32_t>(l));
+        before[l] = models_[l].Variogram(noise[l]);
+      }
+      Project(noise);
+      for (std::size_t l = 0; l < logs_.size(); ++l) {
+        const Eigen::MatrixXd after = models_[l].Variogram(noise[l]);
+        given_back[l].setOnes(after.rows());
+        for (Eigen::Index k = 0; k < after.rows(); ++k) {
+          if (before[l].row(k).sum() > 0.0)
+            given_back[l][k] = std::clamp(
+                before[l].row(k).sum() / after.row(k).sum(), 1.0 / kMostGivenBack, kMostGivenBack);
+        }
+        simulated_[l].resize(variances_[l].size(), series);
+        if (round + 1 == kRounds) {
+          for (Eigen::Index s = 0; s < series; ++s)
+            simulated_[l].col(s) = models_[l].Fit(after.col(s).cwiseProduct(given_back[l]));
+        }
+        variances_[l] = models_[l].Fit(measured[l].cwiseProduct(given_back[l]));
+      }
+    }
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      report_.residual_correlation.push_back(models_[l].Describe(variances_[l]));
+      for (Eigen::Index m = 0; m < models_[l].components(); ++m) {
+        const bool seen =
+            variances_[l][m] > 0.0 || (series > 0 && (simulated_[l].row(m).array() > 0.0).any());
+        sums_.push_back(seen ? models_[l].QuadraticSum(scores_[l], m) : Eigen::MatrixXd());
+      }
+    }
+  }
+
+  // D'J'W Sigma W J D with the variances that `of(log)` gives.
+  template <class Variances>
+  [[nodiscard]] Eigen::MatrixXd Scatter(Variances&& of) const {
+    const Eigen::Index n = Size(primary_);
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+    std::size_t at = 0;
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      const Eigen::VectorXd variances = of(l);
+      for (Eigen::Index m = 0; m < variances.size(); ++m, ++at) {
+        if (variances[m] > 0.0) sum += variances[m] * sums_[at];
+      }
+    }
+    return sum;
+  }
+
+  void Judge() {
+    const Eigen::MatrixXd scatter = Scatter([&](std::size_t l) { return variances_[l]; });
+    const Information known(information_);
+    const Eigen::MatrixXd& inverse = known.inverse();
+    const Eigen::MatrixXd covariance = inverse * scatter * inverse;
+    const Eigen::VectorXd freedom = DegreesOfFreedom(inverse);
+    const Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
+    report_.covariance = all;
+    double squares = 0.0;
+    for (const FittedRows& log : logs_) squares += log.residual_V.cwiseAbs2().dot(log.weight);
+    const double freedom_left = std::max(1.0, rows_ - static_cast<double>(free_.size()));
+    const double white = squares / freedom_left;  // of a row of weight 1
+
+    for (std::size_t k = 0; k < quantities_.size(); ++k) {
+      const TrustedQuantity& q = quantities_[k];
+      const auto index = static_cast<Eigen::Index>(k);
+      const Eigen::VectorXd term = terms_.row(index).transpose();
+      QuantityTrust trust;
+      trust.name = q.name;
+      trust.unit = q.unit;
+      trust.estimate = q.value;
+      trust.degrees_of_freedom = freedom[index];
+      const bool held = q.at_bound || term.isZero(0.0);
+      const bool known_at_all = !held && known.Knows(term);
+      const double variance = std::max(0.0, all(index, index));
+      trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
+      trust.relative_standard_error = trust.standard_error / Scale(q);
+      const double reach =
+          boost::math::quantile(boost::math::students_t(freedom[index]), 0.5 + 0.5 * kConfidence);
+      trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);
+      trust.high = std::clamp(q.value + reach * trust.standard_error, q.lower, q.upper);
+      const double spread = term.dot(inverse * term);
+      trust.white_standard_error = known_at_all ? std::sqrt(white * spread) : trust.standard_error;
+      trust.objective_rise_95 = known_at_all ? reach * reach * variance / spread : kNaN;
+      for (Eigen::Index n = 0; n < term.size(); ++n)
+        trust.silent = trust.silent || (term[n] != 0.0 && !(information_(n, n) > 0.0));
+      if (held) {
+        trust.verdict = Verdict::kAtBound;
+      } else if (reach * trust.relative_standard_error <= kIdentifiedHalfWidth) {
+        trust.verdict = Verdict::kIdentified;
+      } else if (!trust.silent) {
+        FindPartners(index, scatter, reach, trust);
+      }
+      if (!known_at_all) {
+        report_.covariance.row(index).setConstant(kNaN);
+        report_.covariance.col(index).setConstant(kNaN);
+        report_.covariance(index, index) = trust.standard_error;
+      }
+      report_.quantities.push_back(std::move(trust));
+    }
+  }
+
+  // Noise of the correlation found gives, by the same way, a variance of each quantity: its spread
+  // tells how many degrees of freedom the variance has.
+  [[nodiscard]] Eigen::VectorXd DegreesOfFreedom(const Eigen::MatrixXd& inverse) const {
+    Eigen::VectorXd freedom = Eigen::VectorXd::Constant(terms_.rows(), kMostFreedom);
+    const auto variances_of = [&](const Eigen::MatrixXd& scatter) -> Eigen::VectorXd {
+      const Eigen::MatrixXd side = terms_ * inverse;
+      return (side * scatter).cwiseProduct(side).rowwise().sum();
+    };
+    const Eigen::Index series = options_.simulations;
+    if (series < 2) return freedom;
+    Eigen::MatrixXd found(terms_.rows(), series);
+    for (Eigen::Index s = 0; s < series; ++s)
+      found.col(s) =
+          variances_of(Scatter([&](std::size_t l) { return simulated_[l].col(s).eval(); }));
+    for (Eigen::Index k = 0; k < terms_.rows(); ++k) {
+      const double mean = found.row(k).mean();
+      if (!(mean > 0.0)) continue;
+      const Eigen::ArrayXd log = found.row(k).transpose().array().max(1e-9 * mean).log();
+      const double spread = (log - log.mean()).square().sum() / static_cast<double>(series - 1);
+      // The logarithm of a variance of n degrees of freedom has the variance 2/n + 2/n² or so.
+      freedom[k] =
+          std::clamp((1.0 + std::sqrt(1.0 + 2.0 * spread)) / spread, kLeastFreedom, kMostFreedom);
+    }
+    return freedom;
+  }
+
+  // Would it be identified if others were known?
+  void FindPartners(Eigen::Index quantity,
+                    const Eigen::MatrixXd& scatter,
+                    double reach,
+                    QuantityTrust& trust) const {
+    const auto place = std::find(primary_.begin(), primary_.end(), quantity);
+    if (place == primary_.end()) return;
+    const TrustedQuantity& q = quantities_[static_cast<std::size_t>(quantity)];
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index k = 0; k < Size(primary_); ++k) free.push_back(k);
+    const auto self = place - primary_.begin();
+    const auto error_with = [&](const std::vector<Eigen::Index>& some) {
+      const Information known(information_(some, some));
+      const auto at = std::find(some.begin(), some.end(), self) - some.begin();
+      if (!known.Knows(Eigen::VectorXd::Unit(Size(some), at))) return kInfinity;
+      const Eigen::VectorXd side = known.inverse().col(at);
+      return std::sqrt(std::max(0.0, side.dot(scatter(some, some) * side)));
+    };
+    std::vector<std::string> with;
+    double error = kInfinity;
+    for (int partners = 0; partners < kMostPartners && free.size() > 1; ++partners) {
+      std::vector<Eigen::Index> best;
+      double least = kInfinity;
+      Eigen::Index known = -1;
+      for (const Eigen::Index other : free) {
+        if (other == self) continue;
+        std::vector<Eigen::Index> some = free;
+        std::erase(some, other);
+        const double here = error_with(some);
+        if (known < 0 || here < least) {
+          least = here;
+          best = some;
+          known = other;
+        }
+      }
+      free = best;
+      error = least;
+      with.push_back(
+          quantities_[static_cast<std::size_t>(primary_[static_cast<std::size_t>(known)])].name);
+      if (reach * error <= kIdentifiedHalfWidth * Scale(q)) break;
+    }
+    if (reach * error <= kIdentifiedHalfWidth * Scale(q) &&
+        kPartnersShrink * error <= trust.standard_error) {
+      trust.verdict = Verdict::kOnlyInCombination;
+      trust.with = std::move(with);
+    }
+  }
+
+  void FindCombinations() {
+    const Eigen::Index n = Size(primary_);
+    if (n == 0) return;
+    Eigen::VectorXd scale(n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      scale[k] =
+          Scale(quantities_[static_cast<std::size_t>(primary_[static_cast<std::size_t>(k)])]);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information_ *
+                                                               scale.asDiagonal());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      CarriedCombination combination;
+      combination.singular_value_V =
+          std::sqrt(std::max(0.0, eigen.eigenvalues()[k]) / std::max(weight_, 1e-300));
+      combination.weights.assign(quantities_.size(), 0.0);
+      // The largest weight is positive.
+      Eigen::VectorXd weights = eigen.eigenvectors().col(k);
+      Eigen::Index largest = 0;
+      weights.cwiseAbs().maxCoeff(&largest);
+      if (weights[largest] < 0.0) weights = -weights;
+      for (Eigen::Index j = 0; j < n; ++j)
+        combination.weights[static_cast<std::size_t>(primary_[static_cast<std::size_t>(j)])] =
+            weights[j];
+      report_.combinations.push_back(std::move(combination));
+    }
+  }
+
+  static double Scale(const TrustedQuantity& q) {
+    if (q.scale > 0.0) return q.scale;
+    return q.value != 0.0 ? std::abs(q.value) : 1.0;
+  }
+
+  std::span<const FittedRows> logs_;
+  const std::vector<TrustedQuantity>& quantities_;
+  const TrustOptions& options_;
+
+  std::vector<Eigen::Index> free_;       // parameters
+  std::vector<Eigen::Index> primary_;    // quantities that do not follow from others
+  std::optional<Information> fit_;       // H of the free parameters
+  Eigen::MatrixXd information_;          // A of the primary quantities
+  Eigen::MatrixXd terms_;                // every quantity in terms of the primary ones
+  std::vector<Eigen::MatrixXd> scores_;  // D'J'W of each log, a column per row
+  double weight_ = 0.0;
+  double rows_ = 0.0;  // of the logs themselves
+
+  std::vector<CorrelationModel> models_;
+  std::vector<Eigen::VectorXd> variances_;  // of the residuals' correlation
+  std::vector<Eigen::MatrixXd> simulated_;  // found again in each simulation
+  std::vector<Eigen::MatrixXd> sums_;       // of the scores, for each log and component in turn
+  TrustReport report_;
+};
+
+}  // namespace
+
+TrustReport AssessTrust(std::span<const FittedRows> logs,
+                        const Eigen::MatrixXd& penalty,
+                        const std::vector<TrustedQuantity>& quantities,
+                        const TrustOptions& options) {
+  return Assessment(logs, penalty, quantities, options).Run();
+}
+
+}  // namespace lipoid

@@ -1,0 +1,125 @@
+#pragma once
+
+/// @file
+/// How far to believe parameters that weighted least squares found.
+///
+/// The fit minimizes sum_k w_k r_k² + theta' P theta. To first order its error is that of the rows,
+///
+///   theta^ - theta = H^{-1} J'W e,   H = J'WJ + P
+///   covariance     = H^{-1} J'W Sigma W J H^{-1}
+///
+/// with Sigma the correlation of the residuals, estimated from them (residual_correlation.h): a
+/// formula for white noise counts a million rows of one slow error as a million measurements. The
+/// fit has followed some of the noise, which the residuals therefore lack: noise of known
+/// correlation is put through the same fit, and what that takes from its variogram is given back.
+/// The same simulations say how well the correlation itself is known: intervals are Student's, with
+/// so many degrees of freedom.
+///
+/// What is not in an interval: a model that is wrong (its bias), and what the fit took as exact.
+/// Parameters nobody asks about are profiled out, those at a bound are held.
+/// docs/verdicts.md. Tests: tests/identify/trust/trust_test.cc.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "identify/trust/residual_correlation.h"
+
+namespace lipoid {
+
+/// One log as the fit saw it.
+struct FittedRows {
+  std::vector<double> time_s = {};
+  Eigen::VectorXd residual_V = {};   ///< measured less predicted
+  Eigen::VectorXd weight = {};       ///< of each row's square in the objective
+  Eigen::MatrixXd sensitivity = {};  ///< d predicted voltage/d parameter, rows x p
+  Eigen::VectorXd averaged = {};     ///< log rows whose mean a row is; empty: 1
+};
+
+/// A parameter, or a linear combination of the p parameters.
+struct TrustedQuantity {
+  std::string name = {};
+  std::string unit = {};
+  double value = 0.0;
+  double lower = -std::numeric_limits<double>::infinity();  ///< intervals end here
+  double upper = std::numeric_limits<double>::infinity();
+  bool at_bound = false;             ///< the parameters of the combination are held
+  Eigen::VectorXd combination = {};  ///< length p; for one parameter a unit vector
+  double scale = 0.0;                ///< a change that is of note; 0: |value|
+};
+
+enum class Verdict { kIdentified, kWeak, kAtBound, kOnlyInCombination };
+constexpr std::array<std::pair<Verdict, std::string_view>, 4> OptionNames(Verdict) {
+  return {{{Verdict::kIdentified, "identified"},
+           {Verdict::kWeak, "weak"},
+           {Verdict::kAtBound, "at-bound"},
+           {Verdict::kOnlyInCombination, "only-in-combination-with"}}};
+}
+
+/// Identified: the 95 % interval lies within so much of the scale to either side. A tenth decides
+/// what a user does with a cell: its drop, its run time, its gains change by no more.
+inline constexpr double kIdentifiedHalfWidth = 0.1;
+/// Only in combination: knowing its partners would shrink the standard error at least so much,
+/// which is a (multiple) correlation of 0.95 and more. Partners are taken one by one, most helpful
+/// first, until it would be identified.
+inline constexpr double kPartnersShrink = 3.2;
+inline constexpr int kMostPartners = 3;
+/// Directions whose information is so much below the best, each parameter in its own unit, are not
+/// in the data at all: what is left of them is rounding.
+inline constexpr double kNoInformation = 1e-11;
+
+struct TrustOptions {
+  std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
+  int simulations = 12;            ///< of noise put through the fit
+  std::uint64_t seed = 1;
+};
+
+struct QuantityTrust {
+  std::string name = {};
+  std::string unit = {};
+  double estimate = 0.0;
+  double standard_error = 0.0;           ///< infinite: the data say nothing; NaN: at its bound
+  double relative_standard_error = 0.0;  ///< of the scale
+  double low = 0.0;                      ///< 95 % interval; infinite or NaN as the error
+  double high = 0.0;
+  Verdict verdict = Verdict::kWeak;
+  std::vector<std::string> with;  ///< partners of kOnlyInCombination
+  bool silent = false;            ///< no prediction of any log depends on it
+  double degrees_of_freedom = 0.0;
+  /// What the formula for independent residuals of the same size would have said.
+  double white_standard_error = 0.0;
+  /// The objective with this quantity moved to the end of its interval and the others refitted
+  /// lies so much above its least.
+  double objective_rise_95 = 0.0;
+};
+
+/// A combination of the quantities, each over its scale.
+struct CarriedCombination {
+  double singular_value_V = 0.0;  ///< rms change of the predictions if it moves by one
+  std::vector<double> weights;    ///< of each quantity; norm 1
+};
+
+struct TrustReport {
+  std::vector<QuantityTrust> quantities;
+  Eigen::MatrixXd covariance;  ///< of the quantities; not finite where their errors are not
+  /// Worst carried first. Those of quantities at a bound or that follow from others are left out.
+  std::vector<CarriedCombination> combinations;
+  std::vector<ResidualCorrelation> residual_correlation;  ///< of each log
+  double sampling_s = 0.0;                                ///< the shortest usual step of the logs
+  double span_s = 0.0;                                    ///< the longest log
+  std::string sentence;                                   ///< the one that a user needs
+};
+
+/// `penalty` is P, p x p, or empty. Weights, residuals and sensitivities are finite.
+[[nodiscard]] TrustReport AssessTrust(std::span<const FittedRows> logs,
+                                      const Eigen::MatrixXd& penalty,
+                                      const std::vector<TrustedQuantity>& quantities,
+                                      const TrustOptions& options = {});
+
+}  // namespace lipoid

@@ -1,0 +1,59 @@
+#include "identify/trust/trust_report.h"
+
+#include "model/core/options.h"
+
+namespace lipoid {
+
+Json TrustedParametersToJson(const TrustReport& report) {
+  Json parameters = Json::array();
+  for (const auto& q : report.quantities) {
+    parameters.push_back({{"name", q.name},
+                          {"unit", q.unit},
+                          {"estimate", NumberOrNull(q.estimate)},
+                          {"standard_error", NumberOrNull(q.standard_error)},
+                          {"relative_standard_error", NumberOrNull(q.relative_standard_error)},
+                          {"interval_95", {NumberOrNull(q.low), NumberOrNull(q.high)}},
+                          {"verdict", options_internal::ToText(q.verdict)},
+                          {"with", q.with},
+                          {"degrees_of_freedom", NumberOrNull(q.degrees_of_freedom)},
+                          {"white_standard_error", NumberOrNull(q.white_standard_error)}});
+  }
+  return parameters;
+}
+
+Json TrustToJson(const TrustReport& report) {
+  Json singular_values = Json::array();
+  Json combinations = Json::array();
+  for (const auto& combination : report.combinations) {
+    singular_values.push_back(NumberOrNull(combination.singular_value_V));
+    Json weights = Json::object();
+    for (std::size_t k = 0; k < combination.weights.size(); ++k) {
+      if (combination.weights[k] != 0.0)
+        weights[report.quantities[k].name] = NumberOrNull(combination.weights[k]);
+    }
+    combinations.push_back({{"singular_value_V", NumberOrNull(combination.singular_value_V)},
+                            {"weights", std::move(weights)}});
+  }
+  Json correlation = Json::array();
+  for (const auto& log : report.residual_correlation) {
+    correlation.push_back({{"white_V", NumberOrNull(log.white_V)},
+                           {"correlated_V", NumberOrNull(log.correlated_V)},
+                           {"correlation_s", NumberOrNull(log.correlation_s)}});
+  }
+  Json names = Json::array();
+  Json covariance = Json::array();
+  for (std::size_t k = 0; k < report.quantities.size(); ++k) {
+    names.push_back(report.quantities[k].name);
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < report.covariance.cols(); ++j)
+      row.push_back(NumberOrNull(report.covariance(static_cast<Eigen::Index>(k), j)));
+    covariance.push_back(std::move(row));
+  }
+  return {{"sentence", report.sentence},
+          {"singular_values", std::move(singular_values)},
+          {"combinations", std::move(combinations)},
+          {"residual_correlation", std::move(correlation)},
+          {"covariance", {{"names", std::move(names)}, {"rows", std::move(covariance)}}}};
+}
+
+}  // namespace lipoid

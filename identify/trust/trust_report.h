@@ -1,0 +1,18 @@
+#pragma once
+
+/// @file
+/// Trust as JSON, for --summary and cell files. Tests: tests/identify/trust/trust_report_test.cc.
+
+#include "identify/trust/trust.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+/// The array `parameters`: name, unit, estimate, standard_error, interval_95 [low, high], verdict,
+/// with, ... What is not a number is null.
+[[nodiscard]] Json TrustedParametersToJson(const TrustReport& report);
+
+/// The object `trust`: sentence, singular_values, combinations, residual_correlation, covariance.
+[[nodiscard]] Json TrustToJson(const TrustReport& report);
+
+}  // namespace lipoid

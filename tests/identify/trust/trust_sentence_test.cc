@@ -1,0 +1,88 @@
+#include "identify/trust/trust_sentence.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace lipoid {
+namespace {
+
+QuantityTrust Quantity(const std::string& name,
+                       double estimate,
+                       Verdict verdict,
+                       const std::vector<std::string>& with = {}) {
+  QuantityTrust q;
+  q.name = name;
+  q.estimate = estimate;
+  q.verdict = verdict;
+  q.with = with;
+  q.relative_standard_error = verdict == Verdict::kIdentified ? 0.01 : 0.5;
+  return q;
+}
+
+std::string SentenceOf(const std::vector<QuantityTrust>& quantities, double sampling_s = 1.0) {
+  TrustReport report;
+  report.quantities = quantities;
+  report.sampling_s = sampling_s;
+  return TrustSentence(report);
+}
+
+constexpr auto kGood = Verdict::kIdentified;
+constexpr auto kTogether = Verdict::kOnlyInCombination;
+
+TEST(TrustSentence, AsksForLongerRestsWhereABranchStandsForTheDiffusion) {
+  EXPECT_EQ(SentenceOf({Quantity("beta", 0.2, kTogether, {"r_1"}),
+                        Quantity("r_s", 0.1, kGood),
+                        Quantity("r_1", 0.05, kTogether, {"beta"}),
+                        Quantity("tau_1", 30.0, kGood)}),
+            "beta and r_1 cannot be told apart by these logs; longer rests would");
+}
+
+TEST(TrustSentence, AsksForFasterSamplingWhereABranchHidesInTheEdge) {
+  EXPECT_EQ(SentenceOf({Quantity("r_s", 0.1, kTogether, {"r_1"}),
+                        Quantity("r_1", 0.05, kTogether, {"r_s"}),
+                        Quantity("tau_1", 2.0, kGood)}),
+            "r_s and r_1 cannot be told apart by these logs; faster sampling at the edges of the "
+            "pulses would");
+  EXPECT_EQ(
+      SentenceOf({Quantity("r_s", 0.1, kTogether, {"r_1"}),
+                  Quantity("r_1", 0.05, kTogether, {"r_s"}),
+                  Quantity("tau_1", 0.2, Verdict::kWeak)}),
+      "branch 1 (tau_1 = 0.2 s) is faster than the sampling (1 s), so that r_1 cannot be told "
+      "from r_s; faster sampling at the edges of the pulses would tell them apart");
+}
+
+TEST(TrustSentence, SaysThatABranchWasNotFound) {
+  auto tau = Quantity("tau_1", 2.4e-4, Verdict::kWeak);
+  tau.silent = true;
+  tau.relative_standard_error = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(
+      SentenceOf({Quantity("beta", 0.2, kGood), Quantity("r_1", 0.0, Verdict::kAtBound), tau}),
+      "branch 1 was not found: r_1 went to zero, and its time constant means nothing; a model "
+      "with one branch less says the same");
+}
+
+TEST(TrustSentence, SaysAtMostTwoThings) {
+  const auto text = SentenceOf({Quantity("beta", 1.0, Verdict::kAtBound),
+                                Quantity("r_1", 0.0, Verdict::kAtBound),
+                                Quantity("tau_2", 30.0, Verdict::kWeak),
+                                Quantity("r_s", 0.1, Verdict::kWeak)});
+  EXPECT_NE(text.find("branch 1 was not found"), std::string::npos) << text;
+  EXPECT_NE(text.find("; also, beta stands at its bound"), std::string::npos) << text;
+  EXPECT_EQ(text.find("r_s"), std::string::npos) << text;
+}
+
+TEST(TrustSentence, SaysWhatIsWeakAndWhatWouldHelp) {
+  EXPECT_EQ(SentenceOf({Quantity("alpha", 1000.0, Verdict::kWeak)}),
+            "alpha is weak (standard error 50 %); discharges at currents further apart, or more of "
+            "them, would help");
+  EXPECT_EQ(
+      SentenceOf({Quantity("beta", 0.1, kGood)}),
+      "every parameter is identified; the least certain is beta, to 1 % (one standard error)");
+  EXPECT_EQ(SentenceOf({}), "every parameter was given");
+}
+
+}  // namespace
+}  // namespace lipoid
