@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "identify/trust/trust_report.h"
+
 namespace lipoid {
 namespace {
 
@@ -116,6 +118,8 @@ Json StagedToJson(const StagedResult& result) {
     constant_current.push_back(ConstantCurrentErrorsToJson(errors));
   const double ratio =
       result.low_rate_charge_C > 0.0 ? result.alpha_C / result.low_rate_charge_C : std::nan("");
+  Json trust = TrustToJson(result.trust);
+  trust["taken_as_exact"] = {"alpha", "open_circuit_voltage"};
   return {{"method", "staged"},
           {"converged", result.converged},
           {"alpha_C", result.alpha_C},
@@ -126,6 +130,8 @@ Json StagedToJson(const StagedResult& result) {
           {"low_rate_offset_V",
            result.open_circuit_voltage ? NumberOrNull(result.low_rate_offset_V) : Json(nullptr)},
           {"stages", stages},
+          {"parameters", TrustedParametersToJson(result.trust)},
+          {"trust", std::move(trust)},
           {"validation", validation},
           {"constant_current", constant_current},
           {"done_instead", result.done_instead},

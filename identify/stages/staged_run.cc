@@ -239,6 +239,10 @@ class StagedRun {
     start.hold_beta = false;
     result_.pulses = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
     result_.converged = result_.pulses.summary.termination == Termination::kConverged;
+    Tell("trust", 0.9);
+    const bool times_gave_alpha = result_.alpha_source == "discharge-times";
+    result_.trust = AssessStaged(
+        sweep, result_.pulses, times_gave_alpha ? result_.discharge_times : std::nullopt);
   }
 
   void MakeCell() {

@@ -17,6 +17,7 @@
 #include "identify/stages/discharge_times.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
 #include "identify/stages/pulse_fit.h"
+#include "identify/stages/staged_trust.h"
 #include "model/battery/cell.h"
 
 namespace lipoid {
@@ -44,6 +45,7 @@ struct StagedResult {
   std::optional<PulseFitResult> pulses_beta_held;    ///< (4.60); none where beta is given or absent
   PulseFitResult pulses;                             ///< (4.61)
   LogKind fitted_kind = LogKind::kPulses;            ///< of the logs that stage 3 used
+  TrustReport trust;                                 ///< how far to believe the parameters
   StartValues start;
   double alpha_C = 0.0;
   std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given", "nominal-capacity"

@@ -423,6 +423,190 @@ class ErrorVisitor {
   std::size_t outside_ = 0;
 };
 
+// Gathers means of rows for VoltageSweep::Means().
+class MeansVisitor {
+ public:
+  MeansVisitor(const SweepSetup& setup,
+               const CondensedLog& log,
+               const SweepParameters& p,
+               bool each_row)
+      : setup_(setup),
+        log_(log),
+        record_(log.record()),
+        p_(p),
+        growth_(each_row ? 0.0 : kGrowth),
+        branches_(static_cast<Eigen::Index>(p.time_constant_s.size())),
+        columns_(VoltageSweep::Columns(static_cast<int>(branches_))) {
+    double largest_A = 0.0;
+    for (const double current_A : record_.current_A)
+      largest_A = std::max(largest_A, std::abs(current_A));
+    tolerance_A_ = kSameCurrent * largest_A;
+  }
+
+  void Row(std::size_t k,
+           double sigma_C,
+           double sigma_slope,
+           const double* branch,
+           const double* branch_slope) {
+    const double time_s = record_.time_s[k];
+    Begin(time_s, time_s, record_.current_A[k]);
+    Point(record_.voltage_V[k],
+          record_.current_A[k],
+          1.0,
+          sigma_C,
+          sigma_slope,
+          branch,
+          branch_slope,
+          1);
+    time_sum_ += time_s - first_s_;
+  }
+
+  bool Block(const CondensedPiece& piece,
+             const BlockShape& shape,
+             const Eigen::VectorXd& sigma_C,
+             const Eigen::VectorXd& sigma_slope,
+             const Eigen::MatrixXd& value,
+             const Eigen::MatrixXd& slope) {
+    if (CrossesKnot(setup_.open_circuit_voltage, sigma_C, setup_.alpha_C)) return false;
+    const double before_s = piece.first > 0 ? record_.time_s[piece.first - 1] : record_.time_s[0];
+    Begin(before_s, before_s + piece.duration_s, piece.current_A);
+    // The quadrature of the block: sums over its rows are sums over its nodes.
+    const double* voltage_V = log_.node_voltage_V(piece);
+    const Eigen::Index nodes = shape.nodes();
+    for (Eigen::Index j = 0; j < nodes; ++j) {
+      Point(voltage_V[j],
+            piece.current_A,
+            shape.weight[j],
+            sigma_C[j],
+            sigma_slope[j],
+            value.data() + nodes + j,
+            slope.data() + nodes + j,
+            nodes);
+    }
+    time_sum_ +=
+        (before_s - first_s_) * static_cast<double>(piece.rows) + shape.weight.dot(shape.node_s);
+    return true;
+  }
+
+  // At most so many, if need be over steps of the current.
+  [[nodiscard]] FittedRows Result(double weight, std::size_t most) {
+    Close();
+    bool within_phases = true;
+    while (means_.size() > std::max<std::size_t>(most, 2)) {
+      const std::size_t before = means_.size();
+      Join(within_phases);
+      within_phases = within_phases && means_.size() < before;
+    }
+    FittedRows rows;
+    const auto n = static_cast<Eigen::Index>(means_.size());
+    rows.residual_V.resize(n);
+    rows.averaged.resize(n);
+    rows.sensitivity.resize(n, columns_);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Mean& mean = means_[static_cast<std::size_t>(k)];
+      rows.time_s.push_back(mean.time_s);
+      rows.averaged[k] = mean.rows;
+      rows.residual_V[k] = mean.sum[columns_] / mean.rows;
+      rows.sensitivity.row(k) = mean.sum.head(columns_).transpose() / mean.rows;
+    }
+    rows.weight = weight * rows.averaged;
+    return rows;
+  }
+
+ private:
+  // A mean is so much shorter than the time since the current changed: what a mode does in it is
+  // a line, to a part in a thousand of its amplitude.
+  static constexpr double kGrowth = 0.05;
+  // Currents that differ by less, of the largest, are the same phase.
+  static constexpr double kSameCurrent = 0.01;
+
+  struct Mean {
+    double time_s = 0.0;
+    double rows = 0.0;
+    std::size_t phase = 0;
+    Eigen::VectorXd sum;  // of sensitivities and residual
+  };
+
+  // The next point spans these times.
+  void Begin(double from_s, double to_s, double current_A) {
+    const bool changed = phase_ == 0 || std::abs(current_A - phase_A_) > tolerance_A_;
+    if (changed || to_s - first_s_ > growth_ * (to_s - phase_start_s_)) Close();
+    if (changed) {
+      ++phase_;
+      phase_A_ = current_A;
+      phase_start_s_ = from_s;
+    }
+    if (open_.rows == 0.0) first_s_ = from_s;
+  }
+
+  void Point(double measured_V,
+             double current_A,
+             double rows,
+             double sigma_C,
+             double sigma_slope,
+             const double* branch,
+             const double* branch_slope,
+             Eigen::Index step) {
+    const double soc = (setup_.alpha_C - sigma_C) / setup_.alpha_C;       // (4.48)
+    const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
+    double voltage = open_circuit.value_V - p_.series_resistance_Ohm * current_A;
+    if (open_.rows == 0.0) open_.sum.setZero(columns_ + 1);
+    Eigen::VectorXd& sum = open_.sum;
+    sum[0] -= rows * open_circuit.slope_V * sigma_slope / setup_.alpha_C;
+    sum[1] -= rows * current_A;
+    for (Eigen::Index j = 0; j < branches_; ++j) {
+      const double resistance = p_.resistance_Ohm[static_cast<std::size_t>(j)];
+      voltage -= resistance * branch[j * step];  // (4.51)
+      sum[2 + j] -= rows * branch[j * step];
+      sum[2 + branches_ + j] -= rows * resistance * branch_slope[j * step];
+    }
+    sum[columns_] += rows * (measured_V - voltage);  // (4.61)
+    open_.rows += rows;
+  }
+
+  void Close() {
+    if (open_.rows == 0.0) return;
+    open_.time_s = first_s_ + time_sum_ / open_.rows;
+    open_.phase = phase_;
+    means_.push_back(std::move(open_));
+    open_ = {};
+    time_sum_ = 0.0;
+  }
+
+  // Joins neighbours two by two, those of one phase only or all.
+  void Join(bool within_phases) {
+    std::vector<Mean> joined;
+    for (std::size_t k = 0; k < means_.size(); ++k) {
+      Mean& mean = means_[k];
+      if (k + 1 < means_.size() && (!within_phases || means_[k + 1].phase == mean.phase)) {
+        const Mean& next = means_[++k];
+        mean.time_s = (mean.rows * mean.time_s + next.rows * next.time_s) / (mean.rows + next.rows);
+        mean.rows += next.rows;
+        mean.sum += next.sum;
+        mean.phase = next.phase;
+      }
+      joined.push_back(std::move(mean));
+    }
+    means_ = std::move(joined);
+  }
+
+  const SweepSetup& setup_;
+  const CondensedLog& log_;
+  const Record& record_;
+  const SweepParameters& p_;
+  double growth_;
+  Eigen::Index branches_;
+  Eigen::Index columns_;
+  double tolerance_A_ = 0.0;
+  std::size_t phase_ = 0;
+  double phase_A_ = 0.0;
+  double phase_start_s_ = 0.0;
+  double first_s_ = 0.0;
+  double time_sum_ = 0.0;  // since first_s_
+  Mean open_;
+  std::vector<Mean> means_;
+};
+
 }  // namespace
 
 VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs, const Condensation& how)
@@ -497,6 +681,22 @@ SweepErrors VoltageSweep::Errors(const SweepParameters& parameters) const {
   }
   result.metrics = errors.Result();
   return result;
+}
+
+std::vector<FittedRows> VoltageSweep::Means(const SweepParameters& parameters,
+                                            std::size_t most) const {
+  Require(!how_.coarse, "a sweep that is not coarse");
+  std::vector<FittedRows> means(logs_.size());
+  const std::size_t all = rows();
+  tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
+    const CondensedLog& log = (*condensed_)[k];
+    MeansVisitor visitor(setup_, log, parameters, all <= most);
+    LogSweep(setup_, log, logs_[k].initial_soc, parameters).Run(true, visitor);
+    const double share = static_cast<double>(log.record().size()) / static_cast<double>(all);
+    means[k] = visitor.Result(logs_[k].weight,
+                              static_cast<std::size_t>(share * static_cast<double>(most)));
+  });
+  return means;
 }
 
 }  // namespace lipoid

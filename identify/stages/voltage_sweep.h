@@ -23,6 +23,7 @@
 
 #include "identify/logs/record.h"
 #include "identify/stages/condensed_log.h"
+#include "identify/trust/trust.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/error_metrics.h"
 
@@ -77,6 +78,13 @@ class VoltageSweep {
 
   /// Not of a coarse sweep.
   [[nodiscard]] SweepErrors Errors(const SweepParameters& parameters) const;
+
+  /// Residuals and sensitivities of every log with the columns of the Jacobian, as means of rows
+  /// over which little changes: short after a step of the current, longer the longer ago it was.
+  /// All logs together have about `most` such rows, more only where the current itself changes as
+  /// often: then means reach over its steps, and say less than the rows did. Not of a coarse sweep.
+  [[nodiscard]] std::vector<FittedRows> Means(const SweepParameters& parameters,
+                                              std::size_t most) const;
 
   [[nodiscard]] const SweepSetup& setup() const { return setup_; }
   [[nodiscard]] const std::vector<SweepLog>& logs() const { return logs_; }

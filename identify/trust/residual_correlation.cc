@@ -21,6 +21,9 @@ constexpr std::size_t kLeastPairs = 8;
 // The mean square, in independent pairs: it holds the slow parts down, which the longest lags alone
 // would leave to chance. Found by the coverage of intervals under noise of 30 and 300 s.
 constexpr double kMeanSquareWorth = 20.0;
+// An offset is believed where all else leaves so much of the mean square unexplained: little of it
+// is chance.
+constexpr double kOffsetFrom = 1.5;
 // The weights of the fit follow the fitted variogram: a few rounds settle it.
 constexpr int kRounds = 5;
 
@@ -161,17 +164,30 @@ Eigen::MatrixXd CorrelationModel::Variogram(const Eigen::MatrixXd& series) const
   return variogram;
 }
 
-Eigen::VectorXd CorrelationModel::Fit(const Eigen::VectorXd& variogram) const {
-  Require(variogram.size() == design_.rows(), "a variogram of this log");
+Eigen::VectorXd CorrelationModel::Fit(const Eigen::VectorXd& variogram,
+                                      const Eigen::MatrixXd& design) const {
+  Require(variogram.size() == design_.rows() && design.rows() == design_.rows() &&
+              design.cols() == design_.cols(),
+          "a variogram and a design of this log");
   Eigen::VectorXd found = Eigen::VectorXd::Zero(components());
   const double largest = variogram.maxCoeff();
   if (!(largest > 0.0)) return found;
-  Eigen::VectorXd near = variogram;
-  for (int round = 0; round < kRounds; ++round) {
-    near = near.cwiseMax(1e-9 * largest);
-    const Eigen::VectorXd weight = worth_.cwiseSqrt().cwiseQuotient(near);
-    found = NonNegative(weight.asDiagonal() * design_, weight.cwiseProduct(variogram));
-    near = design_ * found;
+  const Eigen::Index last = variogram.size() - 1;
+  Eigen::MatrixXd columns = design;
+  columns.rightCols(TimeConstants() > 0 ? 1 : 0).setZero();
+  const auto fit = [&] {
+    Eigen::VectorXd near = variogram;
+    for (int round = 0; round < kRounds; ++round) {
+      near = near.cwiseMax(1e-9 * largest);
+      const Eigen::VectorXd weight = worth_.cwiseSqrt().cwiseQuotient(near);
+      found = NonNegative(weight.asDiagonal() * columns, weight.cwiseProduct(variogram));
+      near = columns * found;
+    }
+    return near[last];
+  };
+  if (variogram[last] > kOffsetFrom * fit() && TimeConstants() > 0) {
+    columns.rightCols(1) = design.rightCols(1);
+    fit();
   }
   return found;
 }

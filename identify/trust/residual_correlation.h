@@ -12,8 +12,9 @@
 ///   gamma(h) = mean of (r(t + h) - r(t))²/2,  h = the lags,   and the mean of r² as the last one
 ///
 /// with relative weights: short lags tell fast noise from slow noise even where the slow one is
-/// much larger, which the autocovariance cannot. A residual that has lost what a fit has eaten is
-/// mended before (trust.cc). Tests: tests/identify/trust/residual_correlation_test.cc.
+/// much larger, which the autocovariance cannot. A residual lacks what the fit has followed of the
+/// noise: what is left of each component is the design to fit with (trust.cc). Tests:
+/// tests/identify/trust/residual_correlation_test.cc.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -40,8 +41,11 @@ class CorrelationModel {
 
   /// The variogram of each series: series x rows in, lags x series out.
   [[nodiscard]] Eigen::MatrixXd Variogram(const Eigen::MatrixXd& series) const;
-  /// The variances, one per component, whose variogram is nearest.
-  [[nodiscard]] Eigen::VectorXd Fit(const Eigen::VectorXd& variogram) const;
+  /// What each component of unit variance should give there: lags x components.
+  [[nodiscard]] const Eigen::MatrixXd& design() const { return design_; }
+  /// The variances, one per component, whose variogram by this design is nearest.
+  [[nodiscard]] Eigen::VectorXd Fit(const Eigen::VectorXd& variogram,
+                                    const Eigen::MatrixXd& design) const;
 
   /// Noise of these variances, series x rows. The same seed and stream give the same noise, and
   /// each component its own, scaled by its standard deviation.

@@ -17,11 +17,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kConfidence = 0.95;
 // A vector has a part in a direction if that is more than this share of it.
 constexpr double kHasPart = 1e-4;
-// What a fit leaves of noise is given back up to this factor: beyond it the log is all but
-// interpolated, and its residuals say too little.
-constexpr double kMostGivenBack = 30.0;
-// Rounds of simulating with the correlation found so far.
-constexpr int kRounds = 2;
+// Series that tell what the fit leaves of a component of the noise.
+constexpr Eigen::Index kSeriesPerComponent = 4;
+// A component of which less is left cannot be seen in the residuals at all.
+constexpr double kSwallowed = 0.05;
 // With fewer degrees of freedom Student's quantile is a statement about its own tails.
 constexpr double kLeastFreedom = 3.0;
 constexpr double kMostFreedom = 1e4;
@@ -65,6 +64,17 @@ class Information {
   Eigen::MatrixXd nothing_;
   Eigen::MatrixXd inverse_;
 };
+
+// A 95 % interval reaches so many standard errors to either side.
+double Reach(double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::students_t(degrees_of_freedom),
+                               0.5 + 0.5 * kConfidence);
+}
+
+// Of the noise of a log: each purpose its own.
+std::uint32_t Stream(std::size_t log, std::uint32_t purpose) {
+  return 2U * static_cast<std::uint32_t>(log) + purpose;
+}
 
 Eigen::Index Size(const std::vector<Eigen::Index>& list) {
   return static_cast<Eigen::Index>(list.size());
@@ -160,6 +170,7 @@ class Assessment {
       unit[k] = h(k, k) > 0.0 ? 1.0 / std::sqrt(h(k, k)) : 1.0;
     // Quantities that do not follow from those before them.
     Eigen::MatrixXd c(0, Size(free_));
+    Eigen::VectorXd size;
     Eigen::MatrixXd orthogonal(Size(free_), 0);
     for (const TrustedQuantity& q : quantities_) {
       Eigen::VectorXd row = q.combination(free_).cwiseProduct(unit);
@@ -168,14 +179,15 @@ class Assessment {
       if (q.at_bound || !(rest.norm() > 1e-9 * row.norm())) continue;
       primary_.push_back(static_cast<Eigen::Index>(&q - quantities_.data()));
       c.conservativeResize(c.rows() + 1, Eigen::NoChange);
-      c.bottomRows(1) = row.transpose();
+      c.bottomRows(1) = row.normalized().transpose();
+      size.conservativeResize(c.rows());
+      size[c.rows() - 1] = row.norm();
       orthogonal.conservativeResize(Eigen::NoChange, orthogonal.cols() + 1);
       orthogonal.rightCols(1) = rest.normalized();
     }
     const Eigen::Index n = Size(primary_);
-    const Eigen::MatrixXd moves = c.transpose() * (c * c.transpose())
-                                                      .completeOrthogonalDecomposition()
-                                                      .solve(Eigen::MatrixXd::Identity(n, n));
+    const Eigen::MatrixXd per_size = size.cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd moves = c.transpose() * (c * c.transpose()).ldlt().solve(per_size);
     Eigen::MatrixXd d = moves;
     if (n < Size(free_)) {
       const Eigen::HouseholderQR<Eigen::MatrixXd> qr(orthogonal);
@@ -206,57 +218,72 @@ class Assessment {
       scores_.emplace_back((log.sensitivity * spread).transpose() * log.weight.asDiagonal());
   }
 
-  // What the fit leaves of noise: series x rows of every log, in place.
+  // What the fit leaves of noise: series x rows of every log, in place. Logs without rows are
+  // quiet.
   void Project(std::vector<Eigen::MatrixXd>& noise) const {
-    Eigen::MatrixXd score = Eigen::MatrixXd::Zero(noise[0].rows(), logs_[0].sensitivity.cols());
-    for (std::size_t l = 0; l < logs_.size(); ++l)
-      score += (noise[l] * logs_[l].weight.asDiagonal()) * logs_[l].sensitivity;
+    Eigen::MatrixXd score;
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      if (noise[l].size() == 0) continue;
+      if (score.size() == 0) score.setZero(noise[l].rows(), logs_[l].sensitivity.cols());
+      score.noalias() += (noise[l] * logs_[l].weight.asDiagonal()) * logs_[l].sensitivity;
+    }
+    if (score.size() == 0) return;
     Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(score.rows(), score.cols());
     moved(Eigen::all, free_) = score(Eigen::all, free_) * fit_->inverse();
-    for (std::size_t l = 0; l < logs_.size(); ++l)
-      noise[l] -= moved * logs_[l].sensitivity.transpose();
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      if (noise[l].size() > 0) noise[l].noalias() -= moved * logs_[l].sensitivity.transpose();
+    }
+  }
+
+  // The variogram that noise of each component has left when the fit has followed it.
+  Eigen::MatrixXd DesignOfResiduals(std::size_t l) const {
+    const CorrelationModel& model = models_[l];
+    Eigen::MatrixXd design = model.design();
+    for (Eigen::Index m = 0; m < model.components(); ++m) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), m);
+      std::vector<Eigen::MatrixXd> noise(logs_.size());
+      noise[l] = model.Simulate(unit, kSeriesPerComponent, options_.seed, Stream(l, 1));
+      const Eigen::VectorXd before = model.Variogram(noise[l]).rowwise().sum();
+      Project(noise);
+      const Eigen::VectorXd after = model.Variogram(noise[l]).rowwise().sum();
+      const Eigen::Index last = design.rows() - 1;
+      if (!(before[last] > 0.0)) continue;
+      // The part that is left, so that the chance of the noise drops out.
+      for (Eigen::Index k = 0; k <= last; ++k) {
+        design(k, m) = before[k] > 0.0 ? design(k, m) * after[k] / before[k]
+                                       : design(last, m) * after[k] / before[last];
+      }
+      if (!(design.col(m).maxCoeff() > kSwallowed * model.design().col(m).maxCoeff()))
+        design.col(m).setZero();
+    }
+    return design;
   }
 
   void FindCorrelation() {
-    std::vector<Eigen::VectorXd> measured;
+    std::vector<Eigen::MatrixXd> designs;
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       const FittedRows& log = logs_[l];
       models_.emplace_back(log.time_s, log.averaged);
-      measured.emplace_back(models_[l].Variogram(log.residual_V.transpose()));
-      variances_.push_back(models_[l].Fit(measured[l]));
+      designs.push_back(DesignOfResiduals(l));
+      variances_.push_back(
+          models_[l].Fit(models_[l].Variogram(log.residual_V.transpose()), designs[l]));
       if (log.time_s.size() < 2) continue;
       report_.span_s = std::max(report_.span_s, log.time_s.back() - log.time_s.front());
-      if (models_[l].time_constant_s().empty()) continue;
       const double step_s = 0.5 * models_[l].time_constant_s()[0];
       report_.sampling_s = report_.sampling_s > 0.0 ? std::min(report_.sampling_s, step_s) : step_s;
     }
-    const auto series = static_cast<Eigen::Index>(options_.simulations);
-    std::vector<Eigen::MatrixXd> noise(logs_.size());
-    std::vector<Eigen::MatrixXd> before(logs_.size());
-    std::vector<Eigen::VectorXd> given_back(logs_.size());
-    simulated_.assign(logs_.size(), {});
-    for (int round = 0; series > 0 && round < kRounds; ++round) {
-      for (std::size_t l = 0; l < logs_.size(); ++l) {
-        noise[l] = models_[l].Simulate(
-            variances_[l], series, options_.seed, static_cast<std::uint32_t>(l));
-        before[l] = models_[l].Variogram(noise[l]);
-      }
-      Project(noise);
-      for (std::size_t l = 0; l < logs_.size(); ++l) {
-        const Eigen::MatrixXd after = models_[l].Variogram(noise[l]);
-        given_back[l].setOnes(after.rows());
-        for (Eigen::Index k = 0; k < after.rows(); ++k) {
-          if (before[l].row(k).sum() > 0.0)
-            given_back[l][k] = std::clamp(
-                before[l].row(k).sum() / after.row(k).sum(), 1.0 / kMostGivenBack, kMostGivenBack);
-        }
-        simulated_[l].resize(variances_[l].size(), series);
-        if (round + 1 == kRounds) {
-          for (Eigen::Index s = 0; s < series; ++s)
-            simulated_[l].col(s) = models_[l].Fit(after.col(s).cwiseProduct(given_back[l]));
-        }
-        variances_[l] = models_[l].Fit(measured[l].cwiseProduct(given_back[l]));
-      }
+    // The same of noise that has the correlation found.
+    const Eigen::Index series = options_.simulations;
+    std::vector<Eigen::MatrixXd> noise;
+    for (std::size_t l = 0; l < logs_.size(); ++l)
+      noise.push_back(models_[l].Simulate(variances_[l], series, options_.seed, Stream(l, 0)));
+    Project(noise);
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      const Eigen::MatrixXd variograms = models_[l].Variogram(noise[l]);
+      Eigen::MatrixXd found(variances_[l].size(), series);
+      for (Eigen::Index s = 0; s < series; ++s)
+        found.col(s) = models_[l].Fit(variograms.col(s), designs[l]);
+      simulated_.push_back(std::move(found));
     }
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       report_.residual_correlation.push_back(models_[l].Describe(variances_[l]));
@@ -310,8 +337,7 @@ class Assessment {
       const double variance = std::max(0.0, all(index, index));
       trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
       trust.relative_standard_error = trust.standard_error / Scale(q);
-      const double reach =
-          boost::math::quantile(boost::math::students_t(freedom[index]), 0.5 + 0.5 * kConfidence);
+      const double reach = Reach(freedom[index]);
       trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);
       trust.high = std::clamp(q.value + reach * trust.standard_error, q.lower, q.upper);
       const double spread = term.dot(inverse * term);
@@ -467,6 +493,29 @@ TrustReport AssessTrust(std::span<const FittedRows> logs,
                         const std::vector<TrustedQuantity>& quantities,
                         const TrustOptions& options) {
   return Assessment(logs, penalty, quantities, options).Run();
+}
+
+QuantityTrust TrustOfEstimate(std::string name,
+                              std::string unit,
+                              double estimate,
+                              double standard_error,
+                              double degrees_of_freedom) {
+  QuantityTrust trust;
+  trust.name = std::move(name);
+  trust.unit = std::move(unit);
+  trust.estimate = estimate;
+  const bool known = degrees_of_freedom > 0.0 && std::isfinite(standard_error);
+  trust.degrees_of_freedom = std::max(0.0, degrees_of_freedom);
+  trust.standard_error = trust.white_standard_error = known ? standard_error : kInfinity;
+  trust.relative_standard_error = trust.standard_error / std::abs(estimate);
+  const double reach = known ? Reach(degrees_of_freedom) : 1.0;
+  trust.low = std::max(0.0, estimate - reach * trust.standard_error);
+  trust.high = estimate + reach * trust.standard_error;
+  trust.objective_rise_95 = kNaN;
+  trust.verdict = reach * trust.relative_standard_error <= kIdentifiedHalfWidth
+                      ? Verdict::kIdentified
+                      : Verdict::kWeak;
+  return trust;
 }
 
 }  // namespace lipoid

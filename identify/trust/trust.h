@@ -10,10 +10,10 @@
 ///
 /// with Sigma the correlation of the residuals, estimated from them (residual_correlation.h): a
 /// formula for white noise counts a million rows of one slow error as a million measurements. The
-/// fit has followed some of the noise, which the residuals therefore lack: noise of known
-/// correlation is put through the same fit, and what that takes from its variogram is given back.
-/// The same simulations say how well the correlation itself is known: intervals are Student's, with
-/// so many degrees of freedom.
+/// fit has followed some of the noise, which the residuals therefore lack: noise of every
+/// correlation time is put through the same fit, to see what is left of it. Simulations also say
+/// how well the correlation itself is known: intervals are Student's, with so many degrees of
+/// freedom.
 ///
 /// What is not in an interval: a model that is wrong (its bias), and what the fit took as exact.
 /// Parameters nobody asks about are profiled out, those at a bound are held.
@@ -76,7 +76,7 @@ inline constexpr double kNoInformation = 1e-11;
 
 struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
-  int simulations = 12;            ///< of noise put through the fit
+  int simulations = 12;  ///< of noise like the residuals', for the degrees of freedom; > 1
   std::uint64_t seed = 1;
 };
 
@@ -121,5 +121,13 @@ struct TrustReport {
                                       const Eigen::MatrixXd& penalty,
                                       const std::vector<TrustedQuantity>& quantities,
                                       const TrustOptions& options = {});
+
+/// The same of a positive quantity whose standard error comes from elsewhere: a few discharge
+/// times, say. Without degrees of freedom left, or where the error is no number, it is not known.
+[[nodiscard]] QuantityTrust TrustOfEstimate(std::string name,
+                                            std::string unit,
+                                            double estimate,
+                                            double standard_error,
+                                            double degrees_of_freedom);
 
 }  // namespace lipoid

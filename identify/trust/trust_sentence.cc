@@ -84,20 +84,23 @@ class Advisor {
       const auto* inertia = Find("tau_" + branch);
       if (inertia == nullptr) inertia = Find("c_" + branch);
       const bool at_zero = q.verdict == Verdict::kAtBound && !(q.estimate > 0.0);
-      if (!at_zero && !(inertia != nullptr && inertia->silent)) continue;
+      // Noise leaves a branch that is not there a little resistance.
+      const bool maybe_zero = q.verdict == Verdict::kWeak && !(q.low > 0.0);
+      if (!at_zero && !maybe_zero && !(inertia != nullptr && inertia->silent)) continue;
       gone.push_back(branch);
       Done(branch);
     }
     if (gone.empty()) return std::nullopt;
-    return gone.size() == 1
-               ? fmt::format(
-                     "branch {0} was not found: r_{0} went to zero, and its time constant "
-                     "means nothing; a model with one branch less says the same",
-                     gone[0])
-               : fmt::format(
-                     "branches {} were not found: their resistances went to zero, and their "
-                     "time constants mean nothing; a model without them says the same",
-                     Join(gone));
+    return gone.size() == 1 ? fmt::format(
+                                  "branch {0} was not found: r_{0} cannot be told from zero, and "
+                                  "its time constant "
+                                  "means nothing; a model with one branch less says the same",
+                                  gone[0])
+                            : fmt::format(
+                                  "branches {} were not found: their resistances cannot be told "
+                                  "from zero, and their "
+                                  "time constants mean nothing; a model without them says the same",
+                                  Join(gone));
   }
 
   std::optional<std::string> BranchTooFast() {

@@ -5,7 +5,9 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -276,6 +278,52 @@ TEST(VoltageSweep, RefusesWhatHasNoMeaning) {
   p.resistance_Ohm.pop_back();
   EXPECT_THROW(static_cast<void>(VoltageSweep(MakeSetup(), {LogOf(record)}).Factor(p, true)),
                PreconditionError);
+}
+
+// Means of rows that nothing happened between; all together they are the sums of the rows' own.
+TEST(VoltageSweep, MeansAddUpToTheRows) {
+  const SweepParameters p{.beta_per_sqrt_s = 0.15,
+                          .series_resistance_Ohm = 0.05,
+                          .resistance_Ohm = {0.03},
+                          .time_constant_s = {40.0}};
+  const SweepSetup setup{.alpha_C = 2000.0, .open_circuit_voltage = Curve()};
+  // Steps of exactly constant current at 1 s, which condense, and a random log, which does not.
+  Record steps;
+  for (int k = 0; k <= 3000; ++k) {
+    steps.time_s.push_back(k);
+    steps.current_A.push_back(k > 0 && (k - 1) % 1000 < 300 ? 1.5 : 0.0);
+    steps.voltage_V.push_back(3.8 + 0.1 * std::sin(0.01 * k) + 0.01 * std::cos(37.0 * k));
+  }
+  const Record noisy = RandomRecord(3, Hold::kBackward, 1500);
+  for (const Record* record : std::initializer_list<const Record*>{&steps, &noisy}) {
+    const VoltageSweep sweep(setup, {LogOf(*record, 1.0, 0.25)});
+    const Eigen::MatrixXd dense = DenseRows(sweep.setup(), LogOf(*record), p);  // [dr/dp r]
+    for (const std::size_t most : {std::size_t{100000}, std::size_t{400}, std::size_t{20}}) {
+      SCOPED_TRACE(most);
+      const FittedRows rows = sweep.Means(p, most)[0];
+      EXPECT_LE(rows.time_s.size(), std::max(most, record->size()));
+      if (most < 100) {
+        EXPECT_LE(rows.time_s.size(), most);
+      }
+      EXPECT_EQ(std::adjacent_find(rows.time_s.begin(), rows.time_s.end(), std::greater_equal<>()),
+                rows.time_s.end())
+          << "times rise";
+      EXPECT_NEAR(rows.averaged.sum(), static_cast<double>(record->size()), 1e-6);
+      EXPECT_LT((rows.weight - 0.25 * rows.averaged).norm(), kTolerance);
+      const Eigen::VectorXd sums = rows.sensitivity.transpose() * rows.averaged;
+      for (Eigen::Index k = 0; k < sums.size(); ++k) {
+        EXPECT_NEAR(sums[k], -dense.col(k).sum(), 1e-9 * dense.col(k).cwiseAbs().sum()) << k;
+      }
+      EXPECT_NEAR(rows.residual_V.dot(rows.averaged), dense.rightCols(1).sum(), 1e-7);
+    }
+    // What the means say of the parameters is what the rows say.
+    const FittedRows rows = sweep.Means(p, 400)[0];
+    const Eigen::MatrixXd information =
+        rows.sensitivity.transpose() * rows.averaged.asDiagonal() * rows.sensitivity;
+    const Eigen::MatrixXd all = dense.leftCols(4).transpose() * dense.leftCols(4);
+    if (record != &steps) continue;
+    for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(information(k, k) / all(k, k), 1.0, 0.01) << k;
+  }
 }
 
 }  // namespace

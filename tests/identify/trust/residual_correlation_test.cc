@@ -69,7 +69,7 @@ TEST(ResidualCorrelation, FindsWhiteAndSlowNoiseOfVeryDifferentSize) {
     state = kept * state + std::sqrt(1.0 - kept * kept) * normal();
   }
   const CorrelationModel model(EvenTimes(kRows), {});
-  const auto found = model.Describe(model.Fit(model.Variogram(series)));
+  const auto found = model.Describe(model.Fit(model.Variogram(series), model.design()));
   // 200 correlation times give a standard deviation to 5 %. The white part, a tenth of the other,
   // is known by the first lags: slow noise moves by 0.14 mV from row to row.
   EXPECT_NEAR(found.white_V, kWhite_V, 0.1 * kWhite_V);
@@ -108,7 +108,7 @@ TEST(ResidualCorrelation, MeansOfRowsHaveLessWhiteNoise) {
     series[k] = normal() / std::sqrt(averaged[k]);
   }
   const CorrelationModel model(EvenTimes(kRows), averaged);
-  const auto found = model.Describe(model.Fit(model.Variogram(series)));
+  const auto found = model.Describe(model.Fit(model.Variogram(series), model.design()));
   EXPECT_NEAR(found.white_V, 1.0, 0.05);  // 2500 single rows: 1/sqrt(5000) = 1.4 %
   EXPECT_LT(found.correlated_V, 0.1);
 }
@@ -120,7 +120,7 @@ TEST(ResidualCorrelation, CountsAnOffsetAsSlowNoise) {
   Eigen::RowVectorXd series(kRows);
   for (int k = 0; k < kRows; ++k) series[k] = 2.0 + 0.1 * normal();
   const CorrelationModel model(EvenTimes(kRows), {});
-  const auto found = model.Describe(model.Fit(model.Variogram(series)));
+  const auto found = model.Describe(model.Fit(model.Variogram(series), model.design()));
   EXPECT_NEAR(found.white_V, 0.1, 0.01);
   EXPECT_NEAR(found.correlated_V, 2.0, 0.02);
   EXPECT_EQ(found.correlation_s, std::numeric_limits<double>::infinity());
@@ -132,9 +132,9 @@ TEST(ResidualCorrelation, TakesTheShortestLogs) {
     const CorrelationModel model(EvenTimes(rows), {});
     Eigen::RowVectorXd series(rows);
     for (int k = 0; k < rows; ++k) series[k] = k % 2 == 0 ? 2.0 : -2.0;
-    const auto found = model.Describe(model.Fit(model.Variogram(series)));
+    const auto found = model.Describe(model.Fit(model.Variogram(series), model.design()));
     EXPECT_NEAR(std::hypot(found.white_V, found.correlated_V), rows > 0 ? 2.0 : 0.0, 0.3);
-    const auto none = model.Fit(model.Variogram(0.0 * series));
+    const auto none = model.Fit(model.Variogram(0.0 * series), model.design());
     EXPECT_TRUE(none.isZero(0.0));
   }
 }

@@ -16,6 +16,7 @@ QuantityTrust Quantity(const std::string& name,
   QuantityTrust q;
   q.name = name;
   q.estimate = estimate;
+  q.low = 0.5 * estimate;
   q.verdict = verdict;
   q.with = with;
   q.relative_standard_error = verdict == Verdict::kIdentified ? 0.01 : 0.5;
@@ -60,8 +61,17 @@ TEST(TrustSentence, SaysThatABranchWasNotFound) {
   tau.relative_standard_error = std::numeric_limits<double>::infinity();
   EXPECT_EQ(
       SentenceOf({Quantity("beta", 0.2, kGood), Quantity("r_1", 0.0, Verdict::kAtBound), tau}),
-      "branch 1 was not found: r_1 went to zero, and its time constant means nothing; a model "
+      "branch 1 was not found: r_1 cannot be told from zero, and its time constant means nothing; "
+      "a model "
       "with one branch less says the same");
+}
+
+TEST(TrustSentence, TakesABranchThatMayBeZeroAsNotFound) {
+  auto r = Quantity("r_1", 9e-6, Verdict::kWeak);
+  r.low = 0.0;
+  const auto text =
+      SentenceOf({Quantity("beta", 0.2, kGood), r, Quantity("tau_1", 300.0, Verdict::kWeak)});
+  EXPECT_EQ(text.find("branch 1 was not found"), 0U) << text;
 }
 
 TEST(TrustSentence, SaysAtMostTwoThings) {

@@ -370,7 +370,9 @@ TEST(Trust, MeansOfRowsCarryWhatTheRowsCarried) {
     white_V += of_few.residual_correlation[0].white_V / kSeeds;
   }
   // Both estimate the correlation of the same noise, by different lags: 30 % apart in one log.
-  for (Index k = 0; k < 2; ++k) EXPECT_NEAR(few[k] / all[k], 1.0, 0.1) << k;
+  // The level needs the power of the noise at no frequency at all, which either guesses.
+  EXPECT_NEAR(few[0] / all[0], 1.0, 0.4);
+  EXPECT_NEAR(few[1] / all[1], 1.0, 0.1);
   EXPECT_NEAR(white_V, 1.0, 0.05);  // ten rows are shorter than the slow noise, not instant
 }
 

@@ -1,0 +1,153 @@
+#include "identify/stages/staged_trust.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "identify/stages/start_values.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
+#include "model/core/normal_noise.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kBeta = 0.12;
+constexpr double kSeries_Ohm = 0.08;
+constexpr double kBranch_Ohm = 0.03;
+constexpr double kTau_s = 25.0;
+
+// Eight pulses of 60 s with 900 s of rest, once a second; the rests are short for the diffusion.
+Record PulseRecord(double branch_Ohm) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.diffusion->beta_per_sqrt_s = kBeta;
+  cell.series_resistance_Ohm = kSeries_Ohm;
+  cell.branches.clear();
+  if (branch_Ohm > 0.0) {
+    cell.branches.emplace_back();
+    cell.branches[0].resistance_Ohm = branch_Ohm;
+    cell.branches[0].time_constant_s = kTau_s;
+  }
+  Record record;
+  for (int k = 0; k <= 8 * 960; ++k) {
+    record.time_s.push_back(k);
+    record.current_A.push_back(k > 0 && (k - 1) % 960 < 60 ? 2.4 : 0.0);
+  }
+  record.voltage_V = Predict(cell, record.time_s, record.current_A).voltage_V;
+  return record;
+}
+
+void AddNoise(Record& record, double white_V, double slow_V, double time_s, std::uint64_t seed) {
+  NormalNoise normal(seed, 0);
+  const double kept = std::exp(-1.0 / time_s);
+  double state = normal();
+  for (double& voltage_V : record.voltage_V) {
+    voltage_V += white_V * normal() + slow_V * state;
+    state = kept * state + std::sqrt(1.0 - kept * kept) * normal();
+  }
+}
+
+struct Outcome {
+  PulseFitResult fit;
+  TrustReport trust;
+};
+Outcome FitAndAssess(const Record& record, const PulseFitKnowledge& knowledge = {}) {
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  const SweepSetup setup{.alpha_C = cell.alpha_C(),
+                         .open_circuit_voltage = cell.open_circuit_voltage};
+  const VoltageSweep sweep(setup, {{.record = &record}});
+  Outcome outcome;
+  outcome.fit = FitPulses(sweep, {.data = FindStartValues({&record})}, {}, {}, knowledge);
+  outcome.trust = AssessStaged(sweep, outcome.fit, std::nullopt);
+  return outcome;
+}
+
+const QuantityTrust& Of(const TrustReport& trust, const std::string& name) {
+  for (const auto& q : trust.quantities) {
+    if (q.name == name) return q;
+  }
+  throw std::out_of_range(name);
+}
+
+// The whole way, nonlinear fit and all: simulated logs, staged fit, intervals.
+TEST(StagedTrust, IntervalsCoverTheTruthOfSimulatedPulses) {
+  const Record clean = PulseRecord(kBranch_Ohm);
+  const std::pair<std::string, double> truth[] = {{"beta", kBeta},
+                                                  {"r_s", kSeries_Ohm},
+                                                  {"r_1", kBranch_Ohm},
+                                                  {"tau_1", kTau_s},
+                                                  {"c_1", kTau_s / kBranch_Ohm}};
+  constexpr int kSeeds = 40;
+  for (const double time_s : {30.0, 300.0}) {
+    int covered = 0;
+    int asked = 0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      Record record = clean;
+      AddNoise(record, 2e-4, 5e-4, time_s, seed);
+      const auto outcome = FitAndAssess(record);
+      for (const auto& [name, value] : truth) {
+        const auto& q = Of(outcome.trust, name);
+        covered += q.low <= value && value <= q.high;
+        ++asked;
+      }
+    }
+    // 200 intervals, those of one log alike: one standard deviation of the share is 2 %, so that
+    // the claim of 90 to 99 % is tested to 86 % and above; docs/verdicts.md has 1000 seeds.
+    EXPECT_GE(covered, 0.86 * asked) << time_s << " s";
+    EXPECT_LE(covered, asked) << time_s << " s";
+  }
+}
+
+TEST(StagedTrust, LeavesOutWhatWasGiven) {
+  Record record = PulseRecord(kBranch_Ohm);
+  AddNoise(record, 2e-4, 0.0, 1.0, 1);
+  const auto outcome =
+      FitAndAssess(record, {.fixed = {{"beta", kBeta}, {"c_1", kTau_s / kBranch_Ohm}}});
+  std::string names;
+  for (const auto& q : outcome.trust.quantities) names += q.name + " ";
+  EXPECT_EQ(names, "r_s r_1 tau_1 ");
+  // tau_1 = r_1 c_1 with c_1 known.
+  EXPECT_NEAR(Of(outcome.trust, "tau_1").relative_standard_error,
+              Of(outcome.trust, "r_1").relative_standard_error,
+              1e-9);
+}
+
+// Tables 4.8-4.13 of the thesis: a branch that is not there.
+TEST(StagedTrust, NamesTheThesisSituation) {
+  Record record = PulseRecord(0.0);
+  AddNoise(record, 2e-4, 0.0, 1.0, 5);
+  const auto outcome = FitAndAssess(record);
+  EXPECT_EQ(Of(outcome.trust, "beta").verdict, Verdict::kIdentified);
+  EXPECT_NE(Of(outcome.trust, "tau_1").verdict, Verdict::kIdentified);
+  // Whether the noise left it at zero or a little above.
+  EXPECT_NE(Of(outcome.trust, "r_1").verdict, Verdict::kIdentified);
+  EXPECT_NE(outcome.trust.sentence.find("branch 1 was not found"), std::string::npos)
+      << outcome.trust.sentence;
+}
+
+TEST(StagedTrust, TakesAlphaFromTheDischargeTimes) {
+  Record record = PulseRecord(kBranch_Ohm);
+  AddNoise(record, 2e-4, 0.0, 1.0, 1);
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  const VoltageSweep sweep(
+      {.alpha_C = cell.alpha_C(), .open_circuit_voltage = cell.open_circuit_voltage},
+      {{.record = &record}});
+  const auto fit = FitPulses(sweep, {.data = FindStartValues({&record})});
+  DischargeTimesResult times;
+  times.alpha_C = 1350.0;
+  times.alpha_standard_error_C = 5.0;
+  times.rows.resize(4);
+  const auto trust = AssessStaged(sweep, fit, times);
+  const auto& alpha = Of(trust, "alpha");
+  EXPECT_EQ(&alpha, &trust.quantities[0]);
+  constexpr double kStudent = 4.30265;  // two degrees of freedom, 97.5 %: tables
+  EXPECT_NEAR(alpha.high, 1350.0 + 5.0 * kStudent, 1e-3);
+  EXPECT_EQ(alpha.verdict, Verdict::kIdentified);
+  EXPECT_EQ(trust.covariance.rows(), static_cast<Eigen::Index>(trust.quantities.size()));
+  times.rows.resize(2);  // as many unknowns as times
+  EXPECT_EQ(Of(AssessStaged(sweep, fit, times), "alpha").verdict, Verdict::kWeak);
+}
+
+}  // namespace
+}  // namespace lipoid
