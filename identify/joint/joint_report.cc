@@ -1,6 +1,7 @@
 #include "identify/joint/joint_report.h"
 
 #include "identify/stages/staged_report.h"
+#include "identify/trust/trust_report.h"
 
 namespace lipoid {
 namespace {
@@ -24,7 +25,7 @@ Json TriedToJson(const TriedStructure& row) {
 
 }  // namespace
 
-Json JointToJson(const JointResult& result) {
+Json JointToJson(const JointResult& result, const TrustReport& trust) {
   Json staged = StagedToJson(result.staged);
   Json tried = Json::array();
   for (const auto& row : result.choice.tried) tried.push_back(TriedToJson(row));
@@ -55,6 +56,8 @@ Json JointToJson(const JointResult& result) {
             {"smoothness", best.smoothness},
             {"at_bound", best.at_bound},
             {"tried", tried}}},
+          {"parameters", TrustedParametersToJson(trust)},
+          {"trust", TrustToJson(trust)},
           {"logs", logs},
           {"validation", validation},
           {"cautions", result.cautions},

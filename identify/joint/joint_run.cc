@@ -96,6 +96,7 @@ class JointRun {
           Tell(stage, 0.2 * share);
         });
     curve_given_ = given_.open_circuit_voltage.has_value();
+    result_.fixed = known_.fixed;
     FindAlpha();
     Fit();
     MakeCell();

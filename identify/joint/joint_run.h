@@ -10,6 +10,7 @@
 /// lag. The method, its derivation and its limits: docs/joint.md. Tests:
 /// tests/identify/joint/joint_run_test.cc.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct JointResult {
   /// For standard errors: what the fit saw, in the final gauge.
   JointLogs logs;
   JointSetup setup;
+  std::map<std::string, double> fixed;  ///< what the user held
 };
 
 /// Throws LoadError for logs that are not what the campaign says they are, OptionError for

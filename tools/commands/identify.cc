@@ -6,6 +6,7 @@
 
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_run.h"
+#include "identify/joint/joint_trust.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_report.h"
@@ -59,12 +60,13 @@ Outcome Joint(const Campaign& campaign,
               const StageProgress& progress) {
   JointResult result =
       IdentifyJoint(campaign, logs, arguments.options, options, arguments.given, progress);
+  const TrustReport trust = AssessJoint(result);
   double mean = 0.0;
   for (const auto& log : result.fitted)
     mean += log.all.mean_error_percent / static_cast<double>(result.fitted.size());
   return {.converged = result.converged,
-          .report = JointToJson(result),
-          .text = JointReport(campaign, result),
+          .report = JointToJson(result, trust),
+          .text = JointReport(campaign, result, trust),
           .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
           .mean_error_percent = mean,
           .cell = std::move(result.cell)};

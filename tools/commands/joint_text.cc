@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/cli/text_table.h"
+#include "tools/commands/trust_text.h"
 
 namespace lipoid {
 namespace {
@@ -108,9 +109,12 @@ std::string ErrorsText(const JointResult& result) {
 
 }  // namespace
 
-std::string JointReport(const Campaign& campaign, const JointResult& result) {
+std::string JointReport(const Campaign& campaign,
+                        const JointResult& result,
+                        const TrustReport& trust) {
   std::string text = campaign.name.empty() ? "" : campaign.name + "\n\n";
-  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result);
+  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) + "\n" +
+          TrustText(trust);
   if (!result.staged.done_instead.empty())
     text += "\n" + cli::Bullets("Done instead", result.staged.done_instead);
   if (!result.cautions.empty()) text += "\n" + cli::Bullets("To know", result.cautions);

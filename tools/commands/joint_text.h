@@ -6,10 +6,14 @@
 #include <string>
 
 #include "identify/joint/joint_run.h"
+#include "identify/trust/trust.h"
 
 namespace lipoid {
 
-/// What was tried, what was found, how well each log is predicted, what to know.
-[[nodiscard]] std::string JointReport(const Campaign& campaign, const JointResult& result);
+/// What was tried, what was found and how far to believe it, how well each log is predicted, what
+/// to know.
+[[nodiscard]] std::string JointReport(const Campaign& campaign,
+                                      const JointResult& result,
+                                      const TrustReport& trust);
 
 }  // namespace lipoid

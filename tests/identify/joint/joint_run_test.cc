@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "identify/joint/joint_report.h"
+#include "identify/joint/joint_trust.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
@@ -248,7 +249,10 @@ TEST(JointRun, PredictsTheConstantCurrentsOfNissanAndTheirRepeats) {
 
 TEST(JointRun, SaysWhatItTriedInItsSummary) {
   const auto logs = test::SyntheticLogs(Truth(), 10.0, kNoise_V);
-  const Json json = JointToJson(Identify(logs));
+  const JointResult result = Identify(logs);
+  const Json json = JointToJson(result, AssessJoint(result));
+  EXPECT_EQ(json.at("parameters")[0].at("name"), "alpha");
+  EXPECT_TRUE(json.at("trust").contains("sentence"));
   EXPECT_EQ(json.at("method"), "joint");
   EXPECT_EQ(json.at("joint").at("resistance_nodes"), 1);
   EXPECT_GT(json.at("joint").at("tried").size(), 6U);
