@@ -268,7 +268,10 @@ class JointRun {
     Cell& cell = result_.cell;
     cell = result_.staged.cell;  // name, pack, cut-off
     cell.branches.clear();
-    if (!curve_given_) cell.open_circuit_voltage = Curve(best);
+    if (!curve_given_) {
+      cell.open_circuit_voltage = Curve(best);
+      result_.lowest_node = Reached(best.structure.voltage_soc, soc, 2).first;
+    }
     cell.series_resistance_Ohm = Table(best, layout.series(), soc);
     for (int j = 0; j < best.structure.branches; ++j) {
       Cell::Branch branch;

@@ -37,6 +37,7 @@ struct JointResult {
   JointLogs logs;
   JointSetup setup;
   std::map<std::string, double> fixed;  ///< what the user held
+  std::size_t lowest_node = 0;          ///< of v_oc that the cell's curve has
 };
 
 /// Throws LoadError for logs that are not what the campaign says they are, OptionError for

@@ -124,6 +124,7 @@ class Assessment {
       AddTable("r_ct", layout_.transfer());
       AddRate("i_0", "i_0", "A", best_.rates.charge_transfer_A);
     }
+    if (layout_.tables() > 1) AddTotal();
     if (best_.structure.self_heating) {
       const double per_A3 = std::pow(result_.logs.typical_A, -3.0);
       TrustedQuantity q = Quantity("rho_h", "Ohm/A^2", best_.x[layout_.heating()] * per_A3, 0.0);
@@ -200,6 +201,22 @@ class Assessment {
     }
   }
 
+  // What a small steady current sees at half charge: often known where its parts are not.
+  void AddTotal() {
+    const double per_A = 1.0 / result_.logs.typical_A;
+    const auto& nodes = best_.structure.resistance_soc;
+    const NodeShare at = NodeFinder(nodes)(0.5);
+    TrustedQuantity q = Quantity("r_total(0.5)", "Ohm", 0.0, 0.0);
+    for (int t = 0; t < layout_.tables(); ++t) {
+      const int k = layout_.table(t) + at.lower;
+      q.combination[Linear(k)] += (1.0 - at.share) * per_A;
+      if (nodes.size() > 1) q.combination[Linear(k + 1)] += at.share * per_A;
+      q.value += (1.0 - at.share) * best_.x[k] * per_A;
+      if (nodes.size() > 1) q.value += at.share * best_.x[k + 1] * per_A;
+    }
+    Add(std::move(q));
+  }
+
   // c = tau/r, where r is one number.
   void AddCapacitance(const std::string& rate, std::string name, int j, double tau_s) {
     const Eigen::Index at = Searched(rate);
@@ -218,14 +235,19 @@ class Assessment {
     if (nodes.size() < 2) return;
     const JointSetup& setup = result_.setup;
     const double soc = 1.0 - result_.alpha_C / setup.alpha_C;
-    const NodeShare at = NodeFinder(nodes)(soc);
-    const double width = nodes[at.lower + 1] - nodes[at.lower];
+    // On a segment of the curve; below its lowest node the first one goes on.
+    NodeShare at = NodeFinder(nodes)(soc);
+    const auto lowest = static_cast<int>(result_.lowest_node);
+    if (at.lower < lowest) {
+      at.lower = lowest;
+      at.share = (soc - nodes[lowest]) / (nodes[lowest + 1] - nodes[lowest]);
+    }
     const double slope_V = (setup.reference(nodes[at.lower + 1]) + best_.x[at.lower + 1] -
                             setup.reference(nodes[at.lower]) - best_.x[at.lower]) /
-                           width;
+                           (nodes[at.lower + 1] - nodes[at.lower]);
     if (!(slope_V > 0.0)) return;
     TrustedQuantity q = Quantity("alpha", "C", result_.alpha_C, 0.0);
-    // Of nodes; of rises their suffix sums.
+    // v_oc(A_0) = (1 - share) V_k + share V_k+1; of rises the suffix sums of these.
     for (int k = 0; k <= at.lower; ++k) q.combination[Linear(k)] = setup.alpha_C / slope_V;
     q.combination[Linear(at.lower + 1)] = at.share * setup.alpha_C / slope_V;
     Add(std::move(q));

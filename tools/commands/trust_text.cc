@@ -30,8 +30,8 @@ std::string TrustText(const TrustReport& report) {
     table.Row({"   " + q.name,
                number(q.estimate, 5),
                number(q.standard_error, 2),
-               number(q.low, 4),
-               number(q.high, 4),
+               number(q.low, 6),
+               number(q.high, 6),
                q.unit,
                verdict});
   }

@@ -1,0 +1,150 @@
+#include "identify/joint/joint_trust.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "model/battery/cell_file.h"
+#include "model/battery/cell_parameters.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
+
+// The structure is known: what is tested is how far to believe its parameters.
+constexpr JointOptions kPlain{.branches = 1,
+                              .resistance_nodes = 1,
+                              .self_heating = Presence::kOff,
+                              .charge_transfer = Presence::kOff,
+                              .smoothness = 1e-4};
+
+// White noise, and noise that takes half a minute to forget.
+void AddNoise(std::vector<LoadedLog>& logs, double white_V, double slow_V, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (auto& log : logs) {
+    Record& record = log.log.record;
+    double slow = slow_V * normal(engine);
+    for (std::size_t k = 0; k < record.size(); ++k) {
+      if (k > 0) {
+        const double keep = std::exp(-(record.time_s[k] - record.time_s[k - 1]) / 30.0);
+        slow = keep * slow + slow_V * std::sqrt(1.0 - keep * keep) * normal(engine);
+      }
+      record.voltage_V[k] += slow + white_V * normal(engine);
+    }
+  }
+}
+
+// Rates by automatic differentiation against differences of the rows themselves.
+TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0005);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs),
+                                           logs,
+                                           {},
+                                           {.branches = 2,
+                                            .resistance_nodes = 6,
+                                            .self_heating = Presence::kOn,
+                                            .charge_transfer = Presence::kOn,
+                                            .smoothness = 1e-3});
+  const JointSensitivities exact = FindSensitivities(result);
+  ASSERT_EQ(exact.rates, (std::vector<std::string>{"beta", "tau_1", "tau_2", "tau_h", "i_0"}));
+  const JointSolution& best = result.choice.best;
+  const auto rows_at = [&](std::size_t which, double factor) {
+    JointRates rates = best.rates;
+    double* entries[] = {&rates.beta_per_sqrt_s,
+                         &rates.time_constant_s[0],
+                         &rates.time_constant_s[1],
+                         &rates.heating_time_constant_s,
+                         &rates.charge_transfer_A};
+    *entries[which] *= factor;
+    return LinearRows(result.logs, result.setup, best.structure, rates, best.x);
+  };
+  const double values[] = {best.rates.beta_per_sqrt_s,
+                           best.rates.time_constant_s[0],
+                           best.rates.time_constant_s[1],
+                           best.rates.heating_time_constant_s,
+                           best.rates.charge_transfer_A};
+  constexpr double kStep = 1e-5;
+  for (std::size_t which = 0; which < 5; ++which) {
+    const auto above = rows_at(which, 1.0 + kStep);
+    const auto below = rows_at(which, 1.0 - kStep);
+    double difference = 0.0;
+    double size = 0.0;
+    for (std::size_t l = 0; l < above.size(); ++l) {
+      // A higher prediction is a lower residual.
+      const Eigen::VectorXd slope =
+          (below[l].residual_V - above[l].residual_V) / (2.0 * kStep * values[which]);
+      const auto column = exact.logs[l].sensitivity.col(static_cast<Eigen::Index>(which));
+      difference += (slope - column).squaredNorm();
+      size += slope.squaredNorm();
+    }
+    // Second order of the step, and kinks of the tables that a step crosses.
+    EXPECT_LE(std::sqrt(difference), 1e-3 * std::sqrt(size)) << exact.rates[which];
+  }
+}
+
+// Coloured noise: a formula for white noise would cover a third of the time.
+TEST(JointTrust, IntervalsCoverTheTruth) {
+  const Cell truth = Truth();
+  const auto clean = test::SyntheticLogs(truth, 5.0);
+  constexpr int kSeeds = 40;
+  std::map<std::string, int> covered;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    auto logs = clean;
+    AddNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+    for (const QuantityTrust& q : AssessJoint(result).quantities) {
+      const auto is = CellParameter(truth, q.name);
+      if (!is) continue;
+      covered[q.name] += q.low <= *is && *is <= q.high ? 1 : 0;
+    }
+  }
+  ASSERT_EQ(covered.size(), 6U);
+  int all = 0;
+  for (const auto& [name, count] : covered) {
+    EXPECT_GE(count, 33) << name;  // of 40: below it one in a thousand at 95 %
+    all += count;
+  }
+  // 90 to 99 % over all.
+  EXPECT_GE(all, 0.90 * 6 * kSeeds);
+  EXPECT_LE(all, 0.99 * 6 * kSeeds);
+}
+
+TEST(JointTrust, ABranchThatIsNotThereIsNotBelieved) {
+  Cell truth = LoadCell("gifi-600mAh-1");
+  truth.branches.clear();
+  auto logs = test::SyntheticLogs(truth, 5.0, 0.0002);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+  const TrustReport trust = AssessJoint(result);
+  for (const QuantityTrust& q : trust.quantities) {
+    if (q.name == "tau_1") {
+      EXPECT_NE(q.verdict, Verdict::kIdentified);
+    }
+    if (q.name == "r_s" || q.name == "beta") {
+      EXPECT_EQ(q.verdict, Verdict::kIdentified) << q.name;
+    }
+  }
+  EXPECT_NE(trust.sentence.find("branch 1"), std::string::npos) << trust.sentence;
+}
+
+TEST(JointTrust, WhatIsGivenIsNotAskedFor) {
+  const auto logs = test::SyntheticLogs(Truth(), 10.0, 0.0002);
+  StagedGiven given;
+  given.parameters.fixed = {{"beta", 0.1924}, {"r_s", 0.1314}};
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain, given);
+  for (const QuantityTrust& q : AssessJoint(result).quantities) {
+    EXPECT_NE(q.name, "beta");
+    EXPECT_NE(q.name, "r_s");
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
