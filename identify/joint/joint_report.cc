@@ -38,6 +38,9 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
   }
   Json validation = Json::array();
   for (const auto& errors : result.validation) validation.push_back(LogErrorsToJson(errors));
+  Json constant_current = Json::array();
+  for (const auto& errors : result.constant_current)
+    constant_current.push_back(ConstantCurrentErrorsToJson(errors));
   const JointSolution& best = result.choice.best;
   return {{"method", "joint"},
           {"converged", result.converged},
@@ -59,6 +62,7 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
           {"parameters", TrustedParametersToJson(trust)},
           {"trust", TrustToJson(trust)},
           {"logs", logs},
+          {"constant_current", constant_current},
           {"validation", validation},
           {"cautions", result.cautions},
           {"done_instead", staged["done_instead"]},

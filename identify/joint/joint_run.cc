@@ -348,6 +348,8 @@ class JointRun {
         result_.fitted_staged.push_back(std::move(before[l]));
       }
     }
+    if (campaign_.cutoff_V)
+      result_.constant_current = ValidateConstantCurrents(result_.cell, logs_);
   }
 
   void NameCautions() {

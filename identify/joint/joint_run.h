@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/constant_current_validation.h"
 #include "identify/joint/joint_choice.h"
 #include "identify/stages/staged_run.h"
 
@@ -31,6 +32,7 @@ struct JointResult {
   std::vector<LogErrors> fitted;         ///< every log that took part, all of its rows
   std::vector<LogErrors> fitted_staged;  ///< the same by the staged cell
   std::vector<LogErrors> validation;
+  std::vector<ConstantCurrentErrors> constant_current;  ///< with the time until cut-off
   std::vector<std::string> cautions;
   double wall_s = 0.0;  ///< of the joint part and the staged one together
   /// For standard errors: what the fit saw, in the final gauge.

@@ -67,6 +67,70 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }
 
+// All logs at once: no gauge and no curve is given, and the noise is all that is left.
+TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder,
+                 "gifi-600mAh-1",
+                 "logs",
+                 {"--voltage-noise-V", "0.0002", "--seed", "5", "--rates-C", "1,3,6"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "--method",
+                              "joint",
+                              "-o",
+                              "cell.json",
+                              "--truth",
+                              "logs/truth.json",
+                              "--residuals",
+                              "residuals.csv",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("method"), "joint");
+  for (const char* key : {"cell",
+                          "joint",
+                          "logs",
+                          "parameters",
+                          "trust",
+                          "constant_current",
+                          "validation",
+                          "stages",
+                          "staged",
+                          "truth",
+                          "wall_s"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  const std::vector<std::pair<std::string, double>> truths{
+      {"alpha", 1353.6}, {"beta", 0.1924}, {"r_s", 0.1314}, {"r_1", 0.03}, {"tau_1", 45.0}};
+  for (const auto& [name, truth] : truths) {
+    bool found = false;
+    for (const Json& parameter : summary.at("parameters")) {
+      if (parameter.at("name") != name) continue;
+      found = true;
+      EXPECT_EQ(parameter.at("verdict"), "identified") << name;
+      EXPECT_NEAR(parameter.at("estimate").get<double>(), truth, 0.01 * truth) << name;
+      // Four standard errors: one seed out of ten thousand is further away.
+      EXPECT_NEAR(parameter.at("estimate").get<double>(),
+                  truth,
+                  4.0 * parameter.at("standard_error").get<double>())
+          << name;
+    }
+    EXPECT_TRUE(found) << name;
+  }
+  const Cell cell = ReadCellFile(folder + "/cell.json");
+  EXPECT_EQ(cell.run.at("options").at("method"), "joint");
+  EXPECT_NE(run.out.find("constant resistances, 1 branch"), std::string::npos);
+  // Every row of every log that took part, and a header.
+  std::size_t rows = 1;
+  for (const Json& log : summary.at("logs")) rows += log.at("rows").get<std::size_t>();
+  EXPECT_EQ(Lines(ReadTextFile(folder + "/residuals.csv")), rows);
+  // The cell file is one like any other.
+  const auto validate = RunLipoid(folder, {"validate", "cell.json", "logs/pulses.csv"});
+  EXPECT_EQ(validate.exit_code, 0) << validate.err;
+}
+
 TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});
@@ -188,7 +252,7 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
       {{"logs/campaign.toml", "--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
       {{"logs/campaign.toml", "--bounds", "beta=0.1"},
        "option --bounds: expected NAME=LOW,HIGH, found 'beta=0.1'"},
-      {{"logs/campaign.toml", "--method", "magic"}, "expected one of staged, found 'magic'"},
+      {{"logs/campaign.toml", "--method", "magic"}, "expected one of staged, joint, found 'magic'"},
       {{"logs/campaign.toml", "--branches", "6"},
        "--branches: expected a whole number, 0 .. 5, found '6'"},
       {{"--pulses", "logs/pulses.csv", "--initial-voltage-V", "4.1"},

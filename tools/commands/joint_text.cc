@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/cli/text_table.h"
+#include "tools/commands/identify_report.h"
 #include "tools/commands/trust_text.h"
 
 namespace lipoid {
@@ -113,8 +114,8 @@ std::string JointReport(const Campaign& campaign,
                         const JointResult& result,
                         const TrustReport& trust) {
   std::string text = campaign.name.empty() ? "" : campaign.name + "\n\n";
-  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) + "\n" +
-          TrustText(trust);
+  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) +
+          ConstantCurrentText(result.constant_current) + "\n" + TrustText(trust);
   if (!result.staged.done_instead.empty())
     text += "\n" + cli::Bullets("Done instead", result.staged.done_instead);
   if (!result.cautions.empty()) text += "\n" + cli::Bullets("To know", result.cautions);

@@ -94,7 +94,7 @@ TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
 // Coloured noise: a formula for white noise would cover a third of the time.
 TEST(JointTrust, IntervalsCoverTheTruth) {
   const Cell truth = Truth();
-  const auto clean = test::SyntheticLogs(truth, 5.0);
+  const auto clean = test::SyntheticLogs(truth, 10.0);
   constexpr int kSeeds = 40;
   std::map<std::string, int> covered;
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -110,7 +110,7 @@ TEST(JointTrust, IntervalsCoverTheTruth) {
   ASSERT_EQ(covered.size(), 6U);
   int all = 0;
   for (const auto& [name, count] : covered) {
-    EXPECT_GE(count, 33) << name;  // of 40: below it one in a thousand at 95 %
+    EXPECT_GE(count, 33) << name;  // of 40: fewer is one in a thousand at 95 %
     all += count;
   }
   // 90 to 99 % over all.
