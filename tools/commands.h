@@ -17,6 +17,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
+cli::ExitCode PlanCommand(cli::CommandLine& line);
 cli::ExitCode PolesCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
@@ -31,6 +32,7 @@ inline constexpr cli::Command kCommands[] = {
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
+    {"plan", "what an experiment would tell, before the lab is booked", &PlanCommand},
     {"poles", "closed-loop poles as the voltage falls", &PolesCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
     {"study", "one stage done in several ways: branches, v_oc(A), diffusion modes", &StudyCommand},

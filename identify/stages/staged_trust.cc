@@ -21,14 +21,15 @@ bool Has(const std::vector<std::string>& names, const std::string& name) {
 
 TrustReport AssessStaged(const VoltageSweep& sweep,
                          const PulseFitResult& fit,
-                         const std::optional<DischargeTimesResult>& times) {
+                         const std::optional<DischargeTimesResult>& times,
+                         const TrustOptions& how) {
   const SweepParameters& p = fit.parameters;
   std::vector<FittedRows> rows = sweep.Means(p, kMostRows);
   const auto n = static_cast<Eigen::Index>(p.time_constant_s.size());
   const Eigen::Index columns = VoltageSweep::Columns(static_cast<int>(n));
 
   std::vector<TrustedQuantity> quantities;
-  TrustOptions options;
+  TrustOptions options = how;
   const auto add = [&](std::string name, std::string unit, double value, Eigen::VectorXd of) {
     TrustedQuantity q;
     q.at_bound = Has(fit.at_bound, name);

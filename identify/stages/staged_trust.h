@@ -18,6 +18,7 @@ namespace lipoid {
 /// that were given do not appear.
 [[nodiscard]] TrustReport AssessStaged(const VoltageSweep& sweep,
                                        const PulseFitResult& fit,
-                                       const std::optional<DischargeTimesResult>& times);
+                                       const std::optional<DischargeTimesResult>& times,
+                                       const TrustOptions& options = {});
 
 }  // namespace lipoid

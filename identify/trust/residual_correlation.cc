@@ -149,6 +149,17 @@ CorrelationModel::CorrelationModel(const std::vector<double>& time_s, Eigen::Vec
   worth_[design_.rows() - 1] = kMeanSquareWorth;
 }
 
+CorrelationModel::CorrelationModel(const std::vector<double>& time_s,
+                                   Eigen::VectorXd averaged,
+                                   double time_constant_s)
+    : CorrelationModel(time_s, std::move(averaged)) {
+  Require(time_constant_s > 0.0, "time_constant_s > 0", {{"time_constant_s", time_constant_s}});
+  time_constant_s_ = {time_constant_s};
+  lags_.clear();
+  design_.setOnes(1, components());
+  worth_.setOnes(1);
+}
+
 Eigen::MatrixXd CorrelationModel::Variogram(const Eigen::MatrixXd& series) const {
   Require(series.cols() == Rows(), "as many values as rows");
   Eigen::MatrixXd variogram(design_.rows(), series.rows());

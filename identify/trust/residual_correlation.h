@@ -34,6 +34,10 @@ class CorrelationModel {
  public:
   /// Rising times of the rows; `averaged` is n of each row, empty: 1.
   CorrelationModel(const std::vector<double>& time_s, Eigen::VectorXd averaged);
+  /// The same with one time constant: for noise that is known, or assumed.
+  CorrelationModel(const std::vector<double>& time_s,
+                   Eigen::VectorXd averaged,
+                   double time_constant_s);
 
   /// white first, then one for each time constant.
   [[nodiscard]] Eigen::Index components() const { return 1 + TimeConstants(); }

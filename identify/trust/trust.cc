@@ -108,7 +108,13 @@ class Assessment {
   }
 
   TrustReport Run() {
-    FindCorrelation();
+    if (options_.assumed) {
+      AssumeCorrelation(*options_.assumed);
+    } else {
+      FindCorrelation();
+    }
+    FindSampling();
+    SumScores();
     Judge();
     FindCombinations();
     report_.sentence = TrustSentence(report_);
@@ -259,6 +265,16 @@ class Assessment {
     return design;
   }
 
+  // White first, then the one time constant; nothing is to be found, and nothing is uncertain.
+  void AssumeCorrelation(const ResidualCorrelation& assumed) {
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      models_.emplace_back(logs_[l].time_s, logs_[l].averaged, assumed.correlation_s);
+      const double slow_V = assumed.correlated_V;
+      variances_.push_back(Eigen::Vector2d(assumed.white_V * assumed.white_V, slow_V * slow_V));
+      simulated_.emplace_back(2, 0);
+    }
+  }
+
   void FindCorrelation() {
     std::vector<Eigen::MatrixXd> designs;
     for (std::size_t l = 0; l < logs_.size(); ++l) {
@@ -267,10 +283,6 @@ class Assessment {
       designs.push_back(DesignOfResiduals(l));
       variances_.push_back(
           models_[l].Fit(models_[l].Variogram(log.residual_V.transpose()), designs[l]));
-      if (log.time_s.size() < 2) continue;
-      report_.span_s = std::max(report_.span_s, log.time_s.back() - log.time_s.front());
-      const double step_s = 0.5 * models_[l].time_constant_s()[0];
-      report_.sampling_s = report_.sampling_s > 0.0 ? std::min(report_.sampling_s, step_s) : step_s;
     }
     // The same of noise that has the correlation found.
     const Eigen::Index series = options_.simulations;
@@ -285,11 +297,29 @@ class Assessment {
         found.col(s) = models_[l].Fit(variograms.col(s), designs[l]);
       simulated_.push_back(std::move(found));
     }
+  }
+
+  void FindSampling() {
+    for (const FittedRows& log : logs_) {
+      if (log.time_s.size() < 2) continue;
+      report_.span_s = std::max(report_.span_s, log.time_s.back() - log.time_s.front());
+      // The shortest steps that are more than an exception.
+      std::vector<double> steps;
+      for (std::size_t k = 1; k < log.time_s.size(); ++k)
+        steps.push_back(log.time_s[k] - log.time_s[k - 1]);
+      const auto hundredth = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 100);
+      std::nth_element(steps.begin(), hundredth, steps.end());
+      report_.sampling_s =
+          report_.sampling_s > 0.0 ? std::min(report_.sampling_s, *hundredth) : *hundredth;
+    }
+  }
+
+  void SumScores() {
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       report_.residual_correlation.push_back(models_[l].Describe(variances_[l]));
       for (Eigen::Index m = 0; m < models_[l].components(); ++m) {
         const bool seen =
-            variances_[l][m] > 0.0 || (series > 0 && (simulated_[l].row(m).array() > 0.0).any());
+            variances_[l][m] > 0.0 || (simulated_[l].row(m).array() > 0.0).any();
         sums_.push_back(seen ? models_[l].QuadraticSum(scores_[l], m) : Eigen::MatrixXd());
       }
     }
@@ -369,7 +399,7 @@ class Assessment {
       const Eigen::MatrixXd side = terms_ * inverse;
       return (side * scatter).cwiseProduct(side).rowwise().sum();
     };
-    const Eigen::Index series = options_.simulations;
+    const Eigen::Index series = simulated_.front().cols();
     if (series < 2) return freedom;
     Eigen::MatrixXd found(terms_.rows(), series);
     for (Eigen::Index s = 0; s < series; ++s)

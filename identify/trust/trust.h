@@ -23,6 +23,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -78,6 +79,8 @@ struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
   int simulations = 12;  ///< of noise like the residuals', for the degrees of freedom; > 1
   std::uint64_t seed = 1;
+  /// Noise that is assumed, for an experiment that is only planned; else the residuals tell.
+  std::optional<ResidualCorrelation> assumed = std::nullopt;
 };
 
 struct QuantityTrust {

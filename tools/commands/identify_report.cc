@@ -9,6 +9,7 @@
 #include "model/battery/prediction.h"
 #include "model/core/csv_writer.h"
 #include "tools/cli/text_table.h"
+#include "tools/commands/trust_text.h"
 
 namespace lipoid {
 namespace {
@@ -169,7 +170,7 @@ std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) 
 std::string IdentifyReport(const Campaign& campaign, const StagedResult& result) {
   std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
   text += DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
-          PulsesText(result);
+          PulsesText(result) + "\n" + TrustText(result.trust, "alpha and v_oc(A)");
   text += ConstantCurrentText(result.constant_current) + ValidationText(result.validation);
   if (!result.done_instead.empty()) text += "\n" + Bullets("Done instead", result.done_instead);
   if (!result.cautions.empty()) text += "\n" + Bullets("To know", result.cautions);

@@ -1,7 +1,6 @@
 #include "tools/commands/trust_text.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -10,9 +9,18 @@
 
 namespace lipoid {
 
-std::string TrustText(const TrustReport& report) {
-  using cli::Align;
-  using cli::Significant;
+using cli::Align;
+using cli::Significant;
+
+std::string VerdictText(const QuantityTrust& quantity) {
+  if (quantity.verdict != Verdict::kOnlyInCombination)
+    return options_internal::ToText(quantity.verdict);
+  std::string names;
+  for (const auto& name : quantity.with) names += (names.empty() ? "" : ", ") + name;
+  return "only with " + names;
+}
+
+std::string TrustText(const TrustReport& report, const std::string& exact) {
   if (report.quantities.empty()) return "";
   cli::TextTable table({{"trust", Align::kLeft},
                         {"estimate"},
@@ -21,22 +29,24 @@ std::string TrustText(const TrustReport& report) {
                         {"to"},
                         {"unit", Align::kLeft},
                         {"verdict", Align::kLeft}});
-  const auto number = [](double value, int digits) {
-    return std::isfinite(value) ? Significant(value, digits) : std::string("-");
+  // An end that is nowhere is said as such, not as a missing number.
+  const auto end = [](double value) {
+    return std::isinf(value) ? std::string("unknown") : Significant(value);
   };
   for (const auto& q : report.quantities) {
-    std::string verdict = options_internal::ToText(q.verdict);
-    if (!q.with.empty()) verdict += fmt::format(" {}", fmt::join(q.with, ", "));
     table.Row({"   " + q.name,
-               number(q.estimate, 5),
-               number(q.standard_error, 2),
-               number(q.low, 6),
-               number(q.high, 6),
+               Significant(q.estimate, 5),
+               std::isinf(q.standard_error) ? "unknown" : Significant(q.standard_error, 2),
+               end(q.low),
+               end(q.high),
                q.unit,
-               verdict});
+               VerdictText(q)});
   }
-  return table.Text() +
-         (report.sentence.empty() ? "" : cli::Bullets("", {report.sentence}).substr(1));
+  std::vector<std::string> sentences{report.sentence};
+  if (!exact.empty()) sentences.push_back(fmt::format("the intervals take {} as exact", exact));
+  std::string text = table.Text();
+  const std::string bullets = cli::Bullets("", sentences);
+  return text + bullets.substr(1);  // no title
 }
 
 }  // namespace lipoid

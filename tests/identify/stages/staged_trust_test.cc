@@ -5,10 +5,13 @@
 #include <cmath>
 #include <string>
 
+#include "identify/logs/load_campaign.h"
+#include "identify/stages/staged_run.h"
 #include "identify/stages/start_values.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/normal_noise.h"
+#include "tests/support/paths.h"
 
 namespace lipoid {
 namespace {
@@ -147,6 +150,21 @@ TEST(StagedTrust, TakesAlphaFromTheDischargeTimes) {
   EXPECT_EQ(trust.covariance.rows(), static_cast<Eigen::Index>(trust.quantities.size()));
   times.rows.resize(2);  // as many unknowns as times
   EXPECT_EQ(Of(AssessStaged(sweep, fit, times), "alpha").verdict, Verdict::kWeak);
+}
+
+// A real cell, whose branch the staged fit loses: its residual is 12 mV of one slow error, which a
+// formula for white noise takes for some thousand independent ones.
+TEST(StagedTrust, NamesTheLostBranchOfARealCell) {
+  const auto file = test::LabDataPath("nissan_leaf_33ah/campaign.toml");
+  LIPOID_SKIP_WITHOUT(file);
+  const Campaign campaign = ReadCampaign(file);
+  const auto result = IdentifyStaged(campaign, LoadCampaign(campaign));
+  EXPECT_EQ(Of(result.trust, "r_1").verdict, Verdict::kAtBound);
+  EXPECT_TRUE(Of(result.trust, "tau_1").silent);
+  EXPECT_EQ(result.trust.sentence.find("branch 1 was not found"), 0U) << result.trust.sentence;
+  const auto& r_s = Of(result.trust, "r_s");
+  EXPECT_GT(r_s.standard_error, 10.0 * r_s.white_standard_error);
+  EXPECT_GT(result.trust.residual_correlation[0].correlation_s, 300.0);
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+// lipoid plan, and the trust that lipoid identify prints, end to end. The figures themselves:
+// tests/identify/trust/.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "model/core/run_record.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+TEST(Plan, CombinesListsAndRangesIntoRows) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"plan",
+                              "gifi-600mAh-1",
+                              "--pulse-s",
+                              "20:20:60,90",
+                              "--rest-s",
+                              "600,1800",
+                              "--rate-C",
+                              "2",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ParseJson(ReadTextFile(folder + "/s.json"), "s.json");
+  ASSERT_EQ(summary["rows"].size(), 8U);
+  const Json& first = summary["rows"][0];
+  const Json& last = summary["rows"][7];
+  EXPECT_EQ(first["pulse_s"], 20.0);
+  EXPECT_EQ(last["pulse_s"], 90.0);
+  EXPECT_EQ(last["rest_s"], 1800.0);
+  EXPECT_EQ(first["parameters"][0]["name"], "beta");
+  // Less rest, sooner done; longer pulses, beta better known.
+  EXPECT_LT(first["duration_s"], summary["rows"][1]["duration_s"]);
+  EXPECT_GT(first["parameters"][0]["standard_error"], last["parameters"][0]["standard_error"]);
+  EXPECT_NE(run.out.find("hours"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("alpha and v_oc(A) are taken as known"), std::string::npos) << run.out;
+}
+
+TEST(Plan, RefusesWhatIsNoPlan) {
+  const auto folder = TestFolder();
+  for (const std::string bad : {"0", "1:1", "ten", "1,,2"}) {
+    SCOPED_TRACE(bad);
+    const auto run = RunLipoid(folder, {"plan", "gifi-600mAh-1", "--pulse-s", bad});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("--pulse-s"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(RunLipoid(folder, {"plan", "gifi-600mAh-1", "--sampling-s", "60"}).exit_code, 2)
+      << "a pulse of 30 s every 60 s";
+}
+
+TEST(Plan, IdentifySaysHowFarToBelieveIt) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(RunLipoid(folder,
+                      {"synthesize",
+                       "gifi-600mAh-1",
+                       "--with",
+                       "r_1=0.03,c_1=1500",
+                       "--rates-C",
+                       "1,2,3",
+                       "--sampling-s",
+                       "2",
+                       "--voltage-noise-V",
+                       "0.0002",
+                       "--seed",
+                       "1",
+                       "-o",
+                       "logs"})
+                .exit_code,
+            0);
+  const auto run = RunLipoid(
+      folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("the intervals take alpha and v_oc(A) as exact"), std::string::npos)
+      << run.out;
+  const Json summary = ParseJson(ReadTextFile(folder + "/s.json"), "s.json");
+  std::string names;
+  for (const auto& q : summary["parameters"]) {
+    names += q["name"].get<std::string>() + " ";
+    EXPECT_EQ(q["interval_95"].size(), 2U);
+    EXPECT_TRUE(q["with"].is_array());
+  }
+  EXPECT_EQ(names, "alpha beta r_s r_1 tau_1 c_1 ");
+  EXPECT_EQ(summary["parameters"][2]["verdict"], "identified");
+  EXPECT_FALSE(summary["trust"]["sentence"].get<std::string>().empty());
+  EXPECT_EQ(summary["trust"]["singular_values"].size(), 4U);
+  EXPECT_EQ(summary["trust"]["residual_correlation"].size(), 1U);
+}
+
+}  // namespace
+}  // namespace lipoid::test
