@@ -182,7 +182,7 @@ class JointRun {
       structure.voltage_soc = CurveNodes();
       const JointSolution rough = fit.Search(structure, 1e-3);
       if (rough.x.size() == 0) return;
-      const double next_C = alpha_C * (1.0 - SocAtCutoff(rough));
+      const double next_C = alpha_C * (1.0 - Cutoff(rough).soc);
       if (!(next_C > 0.5 * alpha_C && next_C < 2.0 * alpha_C)) return;
       const double change = std::abs(next_C / alpha_C - 1.0);
       alpha_C = next_C;
@@ -191,14 +191,16 @@ class JointRun {
     Prepare(alpha_C);
   }
 
-  // A at which the solution's v_oc reaches the cut-off: by its last slope where no row went there.
-  [[nodiscard]] double SocAtCutoff(const JointSolution& solution) const {
+  // Where the solution's v_oc reaches the cut-off.
+  [[nodiscard]] CutoffPoint Cutoff(const JointSolution& solution) const {
+    const auto& nodes = solution.structure.voltage_soc;
+    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
+    const std::size_t first = Reached(nodes, soc, 2).first;
     const OpenCircuitVoltage curve = Curve(solution);
-    const double cutoff_V = *campaign_.cutoff_V;
-    const auto lowest = curve.Evaluate(curve.soc_lo());
-    if (lowest.value_V <= cutoff_V) return curve.SocAtVoltage(cutoff_V);
-    return lowest.slope_V > 0.0 ? curve.soc_lo() - (lowest.value_V - cutoff_V) / lowest.slope_V
-                                : curve.soc_lo();
+    CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), *campaign_.cutoff_V);
+    point.lower += first;
+    point.upper += first;
+    return point;
   }
 
   // The nodes that rows reached, and one on either side.
@@ -270,7 +272,6 @@ class JointRun {
     cell.branches.clear();
     if (!curve_given_) {
       cell.open_circuit_voltage = Curve(best);
-      result_.lowest_node = Reached(best.structure.voltage_soc, soc, 2).first;
     }
     cell.series_resistance_Ohm = Table(best, layout.series(), soc);
     for (int j = 0; j < best.structure.branches; ++j) {
@@ -298,7 +299,10 @@ class JointRun {
     }
     // Every log that starts full is the same in any gauge: the last word on alpha costs nothing.
     double alpha_C = setup.alpha_C;
-    if (result_.alpha_source == "cut-off") alpha_C *= 1.0 - SocAtCutoff(best);
+    if (result_.alpha_source == "cut-off") {
+      result_.cutoff = Cutoff(best);
+      alpha_C *= 1.0 - result_.cutoff.soc;
+    }
     const bool all_full = std::all_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
       return log.entry.initial_soc == 1.0;
     });
@@ -366,15 +370,13 @@ class JointRun {
                             "do not need it",
                             name));
     }
-    if (result_.alpha_source == "cut-off" && campaign_.cutoff_V) {
+    if (result_.cutoff.extrapolated) {
       const double lowest_V =
           result_.cell.open_circuit_voltage(result_.cell.open_circuit_voltage.soc_lo());
-      if (lowest_V > *campaign_.cutoff_V + 0.02) {
-        say.push_back(fmt::format(
-            "v_oc was seen down to {:.3g} V only: alpha follows from its last slope to {:.3g} V",
-            lowest_V,
-            *campaign_.cutoff_V));
-      }
+      say.push_back(fmt::format(
+          "v_oc was seen down to {:.3g} V only: alpha follows from its last slope to {:.3g} V",
+          lowest_V,
+          *campaign_.cutoff_V));
     }
     for (std::size_t j = 0; j < result_.cell.branches.size(); ++j) {
       const auto& r = result_.cell.branches[j].resistance_Ohm.resistance_Ohm;

@@ -16,6 +16,7 @@
 
 #include "identify/constant_current_validation.h"
 #include "identify/joint/joint_choice.h"
+#include "identify/joint/joint_gauge.h"
 #include "identify/stages/staged_run.h"
 
 namespace lipoid {
@@ -39,7 +40,7 @@ struct JointResult {
   JointLogs logs;
   JointSetup setup;
   std::map<std::string, double> fixed;  ///< what the user held
-  std::size_t lowest_node = 0;          ///< of v_oc that the cell's curve has
+  CutoffPoint cutoff;  ///< among the nodes of v_oc; found only where it fixed alpha
 };
 
 /// Throws LoadError for logs that are not what the campaign says they are, OptionError for

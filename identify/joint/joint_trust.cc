@@ -105,7 +105,7 @@ class Assessment {
   }
 
   std::vector<TrustedQuantity> Quantities() {
-    if (result_.alpha_source == "cut-off") AddAlpha();
+    AddAlpha();
     AddRate("beta", "beta", "s^-1/2", best_.rates.beta_per_sqrt_s);
     AddTable("r_s", layout_.series());
     std::vector<int> order;
@@ -165,6 +165,7 @@ class Assessment {
     const Eigen::Index at = Searched(rate);
     if (at < 0) return;  // given
     TrustedQuantity q = Quantity(std::move(name), std::move(unit), value, 0.0);
+    if (rate == "beta") q.upper = 1.0;
     q.combination[at] = 1.0;
     q.at_bound = AtBound(rate);
     Add(std::move(q));
@@ -229,27 +230,17 @@ class Assessment {
     Add(std::move(q));
   }
 
-  // v_oc(A_0) is the cut-off and alpha' = alpha (1 - A_0): dA_0 = -dv_oc/slope.
+  // alpha' = alpha (1 - A_0), A_0 where the line through two nodes is the cut-off.
   void AddAlpha() {
-    const auto& nodes = best_.structure.voltage_soc;
-    if (nodes.size() < 2) return;
-    const JointSetup& setup = result_.setup;
-    const double soc = 1.0 - result_.alpha_C / setup.alpha_C;
-    // On a segment of the curve; below its lowest node the first one goes on.
-    NodeShare at = NodeFinder(nodes)(soc);
-    const auto lowest = static_cast<int>(result_.lowest_node);
-    if (at.lower < lowest) {
-      at.lower = lowest;
-      at.share = (soc - nodes[lowest]) / (nodes[lowest + 1] - nodes[lowest]);
-    }
-    const double slope_V = (setup.reference(nodes[at.lower + 1]) + best_.x[at.lower + 1] -
-                            setup.reference(nodes[at.lower]) - best_.x[at.lower]) /
-                           (nodes[at.lower + 1] - nodes[at.lower]);
-    if (!(slope_V > 0.0)) return;
+    const CutoffPoint& cutoff = result_.cutoff;
+    if (!cutoff.found) return;
     TrustedQuantity q = Quantity("alpha", "C", result_.alpha_C, 0.0);
-    // v_oc(A_0) = (1 - share) V_k + share V_k+1; of rises the suffix sums of these.
-    for (int k = 0; k <= at.lower; ++k) q.combination[Linear(k)] = setup.alpha_C / slope_V;
-    q.combination[Linear(at.lower + 1)] = at.share * setup.alpha_C / slope_V;
+    // Of nodes; of rises the suffix sums of these.
+    const double of_lower = -result_.setup.alpha_C * cutoff.per_lower_V;
+    const double of_upper = -result_.setup.alpha_C * cutoff.per_upper_V;
+    for (std::size_t k = 0; k <= cutoff.upper; ++k) {
+      q.combination[Linear(static_cast<int>(k))] = of_upper + (k <= cutoff.lower ? of_lower : 0.0);
+    }
     Add(std::move(q));
   }
 
