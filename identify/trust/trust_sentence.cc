@@ -127,6 +127,11 @@ class Advisor {
     const QuantityTrust* worst = nullptr;
     for (const auto& q : report_.quantities) {
       if (q.verdict != Verdict::kOnlyInCombination || !Open(q)) continue;
+      // A partner of which all is said already tells nothing new.
+      if (std::all_of(q.with.begin(), q.with.end(), [&](const auto& name) {
+            return std::find(done_.begin(), done_.end(), name) != done_.end();
+          }))
+        continue;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
         worst = &q;
     }
@@ -197,6 +202,7 @@ class Advisor {
     const QuantityTrust* worst = nullptr;
     for (const auto& q : report_.quantities) {
       if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q)) continue;
+      if (q.verdict == Verdict::kOnlyInCombination) continue;  // said, or its partner was
       // A capacitance is as weak as the two that it is made of.
       if (Split(q.name).family == "c" && Find("tau_" + std::string(Split(q.name).branch))) continue;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)

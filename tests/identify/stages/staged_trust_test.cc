@@ -1,8 +1,10 @@
 #include "identify/stages/staged_trust.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "identify/logs/load_campaign.h"
@@ -81,11 +83,13 @@ TEST(StagedTrust, IntervalsCoverTheTruthOfSimulatedPulses) {
                                                   {"r_1", kBranch_Ohm},
                                                   {"tau_1", kTau_s},
                                                   {"c_1", kTau_s / kBranch_Ohm}};
-  constexpr int kSeeds = 40;
+  // More of them for docs/verdicts.md.
+  const char* more = std::getenv("LIPOID_TRUST_SEEDS");
+  const std::uint64_t seeds = more != nullptr ? std::stoul(more) : 40;
   for (const double time_s : {30.0, 300.0}) {
     int covered = 0;
     int asked = 0;
-    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       Record record = clean;
       AddNoise(record, 2e-4, 5e-4, time_s, seed);
       const auto outcome = FitAndAssess(record);
@@ -96,7 +100,11 @@ TEST(StagedTrust, IntervalsCoverTheTruthOfSimulatedPulses) {
       }
     }
     // 200 intervals, those of one log alike: one standard deviation of the share is 2 %, so that
-    // the claim of 90 to 99 % is tested to 86 % and above; docs/verdicts.md has 1000 seeds.
+    // the claim of 90 to 99 % is tested to 86 % and above; docs/verdicts.md has 500 seeds.
+    fmt::print("noise of {} s: {:.1f} % of {} intervals cover the truth\n",
+               time_s,
+               100.0 * covered / asked,
+               asked);
     EXPECT_GE(covered, 0.86 * asked) << time_s << " s";
     EXPECT_LE(covered, asked) << time_s << " s";
   }

@@ -72,6 +72,12 @@ TEST(TrustSentence, TakesABranchThatMayBeZeroAsNotFound) {
   const auto text =
       SentenceOf({Quantity("beta", 0.2, kGood), r, Quantity("tau_1", 300.0, Verdict::kWeak)});
   EXPECT_EQ(text.find("branch 1 was not found"), 0U) << text;
+  // That r_s is known only with r_1 is the same news.
+  const auto with_r_s = SentenceOf({Quantity("beta", 0.2, kGood),
+                                    Quantity("r_s", 0.1, kTogether, {"r_1"}),
+                                    r,
+                                    Quantity("tau_1", 300.0, Verdict::kWeak)});
+  EXPECT_EQ(with_r_s, text);
 }
 
 TEST(TrustSentence, SaysAtMostTwoThings) {
