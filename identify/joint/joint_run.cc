@@ -370,13 +370,16 @@ class JointRun {
                             "do not need it",
                             name));
     }
+    constexpr double kWorthSaying_V = 0.02;
     if (result_.cutoff.extrapolated) {
       const double lowest_V =
           result_.cell.open_circuit_voltage(result_.cell.open_circuit_voltage.soc_lo());
-      say.push_back(fmt::format(
-          "v_oc was seen down to {:.3g} V only: alpha follows from its last slope to {:.3g} V",
-          lowest_V,
-          *campaign_.cutoff_V));
+      if (lowest_V > *campaign_.cutoff_V + kWorthSaying_V) {
+        say.push_back(fmt::format(
+            "v_oc was seen down to {:.3g} V only: alpha follows from its last slope to {:.3g} V",
+            lowest_V,
+            *campaign_.cutoff_V));
+      }
     }
     for (std::size_t j = 0; j < result_.cell.branches.size(); ++j) {
       const auto& r = result_.cell.branches[j].resistance_Ohm.resistance_Ohm;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/core/options.h"
@@ -30,15 +31,19 @@ std::string TrustText(const TrustReport& report, const std::string& exact) {
                         {"unit", Align::kLeft},
                         {"verdict", Align::kLeft}});
   // An end that is nowhere is said as such, not as a missing number.
-  const auto end = [](double value) {
-    return std::isinf(value) ? std::string("unknown") : Significant(value);
+  const auto end = [](double value, int digits) {
+    return std::isinf(value) ? std::string("unknown") : Significant(value, digits);
   };
   for (const auto& q : report.quantities) {
+    // Down to a tenth of the standard error: the ends of a narrow interval must not look alike.
+    int digits = 5;
+    if (const double share = std::abs(q.estimate) / q.standard_error; std::isfinite(share))
+      digits = std::clamp(static_cast<int>(std::log10(std::max(share, 1.0))) + 2, 4, 9);
     table.Row({"   " + q.name,
-               Significant(q.estimate, 5),
+               Significant(q.estimate, digits),
                std::isinf(q.standard_error) ? "unknown" : Significant(q.standard_error, 2),
-               end(q.low),
-               end(q.high),
+               end(q.low, digits),
+               end(q.high, digits),
                q.unit,
                VerdictText(q)});
   }
