@@ -14,7 +14,8 @@ constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
-constexpr double kFineStep = 1e-3;  // of the logarithms of the rates
+constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
+constexpr double kFineStep = 1e-3;              // of the logarithms of the rates
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise.
@@ -51,11 +52,24 @@ bool Complete(const JointSolution& solution, const JointLogs& logs) {
   return !solution.structure.self_heating || solution.x[layout.heating()] > 0.0;
 }
 
+// With a node more between any two.
+std::vector<double> Halved(const std::vector<double>& nodes) {
+  std::vector<double> fine;
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    fine.push_back(nodes[k]);
+    fine.push_back(0.5 * (nodes[k] + nodes[k + 1]));
+  }
+  fine.push_back(nodes.back());
+  return fine;
+}
+
 std::string Describe(const JointStructure& s) {
   std::string text = s.nodes() == 1 ? "constant resistances" : fmt::format("{} nodes", s.nodes());
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
   if (s.self_heating) text += ", self-heating";
   if (s.charge_transfer) text += ", charge transfer";
+  if (s.voltage_soc.size() > kUsualVoltageNodes)
+    text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
   return text;
 }
 
@@ -123,10 +137,9 @@ JointChoice ChooseStructure(const JointFit& fit,
   const auto better = [&](const LeftOutErrors& rich, const LeftOutErrors& simple) {
     return Better(rich, simple, logs.noise_mean_V);
   };
-  // Takes it where it is better than what was taken before.
-  const auto try_one = [&](const JointStructure& structure) {
-    const JointSolution* near = choice.tried.empty() ? nullptr : &choice.best;
-    TriedStructure row{.what = Describe(structure), .solution = fit.Search(structure, rough, near)};
+  // Judges the solution, and takes it where it is better than what was taken before.
+  const auto judge = [&](const JointStructure& structure, JointSolution solution) {
+    TriedStructure row{.what = Describe(structure), .solution = std::move(solution)};
     if (compare) {
       row.errors = fit.LeaveOut(structure, row.solution.rates, ladder);
     } else {
@@ -137,6 +150,9 @@ JointChoice ChooseStructure(const JointFit& fit,
     choice.tried.push_back(std::move(row));
     if (taking) take(choice.tried.size() - 1);
     tell(0.08 * static_cast<double>(choice.tried.size()));
+  };
+  const auto try_one = [&](const JointStructure& structure) {
+    judge(structure, fit.Search(structure, rough, choice.tried.empty() ? nullptr : &choice.best));
   };
 
   const auto on = [&](int nodes) { return OnAxis(ResistanceNodes(nodes), lowest_soc); };
@@ -195,6 +211,12 @@ JointChoice ChooseStructure(const JointFit& fit,
       ++richer.branches;
       try_one(richer);
       if (taken + 1 != choice.tried.size()) break;
+    }
+    // The nodes of v_oc do not move the rates: those found are kept.
+    if (!voltage_soc.empty() && options.voltage_nodes == 0) {
+      JointStructure finer = choice.best.structure;
+      finer.voltage_soc = Halved(voltage_soc);
+      judge(finer, fit.Solve(finer, choice.best.rates, rough));
     }
   }
   choice.tried[taken].taken = true;
