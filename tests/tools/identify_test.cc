@@ -126,6 +126,23 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
   std::size_t rows = 1;
   for (const Json& log : summary.at("logs")) rows += log.at("rows").get<std::size_t>();
   EXPECT_EQ(Lines(ReadTextFile(folder + "/residuals.csv")), rows);
+  // The same bits with any number of threads.
+  for (const char* threads : {"1", "2"}) {
+    ASSERT_EQ(RunLipoid(folder,
+                        {"identify",
+                         "logs/campaign.toml",
+                         "--method",
+                         "joint",
+                         "--threads",
+                         threads,
+                         "-o",
+                         "again.json"})
+                  .exit_code,
+              0);
+    Cell again = ReadCellFile(folder + "/again.json");
+    again.run = cell.run;
+    EXPECT_EQ(CellToJson(again).dump(), CellToJson(cell).dump()) << threads << " threads";
+  }
   // The cell file is one like any other.
   const auto validate = RunLipoid(folder, {"validate", "cell.json", "logs/pulses.csv"});
   EXPECT_EQ(validate.exit_code, 0) << validate.err;

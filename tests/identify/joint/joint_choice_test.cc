@@ -69,12 +69,14 @@ TEST(JointChoice, DoesWhatItIsTold) {
   const JointResult result = Identify(Truth(),
                                       {.branches = 2,
                                        .resistance_nodes = 6,
+                                       .voltage_nodes = 40,
                                        .self_heating = Presence::kOff,
                                        .charge_transfer = Presence::kOn,
                                        .smoothness = 0.01});
   const JointSolution& best = result.choice.best;
   EXPECT_EQ(best.structure.branches, 2);
   EXPECT_EQ(best.structure.nodes(), 6);
+  EXPECT_EQ(best.structure.voltage_soc.size(), 40U);
   EXPECT_TRUE(best.structure.charge_transfer);
   EXPECT_FALSE(best.structure.self_heating);
   EXPECT_EQ(best.smoothness, 0.01);
