@@ -116,23 +116,6 @@ std::vector<Candidate> SearchStarts(const VoltageSweep& coarse,
   return candidates;
 }
 
-// A resistance that starts at zero leaves its time constant without a gradient. Where capacitances
-// are the unknowns they take over the time constants.
-void MakeReady(PulseParameters& p, const PulseUnknowns& unknowns) {
-  for (const PulseVariable& v : unknowns.variables) {
-    if (!v.resistive()) continue;
-    double& r = Entry(p, v);
-    r = std::clamp(std::max(r, 0.01 * unknowns.scales.series_resistance_Ohm), v.lower, v.upper);
-  }
-  for (const PulseVariable& v : unknowns.variables) {
-    if (v.kind != PulseVariable::Kind::kCapacitance) continue;
-    const double r =
-        std::max(p.sweep.resistance_Ohm[v.branch], 1e-6 * unknowns.scales.series_resistance_Ohm);
-    Entry(p, v) = std::clamp(p.sweep.time_constant_s[v.branch] / r, v.lower, v.upper);
-  }
-  FollowCapacitances(p);
-}
-
 }  // namespace
 
 PulseFitResult FitPulses(const VoltageSweep& sweep,

@@ -121,6 +121,10 @@ struct PulseUnknowns {
                                               const PulseProblemOptions& options,
                                               const PulseFitKnowledge& known);
 
+/// Makes parameters a start. A resistance of zero would leave its time constant without a gradient.
+/// Where capacitances are the unknowns they take over the time constants.
+void MakeReady(PulseParameters& p, const PulseUnknowns& unknowns);
+
 /// The sweep must outlive the problem.
 class PulseProblem : public LeastSquaresProblem {
  public:

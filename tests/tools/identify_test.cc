@@ -148,6 +148,78 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
   EXPECT_EQ(validate.exit_code, 0) << validate.err;
 }
 
+TEST(Identify, ProfilesParametersOnRequest) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.0002", "--seed", "5"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "-o",
+                              "cell.json",
+                              "--profile",
+                              "r_s,tau_1",
+                              "--profile",
+                              "beta",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  const Json& profiles = summary.at("profiles");
+  ASSERT_EQ(profiles.size(), 3U);
+  const std::vector<std::string> names{"r_s", "tau_1", "beta"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    SCOPED_TRACE(names[k]);
+    const Json& profile = profiles[k];
+    EXPECT_EQ(profile.at("name"), names[k]);
+    for (const Json& parameter : summary.at("parameters")) {
+      if (parameter.at("name") != names[k]) continue;
+      EXPECT_EQ(profile.at("estimate"), parameter.at("estimate"));
+      EXPECT_EQ(profile.at("unit"), parameter.at("unit"));
+    }
+    const Json& points = profile.at("points");
+    ASSERT_GE(points.size(), 11U);
+    // No point is better than the fit, and the fit is one of them.
+    double least_V = points[0].at("rmse_V").get<double>();
+    for (std::size_t n = 1; n < points.size(); ++n) {
+      EXPECT_GT(points[n].at("value").get<double>(), points[n - 1].at("value").get<double>());
+      EXPECT_GT(points[n].at("cost").get<double>(), 0.0);
+      least_V = std::min(least_V, points[n].at("rmse_V").get<double>());
+    }
+    EXPECT_NEAR(least_V, summary.at("stages").at("pulses").at("rmse_V").get<double>(), 1e-9);
+    const Json& interval = profile.at("interval_95");
+    ASSERT_EQ(interval.size(), 2U);
+    EXPECT_LT(interval[0].get<double>(), profile.at("estimate").get<double>());
+    EXPECT_GT(interval[1].get<double>(), profile.at("estimate").get<double>());
+    EXPECT_NE(run.out.find("profile of " + names[k] + " / "), std::string::npos);
+  }
+  // A line of the plot has at most 60 columns.
+  std::istringstream lines(run.out.substr(run.out.find("profile of r_s")));
+  std::size_t bars = 0;
+  for (std::string text; std::getline(lines, text);) {
+    if (text.find("  ##") == std::string::npos) continue;
+    ++bars;
+    EXPECT_LE(text.size(), 60U) << text;
+  }
+  EXPECT_GE(bars, 20U);
+  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run.at("options").at("profile").size(), 3U);
+
+  const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
+      {{"--profile", "tau_2"},
+       "option --profile: no parameter 'tau_2' in this fit; profiles can be had of beta, r_s, r_1, "
+       "tau_1, c_1"},
+      {{"--profile", "beta", "--fix", "beta=0.2"},
+       "option --profile: 'beta' is given, or follows from what is; profiles can be had of r_s, "
+       "r_1, tau_1, c_1"},
+      {{"--profile", "beta,"}, "option --profile: expected NAME,..., found 'beta,'"}};
+  for (const auto& [options, message] : refused) {
+    std::vector<std::string> arguments{"identify", "logs/campaign.toml", "-o", "other.json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto bad = RunLipoid(folder, arguments);
+    EXPECT_EQ(bad.exit_code, 2);
+    EXPECT_NE(bad.err.find(message), std::string::npos) << bad.err;
+  }
+}
+
 TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});

@@ -9,8 +9,10 @@
 #include "identify/joint/joint_trust.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
+#include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
 #include "identify/stages/staged_run.h"
+#include "identify/trust/profile_report.h"
 #include "model/battery/cell_comparison.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
@@ -18,6 +20,8 @@
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/joint_text.h"
+#include "tools/commands/profile_text.h"
+#include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
 #include "tools/commands/truth_table.h"
 
@@ -39,18 +43,40 @@ struct Outcome {
   Cell cell;
 };
 
+void AddProfiles(Outcome& outcome, const std::vector<Profile>& profiles) {
+  if (profiles.empty()) return;
+  outcome.report["profiles"] = ProfilesToJson(profiles);
+  outcome.text += "\n" + ProfilesText(profiles);
+}
+
 Outcome Staged(const Campaign& campaign,
                const std::vector<LoadedLog>& logs,
                const StagedArguments& arguments,
+               const std::vector<std::string>& profiled,
                const StageProgress& progress) {
   StagedResult result =
       IdentifyStaged(campaign, logs, arguments.options, arguments.given, progress);
-  return {.converged = result.converged,
+  std::vector<Profile> profiles;
+  if (!profiled.empty()) {
+    progress("profiles", 0.97);
+    const PulseTask task = PreparePulses(campaign, logs, arguments.options, arguments.given);
+    profiles = ProfileStaged(profiled,
+                             task.sweep,
+                             task.data,
+                             result.pulses,
+                             result.trust,
+                             arguments.options.pulses,
+                             arguments.options.solver,
+                             arguments.given.parameters);
+  }
+  Outcome outcome{.converged = result.converged,
           .report = StagedToJson(result),
           .text = IdentifyReport(campaign, result),
           .fitted = {result.fitted_kind},
           .mean_error_percent = result.pulses.errors.mean_error_percent,
           .cell = std::move(result.cell)};
+  AddProfiles(outcome, profiles);
+  return outcome;
 }
 
 Outcome Joint(const Campaign& campaign,
@@ -91,6 +117,19 @@ std::vector<std::string> InputsOf(const Campaign& campaign, const StagedGiven& g
   }
   if (given.open_circuit_voltage) inputs.push_back(given.open_circuit_voltage_source);
   return inputs;
+}
+
+// "beta,tau_1" or one name per text, each once.
+std::vector<std::string> ProfiledNames(const std::vector<std::string>& texts) {
+  std::vector<std::string> names;
+  for (const std::string& text : texts) {
+    for (const std::string& name : SplitAt(text, ',')) {
+      if (name.empty())
+        throw OptionError(fmt::format("option --profile: expected NAME,..., found '{}'", text));
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
 }
 
 // Hashes files while other work goes on.
@@ -137,6 +176,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::string output;
   std::string residuals;
   std::string truth_file;
+  std::vector<std::string> profile_texts;
 
   line.Describe(
       "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. "
@@ -162,6 +202,10 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
                     "CSV",
                     "write measured and fitted voltages of the last fit, row by row");
   line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
+  line.Texts("profile",
+             profile_texts,
+             "NAME,...",
+             "hold each of these at values around its estimate, refit the others, show the errors");
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
   line.Group("joint", joint);
@@ -170,6 +214,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
 
   const bool by_options = staged.ByOptions();
   const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
+  const std::vector<std::string> profiled = ProfiledNames(profile_texts);
+  if (method == Method::kJoint && !profiled.empty())
+    throw OptionError("option --profile goes with --method staged");
+  if (method == Method::kStaged)
+    CheckStagedProfile(profiled, staged.options.pulses, staged.given.parameters);
   const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
   if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
@@ -214,7 +263,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };
     Outcome result = method == Method::kJoint ? Joint(campaign, logs, staged, joint, tell)
-                                              : Staged(campaign, logs, staged, tell);
+                                              : Staged(campaign, logs, staged, profiled, tell);
     line.progress().Update(share(0.95), "writing");
     RunRecord run;
     run.command = line.CommandText();
@@ -222,6 +271,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     run.options.update(staged.ToJson());
     run.options["solver"] = OptionsToJson<Json>(staged.options.solver);
     if (method == Method::kJoint) run.options["joint"] = OptionsToJson<Json>(joint);
+    if (!profiled.empty()) run.options["profile"] = profiled;
     run.seed = line.seed();
     run.metrics = result.report;
     hashing.AddTo(run);
