@@ -38,6 +38,11 @@ double Crossing(const Profile& profile, std::size_t least, int direction) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+// The better of two fits; one that failed is none.
+void Keep(ProfileCost& best, const ProfileCost& other) {
+  if (std::isfinite(other.cost) && !(best.cost <= other.cost)) best = other;
+}
+
 }  // namespace
 
 const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& name) {
@@ -120,23 +125,31 @@ std::vector<Profile> FindProfiles(const std::vector<ProfileTask>& tasks, const T
       profiles[t].points.push_back({.value = value});
     }
   }
-  // Each side is a walk away from the estimate.
-  tbb::parallel_for(std::size_t{0}, 2 * tasks.size(), [&](std::size_t walk) {
+  // Two walks each: away from the estimate to one end, then across to the other. So a point is
+  // refitted from either side, and the better valley counts.
+  std::vector<std::vector<ProfileCost>> found(2 * tasks.size());
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t walk) {
     const std::size_t t = walk / 2;
-    auto& points = profiles[t].points;
+    const auto& points = profiles[t].points;
     if (points.empty()) return;
+    const bool upward = walk % 2 == 0;
     const Refit refit = tasks[t].begin();
-    const auto at = [&](std::size_t k) {
-      const ProfileCost left = refit(points[k].value);
-      points[k].cost = left.cost;
-      points[k].rmse_V = left.rmse_V;
+    found[walk].resize(points.size());
+    const auto visit = [&](std::size_t k) {
+      Keep(found[walk][k], refit(points[k].value));
     };
-    if (walk % 2 == 0) {
-      for (std::size_t k = centre[t]; k-- > 0;) at(k);
-    } else {
-      for (std::size_t k = centre[t]; k < points.size(); ++k) at(k);
-    }
+    const std::size_t size = points.size();
+    for (std::size_t k = centre[t]; upward && k < size; ++k) visit(k);
+    for (std::size_t k = upward ? size - 1 : centre[t] + 1; k-- > 0;) visit(k);
+    for (std::size_t k = 1; !upward && k < size; ++k) visit(k);
   });
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    for (std::size_t k = 0; k < profiles[t].points.size(); ++k) {
+      Keep(found[2 * t][k], found[2 * t + 1][k]);
+      profiles[t].points[k].cost = found[2 * t][k].cost;
+      profiles[t].points[k].rmse_V = found[2 * t][k].rmse_V;
+    }
+  }
   for (Profile& profile : profiles) FindProfileInterval(profile, trust);
   return profiles;
 }

@@ -54,7 +54,7 @@ struct ProfileTask {
   double upper = std::numeric_limits<double>::infinity();
   /// Of the estimate, where it is known otherwise than by its trust: for what stands at zero.
   double typical_reach = std::numeric_limits<double>::quiet_NaN();
-  /// A refit that starts at the estimate. Two are made, one for each way from there.
+  /// A refit that starts at the estimate. Two are made: each goes to one end first, then across.
   std::function<Refit()> begin;
 };
 

@@ -210,6 +210,7 @@ TEST(Identify, ProfilesParametersOnRequest) {
       {{"--profile", "beta", "--fix", "beta=0.2"},
        "option --profile: 'beta' is given, or follows from what is; profiles can be had of r_s, "
        "r_1, tau_1, c_1"},
+      {{"--profile", "c_1", "--method", "joint"}, "profile tau_1 instead of c_1"},
       {{"--profile", "beta,"}, "option --profile: expected NAME,..., found 'beta,'"}};
   for (const auto& [options, message] : refused) {
     std::vector<std::string> arguments{"identify", "logs/campaign.toml", "-o", "other.json"};

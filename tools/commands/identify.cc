@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/joint_trust.h"
@@ -70,11 +71,11 @@ Outcome Staged(const Campaign& campaign,
                              arguments.given.parameters);
   }
   Outcome outcome{.converged = result.converged,
-          .report = StagedToJson(result),
-          .text = IdentifyReport(campaign, result),
-          .fitted = {result.fitted_kind},
-          .mean_error_percent = result.pulses.errors.mean_error_percent,
-          .cell = std::move(result.cell)};
+                  .report = StagedToJson(result),
+                  .text = IdentifyReport(campaign, result),
+                  .fitted = {result.fitted_kind},
+                  .mean_error_percent = result.pulses.errors.mean_error_percent,
+                  .cell = std::move(result.cell)};
   AddProfiles(outcome, profiles);
   return outcome;
 }
@@ -83,19 +84,27 @@ Outcome Joint(const Campaign& campaign,
               const std::vector<LoadedLog>& logs,
               const StagedArguments& arguments,
               const JointOptions& options,
+              const std::vector<std::string>& profiled,
               const StageProgress& progress) {
   JointResult result =
       IdentifyJoint(campaign, logs, arguments.options, options, arguments.given, progress);
   const TrustReport trust = AssessJoint(result);
+  std::vector<Profile> profiles;
+  if (!profiled.empty()) {
+    progress("profiles", 0.97);
+    profiles = ProfileJoint(profiled, result, trust, arguments.given.parameters.bounds);
+  }
   double mean = 0.0;
   for (const auto& log : result.fitted)
     mean += log.all.mean_error_percent / static_cast<double>(result.fitted.size());
-  return {.converged = result.converged,
-          .report = JointToJson(result, trust),
-          .text = JointReport(campaign, result, trust),
-          .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
-          .mean_error_percent = mean,
-          .cell = std::move(result.cell)};
+  Outcome outcome{.converged = result.converged,
+                  .report = JointToJson(result, trust),
+                  .text = JointReport(campaign, result, trust),
+                  .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
+                  .mean_error_percent = mean,
+                  .cell = std::move(result.cell)};
+  AddProfiles(outcome, profiles);
+  return outcome;
 }
 
 // Where the cell of a campaign goes: the file named, or one in the folder named, called after the
@@ -215,10 +224,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   const bool by_options = staged.ByOptions();
   const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
   const std::vector<std::string> profiled = ProfiledNames(profile_texts);
-  if (method == Method::kJoint && !profiled.empty())
-    throw OptionError("option --profile goes with --method staged");
-  if (method == Method::kStaged)
+  if (method == Method::kJoint) {
+    CheckJointProfile(profiled);
+  } else {
     CheckStagedProfile(profiled, staged.options.pulses, staged.given.parameters);
+  }
   const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
   if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
@@ -262,7 +272,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     const StageProgress tell = [&](std::string_view stage, double part) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };
-    Outcome result = method == Method::kJoint ? Joint(campaign, logs, staged, joint, tell)
+    Outcome result = method == Method::kJoint ? Joint(campaign, logs, staged, joint, profiled, tell)
                                               : Staged(campaign, logs, staged, profiled, tell);
     line.progress().Update(share(0.95), "writing");
     RunRecord run;

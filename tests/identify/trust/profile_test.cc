@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "identify/trust/profile_report.h"
 #include "model/core/errors.h"
@@ -92,6 +94,23 @@ TEST(Profile, OfAFlatValleyHasNoEnds) {
   EXPECT_TRUE(json.at("interval_95")[0].is_null());
   EXPECT_TRUE(json.at("interval_95")[1].is_null());
   EXPECT_EQ(json.at("objective_rise_of"), "q");
+}
+
+// A fit that stays in the valley it is in: the other one is found from the far end, on the way back.
+TEST(Profile, TakesTheBetterOfTwoValleys) {
+  const auto near = [](double p) { return std::pow(p - 1.0, 2); };
+  const auto far = [](double p) { return 0.02 * std::pow(p - 1.0, 2) + 0.001; };
+  auto task = Task(1.0, {});
+  task.begin = [&]() -> Refit {
+    auto crossed = std::make_shared<bool>(false);
+    return [&near, &far, crossed](double p) {
+      *crossed = *crossed || p > 1.25;
+      return ProfileCost{*crossed ? far(p) : near(p), 0.1};
+    };
+  };
+  const auto profile = FindProfiles({task}, Trust(1.0, 0.1, 0.01))[0];
+  for (const auto& point : profile.points)
+    EXPECT_NEAR(point.cost, std::min(near(point.value), far(point.value)), 1e-15) << point.value;
 }
 
 TEST(Profile, StaysWithinBoundsAndPassesOverFailedFits) {

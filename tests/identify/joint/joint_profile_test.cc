@@ -1,0 +1,82 @@
+#include "identify/joint/joint_profile.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "identify/joint/joint_trust.h"
+#include "model/battery/cell_file.h"
+#include "model/core/errors.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+std::vector<LoadedLog> Logs() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return test::SyntheticLogs(cell, 5.0, 0.0005);
+}
+
+constexpr JointOptions kPlain{.branches = 1,
+                              .resistance_nodes = 1,
+                              .self_heating = Presence::kOff,
+                              .charge_transfer = Presence::kOff,
+                              .smoothness = 1e-4};
+
+std::string Refusal(const std::vector<std::string>& names,
+                    const JointResult& result,
+                    const TrustReport& trust) {
+  try {
+    (void)ProfileJoint(names, result, trust);
+  } catch (const OptionError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Refits against sensitivities: the model is nearly linear over so short intervals.
+TEST(JointProfile, AgreesWithTheStandardErrorWhereTheModelIsNearlyLinear) {
+  const auto logs = Logs();
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+  const TrustReport trust = AssessJoint(result);
+  const auto profiles = ProfileJoint({"beta", "r_s", "r_1", "tau_1"}, result, trust);
+  ASSERT_EQ(profiles.size(), 4U);
+  for (const Profile& profile : profiles) {
+    SCOPED_TRACE(profile.name);
+    const QuantityTrust& wald = *FindQuantity(trust, profile.name);
+    EXPECT_EQ(profile.unit, wald.unit);
+    EXPECT_NEAR(profile.estimate / wald.estimate, 1.0, 1e-12);
+    ASSERT_EQ(profile.points.size(), 21U);
+    // The run stops where its rates are known to a few hundredths of their errors.
+    EXPECT_NEAR((profile.points[10].cost - profile.least_cost) / profile.rise_95, 0.0, 0.01);
+    constexpr double kCurvature = 0.15;
+    EXPECT_NEAR((wald.estimate - profile.low) / (wald.estimate - wald.low), 1.0, kCurvature);
+    EXPECT_NEAR((profile.high - wald.estimate) / (wald.high - wald.estimate), 1.0, kCurvature);
+    EXPECT_NEAR(profile.points[10].rmse_V / result.rmse_V, 1.0, 1e-3);
+  }
+}
+
+TEST(JointProfile, RefusesWhatItCannotHold) {
+  const auto logs = Logs();
+  JointOptions options = kPlain;
+  options.resistance_nodes = 6;
+  StagedGiven given;
+  given.parameters.fixed["beta"] = 0.1924;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given);
+  const TrustReport trust = AssessJoint(result);
+  EXPECT_EQ(Refusal({"r_s"}, result, trust),
+            "option --profile: r_s is a table over the state of charge here, and no single value "
+            "can be held; --set joint.resistance_nodes=1 makes it one number");
+  EXPECT_EQ(Refusal({"beta"}, result, trust),
+            "option --profile: 'beta' is given, or follows from what is; profiles can be had of "
+            "tau_1");
+  EXPECT_EQ(Refusal({"tau_2"}, result, trust),
+            "option --profile: no parameter 'tau_2' in this fit; profiles can be had of tau_1");
+  EXPECT_NE(Refusal({"c_1"}, result, trust).find("profile tau_1 instead"), std::string::npos);
+  EXPECT_NE(Refusal({"alpha"}, result, trust).find("convention"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lipoid
