@@ -203,6 +203,27 @@ TEST(Identify, ProfilesParametersOnRequest) {
   EXPECT_GE(bars, 20U);
   EXPECT_EQ(ReadCellFile(folder + "/cell.json").run.at("options").at("profile").size(), 3U);
 
+  const auto joint = RunLipoid(folder,
+                               {"identify",
+                                "logs/campaign.toml",
+                                "--method",
+                                "joint",
+                                "-o",
+                                "joint.json",
+                                "--profile",
+                                "tau_1",
+                                "--summary",
+                                "j.json"});
+  ASSERT_EQ(joint.exit_code, 0) << joint.err;
+  const Json tau = ReadJson(folder, "j.json").at("profiles").at(0);
+  EXPECT_EQ(tau.at("name"), "tau_1");
+  // The truth, to ten times the interval: one of the noise's seeds may miss it.
+  const double width_s =
+      tau.at("interval_95")[1].get<double>() - tau.at("interval_95")[0].get<double>();
+  EXPECT_GT(width_s, 0.0);
+  EXPECT_NEAR(tau.at("estimate").get<double>(), 45.0, 10.0 * width_s);
+  EXPECT_NE(joint.out.find("profile of tau_1 / s: 95 % from "), std::string::npos);
+
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
       {{"--profile", "tau_2"},
        "option --profile: no parameter 'tau_2' in this fit; profiles can be had of beta, r_s, r_1, "

@@ -96,7 +96,7 @@ TEST(Profile, OfAFlatValleyHasNoEnds) {
   EXPECT_EQ(json.at("objective_rise_of"), "q");
 }
 
-// A fit that stays in the valley it is in: the other one is found from the far end, on the way back.
+// A fit that stays in its valley: the other one is found from the far end, on the way back.
 TEST(Profile, TakesTheBetterOfTwoValleys) {
   const auto near = [](double p) { return std::pow(p - 1.0, 2); };
   const auto far = [](double p) { return 0.02 * std::pow(p - 1.0, 2) + 0.001; };
