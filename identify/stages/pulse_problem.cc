@@ -14,7 +14,6 @@ namespace {
 
 using Kind = PulseVariable::Kind;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is then three years
 constexpr double kLargestBeta = 1.0;
