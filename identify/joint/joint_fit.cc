@@ -302,15 +302,17 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure) con
     }
     grid = std::move(more);
   };
+  // Two values of tau_h or i_0; one where both are there, for each was found alone before.
+  const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;
   std::vector<int> branches;
   double lower_tau_s = shortest_tau_s_;
   double upper_tau_s = longest_tau_s_;
   for (const Rate& rate : Rates(structure)) {
     if (rate.name == "tau_h") {
-      with(Choices(Geometric(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), 2), 1),
+      with(Choices(Geometric(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1),
            [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
     } else if (rate.name == "i_0") {
-      with(Choices(Geometric(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, 2), 1),
+      with(Choices(Geometric(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1),
            [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
     } else if (rate.name != "beta") {
       branches.push_back(rate.index);
@@ -378,7 +380,7 @@ JointSolution JointFit::Polish(JointSolution from, double step_tolerance) const 
   if (problem.size() == 0 || from.x.size() == 0) return from;
   DirectSearchOptions options;
   options.step_tolerance = step_tolerance;
-  options.iterations_per_variable = 60;
+  options.iterations_per_variable = 40;
   const Eigen::VectorXd start = problem.Point(from.rates);
   (void)MinimizeBobyqa(problem, start, options);
   JointSolution best = problem.best();

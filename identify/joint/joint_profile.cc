@@ -114,8 +114,8 @@ class HeldFit {
     const JointFit fit(result_.logs, result_.setup, known_);
     JointRates rates = last_.rates;
     if (held_.entry != nullptr) *held_.entry(rates, held_.index) = value;
-    JointSolution found = fit.Polish(
-        fit.Solve(last_.structure, rates, last_.smoothness, last_.at_zero), kStep);
+    JointSolution found =
+        fit.Polish(fit.Solve(last_.structure, rates, last_.smoothness, last_.at_zero), kStep);
     if (found.x.size() == 0 || !std::isfinite(found.cost)) return {};
     last_ = std::move(found);
     return {.cost = last_.cost,
