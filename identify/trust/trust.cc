@@ -1,5 +1,8 @@
 #include "identify/trust/trust.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
@@ -80,19 +83,35 @@ Eigen::Index Size(const std::vector<Eigen::Index>& list) {
   return static_cast<Eigen::Index>(list.size());
 }
 
-// J'WJ, a strip of rows at a time.
-Eigen::MatrixXd Gram(const FittedRows& log) {
-  constexpr Eigen::Index kStrip = 1024;
-  const Eigen::Index p = log.sensitivity.cols();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
-  Eigen::MatrixXd strip;
-  for (Eigen::Index k = 0; k < log.sensitivity.rows(); k += kStrip) {
-    const Eigen::Index rows = std::min(kStrip, log.sensitivity.rows() - k);
-    strip =
-        log.weight.segment(k, rows).cwiseSqrt().asDiagonal() * log.sensitivity.middleRows(k, rows);
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(strip.transpose());
+// J'WJ of all logs, a strip of rows at a time. The strips are dealt out to lanes, whose sums are
+// added in their order: the same bits with any number of threads.
+Eigen::MatrixXd Gram(std::span<const FittedRows> logs) {
+  constexpr Eigen::Index kStrip = 256;
+  constexpr std::size_t kLanes = 8;
+  struct Strip {
+    const FittedRows& log;
+    Eigen::Index from;
+  };
+  std::vector<Strip> strips;
+  for (const FittedRows& log : logs) {
+    for (Eigen::Index k = 0; k < log.sensitivity.rows(); k += kStrip) strips.push_back({log, k});
   }
-  return gram.selfadjointView<Eigen::Lower>();
+  const Eigen::Index p = logs[0].sensitivity.cols();
+  std::vector<Eigen::MatrixXd> lanes(std::clamp<std::size_t>(strips.size(), 1, kLanes));
+  tbb::parallel_for(std::size_t{0}, lanes.size(), [&](std::size_t lane) {
+    Eigen::MatrixXd& sum = lanes[lane];
+    sum.setZero(p, p);
+    Eigen::MatrixXd weighted;
+    for (std::size_t k = lane; k < strips.size(); k += lanes.size()) {
+      const auto& [log, from] = strips[k];
+      const Eigen::Index rows = std::min(kStrip, log.sensitivity.rows() - from);
+      weighted = log.weight.segment(from, rows).cwiseSqrt().asDiagonal() *
+                 log.sensitivity.middleRows(from, rows);
+      sum.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+    }
+  });
+  for (std::size_t lane = 1; lane < lanes.size(); ++lane) lanes[0] += lanes[lane];
+  return lanes[0].selfadjointView<Eigen::Lower>();
 }
 
 class Assessment {
@@ -104,7 +123,12 @@ class Assessment {
       : logs_(logs), quantities_(quantities), options_(options) {
     Check(penalty);
     FindFree();
-    ReduceToQuantities(penalty);
+    const Eigen::MatrixXd h = SumRows(penalty);
+    tbb::parallel_invoke(
+        [&] {
+          if (!options_.assumed) fit_.emplace(h);
+        },
+        [&] { ReduceToQuantities(h); });
   }
 
   TrustReport Run() {
@@ -155,21 +179,22 @@ class Assessment {
     }
   }
 
-  // The information on the quantities, with the other parameters left to follow: a change of the
-  // quantities by dq moves the free parameters by D dq, and
-  //   A = D'HD,   covariance = A^{-1} (D'J'W Sigma W J D) A^{-1}
-  void ReduceToQuantities(const Eigen::MatrixXd& penalty) {
-    Eigen::MatrixXd all = penalty;
-    const Eigen::Index p = logs_[0].sensitivity.cols();
-    if (all.size() == 0) all.setZero(p, p);
+  // H of the free parameters.
+  Eigen::MatrixXd SumRows(const Eigen::MatrixXd& penalty) {
     for (const FittedRows& log : logs_) {
-      all += Gram(log);
       weight_ += log.weight.sum();
       rows_ +=
           log.averaged.size() > 0 ? log.averaged.sum() : static_cast<double>(log.weight.size());
     }
-    const Eigen::MatrixXd h = all(free_, free_);
-    fit_.emplace(h);
+    Eigen::MatrixXd all = Gram(logs_);
+    if (penalty.size() > 0) all += penalty;
+    return all(free_, free_);
+  }
+
+  // The information on the quantities, with the other parameters left to follow: a change of the
+  // quantities by dq moves the free parameters by D dq, and
+  //   A = D'HD,   covariance = A^{-1} (D'J'W Sigma W J D) A^{-1}
+  void ReduceToQuantities(const Eigen::MatrixXd& h) {
     // In units in which each parameter carries as much as another.
     Eigen::VectorXd unit(Size(free_));
     for (Eigen::Index k = 0; k < Size(free_); ++k)
@@ -218,10 +243,12 @@ class Assessment {
       terms_.row(primary_[static_cast<std::size_t>(k)]).setZero();
       terms_(primary_[static_cast<std::size_t>(k)], k) = 1.0;
     }
-    Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(p, n);
+    Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(logs_[0].sensitivity.cols(), n);
     spread(free_, Eigen::all) = d;
-    for (const FittedRows& log : logs_)
-      scores_.emplace_back((log.sensitivity * spread).transpose() * log.weight.asDiagonal());
+    scores_.resize(logs_.size());
+    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+      scores_[l] = (logs_[l].sensitivity * spread).transpose() * logs_[l].weight.asDiagonal();
+    });
   }
 
   // What the fit leaves of noise: series x rows of every log, in place. Logs without rows are
@@ -241,28 +268,40 @@ class Assessment {
     }
   }
 
-  // The variogram that noise of each component has left when the fit has followed it.
-  Eigen::MatrixXd DesignOfResiduals(std::size_t l) const {
-    const CorrelationModel& model = models_[l];
-    Eigen::MatrixXd design = model.design();
-    for (Eigen::Index m = 0; m < model.components(); ++m) {
-      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), m);
-      std::vector<Eigen::MatrixXd> noise(logs_.size());
-      noise[l] = model.Simulate(unit, kSeriesPerComponent, options_.seed, Stream(l, 1));
-      const Eigen::VectorXd before = model.Variogram(noise[l]).rowwise().sum();
-      Project(noise);
-      const Eigen::VectorXd after = model.Variogram(noise[l]).rowwise().sum();
-      const Eigen::Index last = design.rows() - 1;
-      if (!(before[last] > 0.0)) continue;
-      // The part that is left, so that the chance of the noise drops out.
-      for (Eigen::Index k = 0; k <= last; ++k) {
-        design(k, m) = before[k] > 0.0 ? design(k, m) * after[k] / before[k]
-                                       : design(last, m) * after[k] / before[last];
-      }
-      if (!(design.col(m).maxCoeff() > kSwallowed * model.design().col(m).maxCoeff()))
-        design.col(m).setZero();
+  // A log and a component of its noise: what is done for each of them is done on all cores.
+  struct Part {
+    std::size_t log;
+    Eigen::Index component;
+  };
+  [[nodiscard]] std::vector<Part> Parts() const {
+    std::vector<Part> parts;
+    for (std::size_t l = 0; l < models_.size(); ++l) {
+      for (Eigen::Index m = 0; m < models_[l].components(); ++m) parts.push_back({l, m});
     }
-    return design;
+    return parts;
+  }
+
+  // The variogram that noise of one component has left when the fit has followed it: from what it
+  // was without a fit, in place.
+  void FindDesignOfResiduals(const Part& part, Eigen::Ref<Eigen::VectorXd> design) const {
+    const CorrelationModel& model = models_[part.log];
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), part.component);
+    std::vector<Eigen::MatrixXd> all(logs_.size());
+    Eigen::MatrixXd& noise = all[part.log];
+    noise = model.Simulate(unit, kSeriesPerComponent, options_.seed, Stream(part.log, 1));
+    const Eigen::VectorXd before = model.Variogram(noise).rowwise().sum();
+    Project(all);
+    const Eigen::VectorXd after = model.Variogram(noise).rowwise().sum();
+    const Eigen::Index last = design.size() - 1;
+    if (!(before[last] > 0.0)) return;
+    const double largest = design.maxCoeff();
+    const double mean_square = design[last];
+    // The part that is left, so that the chance of the noise drops out.
+    for (Eigen::Index k = 0; k <= last; ++k) {
+      design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
+                                  : mean_square * after[k] / before[last];
+    }
+    if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
   }
 
   // White first, then the one time constant; nothing is to be found, and nothing is uncertain.
@@ -277,26 +316,31 @@ class Assessment {
 
   void FindCorrelation() {
     std::vector<Eigen::MatrixXd> designs;
-    for (std::size_t l = 0; l < logs_.size(); ++l) {
-      const FittedRows& log = logs_[l];
+    for (const FittedRows& log : logs_) {
       models_.emplace_back(log.time_s, log.averaged);
-      designs.push_back(DesignOfResiduals(l));
-      variances_.push_back(
-          models_[l].Fit(models_[l].Variogram(log.residual_V.transpose()), designs[l]));
+      designs.push_back(models_.back().design());
     }
-    // The same of noise that has the correlation found.
+    const std::vector<Part> parts = Parts();
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+      FindDesignOfResiduals(parts[k], designs[parts[k].log].col(parts[k].component));
+    });
     const Eigen::Index series = options_.simulations;
-    std::vector<Eigen::MatrixXd> noise;
-    for (std::size_t l = 0; l < logs_.size(); ++l)
-      noise.push_back(models_[l].Simulate(variances_[l], series, options_.seed, Stream(l, 0)));
+    std::vector<Eigen::MatrixXd> noise(logs_.size());
+    variances_.resize(logs_.size());
+    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+      const CorrelationModel& model = models_[l];
+      variances_[l] = model.Fit(model.Variogram(logs_[l].residual_V.transpose()), designs[l]);
+      noise[l] = model.Simulate(variances_[l], series, options_.seed, Stream(l, 0));
+    });
+    // The same of noise that has the correlation found.
     Project(noise);
-    for (std::size_t l = 0; l < logs_.size(); ++l) {
+    simulated_.resize(logs_.size());
+    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
       const Eigen::MatrixXd variograms = models_[l].Variogram(noise[l]);
-      Eigen::MatrixXd found(variances_[l].size(), series);
+      simulated_[l].resize(variances_[l].size(), series);
       for (Eigen::Index s = 0; s < series; ++s)
-        found.col(s) = models_[l].Fit(variograms.col(s), designs[l]);
-      simulated_.push_back(std::move(found));
-    }
+        simulated_[l].col(s) = models_[l].Fit(variograms.col(s), designs[l]);
+    });
   }
 
   void FindSampling() {
@@ -315,14 +359,15 @@ class Assessment {
   }
 
   void SumScores() {
-    for (std::size_t l = 0; l < logs_.size(); ++l) {
+    for (std::size_t l = 0; l < logs_.size(); ++l)
       report_.residual_correlation.push_back(models_[l].Describe(variances_[l]));
-      for (Eigen::Index m = 0; m < models_[l].components(); ++m) {
-        const bool seen =
-            variances_[l][m] > 0.0 || (simulated_[l].row(m).array() > 0.0).any();
-        sums_.push_back(seen ? models_[l].QuadraticSum(scores_[l], m) : Eigen::MatrixXd());
-      }
-    }
+    const std::vector<Part> parts = Parts();
+    sums_.resize(parts.size());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+      const auto [l, m] = parts[k];
+      const bool seen = variances_[l][m] > 0.0 || (simulated_[l].row(m).array() > 0.0).any();
+      if (seen) sums_[k] = models_[l].QuadraticSum(scores_[l], m);
+    });
   }
 
   // D'J'W Sigma W J D with the variances that `of(log)` gives.
@@ -379,8 +424,6 @@ class Assessment {
         trust.verdict = Verdict::kAtBound;
       } else if (reach * trust.relative_standard_error <= kIdentifiedHalfWidth) {
         trust.verdict = Verdict::kIdentified;
-      } else if (!trust.silent) {
-        FindPartners(index, scatter, reach, trust);
       }
       if (!known_at_all) {
         report_.covariance.row(index).setConstant(kNaN);
@@ -389,6 +432,11 @@ class Assessment {
       }
       report_.quantities.push_back(std::move(trust));
     }
+    tbb::parallel_for(std::size_t{0}, quantities_.size(), [&](std::size_t k) {
+      QuantityTrust& trust = report_.quantities[k];
+      if (trust.verdict == Verdict::kWeak && !trust.silent)
+        FindPartners(static_cast<Eigen::Index>(k), scatter, trust);
+    });
   }
 
   // Noise of the correlation found gives, by the same way, a variance of each quantity: its spread
@@ -420,11 +468,11 @@ class Assessment {
   // Would it be identified if others were known?
   void FindPartners(Eigen::Index quantity,
                     const Eigen::MatrixXd& scatter,
-                    double reach,
                     QuantityTrust& trust) const {
     const auto place = std::find(primary_.begin(), primary_.end(), quantity);
     if (place == primary_.end()) return;
     const TrustedQuantity& q = quantities_[static_cast<std::size_t>(quantity)];
+    const double reach = Reach(trust.degrees_of_freedom);
     std::vector<Eigen::Index> free;
     for (Eigen::Index k = 0; k < Size(primary_); ++k) free.push_back(k);
     const auto self = place - primary_.begin();

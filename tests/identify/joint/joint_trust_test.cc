@@ -1,5 +1,6 @@
 #include "identify/joint/joint_trust.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -113,9 +114,11 @@ TEST(JointTrust, IntervalsCoverTheTruth) {
     EXPECT_GE(count, 33) << name;  // of 40: fewer is one in a thousand at 95 %
     all += count;
   }
-  // 90 to 99 % over all.
+  // 90 % over all, and not nearly every one: intervals of 95 % that are too wide say nothing. The
+  // ceiling leaves room for a few that another compiler's rounding moves across an end.
   EXPECT_GE(all, 0.90 * 6 * kSeeds);
-  EXPECT_LE(all, 0.99 * 6 * kSeeds);
+  EXPECT_LE(all, 0.995 * 6 * kSeeds);
+  fmt::print("{} of {} intervals cover the truth\n", all, 6 * kSeeds);
 }
 
 TEST(JointTrust, ABranchThatIsNotThereIsNotBelieved) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -392,6 +393,30 @@ TEST(Trust, GivesTheSameAnswerTwiceAndTakesEmptyLogs) {
     EXPECT_EQ(q.verdict, Verdict::kWeak);
     EXPECT_EQ(q.standard_error, std::numeric_limits<double>::infinity());
     EXPECT_FALSE(std::isnan(q.low));
+  }
+}
+
+TEST(Trust, HasTheSameBitsWithAnyNumberOfThreads) {
+  const PulseDesign pulses;
+  std::vector<FittedRows> logs;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const VectorXd noise = Noise(pulses.sensitivity.rows(), 5e-4, 5e-4, 30.0, seed);
+    logs.push_back(FitNoise(pulses.sensitivity, noise).rows);
+  }
+  const auto quantities = Parameters(kNames, pulses.truth);
+  const auto with = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return AssessTrust(logs, {}, quantities);
+  };
+  const TrustReport one = with(1);
+  for (const std::size_t threads : {2U, 4U}) {
+    const TrustReport more = with(threads);
+    EXPECT_EQ(more.covariance, one.covariance) << threads;
+    EXPECT_EQ(more.sentence, one.sentence);
+    for (std::size_t k = 0; k < one.quantities.size(); ++k) {
+      EXPECT_EQ(more.quantities[k].degrees_of_freedom, one.quantities[k].degrees_of_freedom);
+      EXPECT_EQ(more.quantities[k].verdict, one.quantities[k].verdict);
+    }
   }
 }
 
