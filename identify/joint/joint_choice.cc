@@ -190,7 +190,7 @@ JointChoice ChooseStructure(const JointFit& fit,
       const std::size_t middle = taken;
       const JointStructure base = choice.best.structure;
       std::vector<std::size_t> by_nodes;
-      for (const int nodes : {1, 13, 20, 34}) {
+      for (const int nodes : {1, 13, 34}) {
         if (nodes == base.nodes()) {
           by_nodes.push_back(middle);
           continue;

@@ -380,7 +380,7 @@ JointSolution JointFit::Polish(JointSolution from, double step_tolerance) const 
   if (problem.size() == 0 || from.x.size() == 0) return from;
   DirectSearchOptions options;
   options.step_tolerance = step_tolerance;
-  options.iterations_per_variable = 40;
+  options.iterations_per_variable = 30;
   const Eigen::VectorXd start = problem.Point(from.rates);
   (void)MinimizeBobyqa(problem, start, options);
   JointSolution best = problem.best();
