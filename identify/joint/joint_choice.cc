@@ -14,6 +14,7 @@ constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
+constexpr double kNoSmoothness = 1e-6;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
 constexpr double kFineStep = 1e-3;              // of the logarithms of the rates
 
@@ -220,6 +221,10 @@ JointChoice ChooseStructure(const JointFit& fit,
     }
   }
   choice.tried[taken].taken = true;
+  // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
+  // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
+  if (compare && options.smoothness == 0.0 && choice.errors.fitted_V <= logs.noise_V)
+    choice.errors.smoothness = kNoSmoothness;
   // The last polish follows the fit; where rows left out are predicted worse for it, it followed
   // noise along a flat valley.
   JointSolution before =
