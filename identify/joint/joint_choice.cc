@@ -14,7 +14,6 @@ constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
-constexpr double kNoSmoothness = 1e-6;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
 constexpr double kFineStep = 1e-3;              // of the logarithms of the rates
 

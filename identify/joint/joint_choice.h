@@ -76,6 +76,9 @@ struct TriedStructure {
   bool taken = false;
 };
 
+/// Of a fit that is within the noise of a row: the data decide alone.
+inline constexpr double kNoSmoothness = 1e-6;
+
 struct JointChoice {
   JointSolution best;
   LeftOutErrors errors;

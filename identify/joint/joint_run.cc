@@ -242,10 +242,25 @@ class JointRun {
                       "expected logs from which v_oc(A) and a resistance follow, found none that "
                       "determine them");
     }
+    if (result_.alpha_source == "cut-off" && result_.choice.errors.smoothness <= kNoSmoothness)
+      FitInItsOwnGauge();
     const JointSolution& best = result_.choice.best;
     result_.rmse_V = std::sqrt(std::max(best.square, 0.0) / result_.logs.weight_sum);
     result_.evaluations = fit.evaluations();
     result_.converged = true;
+  }
+
+  // The first gauge was rough. Where the model is right to within the noise, kinks of v_oc a part
+  // in a hundred thousand off the nodes would be the largest error left.
+  void FitInItsOwnGauge() {
+    JointSolution& best = result_.choice.best;
+    const CutoffPoint cutoff = Cutoff(best);
+    if (!cutoff.found || best.structure.voltage_soc != CurveNodes()) return;
+    Prepare(result_.setup.alpha_C * (1.0 - cutoff.soc));
+    best.structure.voltage_soc = CurveNodes();
+    const JointFit fit(result_.logs, result_.setup, known_);
+    JointSolution again = fit.Polish(fit.Solve(best.structure, best.rates, best.smoothness), 1e-3);
+    if (again.x.size() > 0) best = std::move(again);
   }
 
   Resistance<double> Table(const JointSolution& solution, int table, const SocTrace& soc) const {
