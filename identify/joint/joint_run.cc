@@ -95,6 +95,11 @@ class JointRun {
         campaign_, logs_, staged_options_, for_staged, [&](auto stage, double share) {
           Tell(stage, 0.2 * share);
         });
+    for (const LoadedLog& log : logs_) {
+      const std::vector<double> delivered_C = DeliveredCharge(log.log.record);
+      deepest_C_.push_back(
+          delivered_C.empty() ? 0.0 : *std::max_element(delivered_C.begin(), delivered_C.end()));
+    }
     curve_given_ = given_.open_circuit_voltage.has_value();
     result_.fixed = known_.fixed;
     FindAlpha();
@@ -134,15 +139,9 @@ class JointRun {
   // Where the charge of the logs ends.
   [[nodiscard]] double LowestSoc(double alpha_C) const {
     double most_C = 0.0;
-    for (const LoadedLog& log : logs_) {
-      if (log.entry.kind == LogKind::kValidation) continue;
-      double charge_C = alpha_C * (1.0 - log.entry.initial_soc);
-      const Record& record = log.log.record;
-      for (std::size_t k = 1; k < record.size(); ++k) {
-        const double held_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
-        charge_C += held_A * (record.time_s[k] - record.time_s[k - 1]);
-        most_C = std::max(most_C, charge_C);
-      }
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      if (logs_[l].entry.kind == LogKind::kValidation || logs_[l].log.record.size() == 0) continue;
+      most_C = std::max(most_C, alpha_C * (1.0 - logs_[l].entry.initial_soc) + deepest_C_[l]);
     }
     return 1.0 - most_C / alpha_C;
   }
@@ -417,6 +416,7 @@ class JointRun {
   const StageProgress& progress_;
   const JointKnowledge known_;
   bool curve_given_ = false;
+  std::vector<double> deepest_C_;  // charge that has left each log at most
   JointResult result_;
 };
 

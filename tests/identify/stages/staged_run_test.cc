@@ -11,6 +11,7 @@
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
 #include "tests/support/paths.h"
+#include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
 namespace {
@@ -29,64 +30,32 @@ Cell Truth() {
   return cell;
 }
 
-// A log of the cell under a current that is a function of time, to cut-off, sampled every dt_s.
-template <class Current>
-Record Simulate(
-    const Cell& cell, double dt_s, double longest_s, Current&& current_A, const std::string& name) {
-  Record record;
-  record.file = name;
-  for (int k = 0; k * dt_s <= longest_s; ++k) {
-    record.time_s.push_back(k * dt_s);
-    record.current_A.push_back(k == 0 ? 0.0 : current_A(k * dt_s));
-  }
-  record.voltage_V = Predict(cell, record.time_s, record.current_A).voltage_V;
-  std::size_t rows = 0;
-  while (rows < record.size() && record.voltage_V[rows] > cell.cutoff_V) ++rows;
-  rows = std::min(rows + 1, record.size());
-  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) column->resize(rows);
-  return record;
-}
-
-LoadedLog Loaded(LogKind kind, Record record) {
-  LoadedLog log;
-  log.entry.kind = kind;
-  log.entry.file = record.file;
-  log.log.record = std::move(record);
-  return log;
-}
+using test::AsLog;
+using test::CampaignOf;
+using test::SimulateLog;
 
 LoadedLog ConstantCurrent(const Cell& cell, double rate) {
-  return Loaded(LogKind::kConstantCurrent,
-                Simulate(
-                    cell,
-                    1.0,
-                    2.0 * 3600.0 / rate,
-                    [&](double) { return 0.6 * rate; },
-                    "cc_" + std::to_string(int(rate)) + "C.csv"));
+  return AsLog(LogKind::kConstantCurrent,
+               SimulateLog(
+                   cell,
+                   1.0,
+                   2.0 * 3600.0 / rate,
+                   [&](double) { return 0.6 * rate; },
+                   "cc_" + std::to_string(int(rate)) + "C.csv"));
 }
 LoadedLog LowRate(const Cell& cell) {
-  return Loaded(LogKind::kLowRate,
-                Simulate(
-                    cell, 10.0, 1e5, [](double) { return 0.05; }, "low_rate.csv"));
+  return AsLog(LogKind::kLowRate,
+               SimulateLog(
+                   cell, 10.0, 1e5, [](double) { return 0.05; }, "low_rate.csv"));
 }
 LoadedLog Pulses(const Cell& cell) {
-  return Loaded(LogKind::kPulses,
-                Simulate(
-                    cell,
-                    1.0,
-                    1e5,
-                    [](double t) { return std::fmod(t - 1e-6, 1800.0) < 30.0 ? 3.6 : 0.0; },
-                    "pulses.csv"));
-}
-
-Campaign CampaignOf(const std::vector<LoadedLog>& logs) {
-  Campaign campaign;
-  campaign.name = "test cell";
-  campaign.file = "campaign.toml";
-  campaign.capacity_Ah = 0.6;
-  campaign.cutoff_V = 3.0;
-  for (const auto& log : logs) campaign.logs.push_back(log.entry);
-  return campaign;
+  return AsLog(LogKind::kPulses,
+               SimulateLog(
+                   cell,
+                   1.0,
+                   1e5,
+                   [](double t) { return std::fmod(t - 1e-6, 1800.0) < 30.0 ? 3.6 : 0.0; },
+                   "pulses.csv"));
 }
 
 StagedResult Identify(const std::vector<LoadedLog>& logs,
@@ -127,7 +96,7 @@ TEST(StagedRun, FindsTheCellFromItsLogsAsWellAsTheMethodCan) {
   for (const double rate : {1.0, 2.0, 3.0, 4.0}) logs.push_back(ConstantCurrent(truth, rate));
   logs.push_back(LowRate(truth));
   logs.push_back(Pulses(truth));
-  logs.push_back(Loaded(LogKind::kValidation, ConstantCurrent(truth, 5.0).log.record));
+  logs.push_back(AsLog(LogKind::kValidation, ConstantCurrent(truth, 5.0).log.record));
   const StagedResult result = Identify(logs);
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.alpha_source, "discharge-times");
