@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/logs/columns.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -37,32 +38,56 @@ void ForEachStretch(
   }
 }
 
-// The median over time to kBins parts of the range, without sorting.
-double MedianOverTime(const Record& record, std::size_t first, std::size_t last, std::size_t rows) {
+// The currents of stretches, and their median over time to kBins parts of their range, without
+// sorting.
+struct Level {
+  Extent current_A;
+  double median_A = 0.0;
+
+  // Whether every stretch keeps within `share` of the median.
+  [[nodiscard]] bool Within(double share) const {
+    return std::max(current_A.most - median_A, median_A - current_A.least) <=
+           share * std::abs(median_A);
+  }
+};
+
+Level FindLevel(const Record& record, std::size_t first, std::size_t last, std::size_t rows) {
   constexpr std::size_t kBins = 4096;
-  double lo = INFINITY;
-  double hi = -INFINITY;
-  double total_s = 0.0;
-  ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
-    lo = std::min(lo, s.current_A);
-    hi = std::max(hi, s.current_A);
-    total_s += s.duration_s;
-  });
-  if (!(total_s > 0.0)) return record.current_A[last];
-  if (!(hi > lo)) return lo;
+  // Without the one row that moves no charge every row is a stretch.
+  const std::size_t from = RowDuration(record, first) > 0.0 ? first : first + 1;
+  const std::size_t end = RowDuration(record, last) > 0.0 ? last + 1 : last;
+  if (from >= end)
+    return {{record.current_A[last], record.current_A[last]}, record.current_A[last]};
+  Level level;
+  if (rows == 1) {
+    level.current_A = FindExtent(std::span(record.current_A).subspan(from, end - from));
+  } else {
+    ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
+      level.current_A.least = std::min(level.current_A.least, s.current_A);
+      level.current_A.most = std::max(level.current_A.most, s.current_A);
+    });
+  }
+  const auto [lo, hi] = level.current_A;
+  level.median_A = lo;
+  if (!(hi > lo)) return level;
   std::vector<Stretch> bins(kBins);  // in each the charge, for now, and the time
+  double total_s = 0.0;
   ForEachStretch(record, first, last, rows, [&](const Stretch& s) {
     const double share = (s.current_A - lo) / (hi - lo);
     Stretch& bin = bins[std::min(static_cast<std::size_t>(share * kBins), kBins - 1)];
     bin.current_A += s.current_A * s.duration_s;
     bin.duration_s += s.duration_s;
+    total_s += s.duration_s;
   });
+  level.median_A = hi;
   double before_s = 0.0;
   for (const Stretch& bin : bins) {
     before_s += bin.duration_s;
-    if (before_s >= 0.5 * total_s) return bin.current_A / bin.duration_s;
+    if (before_s < 0.5 * total_s) continue;
+    level.median_A = bin.current_A / bin.duration_s;
+    break;
   }
-  return hi;
+  return level;
 }
 
 }  // namespace
@@ -96,13 +121,15 @@ Constancy MeasureConstancy(const Record& record, std::size_t first, std::size_t 
   constexpr double kVisibleNoise =
       kOffMedian / 4.0;               // four deviations fit into the distance that counts
   constexpr double kMostNoise = 0.5;  // more is no noise but a drive
-  Constancy result{.median_A = MedianOverTime(record, first, last, 1)};
-  const double noise = RowNoise(record.current_A, first, last) / std::abs(result.median_A);
+  Level level = FindLevel(record, first, last, 1);
+  if (level.Within(kOffMedian)) return {.median_A = level.median_A};
+  const double noise = RowNoise(record.current_A, first, last) / std::abs(level.median_A);
   std::size_t rows = 1;
   if (noise > kVisibleNoise && noise <= kMostNoise) {
     rows = static_cast<std::size_t>(std::ceil(std::pow(noise / kVisibleNoise, 2)));
-    result.median_A = MedianOverTime(record, first, last, rows);
+    level = FindLevel(record, first, last, rows);
   }
+  Constancy result{.median_A = level.median_A};
   double off_C = 0.0;
   double all_C = 0.0;
   ForEachStretch(record, first, last, rows, [&](const Stretch& s) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "identify/logs/columns.h"
 #include "identify/median.h"
 
 namespace lipoid {
@@ -26,16 +27,11 @@ constexpr double kIncoherent = 0.3;
 constexpr double kSeen = 5.0;
 constexpr double kAboveTrend = 2.0;
 
-double Largest(const std::vector<double>& values) {
-  double largest = 0.0;
-  for (const double x : values) largest = std::max(largest, std::abs(x));
-  return largest;
-}
-
 // Scatter of the voltage about a straight line through neighbouring rows of equal current, and
 // never less than half the resolution.
 double VoltageNoise(const Record& record, double largest_A) {
   std::vector<double> bends;
+  bends.reserve(record.size());
   double resolution_V = 1e-3;
   const auto same_current = [&](std::size_t k) {
     return std::abs(record.current_A[k] - record.current_A[k - 1]) <= kRestShare * largest_A;
@@ -80,6 +76,7 @@ struct Edges {
 
 Edges LookAtEdges(const Record& record, double largest_A, double noise_V) {
   std::vector<double> intervals_s;
+  intervals_s.reserve(record.size());
   for (std::size_t k = 1; k < record.size(); ++k)
     intervals_s.push_back(record.time_s[k] - record.time_s[k - 1]);
   // Across a gap the voltage moves for reasons that are not in the log.
@@ -204,9 +201,11 @@ bool HasContraryEdges(const Edges& edges, double side) {
 // Every n-th row of a long log: what a slower logger would have written says as much about the
 // sign.
 Record Thinned(const Record& record) {
-  constexpr std::size_t kEnoughRows = std::size_t{1} << 18;
+  constexpr std::size_t kEnoughRows = std::size_t{1} << 17;
   const std::size_t stride = record.size() / kEnoughRows + 1;
   Record thin;
+  for (auto* column : {&thin.time_s, &thin.current_A, &thin.voltage_V})
+    column->reserve(record.size() / stride + 1);
   for (std::size_t k = 0; k < record.size(); k += stride) {
     thin.time_s.push_back(record.time_s[k]);
     thin.current_A.push_back(record.current_A[k]);
@@ -221,7 +220,7 @@ std::string_view RisesOrFalls(bool falls) { return falls ? "falls" : "rises"; }
 
 SignFinding FindSignFromPhysics(const Record& whole) {
   const Record record = Thinned(whole);
-  const double largest_A = Largest(record.current_A);
+  const double largest_A = LargestMagnitude(record.current_A);
   if (largest_A == 0.0) return {CurrentSign::kUnclear, "no current flows"};
   const double noise_V = VoltageNoise(record, largest_A);
   const Edges edges = LookAtEdges(record, largest_A, noise_V);
@@ -343,9 +342,9 @@ SignFinding FindSignFromPhysics(const Record& whole) {
 }
 
 SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8_t>& directions) {
-  const double largest_A = Largest(record.current_A);
   if (directions.size() != record.size())
     return {CurrentSign::kUnclear, "the log has no state column"};
+  const double largest_A = LargestMagnitude(record.current_A);
   if (largest_A == 0.0) {
     const bool any =
         std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
 
@@ -109,15 +110,26 @@ Discharge OneDischarge(const Record& record, std::string_view expected) {
 }
 
 // Charge and mean current between start_s and end_s, exact for either hold.
-void CountCharge(const Record& record, Discharge& discharge) {
+void MeasureCharge(const Record& record, Discharge& discharge) {
+  const auto& t = record.time_s;
+  // What flows of the interval that ends at row k.
+  const auto part_C = [&](std::size_t k) {
+    const double from_s = std::max(t[k - 1], discharge.start_s);
+    const double to_s = std::min(t[k], discharge.end_s);
+    const double current_A = record.current_A[record.hold == Hold::kBackward ? k : k - 1];
+    return to_s > from_s ? current_A * (to_s - from_s) : 0.0;
+  };
+  // The rows within, and the intervals cut at either end.
+  const auto first =
+      static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), discharge.start_s) - t.begin());
+  const auto end =
+      static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), discharge.end_s) - t.begin());
   discharge.charge_C = 0.0;
-  for (std::size_t k = 1; k < record.size() && record.time_s[k - 1] < discharge.end_s; ++k) {
-    const double from_s = std::max(record.time_s[k - 1], discharge.start_s);
-    const double to_s = std::min(record.time_s[k], discharge.end_s);
-    if (to_s <= from_s) continue;
-    discharge.charge_C +=
-        record.current_A[record.hold == Hold::kBackward ? k : k - 1] * (to_s - from_s);
+  if (first < end) {
+    if (first > 0) discharge.charge_C += part_C(first);
+    discharge.charge_C += CountCharge(record, first, end - 1).charge_C;
   }
+  if (end > 0 && end < t.size()) discharge.charge_C += part_C(end);
   discharge.current_A = discharge.charge_C / discharge.time_s();
 }
 
@@ -208,13 +220,13 @@ Discharge FindDischarge(const Record& record, double cutoff_V) {
     discharge.end_voltage_V = lowest->voltage_V;
     discharge.last = lowest->row;
   }
-  CountCharge(record, discharge);
+  MeasureCharge(record, discharge);
   return discharge;
 }
 
 Discharge FindLowRateDischarge(const Record& record, double capacity_Ah) {
   Discharge discharge = OneDischarge(record, "one slow discharge at constant current");
-  CountCharge(record, discharge);
+  MeasureCharge(record, discharge);
   const bool nominal = capacity_Ah > 0.0;
   const double rate_per_h =
       discharge.current_A / (nominal ? capacity_Ah : discharge.charge_C / 3600.0);
@@ -233,7 +245,7 @@ Discharge FindLowRateDischarge(const Record& record, double capacity_Ah) {
 
 std::optional<Discharge> WholeDischarge(const Record& record) {
   auto found = LookForDischarge(record).discharge;
-  if (found) CountCharge(record, *found);
+  if (found) MeasureCharge(record, *found);
   return found;
 }
 

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
+#include "identify/logs/columns.h"
 
 namespace lipoid {
 namespace {
@@ -21,17 +18,6 @@ constexpr double kLeastCell_V = 0.02;
 // Charge between the fullest and the emptiest moment of a log, in capacities; and C-rate.
 constexpr double kMostCapacities = 5.0;
 constexpr double kMostRate_per_h = 500.0;
-
-// In four strands, so that no comparison waits for the one before.
-double LargestMagnitude(const std::vector<double>& values) {
-  std::array<double, 4> largest{};
-  std::size_t k = 0;
-  for (; k + 4 <= values.size(); k += 4) {
-    for (std::size_t j = 0; j < 4; ++j) largest[j] = std::max(largest[j], std::abs(values[k + j]));
-  }
-  for (; k < values.size(); ++k) largest[0] = std::max(largest[0], std::abs(values[k]));
-  return *std::max_element(largest.begin(), largest.end());
-}
 
 }  // namespace
 
@@ -65,9 +51,7 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
 
 void CheckPlausible(const Record& record, double capacity_Ah) {
   if (record.voltage_V.empty()) return;
-  double mean_V = 0.0;
-  for (const double v : record.voltage_V) mean_V += v;
-  mean_V /= static_cast<double>(record.size());
+  const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
   if (mean_V > kMostCell_V) {
     throw LoadError(
         {record.file},
@@ -95,16 +79,9 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             capacity_Ah,
             most_A));
   }
-  const bool backward = record.hold == Hold::kBackward;
-  double charge_C = 0.0;
-  double low_C = 0.0;
-  double high_C = 0.0;
-  for (std::size_t k = 1; k < record.size(); ++k) {
-    charge_C += record.current_A[backward ? k : k - 1] * (record.time_s[k] - record.time_s[k - 1]);
-    low_C = std::min(low_C, charge_C);
-    high_C = std::max(high_C, charge_C);
-  }
-  if (const double range_Ah = (high_C - low_C) / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
+  const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
+  if (const double range_Ah = (moved.most_C - moved.least_C) / 3600.0;
+      range_Ah > kMostCapacities * capacity_Ah) {
     throw LoadError(
         {record.file},
         fmt::format(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
 
 namespace lipoid {
@@ -38,7 +39,7 @@ struct Scale {
 
 Scale FindScale(const std::vector<double>& current_A) {
   Scale scale;
-  for (const double i : current_A) scale.largest_A = std::max(scale.largest_A, std::abs(i));
+  scale.largest_A = LargestMagnitude(current_A);
   // One noise for rest and load where it is too large to tell them apart by row.
   const double overall = current_A.empty() ? 0.0 : RowNoise(current_A, 0, current_A.size() - 1);
   scale.zero_noise_A = scale.load_noise_A = overall;
@@ -71,9 +72,8 @@ struct Piece {
 };
 
 double Mean(const std::vector<double>& x, std::size_t first, std::size_t last) {
-  double sum = 0.0;
-  for (std::size_t k = first; k <= last; ++k) sum += x[k];
-  return sum / static_cast<double>(last - first + 1);
+  const std::size_t rows = last - first + 1;
+  return Sum(std::span(x).subspan(first, rows)) / static_cast<double>(rows);
 }
 
 // The most likely first row of a new level among [first, last], given the old level.
@@ -154,7 +154,7 @@ class Cutter {
 
   std::vector<Piece> Cut() {
     auto pieces = FindLevels(x_, scale_);
-    Describe(pieces);
+    for (Piece& piece : pieces) Describe(piece);
     RemoveGlitches(pieces);
     JoinMoving(pieces);
     JoinEdges(pieces);
@@ -169,9 +169,6 @@ class Cutter {
     piece.rest = std::abs(piece.mean_A) <=
                  std::max(kRestShare * scale_.largest_A, 4.0 * noise / std::sqrt(rows));
     piece.held = piece.rows() >= kHeldRows && !Slopes(piece);
-  }
-  void Describe(std::vector<Piece>& pieces) const {
-    for (Piece& piece : pieces) Describe(piece);
   }
 
   // A taper is cut into pieces that each still fall.
@@ -190,6 +187,7 @@ class Cutter {
   // A row or two that stray a little and return to the level before.
   void RemoveGlitches(std::vector<Piece>& pieces) const {
     std::vector<Piece> kept;
+    std::vector<std::size_t> joined;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       const bool inside = !kept.empty() && k + 1 < pieces.size();
       if (inside && pieces[k].rows() < kHeldRows) {
@@ -198,13 +196,14 @@ class Cutter {
         if (std::abs(back) <= 2.0 * scale_.Tolerance(before) &&
             std::abs(pieces[k].mean_A - before) <= kGlitchShare * scale_.largest_A) {
           kept.back().last = pieces[++k].last;
+          if (joined.empty() || joined.back() + 1 != kept.size()) joined.push_back(kept.size() - 1);
           continue;
         }
       }
       kept.push_back(pieces[k]);
     }
     pieces = std::move(kept);
-    Describe(pieces);
+    for (const std::size_t k : joined) Describe(pieces[k]);
   }
 
   // Neighbours of which none is held make one; a rest of a row or two among them is part of the
@@ -269,33 +268,25 @@ class Cutter {
   Scale scale_;
 };
 
-// When the current of rows [first, last] flows, and what it moves.
-// The charge delivered so far, row by row and never back, (4.59).
+// The charge delivered so far, from piece to piece and never back.
 class ChargeWalk {
  public:
   explicit ChargeWalk(const Record& record) : record_(record) {}
 
   double At(std::size_t row) {
-    const bool backward = record_.hold == Hold::kBackward;
-    while (row_ < row) {
-      ++row_;
-      charge_C_ += record_.current_A[backward ? row_ : row_ - 1] *
-                   (record_.time_s[row_] - record_.time_s[row_ - 1]);
-      least_C_ = std::min(least_C_, charge_C_);
-      most_C_ = std::max(most_C_, charge_C_);
-    }
-    return charge_C_;
+    if (row > row_) moved_.Append(CountCharge(record_, row_, row));
+    row_ = std::max(row, row_);
+    return moved_.charge_C;
   }
-  [[nodiscard]] double range_C() const { return most_C_ - least_C_; }
+  [[nodiscard]] double range_C() const { return moved_.most_C - moved_.least_C; }
 
  private:
   const Record& record_;
   std::size_t row_ = 0;
-  double charge_C_ = 0.0;
-  double least_C_ = 0.0;
-  double most_C_ = 0.0;
+  ChargeMoved moved_;
 };
 
+// When the current of rows [first, last] flows, and what it moves.
 Segment Measure(const Record& record, ChargeWalk& charge, const Piece& piece) {
   const bool backward = record.hold == Hold::kBackward;
   const std::size_t from = backward && piece.first > 0 ? piece.first - 1 : piece.first;

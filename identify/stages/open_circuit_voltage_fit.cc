@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <memory>
 #include <span>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "identify/stages/row_factor.h"
 #include "model/battery/error_metrics.h"
@@ -19,9 +21,8 @@ namespace {
 
 // Rows under load, in the order of time, and the range that the curve is to span.
 struct Points {
-  std::vector<double> soc;
+  std::span<const double> soc;
   std::span<const double> voltage_V;
-  std::vector<double> gathered_V;  // where rests stand between them
   double lo = 0.0;
   double hi = 1.0;
 
@@ -48,13 +49,25 @@ std::vector<double> PlaceNodes(const Points& points, int count) {
       std::clamp<std::size_t>(points.size() / 4, 2, 10 * static_cast<std::size_t>(count)));
   std::vector<double> sum(bins, 0.0);
   std::vector<double> members(bins, 0.0);
+  const double bins_per_soc = static_cast<double>(bins) / (hi - lo);
+  // Neighbours mostly share a bin: they are summed before they are added to it.
+  std::size_t open = 0;
+  double open_V = 0.0;
+  double open_members = 0.0;
+  const auto close = [&](std::size_t next) {
+    sum[open] += open_V;
+    members[open] += open_members;
+    open = next;
+    open_V = open_members = 0.0;
+  };
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const auto bin = std::min(
-        bins - 1,
-        static_cast<std::size_t>((points.soc[k] - lo) / (hi - lo) * static_cast<double>(bins)));
-    sum[bin] += points.voltage_V[k];
-    members[bin] += 1.0;
+    const auto bin =
+        std::min(bins - 1, static_cast<std::size_t>((points.soc[k] - lo) * bins_per_soc));
+    if (bin != open) close(bin);
+    open_V += points.voltage_V[k];
+    open_members += 1.0;
   }
+  close(0);
   const double width = (hi - lo) / static_cast<double>(bins);
   std::vector<double> at;
   std::vector<double> level;
@@ -92,6 +105,21 @@ struct NodeSums {
 
   explicit NodeSums(std::size_t nodes)
       : diagonal(nodes, 0.0), beside(nodes, 0.0), right(nodes, 0.0), rows(nodes, 0.0) {}
+
+  // Rows of the interval above one node, before they are added.
+  struct Interval {
+    double lower_lower = 0.0, lower_upper = 0.0, upper_upper = 0.0;
+    double lower_V = 0.0, upper_V = 0.0, rows = 0.0;
+  };
+
+  void Add(std::size_t j, const Interval& interval) {
+    diagonal[j] += interval.lower_lower;
+    diagonal[j + 1] += interval.upper_upper;
+    beside[j] += interval.lower_upper;
+    right[j] += interval.lower_V;
+    right[j + 1] += interval.upper_V;
+    rows[j] += interval.rows;
+  }
 
   void Add(const NodeSums& other, double factor) {
     middle_V = other.middle_V;
@@ -137,22 +165,28 @@ NodeSums SumRows(const std::vector<double>& nodes,
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
     NodeSums& sums = pieces[p];
     std::size_t j = n - 2;
+    NodeSums::Interval open;
     const std::size_t end = std::min(count, (p + 1) * kPiece);
     for (std::size_t m = p * kPiece; m < end; ++m) {
       const std::size_t k = from + m * step;
       const double soc = points.soc[k];
-      while (j > 0 && soc < nodes[j]) --j;
-      while (j + 2 < n && soc >= nodes[j + 1]) ++j;
+      if ((j > 0 && soc < nodes[j]) || (j + 2 < n && soc >= nodes[j + 1])) {
+        sums.Add(j, open);
+        open = {};
+        while (j > 0 && soc < nodes[j]) --j;
+        while (j + 2 < n && soc >= nodes[j + 1]) ++j;
+      }
       const double upper = (soc - nodes[j]) * inverse[j];
       const double lower = 1.0 - upper;
       const double v = points.voltage_V[k] - middle_V;
-      sums.diagonal[j] += lower * lower;
-      sums.diagonal[j + 1] += upper * upper;
-      sums.beside[j] += lower * upper;
-      sums.right[j] += lower * v;
-      sums.right[j + 1] += upper * v;
-      sums.rows[j] += 1.0;
+      open.lower_lower += lower * lower;
+      open.upper_upper += upper * upper;
+      open.lower_upper += lower * upper;
+      open.lower_V += lower * v;
+      open.upper_V += upper * v;
+      open.rows += 1.0;
     }
+    sums.Add(j, open);
   });
   NodeSums all(n);
   for (const NodeSums& piece : pieces) all.Add(piece, 1.0);
@@ -166,11 +200,32 @@ NodeSums SumShare(const std::vector<double>& nodes, const Points& points, const 
   return sums;
 }
 
+// Nodes with the sums of every row and of those to be left out: either fit follows from them.
+struct NodeTask {
+  std::vector<double> nodes;
+  NodeSums all{0};
+  NodeSums left_out{0};
+
+  [[nodiscard]] NodeSums Sums(const Share& shown) const {
+    NodeSums sums = all;
+    if (shown.every > 0) sums.Add(left_out, -1.0);
+    return sums;
+  }
+};
+
+NodeTask MakeNodeTask(std::vector<double> nodes, const Points& points, const Share& judged) {
+  NodeSums all = SumRows(nodes, points, 0, 1);
+  NodeSums left_out = SumRows(nodes, points, judged.first(), judged.step());
+  return {std::move(nodes), std::move(all), std::move(left_out)};
+}
+
 // Values at the nodes. Nodes between which no row lies leave the system singular: they are dropped,
 // and fewer than four are none.
-std::vector<double> FitNodes(std::vector<double>& nodes, const Points& points, const Share& shown) {
+std::vector<double> FitNodes(std::vector<double>& nodes,
+                             NodeSums sums,
+                             const Points& points,
+                             const Share& shown) {
   while (nodes.size() >= 4) {
-    const NodeSums sums = SumShare(nodes, points, shown);
     std::vector<double> kept{nodes.front()};
     for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
       if (sums.rows[k - 1] > 0.0 && sums.rows[k] > 0.0) kept.push_back(nodes[k]);
@@ -178,6 +233,7 @@ std::vector<double> FitNodes(std::vector<double>& nodes, const Points& points, c
     kept.push_back(nodes.back());
     if (kept.size() == nodes.size()) return sums.Solve();
     nodes = std::move(kept);
+    sums = SumShare(nodes, points, shown);
   }
   nodes.clear();
   return {};
@@ -361,8 +417,15 @@ OpenCircuitVoltage FitFourier(const std::vector<WeightedPoint>& points,
   return OpenCircuitVoltage::Fourier(lo, hi, frequency, std::move(cosine), std::move(sine));
 }
 
+bool HasNodes(const Points& points, const OcvFitOptions& options) {
+  const bool joins =
+      options.method == OcvMethod::kLinear || options.method == OcvMethod::kMonotoneCubic;
+  return joins && points.size() > static_cast<std::size_t>(options.interpolate_up_to);
+}
+
 OpenCircuitVoltage FitCurve(const Points& points,
                             const Share& share,
+                            const NodeTask& task,
                             const OcvFitOptions& options) {
   switch (options.method) {
     case OcvMethod::kPolynomial:
@@ -373,20 +436,69 @@ OpenCircuitVoltage FitCurve(const Points& points,
     case OcvMethod::kMonotoneCubic:
       break;
   }
-  std::vector<double> nodes;
+  std::vector<double> nodes = task.nodes;
   std::vector<double> values;
-  if (points.size() > static_cast<std::size_t>(options.interpolate_up_to)) {
-    const int count =
-        std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
-    nodes = PlaceNodes(points, count);
-    values = FitNodes(nodes, points, share);
-  }
+  if (!nodes.empty()) values = FitNodes(nodes, task.Sums(share), points, share);
   if (nodes.empty()) TakeRows(points, share, nodes, values);
   if (options.method == OcvMethod::kLinear) {
     return OpenCircuitVoltage::Linear(std::move(nodes), std::move(values));
   }
   MakeMonotone(values);
   return OpenCircuitVoltage::MonotoneCubic(std::move(nodes), std::move(values));
+}
+
+// The state of charge of every row, by counting.
+struct ChargeCount {
+  std::unique_ptr<double[]> soc;
+  double most_C = 0.0;  // that left at any time
+};
+
+// In pieces, side by side, once it is known what left before each.
+ChargeCount CountedSoc(const Record& record, double alpha_C, double initial_soc) {
+  constexpr std::size_t kPiece = 1 << 16;
+  ChargeCount counted{std::make_unique_for_overwrite<double[]>(record.size())};
+  if (record.size() > 0) counted.soc[0] = initial_soc;
+  if (record.size() < 2) return counted;
+  const std::size_t last = record.size() - 1;
+  const std::size_t pieces = (last + kPiece - 1) / kPiece;
+  std::vector<ChargeMoved> moved(pieces);
+  const auto end = [&](std::size_t p) { return std::min(last, (p + 1) * kPiece); };
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t p) {
+    moved[p] = CountCharge(record, p * kPiece, end(p));
+  });
+  std::vector<ChargeMoved> before(pieces);
+  for (std::size_t p = 1; p < pieces; ++p) {
+    before[p] = before[p - 1];
+    before[p].Append(moved[p - 1]);
+  }
+  const std::size_t back = record.hold == Hold::kBackward ? 0 : 1;
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t p) {
+    double charge_C = before[p].charge_C;
+    for (std::size_t k = p * kPiece + 1; k <= end(p); ++k) {
+      charge_C += record.current_A[k - back] * (record.time_s[k] - record.time_s[k - 1]);
+      counted.soc[k] = initial_soc - charge_C / alpha_C;  // (4.59)
+    }
+  });
+  before.back().Append(moved.back());
+  counted.most_C = before.back().most_C;
+  return counted;
+}
+
+struct RowsUnderLoad {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  std::size_t count = 0;  // less than end - first where rests stand between them
+};
+
+RowsUnderLoad FindRowsUnderLoad(const Record& record, double rest_A) {
+  const auto loaded = [&](double current_A) { return current_A > rest_A; };
+  const auto& current_A = record.current_A;
+  const auto first = std::find_if(current_A.begin(), current_A.end(), loaded);
+  const auto end = std::find_if(current_A.rbegin(), current_A.rend(), loaded).base();
+  if (first == current_A.end()) return {};
+  return {.first = static_cast<std::size_t>(first - current_A.begin()),
+          .end = static_cast<std::size_t>(end - current_A.begin()),
+          .count = static_cast<std::size_t>(std::count_if(first, end, loaded))};
 }
 
 }  // namespace
@@ -397,33 +509,25 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
                                    const OcvFitOptions& options) {
   Require(alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", alpha_C}});
   const double rest_A = RestThreshold(record);
-  const bool backward = record.hold == Hold::kBackward;
   OcvFitResult result;
+  ChargeCount counted = CountedSoc(record, alpha_C, initial_soc);
+  result.charge_C = counted.most_C;
+  const RowsUnderLoad loaded = FindRowsUnderLoad(record, rest_A);
   Points points;
-  points.soc.reserve(record.size());
-  double charge_C = 0.0;
-  std::size_t first = 0;
-  std::size_t last = 0;
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    if (k > 0) {
-      charge_C +=
-          record.current_A[backward ? k : k - 1] * (record.time_s[k] - record.time_s[k - 1]);
-      result.charge_C = std::max(result.charge_C, charge_C);
+  std::vector<double> gathered_V;
+  if (loaded.count == loaded.end - loaded.first) {
+    points.soc = {counted.soc.get() + loaded.first, loaded.count};
+    points.voltage_V = std::span(record.voltage_V).subspan(loaded.first, loaded.count);
+  } else {  // rests stand between them
+    gathered_V.reserve(loaded.count);
+    for (std::size_t k = loaded.first; k < loaded.end; ++k) {
+      if (record.current_A[k] <= rest_A) continue;
+      counted.soc[gathered_V.size()] = counted.soc[k];
+      gathered_V.push_back(record.voltage_V[k]);
     }
-    if (record.current_A[k] <= rest_A) continue;
-    if (points.soc.empty()) first = k;
-    last = k;
-    points.soc.push_back(initial_soc - charge_C / alpha_C);  // (4.59)
+    points.soc = {counted.soc.get(), gathered_V.size()};
+    points.voltage_V = gathered_V;
   }
-  const bool together = points.size() == 0 || points.size() == last - first + 1;
-  if (!together) {
-    points.gathered_V.reserve(points.size());
-    for (std::size_t k = 0; k < record.size(); ++k) {
-      if (record.current_A[k] > rest_A) points.gathered_V.push_back(record.voltage_V[k]);
-    }
-  }
-  points.voltage_V = together ? std::span(record.voltage_V).subspan(first, points.size())
-                              : std::span<const double>(points.gathered_V);
   const std::size_t coefficients = options.method == OcvMethod::kPolynomial ? options.degree + 1
                                    : options.method == OcvMethod::kFourier
                                        ? 2 * options.harmonics + 1
@@ -438,26 +542,33 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   }
 
   // The curve reaches up to where the log started, a row above the first one under load.
-  points.lo = *std::min_element(points.soc.begin(), points.soc.end());
-  points.hi = std::max(initial_soc, *std::max_element(points.soc.begin(), points.soc.end()));
+  const Extent reached = FindExtent(points.soc);
+  points.lo = reached.least;
+  points.hi = std::max(initial_soc, reached.most);
 
-  const OpenCircuitVoltage judged = FitCurve(points, {options.leave_out_every}, options);
-  ErrorAccumulator errors;
   const Share shown{options.leave_out_every};
+  NodeTask task;
+  if (HasNodes(points, options)) {
+    const int count =
+        std::clamp(options.knots, 4, std::max(4, static_cast<int>(points.size() / 3)));
+    task = MakeNodeTask(PlaceNodes(points, count), points, shown);
+  }
+  const OpenCircuitVoltage judged = FitCurve(points, shown, task, options);
+  ErrorAccumulator errors;
   for (std::size_t k = shown.first(); k < points.size();
        k += std::max<std::size_t>(shown.step(), 1))
     errors.Add(points.voltage_V[k], judged(points.soc[k]));
   result.mean_error_percent = errors.Result().mean_error_percent;
   result.max_error_percent = errors.Result().max_error_percent;
   result.rmse_V = errors.Result().rmse;
-  result.curve = FitCurve(points, {}, options);
+  result.curve = FitCurve(points, {}, task, options);
   result.rows = points.size();
   // The median load, of rows enough.
   constexpr std::size_t kSamples = 1 << 16;
   std::vector<double> loads;
   const std::size_t stride = points.size() / kSamples + 1;
   loads.reserve(points.size() / stride + 1);
-  for (std::size_t k = first; k <= last; k += stride) {
+  for (std::size_t k = loaded.first; k < loaded.end; k += stride) {
     if (record.current_A[k] > rest_A) loads.push_back(record.current_A[k]);
   }
   const auto median = loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2);

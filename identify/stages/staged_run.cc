@@ -97,6 +97,7 @@ class StagedRun {
     all.insert(all.end(), pulses.begin(), pulses.end());
     std::vector<std::optional<DischargeTime>> discharges(constant.size());
     std::vector<double> shortest_pulse_s(pulses.size(), shortest_pulse_s_);
+    pulse_segments_.resize(pulses.size());
     const auto place = [](const auto& of, const LoadedLog& log) {
       return static_cast<std::size_t>(std::find(of.begin(), of.end(), &log) - of.begin());
     };
@@ -113,7 +114,8 @@ class StagedRun {
             low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
           break;
         case LogKind::kPulses:
-          for (const Segment& segment : FindPulses(log.log.record)) {
+          pulse_segments_[place(pulses, log)] = FindPulses(log.log.record);
+          for (const Segment& segment : pulse_segments_[place(pulses, log)]) {
             double& shortest_s = shortest_pulse_s[place(pulses, log)];
             if (segment.kind == SegmentKind::kPulse)
               shortest_s = std::min(shortest_s, segment.duration_s());
@@ -219,7 +221,7 @@ class StagedRun {
                               .open_circuit_voltage = {}};
     tbb::parallel_invoke([&] { sweep_.emplace(setup, sweep_logs); },
                          [&] { coarse_.emplace(setup, sweep_logs, Condensation::Coarse()); },
-                         [&] { result_.start = FindStartValues(records); });
+                         [&] { result_.start = FindStartValues(records, pulse_segments_); });
   }
 
   void FitPulseParameters() {
@@ -396,8 +398,9 @@ class StagedRun {
   std::vector<DischargeTime> discharges_;
   const LoadedLog* low_rate_ = nullptr;
   Discharge low_rate_discharge_;
-  std::optional<VoltageSweep> sweep_;   // all rows, still without v_oc(A)
-  std::optional<VoltageSweep> coarse_;  // a coarse view of them
+  std::vector<std::vector<Segment>> pulse_segments_;  // of each log of pulses
+  std::optional<VoltageSweep> sweep_;                 // all rows, still without v_oc(A)
+  std::optional<VoltageSweep> coarse_;                // a coarse view of them
   double beta_start_ = kTypicalBeta;
   double shortest_pulse_s_ = std::numeric_limits<double>::infinity();
 };

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/logs/segments.h"
+#include "identify/logs/columns.h"
 #include "identify/median.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
@@ -17,8 +18,7 @@ struct Edge {
 };
 
 void CollectEdges(const Record& record, std::vector<Edge>& edges) {
-  double largest = 0.0;
-  for (const double i : record.current_A) largest = std::max(largest, std::abs(i));
+  const double largest = LargestMagnitude(record.current_A);
   for (std::size_t k = 1; k < record.size(); ++k) {
     const double step_A = record.current_A[k] - record.current_A[k - 1];
     if (std::abs(step_A) < 0.2 * largest) continue;
@@ -29,19 +29,21 @@ void CollectEdges(const Record& record, std::vector<Edge>& edges) {
 
 }  // namespace
 
-StartValues FindStartValues(const std::vector<const Record*>& records) {
+StartValues FindStartValues(const std::vector<const Record*>& records,
+                            const std::vector<std::vector<Segment>>& known_segments) {
+  Require(known_segments.empty() || known_segments.size() == records.size(),
+          "the segments of every record or of none");
   StartValues start;
   start.longest_s = 0.0;
   std::vector<Edge> edges;
   std::vector<double> times;
   std::vector<double> recoveries;
   double shortest = std::numeric_limits<double>::infinity();
-  for (const Record* record : records) {
+  for (std::size_t n = 0; n < records.size(); ++n) {
+    const Record* const record = records[n];
     CollectEdges(*record, edges);
-    for (std::size_t k = 1; k < record->size(); ++k) {
-      shortest = std::min(shortest, record->time_s[k] - record->time_s[k - 1]);
-    }
-    const auto segments = FindSegments(*record);
+    shortest = std::min(shortest, ShortestInterval(record->time_s));
+    const auto segments = known_segments.empty() ? FindSegments(*record) : known_segments[n];
     for (std::size_t s = 0; s < segments.size(); ++s) {
       start.longest_s = std::max(start.longest_s, segments[s].duration_s());
       if (s == 0 || segments[s].kind != SegmentKind::kRest ||

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/logs/record.h"
+#include "identify/logs/segments.h"
 
 namespace lipoid {
 
@@ -28,6 +29,8 @@ struct StartValues {
   int relaxations = 0;
 };
 
-[[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records);
+/// `segments`: those of FindSegments() for each record where they are known, or none.
+[[nodiscard]] StartValues FindStartValues(const std::vector<const Record*>& records,
+                                          const std::vector<std::vector<Segment>>& segments = {});
 
 }  // namespace lipoid

@@ -1,4 +1,5 @@
 // lipoid identify CAMPAIGN... -o CELL: from logs to a cell file.
+#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <chrono>
@@ -141,37 +142,38 @@ std::vector<std::string> ProfiledNames(const std::vector<std::string>& texts) {
   return names;
 }
 
-// Hashes files while other work goes on.
+// Hashes files where other work leaves a core idle.
 class Hashing {
  public:
   explicit Hashing(std::vector<std::string> files)
       : files_(std::move(files)), sha256_(files_.size()) {
     for (std::size_t k = 0; k < files_.size(); ++k)
-      tasks_.run([this, k] { sha256_[k] = Sha256OfFile(files_[k]); });
+      arena_.enqueue(tasks_.defer([this, k] { sha256_[k] = Sha256OfFile(files_[k]); }));
   }
   ~Hashing() {
     tasks_.cancel();
-    Wait();
+    try {
+      Wait();
+    } catch (const std::exception&) {  // on the way out of another one
+    }
   }
   Hashing(const Hashing&) = delete;
   Hashing& operator=(const Hashing&) = delete;
 
   void AddTo(RunRecord& run) {
-    tasks_.wait();
+    Wait();
     run.inputs = files_;
     run.sha256 = sha256_;
   }
 
  private:
-  void Wait() noexcept {
-    try {
-      tasks_.wait();
-    } catch (const std::exception&) {  // on the way out of another one
-    }
+  void Wait() {
+    arena_.execute([this] { tasks_.wait(); });
   }
 
   std::vector<std::string> files_;
   std::vector<std::string> sha256_;
+  tbb::task_arena arena_{tbb::task_arena::automatic, 1, tbb::task_arena::priority::low};
   tbb::task_group tasks_;
 };
 

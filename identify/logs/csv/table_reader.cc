@@ -12,6 +12,8 @@
 #include <numeric>
 #include <utility>
 
+#include "identify/logs/csv/plain_decimal.h"
+
 namespace lipoid {
 namespace {
 
@@ -238,9 +240,14 @@ TableReader::Row TableReader::ReadFast(const char*& at,
     while (p < end && *p == ' ') ++p;
     double value = 0.0;
     if (column.kind == CellKind::kNumber) {
-      const auto result = fast_float::from_chars_advanced(p, end, value, options);
-      if (result.ec != std::errc() || !(std::abs(value) < kOverflow)) return Row::kUnusual;
-      p = result.ptr;
+      const char* stop =
+          end - p >= kPlainDecimalReach ? ReadPlainDecimal(p, decimal, value) : nullptr;
+      if (stop == nullptr || !(*stop == delimiter || *stop == line_end_ || *stop == '\r')) {
+        const auto result = fast_float::from_chars_advanced(p, end, value, options);
+        if (result.ec != std::errc() || !(std::abs(value) < kOverflow)) return Row::kUnusual;
+        stop = result.ptr;
+      }
+      p = stop;
     } else {
       const char* const begin = p;
       while (p < end && *p != delimiter && *p != line_end_) {

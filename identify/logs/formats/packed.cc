@@ -73,6 +73,7 @@ bool Contains(std::string_view text, std::string_view part) {
 }  // namespace
 
 void RefusePacked(const std::string& file, std::string_view head) {
+  constexpr std::size_t kLookedAt = 1 << 16;
   if (head.starts_with("PK\x03\x04") || head.starts_with("PK\x05\x06")) {
     if (Contains(head, "xl/") || Contains(head, "[Content_Types]"))
       Refuse(file, "an Excel workbook (.xlsx)", kSaveAsCsv);
@@ -87,7 +88,9 @@ void RefusePacked(const std::string& file, std::string_view head) {
       Refuse(file, packed.what, packed.advice);
     }
   }
-  // Text has no control bytes but these; a NUL or two stand in the preambles of some cyclers.
+  // Text has no control bytes but these, and binary data show them soon; a NUL or two stand in the
+  // preambles of some cyclers.
+  head = head.substr(0, kLookedAt);
   const auto odd = std::count_if(head.begin(), head.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f';
