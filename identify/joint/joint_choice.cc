@@ -15,7 +15,6 @@ constexpr double kAtTheNoise = 1.1;
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
-constexpr double kFineStep = 1e-3;              // of the logarithms of the rates
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise.
@@ -216,7 +215,10 @@ JointChoice ChooseStructure(const JointFit& fit,
     if (!voltage_soc.empty() && options.voltage_nodes == 0) {
       JointStructure finer = choice.best.structure;
       finer.voltage_soc = Halved(voltage_soc);
-      judge(finer, fit.Solve(finer, choice.best.rates, rough));
+      JointSolution solution = fit.Solve(finer, choice.best.rates, rough);
+      solution.termination = choice.best.termination;
+      solution.message = choice.best.message;
+      judge(finer, std::move(solution));
     }
   }
   choice.tried[taken].taken = true;
@@ -229,7 +231,9 @@ JointChoice ChooseStructure(const JointFit& fit,
   JointSolution before =
       fit.Solve(choice.best.structure, choice.best.rates, choice.errors.smoothness);
   before.at_bound = choice.best.at_bound;
-  JointSolution polished = fit.Polish(before, kFineStep);
+  before.termination = choice.best.termination;
+  before.message = choice.best.message;
+  JointSolution polished = fit.Polish(before, kFineStep, options.iterations_per_variable);
   if (compare) {
     const LeftOutErrors errors =
         fit.LeaveOut(polished.structure, polished.rates, {choice.errors.smoothness});

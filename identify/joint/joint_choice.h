@@ -34,6 +34,7 @@ struct JointOptions {
   double smoothness = 0.0;
   double charge_uncertainty = 0.002;
   double voltage_uncertainty_V = 0.001;
+  int iterations_per_variable = kPolishIterationsPerVariable;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
@@ -65,6 +66,10 @@ struct JointOptions {
       self.voltage_uncertainty_V,
       Range{1e-9, 1e3},
       "error of a voltage, beside the former");
+    v("iterations_per_variable",
+      self.iterations_per_variable,
+      Range{0.0, 1e6},
+      "evaluations of the last polish at most, for each rate (beta, tau_j, ...)");
   }
 };
 

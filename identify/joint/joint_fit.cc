@@ -375,15 +375,24 @@ JointSolution JointFit::Search(const JointStructure& structure,
   return Polish(Solve(structure, found.rates, smoothness), 2.0 * kRoughStep);
 }
 
-JointSolution JointFit::Polish(JointSolution from, double step_tolerance) const {
+JointSolution JointFit::Polish(JointSolution from,
+                               double step_tolerance,
+                               int iterations_per_variable) const {
   const RatesProblem problem(*this, from);
-  if (problem.size() == 0 || from.x.size() == 0) return from;
+  if (from.x.size() == 0) return from;
+  if (problem.size() == 0) {  // what is left is solved exactly
+    from.termination = Termination::kConverged;
+    from.message = "No rate was to be found.";
+    return from;
+  }
   DirectSearchOptions options;
   options.step_tolerance = step_tolerance;
-  options.iterations_per_variable = 30;
+  options.iterations_per_variable = iterations_per_variable;
   const Eigen::VectorXd start = problem.Point(from.rates);
-  (void)MinimizeBobyqa(problem, start, options);
+  const OptimizationSummary summary = MinimizeBobyqa(problem, start, options);
   JointSolution best = problem.best();
+  best.termination = summary.termination;
+  best.message = summary.message;
   best.at_bound.clear();
   for (const Rate& rate : problem.rates()) {
     JointRates rates = best.rates;

@@ -20,6 +20,7 @@
 
 #include "identify/joint/bounded_quadratic.h"
 #include "identify/joint/joint_sweep.h"
+#include "identify/optimizers/summary.h"
 
 namespace lipoid {
 
@@ -39,6 +40,8 @@ struct JointSolution {
   double cost = std::numeric_limits<double>::infinity();    ///< with the penalty
   double square = std::numeric_limits<double>::infinity();  ///< without it
   std::vector<std::string> at_bound;                        ///< rates that stand at a bound
+  Termination termination = Termination::kNotRun;           ///< of the last polish
+  std::string message;                                      ///< why that ended
 };
 
 /// What leaving groups of rows out says of a structure at its rates. Weighted means of the errors'
@@ -57,6 +60,12 @@ struct LeftOutErrors {
 /// the least such is taken, as it follows the data most closely.
 inline constexpr double kSmoothnessLoss = 0.02;
 
+/// Where the last polish ends: steps of the logarithms of the rates.
+inline constexpr double kFineStep = 1e-3;
+
+/// Evaluations that a polish may take for each rate: it takes 10 to 20.
+inline constexpr int kPolishIterationsPerVariable = 40;
+
 class JointFit {
  public:
   JointFit(const JointLogs& logs, const JointSetup& setup, const JointKnowledge& known);
@@ -65,8 +74,12 @@ class JointFit {
   [[nodiscard]] JointSolution Search(const JointStructure& structure,
                                      double smoothness,
                                      const JointSolution* near = nullptr) const;
-  /// From its rates to a minimum nearby.
-  [[nodiscard]] JointSolution Polish(JointSolution from, double step_tolerance) const;
+  /// From its rates to a minimum nearby, until the logarithms of the rates move by less than the
+  /// tolerance.
+  [[nodiscard]] JointSolution Polish(
+      JointSolution from,
+      double step_tolerance,
+      int iterations_per_variable = kPolishIterationsPerVariable) const;
   /// The linear unknowns at these rates.
   [[nodiscard]] JointSolution Solve(const JointStructure& structure,
                                     const JointRates& rates,

@@ -50,6 +50,8 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
           {"joint",
            {{"rmse_V", result.rmse_V},
             {"evaluations", result.evaluations},
+            {"termination", options_internal::ToText(best.termination)},
+            {"message", best.message},
             {"wall_s", result.wall_s},
             {"branches", best.structure.branches},
             {"resistance_nodes", best.structure.nodes()},

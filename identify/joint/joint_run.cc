@@ -246,7 +246,7 @@ class JointRun {
     const JointSolution& best = result_.choice.best;
     result_.rmse_V = std::sqrt(std::max(best.square, 0.0) / result_.logs.weight_sum);
     result_.evaluations = fit.evaluations();
-    result_.converged = true;
+    result_.converged = best.termination == Termination::kConverged;
   }
 
   // The first gauge was rough. Where the model is right to within the noise, kinks of v_oc a part
@@ -258,7 +258,9 @@ class JointRun {
     Prepare(result_.setup.alpha_C * (1.0 - cutoff.soc));
     best.structure.voltage_soc = CurveNodes();
     const JointFit fit(result_.logs, result_.setup, known_);
-    JointSolution again = fit.Polish(fit.Solve(best.structure, best.rates, best.smoothness), 1e-3);
+    JointSolution again = fit.Polish(fit.Solve(best.structure, best.rates, best.smoothness),
+                                     kFineStep,
+                                     options_.iterations_per_variable);
     if (again.x.size() > 0) best = std::move(again);
   }
 

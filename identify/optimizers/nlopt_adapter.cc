@@ -102,7 +102,8 @@ double Unit(Monitor& monitor, bool uses_gradient) {
   return unit > 0.0 ? unit : 1.0;
 }
 
-OptimizationSummary Ended(Monitor& monitor, nlopt_result result, const char* why, bool limit) {
+OptimizationSummary Ended(
+    Monitor& monitor, nlopt_result result, const char* why, bool limit, bool uses_gradient) {
   switch (result) {
     case NLOPT_XTOL_REACHED:
       return monitor.Finish(Termination::kConverged, "The steps became small (step_tolerance).");
@@ -110,7 +111,9 @@ OptimizationSummary Ended(Monitor& monitor, nlopt_result result, const char* why
       return monitor.Finish(Termination::kConverged,
                             "The cost changed little (function_tolerance).");
     case NLOPT_SUCCESS:
-      return monitor.Finish(Termination::kConverged, "The gradient vanished.");
+      return monitor.Finish(
+          Termination::kConverged,
+          uses_gradient ? "The gradient vanished." : "The search region became small.");
     case NLOPT_ROUNDOFF_LIMITED:
       return monitor.Finish(Termination::kConverged, "Rounding errors allow no further step.");
     case NLOPT_FORCED_STOP:
@@ -152,7 +155,11 @@ OptimizationSummary MinimizeWithNlopt(Monitor& monitor, const NloptSetup& setup)
   std::vector<double> x(monitor.start().begin(), monitor.start().end());
   double cost = 0.0;
   const nlopt_result result = nlopt_optimize(library.get(), x.data(), &cost);
-  return Ended(monitor, result, nlopt_get_errmsg(library.get()), monitor.iterations() >= most);
+  return Ended(monitor,
+               result,
+               nlopt_get_errmsg(library.get()),
+               monitor.iterations() >= most,
+               uses_gradient);
 }
 
 }  // namespace lipoid

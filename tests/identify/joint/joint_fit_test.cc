@@ -87,6 +87,21 @@ TEST(JointFit, HoldsWhatIsKnown) {
   EXPECT_EQ(at_bound.at_bound, std::vector<std::string>{"tau_1"});
 }
 
+TEST(JointFit, SaysWhetherThePolishCameToItsEnd) {
+  Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
+  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointSolution rough = fit.Search(bench.structure, 1e-4);
+  EXPECT_EQ(rough.termination, Termination::kConverged) << rough.message;
+  EXPECT_EQ(fit.Polish(rough, kFineStep).termination, Termination::kConverged);
+  const JointSolution cut = fit.Polish(rough, 1e-9, 3);
+  EXPECT_EQ(cut.termination, Termination::kMaxIterations) << cut.message;
+  EXPECT_LE(cut.cost, rough.cost);
+  // Without a rate to find there is nothing to polish.
+  bench.known.fixed = {{"beta", 0.25}, {"tau_1", 30.0}};
+  const JointFit held(bench.logs, bench.setup, bench.known);
+  EXPECT_EQ(held.Search(bench.structure, 1e-4).termination, Termination::kConverged);
+}
+
 TEST(JointFit, LeavesOutNothingWhereThereIsOnlyOneGroup) {
   auto made = test::SyntheticLogs(Truth(), 5.0);
   made.erase(made.begin(), made.begin() + 3);
