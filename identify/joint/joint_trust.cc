@@ -175,7 +175,7 @@ class Assessment {
     const double per_A = 1.0 / result_.logs.typical_A;
     const auto& nodes = best_.structure.resistance_soc;
     const auto held = [&](int k) {
-      return best_.at_zero[static_cast<std::size_t>(table + k)] != 0;
+      return best_.at_zero[static_cast<std::size_t>(table) + static_cast<std::size_t>(k)] != 0;
     };
     if (nodes.size() == 1) {
       if (result_.fixed.count(name) > 0) return;

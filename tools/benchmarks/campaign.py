@@ -7,20 +7,20 @@ header is the peer's, time_s,current_a,voltage_v (lipoid does not mind), and the
 files are links: both read the same bytes.
 """
 
-from .process import run, say
+from .process import ROOT, run, say
 
+BRANCH = {"r_1": 0.0005, "c_1": 60000}
 NOISE_V = 0.0002
-OPTIONS = [
-    "--with", "r_1=0.0005,c_1=60000", "--rates-C", "1,2,3,4,5,6,7,8",
-    "--voltage-noise-V", str(NOISE_V), "--voltage-resolution-V", "0.00001", "--seed", "1",
-]
 HEADER = b"time_s,current_A,voltage_V\n"
 PEER_HEADER = HEADER.lower()
 
 
-def make(lipoid, folder, sampling_s):
+def make(lipoid, folder, sampling_s, branch=None, noise_V=NOISE_V):
     """{"command", "folder", "files", "bytes", "rows"}; made anew where another one is there."""
-    command = [lipoid, "synthesize", "grepow-32Ah-1", *OPTIONS]
+    parameters = ",".join(f"{name}={value}" for name, value in (branch or BRANCH).items())
+    command = [lipoid, "synthesize", "grepow-32Ah-1", "--with", parameters,
+               "--rates-C", "1,2,3,4,5,6,7,8", "--voltage-noise-V", str(noise_V),
+               "--voltage-resolution-V", "0.00001", "--seed", "1"]
     if sampling_s != 0.01:
         command += ["--sampling-s", str(sampling_s)]
     command += ["-o", folder]
@@ -33,10 +33,11 @@ def make(lipoid, folder, sampling_s):
             write_peer_header(file)
         link_peer_names(folder)
         stamp.write_text(text, encoding="utf-8")
+    place = str(folder.relative_to(ROOT))
     files = [describe(file) for file in sorted(folder.glob("*.csv"))]
     return {
-        "command": "lipoid " + text.replace(str(folder), f"build/bench/{folder.name}"),
-        "folder": f"build/bench/{folder.name}",
+        "command": "lipoid " + text.replace(str(folder), place),
+        "folder": place,
         "files": files,
         "bytes": sum(file["bytes"] for file in files),
         "rows": sum(file["rows"] for file in files),

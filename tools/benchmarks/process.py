@@ -8,6 +8,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -46,14 +47,22 @@ def shown(command):
     return text
 
 
-def run(command, expect_success=True):
-    """Runs the command in the root. Peak memory is that of the process alone, from the kernel."""
+def run(command, expect_success=True, limit_s=None):
+    """Runs the command in the root. Peak memory is that of the process alone, from the kernel.
+
+    After limit_s it is killed; its exit code is then negative.
+    """
     words = [str(word) for word in command]
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         start = time.perf_counter()
         process = subprocess.Popen(words, stdout=out, stderr=err, cwd=ROOT)
+        if limit_s is not None:
+            end = threading.Timer(limit_s, process.kill)
+            end.start()
         _, status, usage = os.wait4(process.pid, 0)
         wall_s = time.perf_counter() - start
+        if limit_s is not None:
+            end.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         texts = [read_back(stream) for stream in (out, err)]
     ended = Run(

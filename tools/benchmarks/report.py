@@ -3,6 +3,7 @@
 import math
 
 from . import figure
+from .goals import PEER_DIGITS_V
 
 
 def number(value, digits=4):
@@ -33,7 +34,7 @@ def write(result, figure_name):
     stages = result["stages"]
     parts = [head(result), goals(result["goals"]), machine(result["machine"])]
     parts.append(campaign(result["campaign"]))
-    for name, section in (("staged", staged), ("optimizers", optimizers), ("csv", csv_reading),
+    for name, section in (("staged", staged), ("branches", branches), ("optimizers", optimizers), ("csv", csv_reading),
                           ("pybop", pybop)):
         if name in stages:
             parts.append(section(stages[name], stages))
@@ -143,6 +144,44 @@ def staged(stage, _):
                              for key in wall[name])]
                    for k in range(len(stage["lipoid"]["runs"]))])
     return text
+
+
+def branches(stage, _):
+    text = "## Other branches\n\n"
+    if "skipped" in stage:
+        return text + f"Skipped: {stage['skipped']}.\n"
+    truth = stage["true_beta_per_sqrt_s"]
+
+    def off(run):
+        return f"{100 * (run['beta_per_sqrt_s'] / truth - 1):+.1f}"
+
+    def cells(run, whole):
+        if run is None:
+            return ["-", "-", f"> {number(stage['limit_s'], 3)}"]
+        off = 100 * (run["beta_per_sqrt_s"] / truth - 1)
+        return [number(1e3 * run["rmse_V"]), f"{off:+.2f}", number(run[whole], 2)]
+
+    def line(row):
+        return [number(1e3 * row["noise_V"], 1), number(1e3 * row["resistance_Ohm"], 1),
+                number(row["time_constant_s"], 3), *cells(row["peer"], "total_s"),
+                row["peer"]["evaluations"] if row["peer"] else "-",
+                *cells(row["lipoid"], "wall_s"), *cells(row["joint"], "wall_s")]
+
+    larger = sum(row["peer"] is not None
+                 and row["lipoid"]["rmse_V"] > row["peer"]["rmse_V"] + PEER_DIGITS_V
+                 for row in stage["rows"])
+    return (text + f"The same cell with other branches and more noise, {stage['sampling_s']} s "
+            "between rows, one run each. The first:\n\n" + code(stage["rows"][0]["command"]) + "\n"
+            + table(["noise / mV", "r_1 / mOhm", "tau_1 / s", "SciPy: rmse / mV", "beta off / %",
+                     "whole / s", "evaluations", "lipoid staged: rmse / mV", "beta off / %",
+                     "whole / s", "lipoid joint: rmse / mV", "beta off / %", "whole / s"],
+                    [line(row) for row in stage["rows"]])
+            + f"\nThe staged rmse is larger than the peer's in {larger} of {len(stage['rows'])}. The "
+            "peer joins 5,000 raw rows of the low rate to its\ncurve: with 1 mV on each its fit "
+            "can move along that noise, which lowers its rmse here and there and takes\nmany "
+            "evaluations. What is left of either rmse beyond the noise, and most of what beta is "
+            "off by, is the staged\nmethod's own: alpha and v_oc(A) come from logs under load. The "
+            "joint method (docs/joint.md) takes all logs at\nonce, and leaves the noise.\n")
 
 
 def optimizers(stage, _):

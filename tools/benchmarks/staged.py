@@ -12,7 +12,8 @@ from .process import BenchError, median, python_with, run, say
 
 AGREEMENT_V = 1e-9  # of the fit's rmse with that of `lipoid validate`
 PEER_LINE = re.compile(
-    r"load ([\d.]+) s eval ([\d.]+) s fit ([\d.]+) s nfev (\d+) rmse ([\d.]+) .*TOTAL ([\d.]+) s")
+    r"load ([\d.]+) s eval ([\d.]+) s fit ([\d.]+) s nfev (\d+) rmse ([\d.]+) "
+    r"theta \[ ?([\d.e+-]+) .*TOTAL ([\d.]+) s")
 
 
 def measure(settings):
@@ -24,7 +25,7 @@ def measure(settings):
         ours.append(run_lipoid(settings))
         if peer is not None:
             say(f"staged run {k + 1} of {settings.runs}: the SciPy peer")
-            theirs.append(run_peer(peer, settings))
+            theirs.append(run_peer(peer, settings.campaign))
     result = {
         "lipoid": {
             "command": ours[0].pop("command"),
@@ -55,11 +56,11 @@ def find_peer(script):
     return [python, script], None
 
 
-def run_lipoid(settings):
+def run_lipoid(settings, folder=None):
     cell = settings.scratch / "thesis.cell.json"
     summary_file = settings.scratch / "thesis.summary.json"
-    ended = run([settings.lipoid, "identify", settings.campaign / "campaign.toml", "-o", cell,
-                 "--summary", summary_file, "--quiet"])
+    ended = run([settings.lipoid, "identify", (folder or settings.campaign) / "campaign.toml",
+                 "-o", cell, "--summary", summary_file, "--quiet"])
     summary = json.loads(summary_file.read_text(encoding="utf-8"))
     joint = summary["stages"]["pulses"]
     held = summary["stages"]["pulses_beta_held"]
@@ -75,12 +76,15 @@ def run_lipoid(settings):
     }
 
 
-def run_peer(peer, settings):
-    ended = run([*peer, campaign.peer_folder(settings.campaign)])
+def run_peer(peer, folder, limit_s=None):
+    """Its figures; None where it did not end within the limit."""
+    ended = run([*peer, campaign.peer_folder(folder)], limit_s is None, limit_s)
+    if limit_s is not None and ended.exit_code < 0:
+        return None
     match = PEER_LINE.search(ended.out)
     if match is None:
         raise BenchError(f"{ended.command} printed no line of figures:\n{ended.out[-1000:]}")
-    load_s, evaluation_s, fit_s, evaluations, rmse_V, total_s = match.groups()
+    load_s, evaluation_s, fit_s, evaluations, rmse_V, beta, total_s = match.groups()
     return {
         "command": ended.command,
         **ended.figures(),
@@ -89,6 +93,7 @@ def run_peer(peer, settings):
         "fit_s": float(fit_s),
         "evaluations": int(evaluations),
         "rmse_V": float(rmse_V),
+        "beta_per_sqrt_s": float(beta),
         "total_s": float(total_s),
     }
 
