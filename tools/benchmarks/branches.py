@@ -5,11 +5,9 @@ fiftieth of the rows (0.5 s between them), one run each, so that all of them end
 the joint method, which the peer does not have.
 """
 
-import json
-
 from . import campaign
-from .process import run, say
-from .staged import find_peer, run_lipoid, run_peer
+from .process import say
+from .staged import find_peer, run_joint, run_lipoid, run_peer
 
 SAMPLING_S = 0.5
 RESISTANCES = (0.0003, 0.0005, 0.001)  # Ohm; r_s is 0.0016
@@ -33,6 +31,10 @@ def measure(settings):
             "rows": rows}
 
 
+def chosen(figures, *keys):
+    return {**{key: figures[key] for key in keys}, "beta_per_sqrt_s": figures["parameters"]["beta"]}
+
+
 def compare(settings, peer, resistance, time_constant, noise_V):
     folder = settings.scratch / "branches" / f"{resistance}_{time_constant}_{noise_V}"
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -46,20 +48,7 @@ def compare(settings, peer, resistance, time_constant, noise_V):
         "time_constant_s": time_constant,
         "noise_V": noise_V,
         "command": made["command"],
-        "lipoid": {"wall_s": ours["wall_s"], "rmse_V": ours["rmse_V"],
-                   "beta_per_sqrt_s": ours["parameters"]["beta"]},
-        "joint": joint,
-        "peer": theirs and {key: theirs[key] for key in
-                            ("total_s", "evaluations", "rmse_V", "beta_per_sqrt_s")},
+        "lipoid": chosen(ours, "wall_s", "rmse_V"),
+        "joint": chosen(joint, "wall_s", "rmse_V"),
+        "peer": theirs and chosen(theirs, "total_s", "rmse_V", "evaluations"),
     }
-
-
-def run_joint(settings, folder):
-    summary_file = settings.scratch / "branches" / "joint.summary.json"
-    ended = run([settings.lipoid, "identify", folder / "campaign.toml", "--method", "joint", "-o",
-                 settings.scratch / "branches" / "joint.cell.json", "--summary", summary_file,
-                 "--quiet"])
-    summary = json.loads(summary_file.read_text(encoding="utf-8"))
-    pulses = next(log for log in summary["logs"] if log["file"] == "pulses.csv")
-    return {"wall_s": ended.wall_s, "rmse_V": pulses["rmse_V"],
-            "beta_per_sqrt_s": summary["cell"]["diffusion"]["beta_per_sqrt_s"]}

@@ -12,8 +12,8 @@ from .process import BenchError, median, python_with, run, say
 
 AGREEMENT_V = 1e-9  # of the fit's rmse with that of `lipoid validate`
 PEER_LINE = re.compile(
-    r"load ([\d.]+) s eval ([\d.]+) s fit ([\d.]+) s nfev (\d+) rmse ([\d.]+) "
-    r"theta \[ ?([\d.e+-]+) .*TOTAL ([\d.]+) s")
+    r"alpha ([\d.]+) .*load ([\d.]+) s eval ([\d.]+) s fit ([\d.]+) s nfev (\d+) rmse ([\d.]+) "
+    r"theta \[([^\]]+)\] TOTAL ([\d.]+) s")
 
 
 def measure(settings):
@@ -34,6 +34,7 @@ def measure(settings):
             "median": medians(ours),
         },
         "validation": check_by_validation(settings, ours[-1]["rmse_V"]),
+        "joint": run_joint(settings, settings.campaign),
         "peer_skipped": why_not,
     }
     if theirs:
@@ -72,7 +73,25 @@ def run_lipoid(settings, folder=None):
         "fit_beta_held_s": held["wall_s"],
         "joint_fit_evaluations": joint["evaluations"],
         "rmse_V": joint["rmse_V"],
-        "parameters": joint["parameters"],
+        "parameters": {"alpha": summary["alpha_C"], **joint["parameters"]},
+    }
+
+
+def run_joint(settings, folder):
+    """The same logs by the joint method, which the peer does not have."""
+    cell = settings.scratch / "joint.cell.json"
+    summary_file = settings.scratch / "joint.summary.json"
+    ended = run([settings.lipoid, "identify", folder / "campaign.toml", "--method", "joint", "-o",
+                 cell, "--summary", summary_file, "--truth", folder / "truth.json", "--quiet"])
+    summary = json.loads(summary_file.read_text(encoding="utf-8"))
+    pulses = next(log for log in summary["logs"] if log["file"] == "pulses.csv")
+    return {
+        "command": ended.command,
+        **ended.figures(),
+        "rmse_V": pulses["rmse_V"],
+        "truth": {name: entry["truth"] for name, entry in summary["truth"]["parameters"].items()},
+        "parameters": {name: entry["estimate"]
+                       for name, entry in summary["truth"]["parameters"].items()},
     }
 
 
@@ -84,7 +103,8 @@ def run_peer(peer, folder, limit_s=None):
     match = PEER_LINE.search(ended.out)
     if match is None:
         raise BenchError(f"{ended.command} printed no line of figures:\n{ended.out[-1000:]}")
-    load_s, evaluation_s, fit_s, evaluations, rmse_V, beta, total_s = match.groups()
+    alpha, load_s, evaluation_s, fit_s, evaluations, rmse_V, theta, total_s = match.groups()
+    beta, series, resistance, capacitance = (float(word) for word in theta.split())
     return {
         "command": ended.command,
         **ended.figures(),
@@ -93,7 +113,8 @@ def run_peer(peer, folder, limit_s=None):
         "fit_s": float(fit_s),
         "evaluations": int(evaluations),
         "rmse_V": float(rmse_V),
-        "beta_per_sqrt_s": float(beta),
+        "parameters": {"alpha": float(alpha), "beta": beta, "r_s": series, "r_1": resistance,
+                       "c_1": capacitance},
         "total_s": float(total_s),
     }
 
