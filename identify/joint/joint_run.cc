@@ -195,7 +195,7 @@ class JointRun {
     const auto& nodes = solution.structure.voltage_soc;
     const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
     const std::size_t first = Reached(nodes, soc, 2).first;
-    const OpenCircuitVoltage curve = Curve(solution);
+    const OpenCircuitVoltage curve = Curve(solution, soc);
     CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), *campaign_.cutoff_V);
     point.lower += first;
     point.upper += first;
@@ -203,9 +203,9 @@ class JointRun {
   }
 
   // The nodes that rows reached, and one on either side.
-  [[nodiscard]] OpenCircuitVoltage Curve(const JointSolution& solution) const {
+  [[nodiscard]] OpenCircuitVoltage Curve(const JointSolution& solution,
+                                         const SocTrace& soc) const {
     const auto& nodes = solution.structure.voltage_soc;
-    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
     const auto [first, last] = Reached(nodes, soc, 2);
     std::vector<double> at;
     std::vector<double> voltage_V;
@@ -287,7 +287,7 @@ class JointRun {
     cell = result_.staged.cell;  // name, pack, cut-off
     cell.branches.clear();
     if (!curve_given_) {
-      cell.open_circuit_voltage = Curve(best);
+      cell.open_circuit_voltage = Curve(best, soc);
     }
     cell.series_resistance_Ohm = Table(best, layout.series(), soc);
     for (int j = 0; j < best.structure.branches; ++j) {

@@ -45,6 +45,7 @@ struct Share {
 std::vector<double> PlaceNodes(const Points& points, int count) {
   const double lo = points.lo;
   const double hi = points.hi;
+  if (!(hi > lo)) return {lo, hi};  // an alpha beside which nothing was delivered
   const auto bins = static_cast<std::size_t>(
       std::clamp<std::size_t>(points.size() / 4, 2, 10 * static_cast<std::size_t>(count)));
   std::vector<double> sum(bins, 0.0);
