@@ -147,8 +147,10 @@ class Hashing {
  public:
   explicit Hashing(std::vector<std::string> files)
       : files_(std::move(files)), sha256_(files_.size()) {
-    for (std::size_t k = 0; k < files_.size(); ++k)
-      arena_.enqueue(tasks_.defer([this, k] { sha256_[k] = Sha256OfFile(files_[k]); }));
+    arena_.execute([this] {
+      for (std::size_t k = 0; k < files_.size(); ++k)
+        tasks_.run([this, k] { sha256_[k] = Sha256OfFile(files_[k]); });
+    });
   }
   ~Hashing() {
     tasks_.cancel();
