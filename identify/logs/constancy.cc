@@ -67,7 +67,8 @@ Level FindLevel(const Record& record, std::size_t first, std::size_t last, std::
       level.current_A.most = std::max(level.current_A.most, s.current_A);
     });
   }
-  const auto [lo, hi] = level.current_A;
+  const double lo = level.current_A.least;
+  const double hi = level.current_A.most;
   level.median_A = lo;
   if (!(hi > lo)) return level;
   std::vector<Stretch> bins(kBins);  // in each the charge, for now, and the time
