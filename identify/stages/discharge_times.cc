@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "identify/optimizers/levenberg_marquardt.h"
+#include "identify/stages/discharge_times_problem.h"
 #include "model/battery/discharge_time.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
@@ -16,7 +17,6 @@ namespace lipoid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLargestBeta = 1.0;  // (4.53)
 
 // What both forms report: the optimum and how sharp it is.
 struct Estimate {
@@ -27,10 +27,6 @@ struct Estimate {
   double lag_standard_error_s = kNaN;
 };
 
-double Weight(const DischargeTime& d, TimeWeighting weighting) {
-  return weighting == TimeWeighting::kRelative ? 1.0 / d.time_s : 1.0;
-}
-
 // Weighted design of the linear form: L = alpha (1/I) - c.
 Estimate FitSteady(const std::vector<DischargeTime>& discharges,
                    TimeWeighting weighting,
@@ -40,7 +36,7 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   Eigen::VectorXd times(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& d = discharges[static_cast<std::size_t>(k)];
-    const double w = Weight(d, weighting);
+    const double w = TimeWeight(d, weighting);
     design.row(k) << w / d.current_A, -w;
     times[k] = w * d.time_s;
   }
@@ -77,86 +73,17 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   return estimate;
 }
 
-// (4.37) for every time, over log alpha and log lag, so that both stay positive.
-class ExactProblem : public LeastSquaresProblem {
- public:
-  ExactProblem(const std::vector<DischargeTime>& discharges,
-               TimeWeighting weighting,
-               std::optional<double> given_alpha_C)
-      : discharges_(discharges), weighting_(weighting), given_alpha_C_(given_alpha_C) {}
-
-  [[nodiscard]] int size() const override { return given_alpha_C_ ? 1 : 2; }
-  [[nodiscard]] Eigen::VectorXd lower() const override {
-    Eigen::VectorXd bound = Eigen::VectorXd::Constant(size(), -kUnbounded);
-    bound[0] = std::log(SteadyLag(kLargestBeta));
-    return bound;
-  }
-  [[nodiscard]] Eigen::VectorXd upper() const override {
-    return Eigen::VectorXd::Constant(size(), kUnbounded);
-  }
-
-  [[nodiscard]] double Alpha(const Eigen::VectorXd& x) const {
-    return given_alpha_C_ ? *given_alpha_C_ : std::exp(x[1]);
-  }
-
-  // d L/d alpha and d L/d lag follow from F(L, alpha, beta) = L + U(L; beta) - alpha/I = 0, with
-  // dU/dL = theta(beta² L) - 1 = 2 sum e^{-beta² k² L} and U = lag * u(beta² L), beta² = pi²/(3
-  // lag).
-  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool) const override {
-    const double lag = std::exp(x[0]);
-    const double alpha = Alpha(x);
-    const double beta = BetaOfSteadyLag(lag);
-    const auto count = static_cast<Eigen::Index>(discharges_.size());
-    Eigen::MatrixXd rows =
-        Eigen::MatrixXd::Zero(std::max<Eigen::Index>(count, size() + 1), size() + 1);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const auto& d = discharges_[static_cast<std::size_t>(k)];
-      const double w = Weight(d, weighting_);
-      const double time_s = ExactDischargeTime(alpha, beta, d.current_A);
-      const double unavailable = UnavailableLag(beta, time_s);
-      const double z = beta * beta * time_s;
-      const double theta = Theta(z);
-      // U = lag u(z), z = pi² L/(3 lag): dU/dlag at fixed L = U/lag - z u'(z), u' = 3/pi² (theta -
-      // 1).
-      const double lag_slope = unavailable / lag - z * 3.0 / (kPi * kPi) * (theta - 1.0);
-      rows(k, 0) = w * lag_slope / theta * lag;                            // -dL/dlog(lag)
-      if (!given_alpha_C_) rows(k, 1) = -w * alpha / d.current_A / theta;  // -dL/dlog(alpha)
-      rows(k, size()) = w * (d.time_s - time_s);
-    }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
-    return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
-  }
-
-  // 1 + 2 sum_k e^{-k² z}, by (4.31) where z is small.
-  static double Theta(double z) {
-    if (z <= 0.0) return std::numeric_limits<double>::infinity();
-    const bool small = z < 1.0;
-    const double q = small ? kPi * kPi / z : z;
-    double sum = 1.0;
-    for (int k = 1; k < 8; ++k) sum += 2.0 * std::exp(-k * k * q);
-    return small ? std::sqrt(kPi / z) * sum : sum;
-  }
-
- private:
-  static constexpr double kPi = 3.14159265358979323846;
-  static constexpr double kUnbounded = 700.0;  // exp() stays finite
-  const std::vector<DischargeTime>& discharges_;
-  TimeWeighting weighting_;
-  std::optional<double> given_alpha_C_;
-};
-
 Estimate FitExact(const std::vector<DischargeTime>& discharges,
                   TimeWeighting weighting,
                   std::optional<double> given_alpha_C,
                   const Estimate& steady) {
-  const ExactProblem problem(discharges, weighting, given_alpha_C);
-  Eigen::VectorXd start(problem.size());
-  start[0] = std::log(steady.lag_s);
-  if (!given_alpha_C) start[1] = std::log(std::max(steady.alpha_C, 1e-300));
-  const auto fit = MinimizeLevenbergMarquardt(problem, start);
+  const DischargeTimesProblem problem(
+      discharges, {.form = DischargeForm::kExact, .weighting = weighting}, given_alpha_C);
+  const auto fit = MinimizeLevenbergMarquardt(
+      problem, problem.Point(std::max(steady.alpha_C, 1e-300), steady.lag_s));
   Estimate estimate;
   estimate.alpha_C = problem.Alpha(fit.x);
-  estimate.lag_s = std::exp(fit.x[0]);
+  estimate.lag_s = problem.Lag(fit.x);
   // At the bound the unconstrained optimum is on its other side; the steady form says where.
   estimate.unconstrained_lag_s = fit.x[0] > problem.lower()[0] + 1e-9
                                      ? estimate.lag_s
