@@ -59,7 +59,8 @@ class PeerLineTest(unittest.TestCase):
         line = ("alpha 116327.1 beta0 0.1782 load 0.05 s eval 0.006 s fit 3.04 s nfev 471 rmse "
                 "0.006172 theta [1.8e-01 1.6e-03 3.1e-04 6.8e+04] TOTAL 3.10 s\n")
         self.assertEqual(staged.PEER_LINE.search(line).groups(),
-                         ("0.05", "0.006", "3.04", "471", "0.006172", "3.10"))
+                         ("116327.1", "0.05", "0.006", "3.04", "471", "0.006172",
+                          "1.8e-01 1.6e-03 3.1e-04 6.8e+04", "3.10"))
 
 
 RESULT = {"stages": {"staged": {
