@@ -25,9 +25,16 @@ ReferenceModel::ReferenceModel(double omega_rad_per_s, double damping, double st
   Require(limit > 0.0, "a positive limit", {{"limit", limit}});
   const double w = omega_rad_per_s;
   Eigen::Matrix2d generator;
-  generator << 0.0, 1.0, -w * w, -2.0 * damping * w;  // (3.59)
+  generator << 0.0, w, -w, -2.0 * damping * w;  // (3.59) of the gap and of the rate over w
   const Eigen::Matrix2d flow = (generator * step_s).exp();
-  flow_ = {flow(0, 0), flow(0, 1), flow(1, 0), flow(1, 1)};
+  // With a = -(k gap + d rate) held over a step, gap += step (rate + step a/2) and rate += step a
+  // have the characteristic polynomial z² - (2 - k step²/2 - d step) z + 1 + k step²/2 - d step: it
+  // shall be that of the flow, z² - trace z + det. For short steps 1 - trace + det = (1 - p)(1 - q)
+  // of the poles p and q is small: as the determinant of flow - 1 it keeps its digits.
+  const Eigen::Matrix2d change = flow - Eigen::Matrix2d::Identity();
+  const double both = change.determinant();
+  per_gap_ = both / (step_s * step_s);
+  per_rate_ = (-change.trace() - 0.5 * both) / step_s;
 }
 
 ReferenceModel::Output ReferenceModel::Step(double command) {
@@ -36,13 +43,9 @@ ReferenceModel::Output ReferenceModel::Step(double command) {
   // from which braking still ends at the command, is less, the gap counts only as far as that.
   const double felt =
       std::abs(gap) <= far_ ? gap : std::copysign(std::sqrt(far_ * std::abs(gap)), gap);
-  const double wanted = (flow_[2] * felt + flow_[3] * rate_ - rate_) / step_s_;
+  const double wanted = -(per_gap_ * felt + per_rate_ * rate_);
   const Output now{value_, rate_, std::clamp(wanted, -limit_, limit_)};
-  if (felt == gap && std::abs(wanted) <= limit_) {
-    value_ = command + flow_[0] * gap + flow_[1] * rate_;
-  } else {
-    value_ += step_s_ * (rate_ + 0.5 * step_s_ * now.acceleration);
-  }
+  value_ += step_s_ * (rate_ + 0.5 * step_s_ * now.acceleration);
   rate_ += step_s_ * now.acceleration;
   return now;
 }

@@ -39,26 +39,50 @@ struct Case {
 };
 class ReferenceModelOf : public testing::TestWithParam<Case> {};
 
-TEST_P(ReferenceModelOf, FollowsTheClosedFormExactlyAtEverySample) {
+TEST_P(ReferenceModelOf, HasThePolesOfTheClosedForm) {
   const auto [w, zeta, step_s] = GetParam();
-  constexpr double kFrom = -0.5;
+  // Sum and product of e^{p step} over the poles p of (3.59).
+  const double decay = std::exp(-zeta * w * step_s);
+  const double angle = w * std::sqrt(std::abs(1.0 - zeta * zeta)) * step_s;
+  const double sum = 2.0 * decay * (zeta < 1.0 ? std::cos(angle) : std::cosh(angle));
+  const double product = decay * decay;
   constexpr double kTo = 1.5;
-  // One rounding per step does not grow: the modes decay. The exponential of a matrix is good to
-  // some hundred roundings.
-  constexpr double kRounding = 1e-13;
   ReferenceModel model(w, zeta, step_s);
-  model.Reset(kFrom);
+  model.Reset(-0.5);
+  std::vector<double> gap;
+  for (int k = 0; k < 400; ++k) gap.push_back(model.Step(kTo).value - kTo);
+  for (std::size_t k = 2; k < gap.size(); ++k)
+    ASSERT_NEAR(gap[k], sum * gap[k - 1] - product * gap[k - 2], 1e-14) << k;
+}
+
+// A mass that is pushed as told, and nothing else, has the reference's value and rate.
+TEST_P(ReferenceModelOf, IsFollowedExactlyByWhatDoesAsItIsTold) {
+  const auto [w, zeta, step_s] = GetParam();
+  ReferenceModel model(w, zeta, step_s);
+  model.Reset(-0.5);
+  double value = -0.5;
+  double rate = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    const auto out = model.Step(k < 200 ? 1.5 : -3.0);
+    // Roundings of the rate, of order w, add up over the steps.
+    ASSERT_NEAR(out.rate, rate, 1e-14 * w * (1 + k)) << k;
+    ASSERT_NEAR(out.value, value, 1e-14 * (1 + k)) << k;
+    value += step_s * (rate + 0.5 * step_s * out.acceleration);
+    rate += step_s * out.acceleration;
+  }
+}
+
+TEST_P(ReferenceModelOf, AnswersAStepAsTheClosedForm) {
+  const auto [w, zeta, step_s] = GetParam();
+  ReferenceModel model(w, zeta, step_s);
+  model.Reset(0.0);
+  // Holding the acceleration changes it by (w step)²/12 at first; twice that covers the rest.
+  const double apart = std::pow(w * step_s, 2) / 6.0;
   for (int k = 0; k < 400; ++k) {
     const auto wanted = StepResponse(w, zeta, k * step_s);
-    const auto next = StepResponse(w, zeta, (k + 1) * step_s);
-    const auto out = model.Step(kTo);
-    ASSERT_NEAR(out.value, kFrom + (kTo - kFrom) * wanted.value, kRounding * (1.0 + w)) << k;
-    ASSERT_NEAR(out.rate, (kTo - kFrom) * wanted.rate, kRounding * w * (1.0 + w)) << k;
-    // The mean acceleration carries the rate to the next sample.
-    ASSERT_NEAR(out.acceleration,
-                (kTo - kFrom) * (next.rate - wanted.rate) / step_s,
-                kRounding * w * (1.0 + w) / step_s)
-        << k;
+    const auto out = model.Step(1.0);
+    ASSERT_NEAR(out.value, wanted.value, apart) << k;
+    ASSERT_NEAR(out.rate, wanted.rate, apart * w) << k;
   }
 }
 
@@ -70,6 +94,22 @@ INSTANTIATE_TEST_SUITE_P(All,
                                          Case{100.0, 1.0, 0.005},
                                          Case{200.0, 0.7, 0.005},
                                          Case{1.0, 1.0, 0.1}));
+
+// Half the step, a quarter of the difference from (3.59).
+TEST(ReferenceModel, ApproachesTheClosedFormWithTheSquareOfTheStep) {
+  constexpr double kOmega = 20.0;
+  const auto furthest = [&](double step_s) {
+    ReferenceModel model(kOmega, 1.0, step_s);
+    model.Reset(0.0);
+    double apart = 0.0;
+    for (int k = 0; k * step_s < 0.5; ++k)
+      apart = std::max(
+          apart, std::abs(model.Step(1.0).value - StepResponse(kOmega, 1.0, k * step_s).value));
+    return apart;
+  };
+  EXPECT_NEAR(furthest(0.004) / furthest(0.002), 4.0, 0.1);
+  EXPECT_NEAR(furthest(0.002) / furthest(0.001), 4.0, 0.05);
+}
 
 // Where neighbouring cases of damping meet nothing jumps.
 TEST(ReferenceModel, IsContinuousInTheDamping) {
