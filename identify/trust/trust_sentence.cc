@@ -13,6 +13,9 @@ namespace {
 // Time constants up to so many steps of the sampling show in the first rows of an edge alone.
 constexpr double kNearSampling = 3.0;
 
+// Of so many weak quantities the worst is named alone; more are a trait of the logs.
+constexpr std::size_t kFew = 2;
+
 // "tau_2" is the 2 of "tau".
 struct Name {
   std::string_view family;
@@ -200,21 +203,33 @@ class Advisor {
 
   std::optional<std::string> Weak() {
     const QuantityTrust* worst = nullptr;
+    std::size_t weak = 0;
     for (const auto& q : report_.quantities) {
       if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q)) continue;
       if (q.verdict == Verdict::kOnlyInCombination) continue;  // said, or its partner was
       // A capacitance is as weak as the two that it is made of.
       if (Split(q.name).family == "c" && Find("tau_" + std::string(Split(q.name).branch))) continue;
+      ++weak;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
         worst = &q;
     }
     if (worst == nullptr) return std::nullopt;
-    return fmt::format("{} is weak ({}); {}", worst->name, HowWeak(*worst), WhatWouldHelp(*worst));
+    const std::string which = weak <= kFew
+                                  ? fmt::format("{} is weak", worst->name)
+                                  : fmt::format("{} of {} quantities are weak, {} the most",
+                                                weak,
+                                                report_.quantities.size(),
+                                                worst->name);
+    return fmt::format("{} ({}); {}", which, HowWeak(*worst), WhatWouldHelp(*worst));
   }
 
   static std::string HowWeak(const QuantityTrust& q) {
     if (!std::isfinite(q.relative_standard_error)) return "these logs do not show it at all";
-    return fmt::format("standard error {:.2g} %", 100.0 * q.relative_standard_error);
+    const double share = q.relative_standard_error;
+    if (share < 0.995) return fmt::format("standard error {:.2g} %", 100.0 * share);
+    // More than the value itself is easier read in multiples of it.
+    if (share < 99.5) return fmt::format("standard error {:.2g} times its value", share);
+    return "standard error over a hundred times its value";
   }
 
   [[nodiscard]] std::string WhatWouldHelp(const QuantityTrust& q) const {

@@ -100,5 +100,20 @@ TEST(TrustSentence, SaysWhatIsWeakAndWhatWouldHelp) {
   EXPECT_EQ(SentenceOf({}), "every parameter was given");
 }
 
+TEST(TrustSentence, CountsWhereManyAreWeak) {
+  auto i_0 = Quantity("i_0", 1.5, Verdict::kWeak);
+  i_0.relative_standard_error = 6.8;
+  EXPECT_EQ(SentenceOf({Quantity("alpha", 1000.0, kGood),
+                        Quantity("beta", 0.7, Verdict::kWeak),
+                        Quantity("r_s", 0.1, Verdict::kWeak),
+                        i_0}),
+            "3 of 4 quantities are weak, i_0 the most (standard error 6.8 times its value); longer "
+            "rests, or a higher rate, would help");
+  i_0.relative_standard_error = 1e4;
+  EXPECT_EQ(SentenceOf({Quantity("alpha", 1000.0, kGood), i_0}),
+            "i_0 is weak (standard error over a hundred times its value); longer rests, or a "
+            "higher rate, would help");
+}
+
 }  // namespace
 }  // namespace lipoid
