@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "identify/median.h"
 #include "identify/stages/condensed_log.h"
@@ -139,10 +139,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   for (double& w : log.weight) w *= log.log_weight / sum;
 
   log.noise_V = VoltageNoise(record);
-  log.shortest_s = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < record.size(); ++k) {
-    log.shortest_s = std::min(log.shortest_s, record.time_s[k] - record.time_s[k - 1]);
-  }
+  log.shortest_s = ShortestInterval(record.time_s);
   for (const Segment& segment : segments) {
     log.longest_s = std::max(log.longest_s, segment.duration_s());
   }
@@ -174,9 +171,7 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
       group += all.groups;
     }
     all.groups += most + 1;
-    for (std::size_t k = 0; k < log.size(); ++k) {
-      all.largest_A = std::max(all.largest_A, std::abs(log.current_A[k]));
-    }
+    all.largest_A = std::max(all.largest_A, LargestMagnitude(log.current_A));
     all.weight_sum += log.log_weight;
   }
   for (const JointLog& log : all.logs) {

@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/csv/table_reader.h"
 #include "identify/logs/csv/text_source.h"
 #include "identify/logs/current_sign.h"
@@ -315,8 +316,7 @@ void SettleMillivolts(Record& record,
                       std::vector<std::string>& notes) {
   constexpr double kMost_V = 10.0;
   constexpr double kLeast_mV = 100.0;
-  double largest = 0.0;
-  for (const double v : record.voltage_V) largest = std::max(largest, std::abs(v));
+  const double largest = LargestMagnitude(record.voltage_V);
   if (largest <= kMost_V) return;
   if (largest < kLeast_mV) {
     throw LoadError(position,

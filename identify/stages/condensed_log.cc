@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
 
@@ -74,10 +75,8 @@ CondensedLog::CondensedLog(const Record& record, const Condensation& how) : reco
   const auto held = [&](std::size_t row) { return i[backward ? row : row - 1]; };
   double tolerance_A = 0.0;
   if (how.coarse) {
-    double largest = 0.0;
-    for (const double current_A : i) largest = std::max(largest, std::abs(current_A));
     // Rows of one level differ by their noise: six deviations, or a noisy log would not get short.
-    tolerance_A = std::max(1e-3 * largest, 6.0 * RowNoise(i, 0, n - 1));
+    tolerance_A = std::max(1e-3 * LargestMagnitude(i), 6.0 * RowNoise(i, 0, n - 1));
   }
 
   AddRows(0, 1);

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/segments.h"
 #include "model/battery/discharge_time.h"
@@ -113,14 +114,16 @@ class StagedRun {
           if (&log == low_rate_)
             low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
           break;
-        case LogKind::kPulses:
-          pulse_segments_[place(pulses, log)] = FindPulses(log.log.record);
-          for (const Segment& segment : pulse_segments_[place(pulses, log)]) {
-            double& shortest_s = shortest_pulse_s[place(pulses, log)];
+        case LogKind::kPulses: {
+          const std::size_t k = place(pulses, log);
+          pulse_segments_[k] = FindPulses(log.log.record);
+          for (const Segment& segment : pulse_segments_[k]) {
+            double& shortest_s = shortest_pulse_s[k];
             if (segment.kind == SegmentKind::kPulse)
               shortest_s = std::min(shortest_s, segment.duration_s());
           }
           break;
+        }
         case LogKind::kValidation:
           break;
       }
@@ -261,7 +264,7 @@ class StagedRun {
     } else {
       cell.cutoff_V = std::numeric_limits<double>::infinity();
       for (const LoadedLog& log : logs_) {
-        for (const double v : log.log.record.voltage_V) cell.cutoff_V = std::min(cell.cutoff_V, v);
+        cell.cutoff_V = std::min(cell.cutoff_V, FindExtent(log.log.record.voltage_V).least);
       }
       result_.done_instead.push_back(
           fmt::format("no cutoff_V: the cell file takes the lowest voltage of the logs, {:.4g} V",

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identify/logs/columns.h"
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
@@ -437,10 +438,7 @@ class MeansVisitor {
         growth_(each_row ? 0.0 : kGrowth),
         branches_(static_cast<Eigen::Index>(p.time_constant_s.size())),
         columns_(VoltageSweep::Columns(static_cast<int>(branches_))) {
-    double largest_A = 0.0;
-    for (const double current_A : record_.current_A)
-      largest_A = std::max(largest_A, std::abs(current_A));
-    tolerance_A_ = kSameCurrent * largest_A;
+    tolerance_A_ = kSameCurrent * LargestMagnitude(record_.current_A);
   }
 
   void Row(std::size_t k,

@@ -22,7 +22,7 @@ def measure(settings):
     theirs = []
     for k in range(settings.runs):
         say(f"staged run {k + 1} of {settings.runs}: lipoid")
-        ours.append(run_lipoid(settings))
+        ours.append(run_lipoid(settings, settings.campaign))
         if peer is not None:
             say(f"staged run {k + 1} of {settings.runs}: the SciPy peer")
             theirs.append(run_peer(peer, settings.campaign))
@@ -57,11 +57,15 @@ def find_peer(script):
     return [python, script], None
 
 
-def run_lipoid(settings, folder=None):
-    cell = settings.scratch / "thesis.cell.json"
-    summary_file = settings.scratch / "thesis.summary.json"
-    ended = run([settings.lipoid, "identify", (folder or settings.campaign) / "campaign.toml",
-                 "-o", cell, "--summary", summary_file, "--quiet"])
+def cell_file(folder):
+    """Beside the folder of the logs, so that no campaign overwrites another's."""
+    return folder.with_name(f"{folder.name}.cell.json")
+
+
+def run_lipoid(settings, folder):
+    summary_file = folder.with_name(f"{folder.name}.summary.json")
+    ended = run([settings.lipoid, "identify", folder / "campaign.toml", "-o", cell_file(folder),
+                 "--summary", summary_file, "--quiet"])
     summary = json.loads(summary_file.read_text(encoding="utf-8"))
     joint = summary["stages"]["pulses"]
     held = summary["stages"]["pulses_beta_held"]
@@ -79,10 +83,9 @@ def run_lipoid(settings, folder=None):
 
 def run_joint(settings, folder):
     """The same logs by the joint method, which the peer does not have."""
-    cell = settings.scratch / "joint.cell.json"
-    summary_file = settings.scratch / "joint.summary.json"
+    summary_file = folder.with_name("joint.summary.json")
     ended = run([settings.lipoid, "identify", folder / "campaign.toml", "--method", "joint", "-o",
-                 cell, "--summary", summary_file, "--truth", folder / "truth.json", "--quiet"])
+                 folder.with_name("joint.cell.json"), "--summary", summary_file, "--truth", folder / "truth.json", "--quiet"])
     summary = json.loads(summary_file.read_text(encoding="utf-8"))
     pulses = next(log for log in summary["logs"] if log["file"] == "pulses.csv")
     return {
@@ -127,7 +130,7 @@ def medians(runs):
 def check_by_validation(settings, rmse_V):
     """The rmse of the fit again, by another command from the cell file and the CSV."""
     summary_file = settings.scratch / "validation.summary.json"
-    ended = run([settings.lipoid, "validate", settings.scratch / "thesis.cell.json",
+    ended = run([settings.lipoid, "validate", cell_file(settings.campaign),
                  settings.campaign / "pulses.csv", "--summary", summary_file, "--quiet"])
     log = json.loads(summary_file.read_text(encoding="utf-8"))["logs"][0]
     difference_V = abs(log["rmse_V"] - rmse_V)

@@ -53,7 +53,7 @@ inline const char* ReadPlainDecimal(const char* at, char mark, double& value) {
   const bool negative = *at == '-';
   if (negative) ++at;
   const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
-  // Digits are the sixteen-th of bytes that, moved to the lowest of the signed ones, stay below 10.
+  // Moved so that '0' is the lowest signed byte, digits are the ten lowest.
   const __m128i moved = _mm_add_epi8(bytes, _mm_set1_epi8(static_cast<char>(0x80 - '0')));
   const __m128i other = _mm_cmpgt_epi8(moved, _mm_set1_epi8(static_cast<char>(0x80 + 9)));
   const auto others = static_cast<std::uint32_t>(_mm_movemask_epi8(other)) | 0x10000U;

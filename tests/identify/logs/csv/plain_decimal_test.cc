@@ -24,10 +24,14 @@ Read ReadFrom(const std::string& number, char mark = '.') {
   return read;
 }
 
-bool IsUsed() { return ReadFrom("1.5").length > 0; }
+#if defined(__SSE2__)
+constexpr bool kIsUsed = true;
+#else
+constexpr bool kIsUsed = false;
+#endif
 
 TEST(PlainDecimal, IsTheNearestDouble) {
-  if (!IsUsed()) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
+  if (!kIsUsed) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
   std::mt19937_64 engine(1);
   const auto below = [&](int n) { return static_cast<int>(engine() % static_cast<unsigned>(n)); };
   for (int k = 0; k < 200000; ++k) {
@@ -46,7 +50,7 @@ TEST(PlainDecimal, IsTheNearestDouble) {
 }
 
 TEST(PlainDecimal, KnowsTheMarkOfTheFile) {
-  if (!IsUsed()) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
+  if (!kIsUsed) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
   EXPECT_EQ(ReadFrom("12,25", ',').value, 12.25);
   EXPECT_EQ(ReadFrom("12,25", ',').length, 5);
   EXPECT_EQ(ReadFrom("12,25", '.').length, 2);  // the mark of another file ends the number
@@ -73,7 +77,7 @@ TEST(PlainDecimal, LeavesWhatIsNotPlainToOthers) {
 }
 
 TEST(PlainDecimal, StopsBeforeAnExponent) {
-  if (!IsUsed()) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
+  if (!kIsUsed) GTEST_SKIP() << "no SSE2: every number is left to fast_float";
   EXPECT_EQ(ReadFrom("1.5e3").length, 3);
   EXPECT_EQ(ReadFrom("7E-2").length, 1);
   EXPECT_EQ(ReadFrom("1.5.2").length, 3);
