@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <unordered_map>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
@@ -61,6 +63,24 @@ Condensation HowToCondense(const Record& record) {
       8, static_cast<std::size_t>(kLargestBlock * static_cast<double>(record.size())));
   how.coarse = true;
   return how;
+}
+
+// Lengths of steps that differ by no more than the stamps' rounding are one.
+void FindIntervals(JointLog& log) {
+  std::unordered_map<std::int64_t, std::uint32_t> known;
+  log.interval.assign(log.size(), 0);
+  for (std::size_t k = 1; k < log.size(); ++k) {
+    const double dt_s = log.time_s[k] - log.time_s[k - 1];
+    const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
+    // A length at the edge of two keys is at worst there twice.
+    const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30);
+    const auto [found, fresh] =
+        known.try_emplace(key, static_cast<std::uint32_t>(log.interval_s.size()));
+    if (!fresh && std::abs(log.interval_s[found->second] - dt_s) > tolerance_s)
+      found->second = static_cast<std::uint32_t>(log.interval_s.size());
+    if (found->second == log.interval_s.size()) log.interval_s.push_back(dt_s);
+    log.interval[k] = found->second;
+  }
 }
 
 JointLog MakeJointLog(const LoadedLog& loaded,
@@ -135,6 +155,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     sum += log.weight[k];
     log.weight[k] /= 1.0 + charge_V * charge_V / (voltage_V * voltage_V);
   }
+  FindIntervals(log);
   log.log_weight = loaded.entry.weight;
   for (double& w : log.weight) w *= log.log_weight / sum;
 

@@ -14,6 +14,7 @@
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct JointLog {
   std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
+  /// The steps between points have few lengths: each once, and of every point which one leads to it.
+  std::vector<double> interval_s;
+  std::vector<std::uint32_t> interval;
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
   double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen

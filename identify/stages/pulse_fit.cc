@@ -122,7 +122,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
                          const PulseFitStart& start,
                          const PulseFitOptions& options,
                          const LevenbergMarquardtOptions& solver,
-                         const PulseFitKnowledge& given) {
+                         const GivenParameters& given) {
   const auto began = std::chrono::steady_clock::now();
   const auto n = static_cast<std::size_t>(options.branches);
   PulseUnknowns unknowns = FindPulseUnknowns(sweep.setup(),
@@ -245,16 +245,10 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
 
   // Branches come in any order: by rising time constant, those that are gone last, unless the user
   // named one.
-  const auto names_a_branch = [](const auto& map) {
-    return std::any_of(map.begin(), map.end(), [](const auto& entry) {
-      return entry.first != "beta" && entry.first != "r_s";
-    });
-  };
   const std::vector<double>& taus = found.sweep.time_constant_s;
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (!names_a_branch(given.fixed) && !names_a_branch(given.bounds) &&
-      !names_a_branch(given.start)) {
+  if (!given.NamesABranch()) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       if (gone[a] != gone[b]) return static_cast<bool>(gone[b]);
       return taus[a] < taus[b];

@@ -34,7 +34,7 @@ struct StagedGiven {
   std::optional<double> alpha_C;
   std::optional<OpenCircuitVoltage> open_circuit_voltage;
   std::string open_circuit_voltage_source;  ///< a file, for the record
-  PulseFitKnowledge parameters;
+  GivenParameters parameters;
 };
 
 struct StagedResult {

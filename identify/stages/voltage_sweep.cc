@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identify/fit/mode_step.h"
 #include "identify/logs/columns.h"
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
@@ -11,28 +12,6 @@
 
 namespace lipoid {
 namespace {
-
-// Decay and gain of a mode over one step, with their slopes in the mode's parameter.
-struct ModeStep {
-  double decay, gain, decay_slope, gain_slope;
-};
-
-// A value and its derivative in one parameter: all that ExactHold needs to differentiate itself.
-struct Dual {
-  double a = 0.0;
-  double d = 0.0;
-
-  explicit Dual(double value) : a(value) {}
-  Dual(double value, double slope) : a(value), d(slope) {}
-  friend Dual operator+(const Dual& x, const Dual& y) { return {x.a + y.a, x.d + y.d}; }
-  friend Dual operator-(const Dual& x, const Dual& y) { return {x.a - y.a, x.d - y.d}; }
-  friend Dual operator*(double s, const Dual& x) { return {s * x.a, s * x.d}; }
-};
-
-ModeStep MakeModeStep(const Dual& rate_per_s, double dt_s) {
-  const auto hold = ExactHold(rate_per_s, dt_s);
-  return {hold.decay.a, hold.gain.a, hold.decay.d, hold.gain.d};
-}
 
 // All modes of the cell side by side, so that a step of them runs in vector registers.
 using Modes = Eigen::ArrayXd;
@@ -44,30 +23,22 @@ class ModeRates {
   ModeRates(const SweepSetup& setup, const SweepParameters& p)
       : terms_(setup.terms),
         beta_(p.beta_per_sqrt_s),
-        inverse_tau_(Eigen::Map<const Modes>(p.time_constant_s.data(),
-                                             static_cast<Eigen::Index>(p.time_constant_s.size()))
-                         .inverse()) {}
+        tau_s_(Eigen::Map<const Modes>(p.time_constant_s.data(),
+                                       static_cast<Eigen::Index>(p.time_constant_s.size()))) {}
 
   [[nodiscard]] Eigen::Index terms() const { return terms_; }
-  [[nodiscard]] Eigen::Index branches() const { return inverse_tau_.size(); }
-  [[nodiscard]] Eigen::Index modes() const { return terms_ + inverse_tau_.size(); }
+  [[nodiscard]] Eigen::Index branches() const { return tau_s_.size(); }
+  [[nodiscard]] Eigen::Index modes() const { return terms_ + tau_s_.size(); }
 
   [[nodiscard]] ModeStep Step(Eigen::Index mode, double dt_s) const {
-    if (mode < terms_) {
-      const double mm = static_cast<double>((mode + 1) * (mode + 1));
-      return MakeModeStep(Dual(mm * beta_ * beta_, 2.0 * mm * beta_), dt_s);  // (4.46)
-    }
-    // Of unit resistance: (v_cj/r_j)+ = decay v_cj/r_j + (1 - decay) i, (4.50). Slopes in tau_j.
-    const double z = dt_s * inverse_tau_[mode - terms_];
-    const double decay = std::exp(-z);
-    const double slope = decay * z * inverse_tau_[mode - terms_];
-    return {decay, -std::expm1(-z), slope, -slope};
+    if (mode < terms_) return DiffusionStep(static_cast<int>(mode) + 1, beta_, dt_s);
+    return LowPassStep(tau_s_[mode - terms_], dt_s);
   }
 
  private:
   Eigen::Index terms_;
   double beta_;
-  Modes inverse_tau_;
+  Modes tau_s_;
 };
 
 struct StepCoefficients {
