@@ -22,6 +22,15 @@
 
 namespace lipoid {
 
+/// What does not change while rates are searched.
+struct JointSetup {
+  double alpha_C = 0.0;
+  bool diffusion = true;
+  int terms = 10;
+  bool tail = true;
+  OpenCircuitVoltage reference;  ///< of v_oc(A); the curve itself where it is given
+};
+
 /// Which terms there are.
 struct JointStructure {
   int branches = 1;

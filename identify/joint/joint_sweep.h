@@ -12,19 +12,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "identify/fit/cell_rows.h"
 #include "identify/joint/joint_log.h"
 #include "identify/joint/joint_model.h"
 
 namespace lipoid {
-
-/// What does not change while rates are searched.
-struct JointSetup {
-  double alpha_C = 0.0;
-  bool diffusion = true;
-  int terms = 10;
-  bool tail = true;
-  OpenCircuitVoltage reference;  ///< of v_oc(A); the curve itself where it is given
-};
 
 /// A(t) of one log for one beta: of each point, and of the start of the step that leads to it under
 /// the step's current (CellModel takes r_j there); their slopes in beta where they were asked for.
@@ -72,12 +64,6 @@ struct NormalEquations {
                                      const JointStructure& structure,
                                      const SocTrace& soc,
                                      const JointRates& rates);
-
-/// How the slope of v_oc between nodes is taken, where it says what beta does to a voltage.
-enum class CurveSlope {
-  kOfSegments,  ///< of the straight lines themselves: the derivative of the model
-  kSmooth,      ///< of a smooth curve through the nodes: what the straight lines stand for
-};
 
 /// What the slopes S of the predicted voltage in the nonlinear parameters (RateSlots) sum to at the
 /// unknowns x, with the residual r = y - a'x: sum w S S', sum w S r, sum w S a'.
