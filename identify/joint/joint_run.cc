@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 
 #include "identify/validation.h"
 #include "model/core/errors.h"
@@ -86,19 +88,14 @@ class JointRun {
     const auto began = std::chrono::steady_clock::now();
     StagedGiven for_staged = given_;
     for_staged.parameters = {};  // structures differ: what is held here need not be there
-    result_.staged = IdentifyStaged(
-        campaign_, logs_, staged_options_, for_staged, [&](auto stage, double share) {
-          Tell(stage, 0.2 * share);
-        });
+    curve_given_ = given_.open_circuit_voltage.has_value();
+    result_.fixed = known_.fixed;
     for (const LoadedLog& log : logs_) {
       const std::vector<double> delivered_C = DeliveredCharge(log.log.record);
       deepest_C_.push_back(
           delivered_C.empty() ? 0.0 : *std::max_element(delivered_C.begin(), delivered_C.end()));
     }
-    curve_given_ = given_.open_circuit_voltage.has_value();
-    result_.fixed = known_.fixed;
-    FindAlpha();
-    Fit();
+    FitBesideTheStaged(for_staged);
     MakeCell();
     Judge();
     NameCautions();
@@ -110,6 +107,36 @@ class JointRun {
  private:
   void Tell(std::string_view stage, double share) const {
     if (progress_) progress_(stage, share);
+  }
+
+  // The joint fit needs alpha and v_oc(A) of the staged run; its pulses are fitted side by side.
+  void FitBesideTheStaged(const StagedGiven& for_staged) {
+    tbb::task_group joint;
+    std::exception_ptr failed;
+    StagedResult staged;
+    try {
+      staged = IdentifyStaged(
+          campaign_,
+          logs_,
+          staged_options_,
+          for_staged,
+          [&](auto stage, double share) {
+            constexpr double kBeforePulses = 0.2;
+            if (share < kBeforePulses) Tell(stage, share);
+          },
+          [&](const StagedResult& before) {
+            result_.staged = before;
+            joint.run([this] {
+              FindAlpha();
+              Fit();
+            });
+          });
+    } catch (...) {
+      failed = std::current_exception();
+    }
+    joint.wait();
+    if (failed) std::rethrow_exception(failed);
+    result_.staged = std::move(staged);
   }
 
   void Prepare(double alpha_C) {

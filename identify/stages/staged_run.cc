@@ -51,9 +51,10 @@ class StagedRun {
             const StageProgress& progress)
       : campaign_(campaign), logs_(logs), options_(options), given_(given), progress_(progress) {}
 
-  StagedResult Run() {
+  StagedResult Run(const BeforePulses& before_pulses) {
     const auto began = std::chrono::steady_clock::now();
     RunUpToPulses();
+    if (before_pulses) before_pulses(result_);
     Tell("pulses", 0.2);
     FitPulseParameters();
     Tell("validation", 0.95);
@@ -414,8 +415,9 @@ StagedResult IdentifyStaged(const Campaign& campaign,
                             const std::vector<LoadedLog>& logs,
                             const StagedOptions& options,
                             const StagedGiven& given,
-                            const StageProgress& progress) {
-  return StagedRun(campaign, logs, options, given, progress).Run();
+                            const StageProgress& progress,
+                            const BeforePulses& before_pulses) {
+  return StagedRun(campaign, logs, options, given, progress).Run(before_pulses);
 }
 
 PulseTask PreparePulses(const Campaign& campaign,

@@ -70,12 +70,16 @@ struct PulseTask {
 /// Called with the name of the stage that begins and the share of the work done.
 using StageProgress = std::function<void(std::string_view stage, double share)>;
 
+/// Called once stages 1 and 2 are done, with what they found: other work on it may begin.
+using BeforePulses = std::function<void(const StagedResult&)>;
+
 /// Throws LoadError for logs that are not what the campaign says they are.
 [[nodiscard]] StagedResult IdentifyStaged(const Campaign& campaign,
                                           const std::vector<LoadedLog>& logs,
                                           const StagedOptions& options = {},
                                           const StagedGiven& given = {},
-                                          const StageProgress& progress = {});
+                                          const StageProgress& progress = {},
+                                          const BeforePulses& before_pulses = {});
 
 /// The same up to where the pulses are to be fitted: for those who fit them otherwise.
 [[nodiscard]] PulseTask PreparePulses(const Campaign& campaign,
