@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "identify/fit/grid.h"
 #include "identify/optimizers/bobyqa.h"
 #include "identify/optimizers/levenberg_marquardt.h"
 
@@ -23,35 +24,6 @@ void TurnToRises(NormalEquations& sum, int voltages) {
   sum.matrix.transposeInPlace();
   ToRises(sum.matrix, voltages);
   ToRises(sum.right.transpose(), voltages);
-}
-
-// Points of a geometric grid, ends included.
-std::vector<double> Geometric(double lower, double upper, int points) {
-  std::vector<double> grid;
-  for (int k = 0; k < points; ++k) {
-    grid.push_back(points == 1 ? std::sqrt(lower * upper)
-                               : lower * std::pow(upper / lower, double(k) / (points - 1)));
-  }
-  return grid;
-}
-
-// Every choice of `count` out of the grid, in rising order.
-std::vector<std::vector<double>> Choices(const std::vector<double>& grid, int count) {
-  std::vector<std::vector<double>> all;
-  std::vector<double> chosen;
-  const auto choose = [&](auto&& self, std::size_t from) -> void {
-    if (static_cast<int>(chosen.size()) == count) {
-      all.push_back(chosen);
-      return;
-    }
-    for (std::size_t k = from; k < grid.size(); ++k) {
-      chosen.push_back(grid[k]);
-      self(self, k + 1);
-      chosen.pop_back();
-    }
-  };
-  choose(choose, 0);
-  return all;
 }
 
 // Every so-manieth node, so that no more than `most` are left.
@@ -377,8 +349,8 @@ std::vector<double> JointFit::BetaGrid(const JointStructure& structure,
   for (const Rate& rate : Rates(structure)) {
     if (rate.name != "beta") continue;
     const double lower = std::max(rate.lower, std::min(0.01, rate.upper));
-    if (near == nullptr) return Geometric(lower, rate.upper, 9);
-    std::vector<double> betas = Geometric(lower, rate.upper, 4);
+    if (near == nullptr) return GeometricGrid(lower, rate.upper, 9);
+    std::vector<double> betas = GeometricGrid(lower, rate.upper, 4);
     betas.push_back(std::clamp(near->beta_per_sqrt_s, rate.lower, rate.upper));
     return betas;
   }
@@ -407,12 +379,12 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   for (const Rate& rate : Rates(structure)) {
     if (rate.name == "tau_h") {
       auto choices =
-          Choices(Geometric(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
+          Choices(GeometricGrid(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
       if (near != nullptr && std::isfinite(near->heating_time_constant_s))
         choices = {{near->heating_time_constant_s}};
       with(choices, [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
     } else if (rate.name == "i_0") {
-      auto choices = Choices(Geometric(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1);
+      auto choices = Choices(GeometricGrid(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1);
       if (near != nullptr && std::isfinite(near->charge_transfer_A))
         choices = {{near->charge_transfer_A}};
       with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
@@ -426,7 +398,7 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   // Not at the ends: there a branch is one with r_s, or with v_oc.
   const auto count = static_cast<int>(branches.size());
   const double margin = std::pow(upper_tau_s / lower_tau_s, 0.08);
-  const auto taus = Geometric(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
+  const auto taus = GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
   // The neighbour's branches stay where they are, and one more is looked for beside them.
   const std::size_t known = near == nullptr ? 0 : near->time_constant_s.size();
   if (known > 0 && known + 1 >= branches.size() && known <= branches.size()) {
