@@ -8,22 +8,12 @@
 namespace lipoid {
 namespace {
 
-constexpr double kGain = 0.03;
-constexpr double kBetterFit = 0.05;
-constexpr double kAtTheNoise = 1.1;
-
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
-
-// Whether a richer structure is worth it. What fits as well as the noise lets it can only be
-// overtaken by following the noise.
-bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, double noise_V) {
-  if (simple.fitted_V <= kAtTheNoise * noise_V) return false;
-  if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
-  return rich.expected_V < simple.expected_V &&
-         rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
-}
+constexpr int kFewNodes = 13;
+constexpr int kManyNodes = 34;
+constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates, for a candidate
 
 // Nodes at equal steps of t in [0, 1], bent so that they are dense near empty, where cells bend
 // most, and again near full, where every log starts.
@@ -54,6 +44,7 @@ bool Complete(const JointSolution& solution, const JointLogs& logs) {
 // With a node more between any two.
 std::vector<double> Halved(const std::vector<double>& nodes) {
   std::vector<double> fine;
+  if (nodes.empty()) return fine;
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
     fine.push_back(nodes[k]);
     fine.push_back(0.5 * (nodes[k] + nodes[k + 1]));
@@ -110,142 +101,285 @@ std::vector<double> OnAxis(std::vector<double> nodes, double lowest_soc) {
   return nodes;
 }
 
+namespace {
+
+class Choosing {
+ public:
+  Choosing(const JointFit& fit,
+           const JointLogs& logs,
+           const std::vector<double>& voltage_soc,
+           double lowest_soc,
+           const JointOptions& options,
+           const std::function<void(double)>& progress)
+      : fit_(fit),
+        logs_(logs),
+        voltage_soc_(voltage_soc),
+        lowest_soc_(lowest_soc),
+        options_(options),
+        progress_(progress),
+        compare_(logs.groups >= 2),
+        rough_(options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness) {}
+
+  JointChoice Run() {
+    JointStructure simplest;
+    simplest.branches =
+        options_.branches >= 0 ? options_.branches : std::min(1, options_.most_branches);
+    simplest.voltage_soc = voltage_soc_;
+    simplest.self_heating = options_.self_heating == Presence::kOn;
+    simplest.charge_transfer = options_.charge_transfer == Presence::kOn;
+    simplest.resistance_soc = Nodes(options_.resistance_nodes > 0 ? options_.resistance_nodes : 1);
+    Search(simplest);
+    if (compare_) {
+      TryTables();
+      TryTerms();
+      TryBranches();
+      TryVoltageNodes();
+      TakeSimplest();
+    } else {
+      choice_.reason =
+          "too few pulses and discharges to leave any out: the simplest structure is taken";
+    }
+    choice_.tried[taken_].taken = true;
+    PolishBest();
+    FindWeights();
+    FindFiner();
+    Tell(1.0);
+    return std::move(choice_);
+  }
+
+ private:
+  void Tell(double share) {
+    done_ = std::max(done_, share);
+    if (progress_) progress_(done_);
+  }
+  [[nodiscard]] std::vector<double> Nodes(int count) const {
+    return OnAxis(ResistanceNodes(count), lowest_soc_);
+  }
+  [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
+  void Take(std::size_t k) {
+    taken_ = k;
+    choice_.best = choice_.tried[k].solution;
+    choice_.errors = choice_.tried[k].errors;
+  }
+
+  [[nodiscard]] PairedGain Gain(std::size_t simple, std::size_t rich) const {
+    return CompareErrors(choice_.tried[simple].errors.unit_V,
+                         choice_.tried[rich].errors.unit_V,
+                         logs_.unit_weight);
+  }
+
+  // A structure tried; the best so far is the one from which richer ones are built.
+  std::size_t Judge(JointSolution solution) {
+    TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
+    row.errors.smoothness = rough_;
+    if (compare_) {
+      row.errors = fit_.LeaveOut(
+          row.solution.structure,
+          row.solution.rates,
+          options_.smoothness > 0.0 ? std::vector<double>{options_.smoothness} : kSmoothness);
+    }
+    const bool first = choice_.tried.empty();
+    const bool better = first || (Complete(row.solution, logs_) &&
+                                  row.errors.left_out_V < choice_.errors.left_out_V);
+    choice_.tried.push_back(std::move(row));
+    if (better) Take(choice_.tried.size() - 1);
+    Tell(0.1 * static_cast<double>(choice_.tried.size()));
+    return choice_.tried.size() - 1;
+  }
+  std::size_t Search(const JointStructure& structure) {
+    return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
+  }
+
+  void TryTables() {
+    if (options_.resistance_nodes > 0) return;
+    JointStructure table = best();
+    table.resistance_soc = Nodes(kFewNodes);
+    middle_ = Search(table);
+  }
+
+  // On tables, for without them no term tells a cell that warms from one whose resistance rises.
+  // Each alone, as one may stand in for the other; then both, if both are asked for. Then what was
+  // best without tables, which may have stood in for a term; and with more nodes if they are asked
+  // for.
+  void TryTerms() {
+    const std::size_t plain = middle_;
+    const JointStructure base = choice_.tried[plain].solution.structure;
+    std::size_t with = plain;
+    int asked = 0;
+    for (const bool heating : {false, true}) {
+      if ((heating ? options_.self_heating : options_.charge_transfer) != Presence::kAuto) continue;
+      JointStructure richer = base;
+      (heating ? richer.self_heating : richer.charge_transfer) = true;
+      const std::size_t k = Search(richer);
+      if (Gain(plain, k).AskedFor()) {
+        ++asked;
+        if (with == plain || Gain(with, k).gain > 0.0) with = k;
+      }
+    }
+    if (asked == 2) {
+      JointStructure both = base;
+      both.self_heating = both.charge_transfer = true;
+      const std::size_t k = Search(both);
+      if (Gain(with, k).AskedFor()) with = k;
+    }
+    if (options_.resistance_nodes > 0) return;
+    std::size_t constant = 0;
+    if (with != plain) {
+      JointStructure without = choice_.tried[with].solution.structure;
+      without.resistance_soc = Nodes(1);
+      constant = Search(without);
+    }
+    if (!Gain(constant, with).AskedFor()) return;
+    // A finer table has the valley of the rates where the coarser one has it.
+    JointStructure finer = choice_.tried[with].solution.structure;
+    finer.resistance_soc = Nodes(kManyNodes);
+    Judge(fit_.Polish(
+        fit_.Solve(finer, choice_.tried[with].solution.rates, rough_), kRoughStep));
+  }
+
+  void TryBranches() {
+    while (options_.branches < 0) {
+      const std::size_t simplest = Simplest();
+      JointStructure richer = choice_.tried[simplest].solution.structure;
+      if (++richer.branches > options_.most_branches) return;
+      if (!Gain(simplest, Search(richer)).AskedFor()) return;
+    }
+  }
+
+  // The nodes of v_oc do not move the rates: those found are kept.
+  void TryVoltageNodes() {
+    if (voltage_soc_.empty() || options_.voltage_nodes != 0) return;
+    const JointSolution& from = choice_.tried[Simplest()].solution;
+    JointStructure finer = from.structure;
+    finer.voltage_soc = Halved(voltage_soc_);
+    JointSolution solution = fit_.Solve(finer, from.rates, rough_);
+    solution.termination = from.termination;
+    solution.message = from.message;
+    Judge(std::move(solution));
+  }
+
+  // The simplest structure from which nothing is asked for on the way to the best.
+  [[nodiscard]] std::size_t Simplest() const {
+    const auto unknowns = [&](std::size_t k) {
+      const JointSolution& solution = choice_.tried[k].solution;
+      return JointLayout(solution.structure).size() + 2 * solution.structure.branches;
+    };
+    std::size_t simplest = taken_;
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      if (!Complete(choice_.tried[k].solution, logs_) || Gain(k, taken_).AskedFor()) continue;
+      if (unknowns(k) < unknowns(simplest)) simplest = k;
+    }
+    return simplest;
+  }
+
+  void TakeSimplest() {
+    const std::size_t best = taken_;
+    const std::size_t simplest = Simplest();
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      if (k != best) choice_.tried[k].gain = Gain(k, best);
+    }
+    NameExtrapolation(simplest, best);
+    Take(simplest);
+  }
+
+  // Where the units inside of their ranges do not speak against a simpler structure, those at the
+  // ends decided.
+  void NameExtrapolation(std::size_t simplest, std::size_t best) {
+    std::vector<double> inside = logs_.unit_weight;
+    for (std::size_t u = 0; u < inside.size(); ++u) {
+      if (logs_.unit_at_end[u]) inside[u] = 0.0;
+    }
+    const auto asked = [&](std::size_t k) {
+      return CompareErrors(choice_.tried[k].errors.unit_V, choice_.tried[best].errors.unit_V, inside)
+          .AskedFor();
+    };
+    const auto size = [&](std::size_t k) {
+      return JointLayout(choice_.tried[k].solution.structure).size();
+    };
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      if (size(k) >= size(simplest) || asked(k)) continue;
+      choice_.reason = fmt::format(
+          "without the ends of logs, whose prediction is extrapolation, \"{}\" would have been taken "
+          "for as good as \"{}\"",
+          choice_.tried[k].what,
+          choice_.tried[best].what);
+      return;
+    }
+  }
+
+  // The last polish follows the fit. Where rows left out are predicted worse for it, and by more
+  // than chance, it followed noise along a flat valley.
+  void PolishBest() {
+    // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
+    // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
+    if (compare_ && options_.smoothness == 0.0 && choice_.errors.fitted_V <= logs_.noise_V)
+      choice_.errors.smoothness = kNoSmoothness;
+    JointSolution before = fit_.Solve(best(), choice_.best.rates, choice_.errors.smoothness);
+    before.at_bound = choice_.best.at_bound;
+    before.termination = choice_.best.termination;
+    before.message = choice_.best.message;
+    JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);
+    if (compare_) {
+      const LeftOutErrors errors =
+          fit_.LeaveOut(polished.structure, polished.rates, {choice_.errors.smoothness});
+      if (CompareErrors(errors.unit_V, choice_.errors.unit_V, logs_.unit_weight).AskedFor()) {
+        polished = std::move(before);
+      } else {
+        choice_.errors = errors;
+      }
+    }
+    choice_.best = std::move(polished);
+  }
+
+  void FindWeights() {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      TriedStructure& row = choice_.tried[k];
+      if (k == taken_) {
+        row.weight = 0.5;
+      } else if (row.solution.x.size() > 0) {
+        row.weight =
+            CompareErrors(
+                choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
+                .Probability();
+      }
+      sum += row.weight;
+    }
+    for (TriedStructure& row : choice_.tried) row.weight /= sum;
+  }
+
+  void FindFiner() {
+    JointStructure finer = best();
+    finer.voltage_soc = Halved(finer.voltage_soc);
+    if (finer.nodes() < kManyNodes) finer.resistance_soc = Halved(finer.resistance_soc);
+    if (finer == best() || choice_.best.x.size() == 0) return;
+    choice_.finer = fit_.Polish(
+        fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness), kRoughStep);
+  }
+
+  const JointFit& fit_;
+  const JointLogs& logs_;
+  const std::vector<double>& voltage_soc_;
+  double lowest_soc_;
+  const JointOptions& options_;
+  const std::function<void(double)>& progress_;
+  bool compare_;
+  double rough_;
+  double done_ = 0.0;
+  std::size_t taken_ = 0;   // while structures are tried: the best
+  std::size_t middle_ = 0;  // the one on which terms are tried
+  JointChoice choice_;
+};
+
+}  // namespace
+
 JointChoice ChooseStructure(const JointFit& fit,
                             const JointLogs& logs,
                             const std::vector<double>& voltage_soc,
                             double lowest_soc,
                             const JointOptions& options,
                             const std::function<void(double)>& progress) {
-  JointChoice choice;
-  std::vector<double> ladder = kSmoothness;
-  if (options.smoothness > 0.0) ladder = {options.smoothness};
-  const double rough = options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness;
-  const bool compare = logs.groups >= 2;
-  double done = 0.0;
-  const auto tell = [&](double share) {
-    done = std::max(done, share);
-    if (progress) progress(done);
-  };
-
-  std::size_t taken = 0;
-  const auto take = [&](std::size_t k) {
-    taken = k;
-    choice.best = choice.tried[k].solution;
-    choice.errors = choice.tried[k].errors;
-  };
-  const auto better = [&](const LeftOutErrors& rich, const LeftOutErrors& simple) {
-    return Better(rich, simple, logs.noise_mean_V);
-  };
-  // Judges the solution, and takes it where it is better than what was taken before.
-  const auto judge = [&](const JointStructure& structure, JointSolution solution) {
-    TriedStructure row{.what = Describe(structure), .solution = std::move(solution)};
-    if (compare) {
-      row.errors = fit.LeaveOut(structure, row.solution.rates, ladder);
-    } else {
-      row.errors.smoothness = rough;
-    }
-    const bool taking =
-        choice.tried.empty() || (Complete(row.solution, logs) && better(row.errors, choice.errors));
-    choice.tried.push_back(std::move(row));
-    if (taking) take(choice.tried.size() - 1);
-    tell(0.08 * static_cast<double>(choice.tried.size()));
-  };
-  const auto try_one = [&](const JointStructure& structure) {
-    judge(structure, fit.Search(structure, rough, choice.tried.empty() ? nullptr : &choice.best));
-  };
-
-  const auto on = [&](int nodes) { return OnAxis(ResistanceNodes(nodes), lowest_soc); };
-  JointStructure structure;
-  structure.branches =
-      options.branches >= 0 ? options.branches : std::min(1, options.most_branches);
-  structure.voltage_soc = voltage_soc;
-  structure.self_heating = options.self_heating == Presence::kOn;
-  structure.charge_transfer = options.charge_transfer == Presence::kOn;
-  const int given_nodes = options.resistance_nodes;
-  structure.resistance_soc = on(given_nodes > 0 ? given_nodes : compare ? 13 : 1);
-  try_one(structure);
-  if (!compare) {
-    choice.reason =
-        "too few pulses and discharges to leave any out: the simplest structure is taken";
-  } else {
-    // The terms first: without them no number of nodes tells a cell that warms from one that does
-    // not. Each alone, as one may stand in for the other; then both, if both helped.
-    const bool free_heating = options.self_heating == Presence::kAuto;
-    const bool free_transfer = options.charge_transfer == Presence::kAuto;
-    const LeftOutErrors plain = choice.errors;
-    bool both = free_heating && free_transfer;
-    for (const bool heating : {false, true}) {
-      if (!(heating ? free_heating : free_transfer)) continue;
-      JointStructure richer = structure;
-      (heating ? richer.self_heating : richer.charge_transfer) = true;
-      try_one(richer);
-      both = both && better(choice.tried.back().errors, plain);
-    }
-    if (both) {
-      structure.self_heating = structure.charge_transfer = true;
-      try_one(structure);
-    }
-    if (given_nodes == 0) {
-      const std::size_t middle = taken;
-      const JointStructure base = choice.best.structure;
-      std::vector<std::size_t> by_nodes;
-      for (const int nodes : {1, 13, 34}) {
-        if (nodes == base.nodes()) {
-          by_nodes.push_back(middle);
-          continue;
-        }
-        JointStructure other = base;
-        other.resistance_soc = on(nodes);
-        try_one(other);
-        by_nodes.push_back(choice.tried.size() - 1);
-      }
-      std::size_t best = by_nodes.front();
-      for (const std::size_t k : by_nodes) {
-        if (better(choice.tried[k].errors, choice.tried[best].errors)) best = k;
-      }
-      take(best);
-    }
-    while (options.branches < 0 && choice.best.structure.branches < options.most_branches) {
-      JointStructure richer = choice.best.structure;
-      ++richer.branches;
-      try_one(richer);
-      if (taken + 1 != choice.tried.size()) break;
-    }
-    // The nodes of v_oc do not move the rates: those found are kept.
-    if (!voltage_soc.empty() && options.voltage_nodes == 0) {
-      JointStructure finer = choice.best.structure;
-      finer.voltage_soc = Halved(voltage_soc);
-      JointSolution solution = fit.Solve(finer, choice.best.rates, rough);
-      solution.termination = choice.best.termination;
-      solution.message = choice.best.message;
-      judge(finer, std::move(solution));
-    }
-  }
-  choice.tried[taken].taken = true;
-  // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
-  // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
-  if (compare && options.smoothness == 0.0 && choice.errors.fitted_V <= logs.noise_V)
-    choice.errors.smoothness = kNoSmoothness;
-  // The last polish follows the fit; where rows left out are predicted worse for it, it followed
-  // noise along a flat valley.
-  JointSolution before =
-      fit.Solve(choice.best.structure, choice.best.rates, choice.errors.smoothness);
-  before.at_bound = choice.best.at_bound;
-  before.termination = choice.best.termination;
-  before.message = choice.best.message;
-  JointSolution polished = fit.Polish(before, kFineStep, options.iterations_per_variable);
-  if (compare) {
-    const LeftOutErrors errors =
-        fit.LeaveOut(polished.structure, polished.rates, {choice.errors.smoothness});
-    if (errors.expected_V > choice.errors.expected_V) {
-      polished = std::move(before);
-    } else {
-      choice.errors = errors;
-    }
-  }
-  choice.best = std::move(polished);
-  tell(1.0);
-  return choice;
+  return Choosing(fit, logs, voltage_soc, lowest_soc, options, progress).Run();
 }
 
 }  // namespace lipoid

@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "identify/optimizers/bobyqa.h"
+#include "identify/trust/paired_errors.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A branch has a time constant of so many sampling intervals at least. A faster one has nearly all
+// of its drop in the first row after an edge, where it would stand in for r_s.
+constexpr double kShortestTau = 2.0;
 
 // From node voltages to their rises, x_node[k] = sum_{j <= k} rise[j]: of a quadratic.
 void ToRises(NormalEquations& sum, int voltages) {
@@ -135,7 +140,7 @@ JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const JointKn
     }
     if (std::isfinite(shortest_s)) break;
   }
-  shortest_tau_s_ = 0.5 * shortest_s;
+  shortest_tau_s_ = kShortestTau * shortest_s;
   longest_tau_s_ = std::max(longest_s, 8.0 * shortest_s);
 }
 
@@ -434,6 +439,9 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
     for (std::size_t s = 0; s < ladder.size(); ++s)
       without[g].push_back(SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
   });
+  const auto total_of = [&](const std::vector<double>& units) {
+    return std::accumulate(units.begin(), units.end(), 0.0) / weight;
+  };
   const auto fitted = SumErrors(logs_,
                                 setup_,
                                 structure,
@@ -442,16 +450,18 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
                                 std::vector<std::vector<Eigen::VectorXd>>(groups, whole));
   const auto errors = SumErrors(logs_, setup_, structure, soc, rates, without);
   std::vector<LeftOutErrors> all;
-  double least_V = kInfinity;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
     all.push_back({.smoothness = ladder[s],
-                   .fitted_V = fitted[s] / weight,
-                   .left_out_V = errors[s] / weight});
-    all.back().expected_V = 0.368 * all.back().fitted_V + 0.632 * all.back().left_out_V;
-    least_V = std::min(least_V, all.back().expected_V);
+                   .fitted_V = total_of(fitted[s]),
+                   .left_out_V = total_of(errors[s]),
+                   .unit_V = errors[s]});
   }
+  const LeftOutErrors& least =
+      *std::min_element(all.begin(), all.end(), [](const LeftOutErrors& a, const LeftOutErrors& b) {
+        return a.left_out_V < b.left_out_V;
+      });
   for (const LeftOutErrors& one : all) {
-    if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
+    if (!CompareErrors(one.unit_V, least.unit_V, logs_.unit_weight).AskedFor()) return one;
   }
   return best;
 }

@@ -45,20 +45,14 @@ struct JointSolution {
 };
 
 /// What leaving groups of rows out says of a structure at its rates. Weighted means of the errors'
-/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares. NaN
-/// without two groups.
+/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares, and
+/// the sums of the units (paired_errors.h) behind the mean. NaN and empty without two groups.
 struct LeftOutErrors {
   double smoothness = 0.0;
   double fitted_V = std::numeric_limits<double>::quiet_NaN();    ///< with the groups in the fit
   double left_out_V = std::numeric_limits<double>::quiet_NaN();  ///< each predicted by the others
-  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). Pieces that are left
-  /// out whole are harder to predict than a new log of the same cell is.
-  double expected_V = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> unit_V = {};  ///< of rows left out, times the weights of the units
 };
-
-/// A smoothness that predicts rows left out no worse than the best one by this share is as good:
-/// the least such is taken, as it follows the data most closely.
-inline constexpr double kSmoothnessLoss = 0.02;
 
 /// Where the last polish ends: steps of the logarithms of the rates.
 inline constexpr double kFineStep = 1e-3;
@@ -85,8 +79,8 @@ class JointFit {
                                     const JointRates& rates,
                                     double smoothness,
                                     const std::vector<char>& guess = {}) const;
-  /// The least smoothness of the rising ladder that predicts rows left out as well as any, but for
-  /// kSmoothnessLoss.
+  /// The least smoothness of the rising ladder that predicts rows left out as well as the best one,
+  /// but for what may be chance: it follows the data most closely and biases them least.
   [[nodiscard]] LeftOutErrors LeaveOut(const JointStructure& structure,
                                        const JointRates& rates,
                                        const std::vector<double>& ladder) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
@@ -13,11 +14,16 @@
 namespace lipoid {
 namespace {
 
-// Of each log every fifth pulse, or every fifth of sixty pieces of a discharge, are left out
-// together: what is left covers all states of charge at the same currents. The ends of a discharge
-// stay: beyond them there is nothing to predict from.
+// Every fifth pulse, or every fifth of sixty pieces of a discharge, are left out together: what is
+// left covers all states of charge at the same currents. The ends of a discharge stay: beyond them
+// there is nothing to predict from.
 constexpr int kGroups = 5;
 constexpr int kPieces = 60;
+// From so many constant currents on, each is left out whole: half of them at least lie between two
+// others then, and are interpolated.
+constexpr int kEnoughCurrents = 4;
+// Neighbouring pieces are compared together, so that errors of units hardly depend on each other.
+constexpr int kPiecesOfUnit = 5;
 // Logs of up to so many rows are taken as they are.
 constexpr std::size_t kShortLog = 2500;
 // Blocks take no more than this share of a log's rows, so that v_oc(A) is seen in detail.
@@ -66,7 +72,8 @@ Condensation HowToCondense(const Record& record) {
 JointLog MakeJointLog(const LoadedLog& loaded,
                       double alpha_C,
                       const OpenCircuitVoltage& curve,
-                      const JointWeights& weights) {
+                      const JointWeights& weights,
+                      bool leave_out_whole) {
   const Record& record = loaded.log.record;
   JointLog log;
   log.file = loaded.entry.file;
@@ -79,23 +86,30 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   if (log.kind == LogKind::kPulses) starts = PulseStarts(segments);
   const double from_s = record.time_s.front();
   const double length_s = record.time_s.back() - from_s;
-  const auto group_of = [&](std::size_t row) {
-    if (log.kind == LogKind::kLowRate) return JointLog::kAlways;
+  struct Place {
+    int group, unit;
+  };
+  const auto place_of = [&](std::size_t row) -> Place {
+    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
     if (log.kind == LogKind::kConstantCurrent) {
       const double share = (record.time_s[row] - from_s) / length_s;
-      const int piece = static_cast<int>(share * kPieces);
-      return piece == 0 || piece >= kPieces - 2 ? JointLog::kAlways : piece % kGroups;
+      const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
+      if (leave_out_whole) return {0, piece / kPiecesOfUnit};
+      if (piece == 0 || piece >= kPieces - 2) return {JointLog::kAlways, JointLog::kAlways};
+      return {piece % kGroups, piece / kPiecesOfUnit};
     }
     const auto after = std::upper_bound(starts.begin(), starts.end(), row);
-    return std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0) % kGroups;
+    const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);
+    return {pulse % kGroups, pulse};
   };
-  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, int at) {
+  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, Place at) {
     log.time_s.push_back(time_s);
     log.step_A.push_back(step_A);
     log.current_A.push_back(current_A);
     log.voltage_V.push_back(v);
     log.count.push_back(w);
-    log.group.push_back(at);
+    log.group.push_back(at.group);
+    log.unit.push_back(at.unit);
   };
   const CondensedLog condensed(record, HowToCondense(record));
   const bool backward = record.hold == Hold::kBackward;
@@ -103,24 +117,24 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     if (piece.plain()) {
       for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) {
         const double step_A = k == 0 ? 0.0 : record.current_A[backward ? k : k - 1];
-        add(record.time_s[k], step_A, record.current_A[k], record.voltage_V[k], 1.0, group_of(k));
+        add(record.time_s[k], step_A, record.current_A[k], record.voltage_V[k], 1.0, place_of(k));
       }
       continue;
     }
     const BlockShape& shape = condensed.shapes()[piece.shape];
     const double* voltage_V = condensed.node_voltage_V(piece);
     const double before_s = record.time_s[piece.first - 1];
-    const int group = group_of(piece.first);
+    const Place place = place_of(piece.first);
     for (Eigen::Index j = 0; j < shape.nodes(); ++j) {
       add(before_s + shape.node_s[j],
           piece.current_A,
           piece.current_A,
           voltage_V[j],
           shape.weight[j],
-          group);
+          place);
     }
     const double end_s = before_s + piece.duration_s;
-    if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, group);
+    if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, place);
   }
 
   // Weights of rows, then of the log.
@@ -146,6 +160,41 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   return log;
 }
 
+// Groups and units of one log become those of all; units at the end of a range are marked.
+void NumberGroups(JointLogs& all, bool leave_out_whole) {
+  const auto current = [](const JointLog& log) { return LargestMagnitude(log.current_A); };
+  double least_A = std::numeric_limits<double>::infinity();
+  double most_A = 0.0;
+  for (const JointLog& log : all.logs) {
+    if (log.kind != LogKind::kConstantCurrent) continue;
+    least_A = std::min(least_A, current(log));
+    most_A = std::max(most_A, current(log));
+  }
+  for (JointLog& log : all.logs) {
+    int last_group = -1;
+    int last_unit = -1;
+    const auto first_unit = static_cast<int>(all.unit_weight.size());
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == JointLog::kAlways) continue;
+      last_group = std::max(last_group, log.group[k]);
+      last_unit = std::max(last_unit, log.unit[k]);
+      log.group[k] += all.groups;
+      log.unit[k] += first_unit;
+    }
+    all.groups += last_group + 1;
+    const bool extreme = leave_out_whole && log.kind == LogKind::kConstantCurrent &&
+                         (current(log) == least_A || current(log) == most_A);
+    const auto units = static_cast<std::size_t>(first_unit + last_unit + 1);
+    all.unit_weight.resize(units, 0.0);
+    all.unit_at_end.resize(units, extreme ? 1 : 0);
+    if (last_unit >= 0) all.unit_at_end.back() = 1;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] != JointLog::kAlways)
+        all.unit_weight[static_cast<std::size_t>(log.unit[k])] += log.weight[k];
+    }
+  }
+}
+
 }  // namespace
 
 JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
@@ -156,21 +205,19 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
   for (const LoadedLog& log : logs) {
     if (log.entry.kind != LogKind::kValidation && log.log.record.size() > 1) used.push_back(&log);
   }
+  const bool leave_out_whole =
+      std::count_if(used.begin(), used.end(), [](const LoadedLog* log) {
+        return log->entry.kind == LogKind::kConstantCurrent;
+      }) >= kEnoughCurrents;
   JointLogs all;
   all.logs.resize(used.size());
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t l) {
-    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights);
+    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights, leave_out_whole);
   });
   double squares = 0.0;
   double loaded = 0.0;
-  for (JointLog& log : all.logs) {
-    int most = -1;
-    for (int& group : log.group) {
-      if (group == JointLog::kAlways) continue;
-      most = std::max(most, group);
-      group += all.groups;
-    }
-    all.groups += most + 1;
+  NumberGroups(all, leave_out_whole);
+  for (const JointLog& log : all.logs) {
     all.largest_A = std::max(all.largest_A, LargestMagnitude(log.current_A));
     all.weight_sum += log.log_weight;
   }

@@ -11,6 +11,12 @@
 /// steep, a charge that differs by a thousandth between two discharges of the same cell moves the
 /// voltage by more than anything that a resistance does. Each log then counts as much as its weight
 /// in the campaign says, whatever the number of its rows.
+///
+/// Where a campaign has four constant currents or more, each of them is a group: the others must
+/// predict it, and noise that lasts for minutes gives no hint across the ends of a short piece.
+/// With fewer, every fifth of sixty pieces is. Pulses are left out in turns, every fifth with the
+/// rest that follows it. Errors of groups are compared unit by unit (paired_errors.h): a pulse with
+/// its rest, or a twelfth of a discharge.
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
@@ -36,7 +42,8 @@ struct JointLog {
   double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
   /// One entry per point: the current that flowed since the point before, the current at the point,
   /// what was measured there, the number of rows it stands for (0: only a point on the way), their
-  /// weight in the sum of squares, and the group in which it is left out.
+  /// weight in the sum of squares, the group in which it is left out, and the unit in which its
+  /// error is compared then.
   std::vector<double> time_s;
   std::vector<double> step_A;
   std::vector<double> current_A;
@@ -44,6 +51,7 @@ struct JointLog {
   std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
+  std::vector<int> unit;
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
   double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen
@@ -56,6 +64,10 @@ struct JointLog {
 struct JointLogs {
   std::vector<JointLog> logs;
   int groups = 0;           ///< that can be left out
+  /// Weight of each unit, and whether it lies at the end of a range (the largest and the smallest
+  /// of the currents that are left out whole, the end of a log): predicting it is extrapolation.
+  std::vector<double> unit_weight;
+  std::vector<char> unit_at_end;
   double weight_sum = 0.0;  ///< over all logs
   double largest_A = 0.0;
   double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows

@@ -266,13 +266,15 @@ NormalEquations SumAll(const JointLogs& logs,
   return sum;
 }
 
-std::vector<double> SumErrors(const JointLogs& logs,
-                              const JointSetup& setup,
-                              const JointStructure& structure,
-                              const SocTrace& soc,
-                              const JointRates& rates,
-                              const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
-  std::vector<double> sums(unknowns.empty() ? 0 : unknowns.front().size());
+std::vector<std::vector<double>> SumErrors(
+    const JointLogs& logs,
+    const JointSetup& setup,
+    const JointStructure& structure,
+    const SocTrace& soc,
+    const JointRates& rates,
+    const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
+  std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
+                                        std::vector<double>(logs.unit_weight.size(), 0.0));
   VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const Row& row) {
     const JointLog& log = logs.logs[l];
     if (log.group[k] == JointLog::kAlways) return;
@@ -284,7 +286,7 @@ std::vector<double> SumErrors(const JointLogs& logs,
       } else {
         for (int e = 0; e < row.entries; ++e) error -= row.value[e] * candidates[s][row.index[e]];
       }
-      sums[s] += log.weight[k] * std::abs(error);
+      sums[s][static_cast<std::size_t>(log.unit[k])] += log.weight[k] * std::abs(error);
     }
   });
   return sums;

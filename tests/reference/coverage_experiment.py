@@ -49,13 +49,13 @@ def log_uniform(rng, low, high):
 
 
 def open_circuit(rng):
-    """A fall near empty, two soft steps and a rise near full, with v_oc(0) the cut-off."""
+    """A fall near empty, three soft steps and a rise near full, with v_oc(0) the cut-off."""
     soc = np.linspace(-0.1, 1.0, 1101)
     rise = rng.uniform(0.45, 0.65)
     shape = rise * soc
-    for _ in range(2):
-        shape = shape + rng.uniform(0.02, 0.08) * np.tanh(
-            (soc - rng.uniform(0.25, 0.8)) / rng.uniform(0.08, 0.2))
+    for _ in range(3):
+        shape = shape + rng.uniform(0.01, 0.06) * np.tanh(
+            (soc - rng.uniform(0.15, 0.85)) / log_uniform(rng, 0.03, 0.2))
     shape = shape + rng.uniform(0.02, 0.05) * np.exp((soc - 1.0) / rng.uniform(0.03, 0.08))
     width = rng.uniform(0.02, 0.05)
     depth = rng.uniform(0.35, 0.55)
@@ -67,8 +67,9 @@ def open_circuit(rng):
 def smooth_table(rng, half_charge_Ohm):
     """A resistance over the state of charge whose value at half charge is given."""
     soc = np.linspace(-0.1, 1.0, 2201)
-    shape = 1.0 + rng.uniform(0.3, 1.5) * np.exp(-soc / rng.uniform(0.06, 0.2))
-    shape += rng.uniform(0.1, 0.5) / (1.0 + np.exp((soc - rng.uniform(0.08, 0.3)) / rng.uniform(0.02, 0.06)))
+    shape = 1.0 + rng.uniform(0.3, 1.5) * np.exp(-soc / log_uniform(rng, 0.03, 0.2))
+    shape += rng.uniform(0.1, 0.5) / (
+        1.0 + np.exp((soc - rng.uniform(0.05, 0.3)) / log_uniform(rng, 0.01, 0.06)))
     shape += rng.uniform(-0.15, 0.15) * np.exp(-((soc - rng.uniform(0.3, 0.9)) / 0.15) ** 2)
     shape *= 1.0 + rng.uniform(-0.2, 0.2) * (soc - 0.5)
     return {"soc": soc.tolist(),
