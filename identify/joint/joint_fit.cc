@@ -16,6 +16,9 @@ namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A branch has a time constant of so many sampling intervals at least. A faster one has nearly all
+// of its drop in the first row after an edge, where it would stand in for r_s.
+constexpr double kShortestTau = 2.0;
 
 // A quadratic of node voltages as one of their rises.
 void TurnToRises(NormalEquations& sum, int voltages) {
@@ -158,7 +161,7 @@ JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const GivenPa
     }
     if (std::isfinite(shortest_s)) break;
   }
-  shortest_tau_s_ = 0.5 * shortest_s;
+  shortest_tau_s_ = kShortestTau * shortest_s;
   longest_tau_s_ = std::max(longest_s, 8.0 * shortest_s);
 }
 
@@ -531,6 +534,9 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
     for (std::size_t s = 0; s < ladder.size(); ++s)
       without[g].push_back(SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
   });
+  const auto total_of = [&](const std::vector<double>& units) {
+    return std::accumulate(units.begin(), units.end(), 0.0) / weight;
+  };
   const auto fitted = SumErrors(logs_,
                                 setup_,
                                 structure,
@@ -538,15 +544,19 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
                                 rates,
                                 std::vector<std::vector<Eigen::VectorXd>>(groups, whole));
   const auto errors = SumErrors(logs_, setup_, structure, soc, rates, without);
+  constexpr double kFitted = 0.368;  // e^-1: the share of rows that a bootstrap leaves out
   std::vector<LeftOutErrors> all;
-  double least_V = kInfinity;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
-    all.push_back({.smoothness = ladder[s],
-                   .fitted_V = fitted[s] / weight,
-                   .left_out_V = errors[s] / weight});
-    all.back().expected_V = 0.368 * all.back().fitted_V + 0.632 * all.back().left_out_V;
-    least_V = std::min(least_V, all.back().expected_V);
+    LeftOutErrors& one = all.emplace_back();
+    one.smoothness = ladder[s];
+    one.fitted_V = total_of(fitted[s]);
+    one.left_out_V = total_of(errors[s]);
+    one.expected_V = kFitted * one.fitted_V + (1.0 - kFitted) * one.left_out_V;
+    for (std::size_t u = 0; u < errors[s].size(); ++u)
+      one.unit_V.push_back(kFitted * fitted[s][u] + (1.0 - kFitted) * errors[s][u]);
   }
+  double least_V = kInfinity;
+  for (const LeftOutErrors& one : all) least_V = std::min(least_V, one.expected_V);
   for (const LeftOutErrors& one : all) {
     if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
   }

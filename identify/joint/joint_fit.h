@@ -40,15 +40,16 @@ struct JointSolution {
 void SortBranches(JointSolution& solution);
 
 /// What leaving groups of rows out says of a structure at its rates. Weighted means of the errors'
-/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares. NaN
-/// without two groups.
+/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares, and
+/// the sums of the units (paired_errors.h) behind the mean. NaN and empty without two groups.
 struct LeftOutErrors {
   double smoothness = 0.0;
   double fitted_V = std::numeric_limits<double>::quiet_NaN();    ///< with the groups in the fit
   double left_out_V = std::numeric_limits<double>::quiet_NaN();  ///< each predicted by the others
-  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). Pieces that are left
-  /// out whole are harder to predict than a new log of the same cell is.
+  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). A piece that is left
+  /// out whole is harder to predict than a new log of the same cell is.
   double expected_V = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> unit_V = {};  ///< what is expected of each unit, times its weight
 };
 
 /// A smoothness that predicts rows left out no worse than the best one by this share is as good:

@@ -205,21 +205,25 @@ SlopeSums SumSlopes(const JointLogs& logs,
   return SumOverLogs(logs, setup, structure, soc, rates, &x, curve, zero, add);
 }
 
-std::vector<double> SumErrors(const JointLogs& logs,
-                              const JointSetup& setup,
-                              const JointStructure& structure,
-                              const SocTrace& soc,
-                              const JointRates& rates,
-                              const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
-  std::vector<double> sums(unknowns.empty() ? 0 : unknowns.front().size());
-  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
+std::vector<std::vector<double>> SumErrors(
+    const JointLogs& logs,
+    const JointSetup& setup,
+    const JointStructure& structure,
+    const SocTrace& soc,
+    const JointRates& rates,
+    const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
+  std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
+                                        std::vector<double>(logs.unit_weight.size(), 0.0));
+  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l,
+                                                                    std::size_t k,
+                                                                    const CellRow& row) {
     const JointLog& log = logs.logs[l];
     if (log.group[k] == JointLog::kAlways) return;
     const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
     for (std::size_t s = 0; s < sums.size(); ++s) {
       const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
                                                      : row.Residual(candidates[s].data());
-      sums[s] += log.weight[k] * std::abs(error);
+      sums[s][static_cast<std::size_t>(log.unit[k])] += log.weight[k] * std::abs(error);
     }
   });
   return sums;

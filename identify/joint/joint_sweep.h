@@ -83,10 +83,10 @@ struct SlopeSums {
                                   const Eigen::VectorXd& x,
                                   CurveSlope curve);
 
-/// Weighted sums of the errors' sizes over the rows of all groups, each predicted with
-/// unknowns of its own: unknowns[group][s] for s = 0 .. candidates - 1. An empty vector counts as
+/// Weighted sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
+/// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
 /// infinitely wrong.
-[[nodiscard]] std::vector<double> SumErrors(
+[[nodiscard]] std::vector<std::vector<double>> SumErrors(
     const JointLogs& logs,
     const JointSetup& setup,
     const JointStructure& structure,

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/joint/structure_spread.h"
+
 namespace lipoid {
 namespace {
 
@@ -75,7 +77,14 @@ class Assessment {
     q.combination = Eigen::VectorXd::Zero(size_);
     return q;
   }
-  void Add(TrustedQuantity q) { quantities_.push_back(std::move(q)); }
+  void Add(TrustedQuantity q) {
+    if (q.name != "alpha") {
+      q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+        return ValueIn(solution, q.name, result_.logs.typical_A, best_);
+      });
+    }
+    quantities_.push_back(std::move(q));
+  }
   [[nodiscard]] Eigen::Index Searched(const std::string& rate) const {
     const auto found = std::find(rates_.begin(), rates_.end(), rate);
     return found == rates_.end() ? -1 : found - rates_.begin();
@@ -161,6 +170,11 @@ class Assessment {
     for (std::size_t k = 0; k <= cutoff.upper; ++k) {
       q.combination[Linear(static_cast<int>(k))] = of_upper + (k <= cutoff.lower ? of_lower : 0.0);
     }
+    // A curve that lies higher there reaches the cut-off later.
+    q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+      return (of_lower + of_upper) *
+             OpenCircuitVoltageIn(solution, result_.setup.reference, cutoff.soc);
+    });
     Add(std::move(q));
   }
 

@@ -234,8 +234,18 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
                               unknowns);
   ASSERT_EQ(sums.size(), 2U);
   // The model's own error of long logs said in few points is far below a microvolt.
-  EXPECT_NEAR(sums[0], 0.01 * weight, 1e-6);
-  EXPECT_TRUE(std::isinf(sums[1]));
+  const double total = std::accumulate(sums[0].begin(), sums[0].end(), 0.0);
+  EXPECT_NEAR(total, 0.01 * weight, 1e-6);
+  // Each unit has the errors of its own rows: those of group 0 by 10 mV, all others none.
+  std::vector<double> expected(joint.unit_weight.size(), 0.0);
+  for (const JointLog& log : joint.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == 0) expected[static_cast<std::size_t>(log.unit[k])] += 0.01 * log.weight[k];
+    }
+  }
+  ASSERT_EQ(sums[0].size(), expected.size());
+  for (std::size_t u = 0; u < expected.size(); ++u) EXPECT_NEAR(sums[0][u], expected[u], 1e-6) << u;
+  for (const double sum : sums[1]) EXPECT_TRUE(std::isinf(sum));
 }
 
 }  // namespace
