@@ -16,6 +16,7 @@
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/discharge_times.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
+#include "identify/stages/open_circuit_voltage_from_rests.h"
 #include "identify/stages/pulse_fit.h"
 #include "identify/stages/staged_trust.h"
 #include "model/battery/cell.h"
@@ -41,14 +42,16 @@ struct StagedResult {
   Cell cell;
   bool converged = false;
   std::optional<DischargeTimesResult> discharge_times;
-  std::optional<OcvFitResult> open_circuit_voltage;  ///< none where the curve was given
+  std::optional<OcvFitResult> open_circuit_voltage;  ///< none without a low-rate log
+  std::optional<OcvFromRests> from_rests;            ///< v_oc where neither log nor curve is there
   std::optional<PulseFitResult> pulses_beta_held;    ///< (4.60); none where beta is given or absent
   PulseFitResult pulses;                             ///< (4.61)
   LogKind fitted_kind = LogKind::kPulses;            ///< of the logs that stage 3 used
   TrustReport trust;                                 ///< how far to believe the parameters
   StartValues start;
   double alpha_C = 0.0;
-  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given", "nominal-capacity"
+  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given",
+                             ///< "pulse-charge", "nominal-capacity"
   double low_rate_charge_C = 0.0;         ///< 0 without such a log
   double low_rate_offset_V = 0.0;         ///< by which the low-rate log lies below v_oc
   std::vector<std::string> done_instead;  ///< for a kind of log that is missing

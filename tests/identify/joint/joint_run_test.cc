@@ -284,6 +284,58 @@ TEST(JointRun, PredictsTheConstantCurrentsOfNissanAndTheirRepeats) {
   }
 }
 
+// Without a low-rate log the curve starts from the rests of the pulses. v_oc is fitted all the
+// same, and the truth comes back: the discharges show its shape between the rests.
+TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
+  const Cell truth = Truth();
+  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  logs.erase(logs.begin() + 3);
+  const JointResult result = Identify(logs);
+  EXPECT_TRUE(result.converged);
+  ASSERT_TRUE(result.staged.from_rests.has_value());
+  EXPECT_EQ(result.alpha_source, "cut-off");
+  for (const char* parameter : {"alpha", "beta", "r_s", "r_1", "tau_1"}) {
+    const double is = *CellParameter(truth, parameter);
+    EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.02 * is) << parameter;
+  }
+  EXPECT_LT(result.fitted.back().all.rmse, 1.2 * kNoise_V);
+}
+
+// The refitted curve stays near the rests, whose own drift is up to 9 mV, above a quarter of the
+// charge. Below, v_oc and a branch as slow as the rests cannot be told apart by logs of one current
+// (docs/joint.md, 7): there it may leave them by some ten millivolts.
+constexpr double kNearRests_V = 0.015;
+constexpr double kSteep_V = 0.1;
+constexpr double kSteepBelow_soc = 0.25;
+
+TEST(JointRun, IdentifiesNasaAtFiveAgesWithoutALowRateLog) {
+  for (const int age : {1, 2, 3, 4, 5}) {
+    const auto file =
+        test::LabDataPath("nasa_rw26_ageing/age" + std::to_string(age) + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    SCOPED_TRACE(file);
+    const Campaign campaign = ReadCampaign(file);
+    const JointResult result = IdentifyJoint(campaign, LoadCampaign(campaign));
+    EXPECT_TRUE(result.staged.converged);
+    EXPECT_TRUE(result.converged);
+    EXPECT_EQ(result.staged.alpha_source, "pulse-charge");
+    EXPECT_EQ(result.alpha_source, "cut-off");
+    ASSERT_TRUE(result.staged.from_rests.has_value());
+    const double to_C = result.staged.alpha_C;
+    for (const SettledRest& rest : result.staged.from_rests->rests) {
+      const double soc = 1.0 - (1.0 - rest.soc) * to_C / result.alpha_C;
+      const double near_V = rest.soc > kSteepBelow_soc ? kNearRests_V : kSteep_V;
+      EXPECT_NEAR(result.cell.open_circuit_voltage(soc), rest.voltage_V, near_V) << rest.soc;
+    }
+    ASSERT_EQ(result.validation.size(), 4U);
+    for (const LogErrors& log : result.validation) {
+      EXPECT_LT(log.all.mean_error_percent, 1.5) << log.file;
+    }
+    for (const LogErrors& log : result.staged.validation)
+      EXPECT_LT(log.all.mean_error_percent, 1.5) << log.file;
+  }
+}
+
 TEST(JointRun, SaysWhatItTriedInItsSummary) {
   const auto logs = test::SyntheticLogs(Truth(), 10.0, kNoise_V);
   const JointResult result = Identify(logs);
