@@ -17,7 +17,6 @@ constexpr double kTypicalSmoothness = 1e-3;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
 constexpr int kFewNodes = 13;
 constexpr int kManyNodes = 34;
-constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates, for a candidate
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise.
@@ -308,8 +307,8 @@ class Choosing {
     finer.voltage_soc = Halved(finer.voltage_soc);
     if (finer.nodes() < kManyNodes) finer.resistance_soc = Halved(finer.resistance_soc);
     if (finer == best() || choice_.best.x.size() == 0) return;
-    choice_.finer = fit_.Polish(
-        fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness), kRoughStep);
+    choice_.finer =
+        fit_.Approach(fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness));
   }
 
   const JointFit& fit_;
