@@ -189,7 +189,7 @@ class CellRows {
         index_(static_cast<std::size_t>(layout_.size())),
         value_(static_cast<std::size_t>(layout_.size())),
         slope_(static_cast<std::size_t>(slots_.size())) {
-    for (const double a : structure.voltage_soc) reference_V_.push_back(setup.reference(a));
+    for (const double a : structure.voltage_soc) reference_V_.push_back(setup.open_circuit_voltage(a));
     for (auto& b : branches_) b.Reset(layout_.nodes());
     if (x != nullptr) FindCurveSlopes(curve);
   }
@@ -274,7 +274,7 @@ class CellRows {
       put(v.lower, 1.0 - v.share);
       put(v.lower + 1, v.share);
     } else {
-      const auto point = setup_.reference.Evaluate(soc);  // (4.49)
+      const auto point = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
       reference_V = point.value_V;
       slope_V = point.slope_V;
     }

@@ -47,6 +47,11 @@ std::optional<double> GivenParameters::Start(const std::string& name) const {
 std::optional<std::pair<double, double>> GivenParameters::Bounds(const std::string& name) const {
   return Find(bounds, name);
 }
+std::optional<std::pair<double, double>> GivenParameters::Range(const std::string& name) const {
+  if (const auto value = Fixed(name)) return std::pair{*value, *value};
+  return Bounds(name);
+}
+
 bool GivenParameters::Mentions(const std::string& name) const {
   return fixed.count(name) + start.count(name) + bounds.count(name) > 0;
 }

@@ -23,6 +23,8 @@ struct GivenParameters {
   [[nodiscard]] std::optional<double> Fixed(const std::string& name) const;
   [[nodiscard]] std::optional<double> Start(const std::string& name) const;
   [[nodiscard]] std::optional<std::pair<double, double>> Bounds(const std::string& name) const;
+  /// What is fixed lies between that and that; none where the name is free.
+  [[nodiscard]] std::optional<std::pair<double, double>> Range(const std::string& name) const;
   [[nodiscard]] bool Mentions(const std::string& name) const;
   /// Whether any branch is mentioned: branches then keep the numbers that the user gave them.
   [[nodiscard]] bool NamesABranch() const;

@@ -191,7 +191,9 @@ class Choosing {
     TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
     row.errors.smoothness = rough_;
     if (compare_) {
-      row.errors = fit_.LeaveOut(
+      row.errors = LeaveOut(
+          fit_,
+          logs_,
           row.solution.structure,
           row.solution.rates,
           options_.smoothness > 0.0 ? std::vector<double>{options_.smoothness} : kSmoothness);
@@ -275,7 +277,7 @@ class Choosing {
     JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);
     if (compare_) {
       const LeftOutErrors errors =
-          fit_.LeaveOut(polished.structure, polished.rates, {choice_.errors.smoothness});
+          LeaveOut(fit_, logs_, polished.structure, polished.rates, {choice_.errors.smoothness});
       if (errors.expected_V > choice_.errors.expected_V) {
         polished = std::move(before);
       } else {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "identify/joint/joint_fit.h"
+#include "identify/joint/leave_out.h"
 #include "identify/trust/paired_errors.h"
 #include "model/core/options.h"
 

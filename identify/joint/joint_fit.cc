@@ -8,18 +8,17 @@
 #include <cmath>
 #include <numeric>
 
+#include "identify/fit/bounded_quadratic.h"
 #include "identify/fit/grid.h"
 #include "identify/optimizers/bobyqa.h"
-#include "identify/optimizers/levenberg_marquardt.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A branch has a time constant of so many sampling intervals at least. A faster one has nearly all
-// of its drop in the first row after an edge, where it would stand in for r_s.
-constexpr double kShortestTau = 2.0;
-
+// A branch without resistance follows the current at once: so does one of a nanosecond.
+constexpr double kInstant_s = 1e-9;
 // A quadratic of node voltages as one of their rises.
 void TurnToRises(NormalEquations& sum, int voltages) {
   sum.matrix.triangularView<Eigen::StrictlyUpper>() = sum.matrix.transpose();
@@ -83,7 +82,7 @@ class RatesProblem : public LeastSquaresProblem {
     }
     ProjectedSlopes slopes;
     last_ = fit_.Solve(
-        best_.structure, rates, best_.smoothness, last_.at_zero, jacobian ? &slopes : nullptr);
+        best_.structure, rates, best_.smoothness, last_.active, jacobian ? &slopes : nullptr);
     const double cost = last_.cost;
     if (cost < best_.cost) best_ = last_;
     if (!std::isfinite(cost)) {
@@ -129,18 +128,26 @@ class RatesProblem : public LeastSquaresProblem {
 void SortBranches(JointSolution& solution) {
   const std::vector<double> taus = solution.rates.time_constant_s;
   const std::size_t n = taus.size();
+  if (solution.x.size() == 0) return;
+  const JointLayout layout(solution.structure);
+  const auto resistance = [&](std::size_t j) {
+    return solution.x.segment(layout.branch(static_cast<int>(j)), layout.nodes());
+  };
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return taus[a] < taus[b]; });
-  if (std::is_sorted(order.begin(), order.end()) || solution.x.size() == 0) return;
-  const JointLayout layout(solution.structure);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) {
+    const bool a_gone = resistance(a).isZero(0.0);
+    const bool b_gone = resistance(b).isZero(0.0);
+    return a_gone != b_gone ? b_gone : taus[a] < taus[b];
+  });
   const JointSolution before = solution;
   for (std::size_t j = 0; j < n; ++j) {
     const int from = layout.branch(static_cast<int>(order[j]));
     const int to = layout.branch(static_cast<int>(j));
     solution.rates.time_constant_s[j] = taus[order[j]];
+    solution.follows[j] = before.follows[order[j]];
     solution.x.segment(to, layout.nodes()) = before.x.segment(from, layout.nodes());
-    std::copy_n(before.at_zero.begin() + from, layout.nodes(), solution.at_zero.begin() + to);
+    std::copy_n(before.active.begin() + from, layout.nodes(), solution.active.begin() + to);
     const auto name = fmt::format("tau_{}", order[j] + 1);
     for (std::size_t k = 0; k < before.at_bound.size(); ++k) {
       if (before.at_bound[k] == name) solution.at_bound[k] = fmt::format("tau_{}", j + 1);
@@ -148,35 +155,22 @@ void SortBranches(JointSolution& solution) {
   }
 }
 
-JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const GivenParameters& known)
-    : logs_(logs), setup_(setup), known_(known) {
-  // Time constants that logs with steps can show, pulses where there are any.
-  double shortest_s = kInfinity;
-  double longest_s = 0.0;
-  for (const bool pulses : {true, false}) {
-    for (const JointLog& log : logs.logs) {
-      if ((log.kind == LogKind::kPulses) != pulses) continue;
-      shortest_s = std::min(shortest_s, log.shortest_s);
-      longest_s = std::max(longest_s, log.longest_s);
-    }
-    if (std::isfinite(shortest_s)) break;
-  }
-  shortest_tau_s_ = kShortestTau * shortest_s;
-  longest_tau_s_ = std::max(longest_s, 8.0 * shortest_s);
-}
-
 JointRates JointFit::Base(const JointStructure& structure) const {
   const auto fixed = [&](const std::string& name, double otherwise) {
-    return known_.Fixed(name).value_or(otherwise);
+    return known_.Fixed(name).value_or(known_.Start(name).value_or(otherwise));
   };
   JointRates rates;
   rates.beta_per_sqrt_s = setup_.diffusion ? fixed("beta", 0.2) : kInfinity;
   for (int j = 1; j <= structure.branches; ++j) {
+    const auto r = known_.Fixed(fmt::format("r_{}", j));
+    const auto c = known_.Fixed(fmt::format("c_{}", j));
     rates.time_constant_s.push_back(
-        fixed(fmt::format("tau_{}", j), std::sqrt(shortest_tau_s_ * longest_tau_s_)));
+        r && c ? std::max(*r * *c, kInstant_s)
+               : fixed(fmt::format("tau_{}", j),
+                       std::sqrt(scales_.shortest_tau_s * scales_.longest_tau_s)));
   }
   if (structure.self_heating) rates.heating_time_constant_s = fixed("tau_h", 500.0);
-  if (structure.charge_transfer) rates.charge_transfer_A = fixed("i_0", 0.15 * logs_.largest_A);
+  if (structure.charge_transfer) rates.charge_transfer_A = fixed("i_0", 0.15 * scales_.largest_A);
   return rates;
 }
 
@@ -191,8 +185,12 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
                        int slot) {
     if (known_.Fixed(name)) return;
     if (const auto bounds = known_.Bounds(name)) {
-      lower = std::max(bounds->first, std::numeric_limits<double>::min());
+      if (bounds->first > 0.0) lower = bounds->first;  // its logarithm is searched
       upper = bounds->second;
+      if (upper < lower) {
+        throw OptionError(
+            fmt::format("--bounds {}: expected an upper bound of at least {}", name, lower));
+      }
     }
     rates.push_back({std::move(name), lower, upper, entry, index, slot});
   };
@@ -200,17 +198,19 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
     // Slower than the longest log there is no diffusion to be seen.
     add(
         "beta",
-        1e-3,
+        scales_.least_beta_per_sqrt_s,
         1.0,
         [](JointRates& r, int) { return &r.beta_per_sqrt_s; },
         0,
         slots.beta());
   }
   for (int j = 0; j < structure.branches; ++j) {
+    if (known_.Fixed(fmt::format("r_{}", j + 1)) && known_.Fixed(fmt::format("c_{}", j + 1)))
+      continue;
     add(
         fmt::format("tau_{}", j + 1),
-        shortest_tau_s_,
-        longest_tau_s_,
+        scales_.shortest_tau_s,
+        scales_.longest_tau_s,
         [](JointRates& r, int at) { return &r.time_constant_s[at]; },
         j,
         slots.tau(j));
@@ -218,7 +218,7 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
   if (structure.self_heating) {
     add(
         "tau_h",
-        std::max(30.0, 2.0 * shortest_tau_s_),
+        std::max(30.0, 2.0 * scales_.shortest_tau_s),
         1e4,
         [](JointRates& r, int) { return &r.heating_time_constant_s; },
         0,
@@ -227,8 +227,8 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
   if (structure.charge_transfer) {
     add(
         "i_0",
-        0.01 * logs_.largest_A,
-        2.0 * logs_.largest_A,
+        0.01 * scales_.largest_A,
+        2.0 * scales_.largest_A,
         [](JointRates& r, int) { return &r.charge_transfer_A; },
         0,
         slots.transfer());
@@ -239,7 +239,7 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
 Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smoothness) const {
   const JointLayout layout(structure);
   Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(layout.size(), layout.size());
-  const double second = smoothness * smoothness * logs_.weight_sum;
+  const double second = smoothness * smoothness * scales_.weight_sum;
   const auto bend = [&](int first, int count) {
     for (int k = first; k + 2 < first + count; ++k) {
       const Eigen::Vector3d d(1.0, -2.0, 1.0);
@@ -273,39 +273,58 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
   NormalEquations all = sum;
   all.matrix += Penalty(structure, smoothness);
   // What no row and no difference sees stays at the reference, or at zero.
-  const double floor = 1e-13 * all.matrix.diagonal().maxCoeff();
+  const double largest = all.matrix.diagonal().maxCoeff();
+  const double floor = largest > 0.0 ? 1e-13 * largest : 1.0;
   all.matrix.diagonal().array() += floor;
   NormalEquations rises = all;
   TurnToRises(rises, voltages);
 
+  JointSolution solution;
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(n);
-  std::vector<char> held(static_cast<std::size_t>(n), 0);
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(n, kInfinity);
   for (int k = 0; k < voltages; ++k) {
     lower[k] = k == 0 ? -kInfinity
-                      : -(setup_.reference(structure.voltage_soc[k]) -
-                          setup_.reference(structure.voltage_soc[k - 1]));
+                      : -(setup_.open_circuit_voltage(structure.voltage_soc[k]) -
+                          setup_.open_circuit_voltage(structure.voltage_soc[k - 1]));
   }
-  const auto hold = [&](const std::string& name, int table) {
-    const auto fixed = known_.Fixed(name);
-    if (!fixed) return;
+  const auto bound = [&](const std::string& name, int table, double per_value) {
+    const auto ends = known_.Range(name);
+    if (!ends) return;
     for (int k = table; k < table + layout.nodes(); ++k) {
-      held[k] = 1;
-      lower[k] = *fixed * logs_.typical_A;
+      lower[k] = std::max(lower[k], ends->first * per_value);
+      upper[k] = std::min(upper[k], ends->second * per_value);
     }
   };
-  hold("r_s", layout.series());
-  for (int j = 0; j < structure.branches; ++j) hold(fmt::format("r_{}", j + 1), layout.branch(j));
+  bound("r_s", layout.series(), scales_.typical_A);
+  for (int j = 0; j < structure.branches; ++j) {
+    const int table = layout.branch(j);
+    bound(fmt::format("r_{}", j + 1), table, scales_.typical_A);
+    const auto c = known_.Range(fmt::format("c_{}", j + 1));
+    if (!c || known_.Fixed(fmt::format("r_{}", j + 1))) continue;
+    // r_j = tau_j/c_j.
+    const double per_F = rates.time_constant_s[static_cast<std::size_t>(j)] * scales_.typical_A;
+    lower[table] = std::max(lower[table], per_F / c->second);
+    upper[table] = std::min(upper[table], per_F / c->first);
+  }
 
-  JointSolution solution;
   solution.structure = structure;
   solution.rates = rates;
   solution.smoothness = smoothness;
   BoundedQuadraticResult best =
-      MinimizeBoundedQuadratic(rises.matrix, rises.right, lower, guess, held);
+      MinimizeBoundedQuadratic(rises.matrix, rises.right, lower, guess, upper);
   if (!best.solved) return solution;
   solution.x = std::move(best.x);
   for (int k = 1; k < voltages; ++k) solution.x[k] += solution.x[k - 1];
-  solution.at_zero = std::move(best.active);
+  solution.active = std::move(best.active);
+  for (int j = 0; j < structure.branches; ++j) {
+    const auto c = known_.Range(fmt::format("c_{}", j + 1));
+    const auto table = static_cast<std::size_t>(layout.branch(j));
+    const double per_F = rates.time_constant_s[static_cast<std::size_t>(j)] * scales_.typical_A;
+    const double at = solution.active[table] == 2 ? upper[layout.branch(j)] : lower[layout.branch(j)];
+    solution.follows.push_back(c && solution.active[table] != 0 &&
+                               (at == per_F / c->second || at == per_F / c->first) &&
+                               !known_.Fixed(fmt::format("tau_{}", j + 1)));
+  }
   solution.cost = all.At(solution.x);
   solution.square = sum.At(solution.x);
   if (information != nullptr) *information = std::move(rises.matrix);
@@ -318,24 +337,37 @@ JointSolution JointFit::Solve(const JointStructure& structure,
                               const std::vector<char>& guess,
                               ProjectedSlopes* slopes) const {
   ++evaluations_;
-  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s, slopes != nullptr);
+  const auto rows = seen_.At(rates.beta_per_sqrt_s, slopes != nullptr);
+  const NormalEquations all = rows->Sum(structure, rates);
   Eigen::MatrixXd information;
-  JointSolution solution = SolveSums(structure,
-                                     rates,
-                                     smoothness,
-                                     SumAll(logs_, setup_, structure, soc, rates),
-                                     guess,
-                                     &information);
+  JointSolution solution = SolveSums(structure, rates, smoothness, all, guess, &information);
   if (slopes == nullptr || solution.x.size() == 0) return solution;
 
-  SlopeSums sums = SumSlopes(logs_, setup_, structure, soc, rates, solution.x, CurveSlope::kSmooth);
+  SlopeSums sums = rows->Slopes(structure, rates, solution.x);
+  const JointLayout layout(structure);
+  const RateSlots slots(structure);
+  for (int j = 0; j < structure.branches; ++j) {
+    if (!solution.follows[static_cast<std::size_t>(j)]) continue;
+    // The slope of r_j comes with that of tau_j: dr_j/dtau_j = r_j/tau_j.
+    const int t = slots.tau(j);
+    const int r = layout.branch(j);
+    const double rise = solution.x[r] / rates.time_constant_s[static_cast<std::size_t>(j)];
+    const Eigen::VectorXd row = all.matrix.selfadjointView<Eigen::Lower>() *
+                                Eigen::VectorXd::Unit(solution.x.size(), r);
+    sums.of_rates.row(t) += rise * sums.with_linear.col(r).transpose();
+    sums.of_rates.col(t) += rise * sums.with_linear.col(r);
+    sums.of_rates(t, t) += rise * rise * row[r];
+    sums.with_residual[t] += rise * sums.right[r];
+    sums.with_linear.row(t) += rise * row.transpose();
+  }
+  if (smoothness == 0.0 && layout.voltages() == 0) Refine(layout, information, sums, solution);
   std::vector<int> searched;
   for (const Rate& rate : Rates(structure)) searched.push_back(rate.slot);
   Eigen::MatrixXd with_linear = sums.with_linear(searched, Eigen::all);
-  ToRises(with_linear, JointLayout(structure).voltages());
+  ToRises(with_linear, layout.voltages());
   std::vector<int> free;
-  for (std::size_t k = 0; k < solution.at_zero.size(); ++k) {
-    if (!solution.at_zero[k]) free.push_back(static_cast<int>(k));
+  for (std::size_t k = 0; k < solution.active.size(); ++k) {
+    if (!solution.active[k]) free.push_back(static_cast<int>(k));
   }
   const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
   const Eigen::LLT<Eigen::MatrixXd> llt(information.selfadjointView<Eigen::Lower>()
@@ -345,6 +377,28 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   slopes->square -= across.transpose() * llt.solve(across);
   slopes->with_residual = -sums.with_residual(searched);
   return solution;
+}
+
+// Where nothing smooths and v_oc is given the sums of the residuals themselves have the digits that
+// the normal equations lose: a step of iterative refinement, and the cost by those sums.
+void JointFit::Refine(const JointLayout& layout,
+                      const Eigen::MatrixXd& information,
+                      SlopeSums& sums,
+                      JointSolution& solution) const {
+  std::vector<int> free;
+  for (int k = 0; k < layout.size(); ++k) {
+    if (!solution.active[static_cast<std::size_t>(k)]) free.push_back(k);
+  }
+  const Eigen::MatrixXd part =
+      information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(layout.size());
+  const Eigen::VectorXd right = sums.right(free);
+  step(free) = part.llt().solve(right).eval();
+  const double gain = step.dot(sums.right);
+  if (!(gain >= 0.0)) return;
+  solution.x += step;
+  sums.with_residual -= sums.with_linear * step;
+  solution.cost = solution.square = std::max(sums.square - gain, 0.0);
 }
 
 std::vector<double> JointFit::BetaGrid(const JointStructure& structure,
@@ -377,8 +431,8 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   // but its own where the neighbour knows it.
   const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;
   std::vector<int> branches;
-  double lower_tau_s = shortest_tau_s_;
-  double upper_tau_s = longest_tau_s_;
+  double lower_tau_s = scales_.shortest_tau_s;
+  double upper_tau_s = scales_.longest_tau_s;
   for (const Rate& rate : Rates(structure)) {
     if (rate.name == "tau_h") {
       auto choices =
@@ -387,7 +441,7 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
         choices = {{near->heating_time_constant_s}};
       with(choices, [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
     } else if (rate.name == "i_0") {
-      auto choices = Choices(GeometricGrid(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1);
+      auto choices = Choices(GeometricGrid(0.1 * scales_.largest_A, 0.5 * scales_.largest_A, values), 1);
       if (near != nullptr && std::isfinite(near->charge_transfer_A))
         choices = {{near->charge_transfer_A}};
       with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
@@ -423,29 +477,43 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
 
 JointSolution JointFit::Search(const JointStructure& structure,
                                double smoothness,
-                               const JointSolution* near) const {
+                               const JointSolution* near,
+                               int followed) const {
   // Fine tables do not move the valleys: these are found with coarse ones.
   const JointStructure coarse = Coarsen(structure);
   const JointRates* from = near == nullptr || near->x.size() == 0 ? nullptr : &near->rates;
-  const std::vector<double> betas = BetaGrid(structure, from);
-  const std::vector<JointRates> line = RatesGrid(structure, from);
-  // One line of the grid per beta, along which active bounds are handed on.
-  std::vector<JointSolution> best(betas.size());
+  std::vector<double> betas = BetaGrid(structure, from);
+  std::vector<JointRates> line = RatesGrid(structure, from);
+  if (!known_.start.empty()) {
+    line.push_back(Base(structure));
+    if (known_.Start("beta")) betas.push_back(line.back().beta_per_sqrt_s);
+  }
+  // One line of the grid per beta, along which active bounds are handed on. With v_oc given a
+  // solution is small, and all of them are compared; else the best of each line.
+  const bool keep_all = structure.voltage_soc.empty();
+  std::vector<std::vector<JointSolution>> lines(betas.size());
   tbb::parallel_for(std::size_t{0}, betas.size(), [&](std::size_t b) {
-    const SocTrace soc = TraceSoc(logs_, setup_, betas[b]);
+    const auto rows = seen_.At(betas[b], false);
+    std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
       ++evaluations_;
       rates.beta_per_sqrt_s = betas[b];
       JointSolution solution =
-          SolveSums(coarse, rates, smoothness, SumAll(logs_, setup_, coarse, soc, rates), guess);
-      guess = solution.at_zero;
-      if (solution.cost < best[b].cost) best[b] = std::move(solution);
+          SolveSums(coarse, rates, smoothness, rows->Sum(coarse, rates), guess);
+      guess = solution.active;
+      if (keep_all || kept.empty()) {
+        kept.push_back(std::move(solution));
+      } else if (solution.cost < kept[0].cost) {
+        kept[0] = std::move(solution);
+      }
     }
   });
-  // The two best are polished: neighbours may lie in different valleys.
+  std::vector<JointSolution> best;
+  for (auto& kept : lines) std::move(kept.begin(), kept.end(), std::back_inserter(best));
+  // Neighbours may lie in different valleys.
   const auto cheaper = [](const auto& a, const auto& b) { return a.cost < b.cost; };
-  const std::size_t polished = std::min<std::size_t>(2, best.size());
+  const auto polished = std::min(static_cast<std::size_t>(followed), best.size());
   const auto end = best.begin() + static_cast<std::ptrdiff_t>(polished);
   std::partial_sort(best.begin(), end, best.end(), cheaper);
   tbb::parallel_for(
@@ -454,7 +522,7 @@ JointSolution JointFit::Search(const JointStructure& structure,
   if (coarse != structure && found.x.size() > 0)
     found = Approach(Solve(structure, found.rates, smoothness));
   constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates
-  return Polish(std::move(found), kRoughStep);
+  return structure.voltage_soc.empty() ? found : Polish(std::move(found), kRoughStep);
 }
 
 // The cost has a kink wherever a row crosses a node of v_oc, and rows of short logs are few: with the
@@ -465,6 +533,10 @@ JointSolution JointFit::Descend(JointSolution from, Minimize&& minimize) const {
   const RatesProblem problem(*this, from);
   if (from.x.size() == 0) return from;
   if (problem.size() == 0) {  // what is left is solved exactly
+    const auto at_bound = std::move(from.at_bound);
+    ProjectedSlopes none;
+    from = Solve(from.structure, from.rates, from.smoothness, from.active, &none);
+    from.at_bound = at_bound;
     from.termination = Termination::kConverged;
     from.message = "No rate was to be found.";
     return from;
@@ -483,11 +555,10 @@ JointSolution JointFit::Descend(JointSolution from, Minimize&& minimize) const {
   return best;
 }
 
-JointSolution JointFit::Approach(JointSolution from) const {
-  constexpr double kStep = 3e-4;  // of the point, whose logarithms are some units
-  return Descend(std::move(from), [](const RatesProblem& problem, const Eigen::VectorXd& start) {
-    return MinimizeLevenbergMarquardt(
-        problem, start, {.step_tolerance = kStep, .max_iterations = 20});
+JointSolution JointFit::Approach(JointSolution from, const LevenbergMarquardtOptions& stop) const {
+  from.cost = kInfinity;  // by other sums than those of the steps
+  return Descend(std::move(from), [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
+    return MinimizeLevenbergMarquardt(problem, start, stop);
   });
 }
 
@@ -501,66 +572,6 @@ JointSolution JointFit::Polish(JointSolution from,
                  [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
                    return MinimizeBobyqa(problem, start, options);
                  });
-}
-
-LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
-                                 const JointRates& rates,
-                                 const std::vector<double>& ladder) const {
-  LeftOutErrors best;
-  if (!ladder.empty()) best.smoothness = ladder[ladder.size() / 2];
-  if (logs_.groups < 2) return best;
-  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s);
-  const auto sums = SumGroups(logs_, setup_, structure, soc, rates);
-  NormalEquations total = sums.back();
-  double weight = 0.0;
-  for (int g = 0; g < logs_.groups; ++g) {
-    total.Add(sums[g]);
-    weight += sums[g].weight;
-  }
-  const auto groups = static_cast<std::size_t>(logs_.groups);
-  std::vector<Eigen::VectorXd> whole;
-  std::vector<std::vector<char>> guess;  // what holds with all rows mostly holds without some
-  for (const double smoothness : ladder) {
-    JointSolution solution = SolveSums(
-        structure, rates, smoothness, total, guess.empty() ? std::vector<char>{} : guess.back());
-    whole.push_back(std::move(solution.x));
-    guess.push_back(std::move(solution.at_zero));
-  }
-  // without[g][s]: the unknowns that the other groups give.
-  std::vector<std::vector<Eigen::VectorXd>> without(groups);
-  tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t g) {
-    NormalEquations rest = total;
-    rest.Add(sums[g], -1.0);
-    for (std::size_t s = 0; s < ladder.size(); ++s)
-      without[g].push_back(SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
-  });
-  const auto total_of = [&](const std::vector<double>& units) {
-    return std::accumulate(units.begin(), units.end(), 0.0) / weight;
-  };
-  const auto fitted = SumErrors(logs_,
-                                setup_,
-                                structure,
-                                soc,
-                                rates,
-                                std::vector<std::vector<Eigen::VectorXd>>(groups, whole));
-  const auto errors = SumErrors(logs_, setup_, structure, soc, rates, without);
-  constexpr double kFitted = 0.368;  // e^-1: the share of rows that a bootstrap leaves out
-  std::vector<LeftOutErrors> all;
-  for (std::size_t s = 0; s < ladder.size(); ++s) {
-    LeftOutErrors& one = all.emplace_back();
-    one.smoothness = ladder[s];
-    one.fitted_V = total_of(fitted[s]);
-    one.left_out_V = total_of(errors[s]);
-    one.expected_V = kFitted * one.fitted_V + (1.0 - kFitted) * one.left_out_V;
-    for (std::size_t u = 0; u < errors[s].size(); ++u)
-      one.unit_V.push_back(kFitted * fitted[s][u] + (1.0 - kFitted) * errors[s][u]);
-  }
-  double least_V = kInfinity;
-  for (const LeftOutErrors& one : all) least_V = std::min(least_V, one.expected_V);
-  for (const LeftOutErrors& one : all) {
-    if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
-  }
-  return best;
 }
 
 }  // namespace lipoid

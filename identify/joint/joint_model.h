@@ -28,14 +28,15 @@ struct JointSetup {
   bool diffusion = true;
   int terms = 10;
   bool tail = true;
-  OpenCircuitVoltage reference;  ///< of v_oc(A); the curve itself where it is given
+  /// The curve itself where it is given; else what the nodes of v_oc(A) are counted from.
+  OpenCircuitVoltage open_circuit_voltage;
 };
 
 /// Which terms there are.
 struct JointStructure {
   int branches = 1;
   std::vector<double> resistance_soc{0.5};  ///< nodes of every resistance; one: constant
-  std::vector<double> voltage_soc;          ///< nodes of v_oc; empty: the curve is given
+  std::vector<double> voltage_soc = {};     ///< nodes of v_oc; empty: the curve is given
   bool self_heating = false;
   bool charge_transfer = false;
 

@@ -146,14 +146,14 @@ class JointRun {
     setup.diffusion = staged_options_.pulses.diffusion;
     setup.terms = staged_options_.pulses.terms;
     setup.tail = staged_options_.pulses.tail;
-    setup.reference = staged.cell.open_circuit_voltage;
+    setup.open_circuit_voltage = staged.cell.open_circuit_voltage;
     if (!curve_given_) {
-      setup.reference = AtNodes(Rescaled(setup.reference, staged.alpha_C, alpha_C),
+      setup.open_circuit_voltage = AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),
                                 OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
     }
     result_.logs = MakeJointLogs(logs_,
                                  alpha_C,
-                                 setup.reference,
+                                 setup.open_circuit_voltage,
                                  {.charge_uncertainty = options_.charge_uncertainty,
                                   .voltage_uncertainty_V = options_.voltage_uncertainty_V});
   }
@@ -169,7 +169,7 @@ class JointRun {
   }
 
   [[nodiscard]] std::vector<double> CurveNodes() const {
-    return curve_given_ ? std::vector<double>{} : result_.setup.reference.soc();
+    return curve_given_ ? std::vector<double>{} : result_.setup.open_circuit_voltage.soc();
   }
 
   // alpha with which v_oc(0) is the cut-off, by a first fit.
@@ -193,7 +193,8 @@ class JointRun {
     for (int pass = 0; pass < 2; ++pass) {
       Tell("alpha", 0.2 + 0.05 * pass);
       Prepare(alpha_C);
-      const JointFit fit(result_.logs, result_.setup, known_);
+      const JointObservations seen(result_.logs, result_.setup);
+      const JointFit fit(seen, known_);
       JointStructure structure;
       structure.branches = options_.branches >= 0 ? options_.branches : 1;
       structure.resistance_soc =
@@ -234,7 +235,7 @@ class JointRun {
     std::vector<double> voltage_V;
     for (std::size_t k = first; k <= last; ++k) {
       at.push_back(nodes[k]);
-      voltage_V.push_back(result_.setup.reference(nodes[k]) +
+      voltage_V.push_back(result_.setup.open_circuit_voltage(nodes[k]) +
                           solution.x[static_cast<Eigen::Index>(k)]);
     }
     return OpenCircuitVoltage::Linear(std::move(at), std::move(voltage_V));
@@ -251,7 +252,8 @@ class JointRun {
   }
 
   void Fit() {
-    const JointFit fit(result_.logs, result_.setup, known_);
+    const JointObservations seen(result_.logs, result_.setup);
+    const JointFit fit(seen, known_);
     result_.choice =
         ChooseStructure(fit,
                         result_.logs,
@@ -281,7 +283,8 @@ class JointRun {
     if (!cutoff.found || best.structure.voltage_soc != CurveNodes()) return;
     Prepare(result_.setup.alpha_C * (1.0 - cutoff.soc));
     best.structure.voltage_soc = CurveNodes();
-    const JointFit fit(result_.logs, result_.setup, known_);
+    const JointObservations seen(result_.logs, result_.setup);
+    const JointFit fit(seen, known_);
     JointSolution again = fit.Polish(fit.Solve(best.structure, best.rates, best.smoothness),
                                      kFineStep,
                                      options_.iterations_per_variable);

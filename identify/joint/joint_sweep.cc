@@ -11,6 +11,10 @@
 namespace lipoid {
 namespace {
 
+// A branch has a time constant of so many sampling intervals at least. A faster one has nearly all
+// of its drop in the first row after an edge, where it would stand in for r_s.
+constexpr double kShortestTau = 2.0;
+
 // Walks one log and calls sink(point, row) for every point that has a weight. Slopes are those at
 // the unknowns x; none where it is null, and then the trace needs none either.
 template <class Sink>
@@ -75,49 +79,25 @@ Sum SumOverLogs(const JointLogs& logs,
                 const SocTrace& soc,
                 const JointRates& rates,
                 const Eigen::VectorXd* x,
-                CurveSlope curve,
                 const Sum& zero,
                 AddRow&& add) {
   std::vector<Sum> sums(logs.logs.size(), zero);
   tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t l) {
-    WalkLog(
-        logs, l, setup, structure, soc, rates, x, curve, [&](std::size_t k, const CellRow& row) {
-          add(sums[l], logs.logs[l].weight[k], row);
-        });
+    WalkLog(logs,
+            l,
+            setup,
+            structure,
+            soc,
+            rates,
+            x,
+            CurveSlope::kSmooth,
+            [&](std::size_t k, const CellRow& row) { add(sums[l], logs.logs[l].weight[k], row); });
   });
   for (std::size_t l = 1; l < sums.size(); ++l) sums[0].Add(sums[l]);
   return sums.empty() ? zero : std::move(sums[0]);
 }
 
-void AddRow(NormalEquations& sum, double w, const CellRow& row) {
-  sum.weight += w;
-  sum.square += w * row.y * row.y;
-  for (int b = 0; b < row.entries; ++b) {
-    const double wb = w * row.value[b];
-    sum.right[row.index[b]] += wb * row.y;
-    double* column = sum.matrix.col(row.index[b]).data();
-    for (int a = b; a < row.entries; ++a) column[row.index[a]] += wb * row.value[a];
-  }
-}
-
 }  // namespace
-
-void NormalEquations::Add(const NormalEquations& other, double sign) {
-  matrix += sign * other.matrix;
-  right += sign * other.right;
-  square += sign * other.square;
-  weight += sign * other.weight;
-}
-
-double NormalEquations::At(const Eigen::VectorXd& x) const {
-  return square - 2.0 * right.dot(x) + x.dot(matrix.selfadjointView<Eigen::Lower>() * x);
-}
-
-void SlopeSums::Add(const SlopeSums& other) {
-  of_rates += other.of_rates;
-  with_residual += other.with_residual;
-  with_linear += other.with_linear;
-}
 
 SocTrace TraceSoc(const JointLogs& logs,
                   const JointSetup& setup,
@@ -169,40 +149,9 @@ std::vector<NormalEquations> SumGroups(const JointLogs& logs,
   VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
     const JointLog& log = logs.logs[l];
     const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
-    AddRow(sums[static_cast<std::size_t>(group)], log.weight[k], row);
+    sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
   });
   return sums;
-}
-
-NormalEquations SumAll(const JointLogs& logs,
-                       const JointSetup& setup,
-                       const JointStructure& structure,
-                       const SocTrace& soc,
-                       const JointRates& rates) {
-  const NormalEquations zero(JointLayout(structure).size());
-  return SumOverLogs(
-      logs, setup, structure, soc, rates, nullptr, CurveSlope::kOfSegments, zero, AddRow);
-}
-
-SlopeSums SumSlopes(const JointLogs& logs,
-                    const JointSetup& setup,
-                    const JointStructure& structure,
-                    const SocTrace& soc,
-                    const JointRates& rates,
-                    const Eigen::VectorXd& x,
-                    CurveSlope curve) {
-  const int p = RateSlots(structure).size();
-  const auto n = static_cast<int>(x.size());
-  const SlopeSums zero{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p),
-                       Eigen::MatrixXd::Zero(p, n)};
-  const auto add = [&x, p](SlopeSums& sum, double w, const CellRow& row) {
-    const Eigen::Map<const Eigen::VectorXd> slope(row.slope, p);
-    for (int e = 0; e < row.entries; ++e)
-      sum.with_linear.col(row.index[e]) += w * row.value[e] * slope;
-    sum.of_rates.noalias() += w * slope * slope.transpose();
-    sum.with_residual += w * row.Residual(x.data()) * slope;
-  };
-  return SumOverLogs(logs, setup, structure, soc, rates, &x, curve, zero, add);
 }
 
 std::vector<std::vector<double>> SumErrors(
@@ -229,27 +178,87 @@ std::vector<std::vector<double>> SumErrors(
   return sums;
 }
 
-std::vector<JointRows> AllRows(const JointLogs& logs,
-                               const JointSetup& setup,
-                               const JointStructure& structure,
-                               const JointRates& rates,
-                               const Eigen::VectorXd& x,
-                               CurveSlope curve) {
-  const SocTrace soc = TraceSoc(logs, setup, rates.beta_per_sqrt_s, true);
+namespace {
+
+class PointsAtBeta : public Observations::AtBeta {
+ public:
+  PointsAtBeta(const JointLogs& logs, const JointSetup& setup, double beta_per_sqrt_s, bool slopes)
+      : logs_(logs), setup_(setup), soc_(TraceSoc(logs, setup, beta_per_sqrt_s, slopes)) {}
+
+  [[nodiscard]] NormalEquations Sum(const JointStructure& structure,
+                                    const JointRates& rates) const override {
+    const NormalEquations zero(JointLayout(structure).size());
+    return SumOverLogs(
+        logs_, setup_, structure, soc_, rates, nullptr, zero, [](auto& sum, double w, auto& row) {
+          sum.Add(w, row);
+        });
+  }
+  [[nodiscard]] SlopeSums Slopes(const JointStructure& structure,
+                                 const JointRates& rates,
+                                 const Eigen::VectorXd& x) const override {
+    const SlopeSums zero(RateSlots(structure).size(), x.size());
+    return SumOverLogs(
+        logs_, setup_, structure, soc_, rates, &x, zero, [&](auto& sum, double w, auto& row) {
+          sum.Add(w, row, x.data());
+        });
+  }
+
+ private:
+  const JointLogs& logs_;
+  const JointSetup& setup_;
+  SocTrace soc_;
+};
+
+}  // namespace
+
+JointObservations::JointObservations(const JointLogs& logs, const JointSetup& setup)
+    : logs_(logs), setup_(setup) {
+  scales_.typical_A = logs.typical_A;
+  scales_.largest_A = logs.largest_A;
+  scales_.weight_sum = logs.weight_sum;
+  // Time constants that logs with steps can show, pulses where there are any.
+  double shortest_s = std::numeric_limits<double>::infinity();
+  double longest_s = 0.0;
+  for (const bool pulses : {true, false}) {
+    for (const JointLog& log : logs.logs) {
+      if ((log.kind == LogKind::kPulses) != pulses) continue;
+      shortest_s = std::min(shortest_s, log.shortest_s);
+      longest_s = std::max(longest_s, log.longest_s);
+    }
+    if (std::isfinite(shortest_s)) break;
+  }
+  scales_.shortest_tau_s = kShortestTau * shortest_s;
+  scales_.longest_tau_s = std::max(longest_s, 8.0 * shortest_s);
+}
+
+std::unique_ptr<Observations::AtBeta> JointObservations::At(double beta_per_sqrt_s,
+                                                            bool slopes) const {
+  return std::make_unique<PointsAtBeta>(logs_, setup_, beta_per_sqrt_s, slopes);
+}
+
+std::vector<FittedRows> JointObservations::Rows(const JointStructure& structure,
+                                                const JointRates& rates,
+                                                const Eigen::VectorXd& x,
+                                                CurveSlope curve) const {
+  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s, true);
   const int p = RateSlots(structure).size();
-  std::vector<JointRows> all(logs.logs.size());
+  std::vector<FittedRows> all(logs_.logs.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t l) {
-    const auto& weight = logs.logs[l].weight;
+    const JointLog& log = logs_.logs[l];
     const auto count =
-        std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0.0; });
-    JointRows& rows = all[l];
+        std::count_if(log.weight.begin(), log.weight.end(), [](double w) { return w > 0.0; });
+    FittedRows& rows = all[l];
     rows.residual_V.resize(count);
+    rows.weight.resize(count);
+    rows.averaged.resize(count);
     rows.sensitivity = Eigen::MatrixXd::Zero(count, p + x.size());
     WalkLog(
-        logs, l, setup, structure, soc, rates, &x, curve, [&](std::size_t k, const CellRow& row) {
-          const auto r = static_cast<Eigen::Index>(rows.point.size());
-          rows.point.push_back(k);
+        logs_, l, setup_, structure, soc, rates, &x, curve, [&](std::size_t k, const CellRow& row) {
+          const auto r = static_cast<Eigen::Index>(rows.time_s.size());
+          rows.time_s.push_back(log.time_s[k]);
           rows.residual_V[r] = row.Residual(x.data());
+          rows.weight[r] = log.weight[k];
+          rows.averaged[r] = log.count[k];
           for (int e = 0; e < row.entries; ++e)
             rows.sensitivity(r, p + row.index[e]) = row.value[e];
           for (int j = 0; j < p; ++j) rows.sensitivity(r, j) = row.slope[j];

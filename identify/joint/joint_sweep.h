@@ -6,13 +6,12 @@
 ///
 /// A row touches two nodes of each table and the few nodes of a branch whose share has not decayed,
 /// so that a row costs tens of multiplications and not the square of the number of unknowns.
-/// Voltages are counted from a reference curve, which keeps the sums from cancelling.
 /// Tests: tests/identify/joint/joint_sweep_test.cc.
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "identify/fit/cell_rows.h"
+#include "identify/fit/observations.h"
 #include "identify/joint/joint_log.h"
 #include "identify/joint/joint_model.h"
 
@@ -36,21 +35,6 @@ struct SocTrace {
                                 double beta_per_sqrt_s,
                                 bool slopes = false);
 
-/// sum w (y - a'x)² = square - 2 right'x + x' matrix x over the rows of one group, with y counted
-/// from the reference. Only the lower triangle of the matrix is filled.
-struct NormalEquations {
-  Eigen::MatrixXd matrix;
-  Eigen::VectorXd right;
-  double square = 0.0;
-  double weight = 0.0;
-
-  explicit NormalEquations(int n = 0)
-      : matrix(Eigen::MatrixXd::Zero(n, n)), right(Eigen::VectorXd::Zero(n)) {}
-  void Add(const NormalEquations& other, double sign = 1.0);
-  /// The sum at x.
-  [[nodiscard]] double At(const Eigen::VectorXd& x) const;
-};
-
 /// Of each group 0 .. logs.groups - 1, then of the rows that are never left out. Unknowns as in
 /// JointLayout; voltages are those of the nodes above the reference's at the nodes.
 [[nodiscard]] std::vector<NormalEquations> SumGroups(const JointLogs& logs,
@@ -58,31 +42,6 @@ struct NormalEquations {
                                                      const JointStructure& structure,
                                                      const SocTrace& soc,
                                                      const JointRates& rates);
-/// Of all rows together, in a tenth of the time.
-[[nodiscard]] NormalEquations SumAll(const JointLogs& logs,
-                                     const JointSetup& setup,
-                                     const JointStructure& structure,
-                                     const SocTrace& soc,
-                                     const JointRates& rates);
-
-/// What the slopes S of the predicted voltage in the nonlinear parameters (RateSlots) sum to at the
-/// unknowns x, with the residual r = y - a'x: sum w S S', sum w S r, sum w S a'.
-struct SlopeSums {
-  Eigen::MatrixXd of_rates;
-  Eigen::VectorXd with_residual;
-  Eigen::MatrixXd with_linear;
-
-  void Add(const SlopeSums& other);
-};
-/// The trace must have slopes.
-[[nodiscard]] SlopeSums SumSlopes(const JointLogs& logs,
-                                  const JointSetup& setup,
-                                  const JointStructure& structure,
-                                  const SocTrace& soc,
-                                  const JointRates& rates,
-                                  const Eigen::VectorXd& x,
-                                  CurveSlope curve);
-
 /// Weighted sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
 /// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
 /// infinitely wrong.
@@ -94,18 +53,30 @@ struct SlopeSums {
     const JointRates& rates,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns);
 
-/// The points of one log that have a weight, at a solution.
-struct JointRows {
-  std::vector<std::size_t> point;  ///< in the log
-  Eigen::VectorXd residual_V;      ///< measured less predicted
-  /// Of the predicted voltage: to the nonlinear parameters (RateSlots), then to the linear ones.
-  Eigen::MatrixXd sensitivity;
-};
-[[nodiscard]] std::vector<JointRows> AllRows(const JointLogs& logs,
-                                             const JointSetup& setup,
-                                             const JointStructure& structure,
+/// All logs of a campaign at their points.
+class JointObservations : public Observations {
+ public:
+  /// Both must outlive this.
+  JointObservations(const JointLogs& logs, const JointSetup& setup);
+
+  [[nodiscard]] std::unique_ptr<AtBeta> At(double beta_per_sqrt_s, bool slopes) const override;
+  /// With the slope of v_oc that `curve` says.
+  [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
                                              const JointRates& rates,
                                              const Eigen::VectorXd& x,
-                                             CurveSlope curve = CurveSlope::kOfSegments);
+                                             CurveSlope curve) const;
+  [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
+                                             const JointRates& rates,
+                                             const Eigen::VectorXd& x) const override {
+    return Rows(structure, rates, x, CurveSlope::kOfSegments);
+  }
+  [[nodiscard]] const JointSetup& setup() const override { return setup_; }
+  [[nodiscard]] const FitScales& scales() const override { return scales_; }
+
+ private:
+  const JointLogs& logs_;
+  const JointSetup& setup_;
+  FitScales scales_;
+};
 
 }  // namespace lipoid

@@ -6,21 +6,17 @@
 ///   (4.60)  r_s, r_j, c_j with beta held
 ///   (4.61)  the same and beta, in [0, 1]
 ///
-/// minimize the squared voltage error over all rows. Resistances and capacitances are >= 0. Starts
-/// come from the data: steps of the current give r_s, relaxations time constants; around them a
-/// grid of (beta, tau_j), for each of which r_s and r_j follow by linear least squares, is searched
-/// on a coarse view of the logs, so that the optimum is found from the best of many starts. Then
-/// all rows decide.
-///
-/// The solver moves (log beta, r_s, r_j, log tau_j), each of order one, or log c_j
-/// (pulse_problem.h). Tests: tests/identify/stages/pulse_fit_test.cc.
+/// minimize the squared voltage error over all rows. It is the joint problem (joint_fit.h) with
+/// constant resistances, the curve given and nothing smoothed: r_s and r_j follow exactly from beta and
+/// tau_j, which are searched over a grid on a coarse view of the logs, so that the optimum is found
+/// from the best of many starts. Then all rows decide. A capacitance that is given or bounded holds
+/// r_j = tau_j/c_j. Tests: tests/identify/stages/pulse_fit_test.cc.
 
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "identify/optimizers/levenberg_marquardt.h"
-#include "identify/stages/pulse_problem.h"
+#include "identify/joint/joint_fit.h"
 #include "identify/stages/start_values.h"
 #include "identify/stages/voltage_sweep.h"
 #include "model/battery/error_metrics.h"
@@ -33,7 +29,6 @@ struct PulseFitOptions {
   int terms = 10;
   bool tail = true;
   bool diffusion = true;
-  BranchUnknown branch_unknown = BranchUnknown::kTimeConstant;
   int starts = 4;
 
   template <class Self, class Visitor>
@@ -42,7 +37,6 @@ struct PulseFitOptions {
     v("terms", self.terms, Range{0.0, 1000.0}, "diffusion modes, M in (4.46)");
     v("tail", self.tail, Names{}, "quasi-static share of the modes beyond M; off as in the thesis");
     v("diffusion", self.diffusion, Names{}, "off: beta is infinite, the plain equivalent circuit");
-    v("branch_unknown", self.branch_unknown, Names{}, "what the solver moves beside r_j");
     v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the coarse view");
   }
 };
@@ -50,7 +44,9 @@ struct PulseFitOptions {
 struct PulseFitResult {
   SweepParameters parameters;
   std::string optimizer = "levenberg-marquardt";
-  OptimizationSummary summary;         ///< of the final fit on all rows
+  JointSolution solution;              ///< the same, as the fit found it
+  Termination termination = Termination::kNotRun;  ///< of the final fit on all rows
+  std::string message;                             ///< why that ended
   int evaluations = 0;                 ///< of the sweep over all rows
   int starts = 0;                      ///< compared on the coarse view
   std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s
@@ -68,6 +64,9 @@ struct PulseFitStart {
   const SweepParameters* previous = nullptr;  ///< one more start, for example the answer of (4.60)
   const VoltageSweep* coarse = nullptr;       ///< Condensation::Coarse() of the same; or it is made
 };
+
+/// Where the rates of a fit to these logs are searched; `data` are their start values.
+[[nodiscard]] FitScales PulseFitScales(const VoltageSweep& sweep, const StartValues& data);
 
 /// The setup of the sweep says how the diffusion is modelled; options.branches how many branches
 /// there are. Throws OptionError where `knowledge` names a parameter that is not there or

@@ -70,7 +70,7 @@ bool PulseUnknowns::Free(std::string_view name) const {
       variables.begin(), variables.end(), [&](const PulseVariable& v) { return v.name == name; });
 }
 
-PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
+PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
                                 const StartValues& data,
                                 const PulseProblemOptions& options,
                                 const GivenParameters& known) {

@@ -106,7 +106,7 @@ struct PulseUnknowns {
 };
 
 /// Throws OptionError where `known` names a parameter that is not there or contradicts itself.
-[[nodiscard]] PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
+[[nodiscard]] PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
                                               const StartValues& data,
                                               const PulseProblemOptions& options,
                                               const GivenParameters& known);

@@ -251,7 +251,7 @@ class StagedRun {
       sweep_logs.push_back({&log->log.record, log->entry.initial_soc, log->entry.weight});
       records.push_back(&log->log.record);
     }
-    const SweepSetup setup = {.alpha_C = result_.alpha_C,
+    const JointSetup setup = {.alpha_C = result_.alpha_C,
                               .diffusion = options_.pulses.diffusion,
                               .terms = options_.pulses.terms,
                               .tail = options_.pulses.tail,
@@ -277,7 +277,7 @@ class StagedRun {
     Tell("pulses, with beta", 0.5);
     start.hold_beta = false;
     result_.pulses = FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
-    result_.converged = result_.pulses.summary.termination == Termination::kConverged;
+    result_.converged = result_.pulses.termination == Termination::kConverged;
     Tell("trust", 0.9);
     const bool times_gave_alpha = result_.alpha_source == "discharge-times";
     result_.trust = AssessStaged(

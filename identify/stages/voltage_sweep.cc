@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "identify/fit/cell_rows.h"
+#include "identify/joint/joint_fit.h"
 #include "identify/logs/columns.h"
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
@@ -15,48 +15,33 @@
 namespace lipoid {
 namespace {
 
-// The branches of (4.50) with constant resistances, and v_oc(A) given.
-JointStructure StructureOf(const SweepParameters& p) {
-  JointStructure structure;
-  structure.branches = static_cast<int>(p.time_constant_s.size());
-  return structure;
-}
-
 // One log swept with one set of parameters. What becomes of its points is the visitor's:
 //   Row(k, soc, row)                      row k of the log
 //   Begin(piece, shape), Node(piece, shape, j, soc, row) for every node, End(piece, shape)
 //                                         a block whose sums its nodes carry exactly
 class LogSweep {
  public:
+  /// Slopes are those at the linear unknowns x; none where it is null. All must outlive this.
   LogSweep(const JointSetup& setup,
            const CondensedLog& log,
            double initial_soc,
-           const SweepParameters& p,
-           bool knots_matter,
-           bool slopes)
+           const JointStructure& structure,
+           const JointRates& rates,
+           const Eigen::VectorXd* x,
+           bool knots_matter)
       : log_(log),
-        structure_(StructureOf(p)),
-        rates_{.beta_per_sqrt_s = p.beta_per_sqrt_s, .time_constant_s = p.time_constant_s},
-        x_(JointLayout(structure_).size()),
-        curve_(setup.reference),
+        curve_(setup.open_circuit_voltage),
         knots_matter_(knots_matter),
-        soc_(setup, p.beta_per_sqrt_s, setup.alpha_C * (1.0 - initial_soc), slopes),
+        soc_(setup, rates.beta_per_sqrt_s, setup.alpha_C * (1.0 - initial_soc), x != nullptr),
         ahead_(soc_),
         rows_(setup,
-              structure_,
-              rates_,
+              structure,
+              rates,
               1.0,
-              slopes ? x_.data() : nullptr,
-              CurveSlope::kOfSegments) {
-    x_[0] = p.series_resistance_Ohm;
-    for (Eigen::Index j = 1; j < x_.size(); ++j)
-      x_[j] = p.resistance_Ohm[static_cast<std::size_t>(j - 1)];
-  }
+              x == nullptr ? nullptr : x->data(),
+              CurveSlope::kOfSegments) {}
   LogSweep(const LogSweep&) = delete;
   LogSweep& operator=(const LogSweep&) = delete;
-
-  /// r_s, r_1 .. r_n.
-  [[nodiscard]] const double* x() const { return x_.data(); }
 
   template <class Visitor>
   void Run(Visitor&& visitor) {
@@ -149,9 +134,6 @@ class LogSweep {
   }
 
   const CondensedLog& log_;
-  JointStructure structure_;
-  JointRates rates_;
-  Eigen::VectorXd x_;
   const OpenCircuitVoltage& curve_;
   bool knots_matter_;
   SocState soc_;
@@ -229,6 +211,33 @@ class FactorVisitor {
   double remainder_ = 0.0;
 };
 
+// Adds up the sums of a fit. What the blocks' polynomials leave no parameter moves.
+template <class Sum, class Add>
+class SumVisitor {
+ public:
+  SumVisitor(double weight, const Sum& zero, Add add)
+      : weight_(weight), add_(std::move(add)), sum_(zero) {}
+
+  void Row(std::size_t, double, const CellRow& row) { add_(sum_, weight_, row); }
+  void Begin(const CondensedPiece& piece, const BlockShape&) {
+    sum_.square += weight_ * piece.remainder;
+  }
+  void Node(const CondensedPiece&,
+            const BlockShape& shape,
+            Eigen::Index j,
+            double,
+            const CellRow& row) {
+    add_(sum_, weight_ * shape.weight[j], row);
+  }
+  void End(const CondensedPiece&, const BlockShape&) {}
+  [[nodiscard]] Sum& sum() { return sum_; }
+
+ private:
+  double weight_;
+  Add add_;
+  Sum sum_;
+};
+
 // Compares every row with its prediction.
 class ErrorVisitor {
  public:
@@ -277,12 +286,12 @@ class ErrorVisitor {
 // Gathers means of rows for VoltageSweep::Means().
 class MeansVisitor {
  public:
-  MeansVisitor(const double* x, int branches, const CondensedLog& log, bool each_row)
-      : x_(x),
+  MeansVisitor(const Eigen::VectorXd& x, int rates, const CondensedLog& log, bool each_row)
+      : x_(x.data()),
         record_(log.record()),
         growth_(each_row ? 0.0 : kGrowth),
-        branches_(branches),
-        columns_(VoltageSweep::Columns(branches)) {
+        rates_(rates),
+        columns_(rates + x.size()) {
     tolerance_A_ = kSameCurrent * LargestMagnitude(record_.current_A);
   }
 
@@ -363,9 +372,8 @@ class MeansVisitor {
   void Add(const CellRow& row, double rows) {
     if (open_.rows == 0.0) open_.sum.setZero(columns_ + 1);
     Eigen::VectorXd& sum = open_.sum;
-    sum[0] += rows * row.slope[0];
-    for (int e = 0; e < row.entries; ++e) sum[1 + row.index[e]] += rows * row.value[e];
-    for (int j = 0; j < branches_; ++j) sum[2 + branches_ + j] += rows * row.slope[1 + j];
+    for (int j = 0; j < rates_; ++j) sum[j] += rows * row.slope[j];
+    for (int e = 0; e < row.entries; ++e) sum[rates_ + row.index[e]] += rows * row.value[e];
     sum[columns_] += rows * row.Residual(x_);  // (4.61)
     open_.rows += rows;
   }
@@ -399,7 +407,7 @@ class MeansVisitor {
   const double* x_;
   const Record& record_;
   double growth_;
-  int branches_;
+  int rates_;
   Eigen::Index columns_;
   double tolerance_A_ = 0.0;
   std::size_t phase_ = 0;
@@ -414,7 +422,31 @@ class MeansVisitor {
 
 }  // namespace
 
-VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs, const Condensation& how)
+JointSolution SolutionOf(const SweepParameters& p) {
+  Require(p.resistance_Ohm.size() == p.time_constant_s.size(),
+          "as many resistances as time constants");
+  JointSolution solution;
+  solution.structure.branches = static_cast<int>(p.time_constant_s.size());
+  solution.rates = {.beta_per_sqrt_s = p.beta_per_sqrt_s, .time_constant_s = p.time_constant_s};
+  solution.x.resize(1 + solution.structure.branches);
+  solution.x[0] = p.series_resistance_Ohm;
+  for (int j = 0; j < solution.structure.branches; ++j) solution.x[1 + j] = p.resistance_Ohm[j];
+  solution.active.assign(static_cast<std::size_t>(solution.x.size()), 0);
+  solution.follows.assign(p.time_constant_s.size(), 0);
+  return solution;
+}
+
+SweepParameters ParametersOf(const JointSolution& solution) {
+  SweepParameters p;
+  const double beta = solution.rates.beta_per_sqrt_s;
+  p.beta_per_sqrt_s = std::isinf(beta) ? 0.0 : beta;  // no diffusion
+  p.series_resistance_Ohm = solution.x[0];
+  p.resistance_Ohm.assign(solution.x.begin() + 1, solution.x.end());
+  p.time_constant_s = solution.rates.time_constant_s;
+  return p;
+}
+
+VoltageSweep::VoltageSweep(JointSetup setup, std::vector<SweepLog> logs, const Condensation& how)
     : setup_(std::move(setup)), logs_(std::move(logs)), how_(how) {
   Require(setup_.alpha_C > 0.0, "alpha_C > 0", {{"alpha_C", setup_.alpha_C}});
   if (!setup_.diffusion) {
@@ -425,16 +457,10 @@ VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs, const C
   for (const SweepLog& log : logs_) {
     Require(log.record != nullptr, "a record");
     condensed->emplace_back(*log.record, how);
+    scales_.weight_sum += log.weight * static_cast<double>(log.record->size());
+    scales_.largest_A = std::max(scales_.largest_A, LargestMagnitude(log.record->current_A));
   }
   condensed_ = std::move(condensed);
-}
-
-JointSetup VoltageSweep::Setup() const {
-  return {.alpha_C = setup_.alpha_C,
-          .diffusion = setup_.diffusion,
-          .terms = setup_.terms,
-          .tail = setup_.tail,
-          .reference = setup_.open_circuit_voltage};
 }
 
 VoltageSweep VoltageSweep::With(OpenCircuitVoltage curve) const {
@@ -455,22 +481,47 @@ std::size_t VoltageSweep::points() const {
   return sum;
 }
 
+template <class Visitor>
+void VoltageSweep::Sweep(std::size_t log,
+                         const JointStructure& structure,
+                         const JointRates& rates,
+                         const Eigen::VectorXd* x,
+                         Visitor& visitor) const {
+  LogSweep sweep(setup_,
+                 (*condensed_)[log],
+                 logs_[log].initial_soc,
+                 structure,
+                 rates,
+                 x,
+                 !how_.coarse);
+  sweep.Run(visitor);
+}
+
+template <class Sum, class Add>
+Sum VoltageSweep::SumOverLogs(const JointStructure& structure,
+                              const JointRates& rates,
+                              const Eigen::VectorXd* x,
+                              const Sum& zero,
+                              Add add) const {
+  std::vector<Sum> sums(logs_.size(), zero);
+  tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
+    SumVisitor<Sum, Add> visitor(logs_[k].weight, zero, add);
+    Sweep(k, structure, rates, x, visitor);
+    sums[k] = std::move(visitor.sum());
+  });
+  // In the order of the logs, whatever the threads did.
+  for (std::size_t k = 1; k < sums.size(); ++k) sums[0].Add(sums[k]);
+  return sums.empty() ? zero : std::move(sums[0]);
+}
+
 Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jacobian) const {
   const auto branches = static_cast<int>(parameters.time_constant_s.size());
-  Require(parameters.resistance_Ohm.size() == parameters.time_constant_s.size(),
-          "as many resistances as time constants");
   const int columns = Columns(branches) + 1;
   std::vector<Eigen::MatrixXd> factors(logs_.size());
-  const JointSetup setup = Setup();
+  const JointSolution at = SolutionOf(parameters);
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
-    LogSweep sweep(setup,
-                   (*condensed_)[k],
-                   logs_[k].initial_soc,
-                   parameters,
-                   !how_.coarse,
-                   jacobian);
-    FactorVisitor visitor(sweep.x(), branches, logs_[k].weight, jacobian);
-    sweep.Run(visitor);
+    FactorVisitor visitor(at.x.data(), branches, logs_[k].weight, jacobian);
+    Sweep(k, at.structure, at.rates, jacobian ? &at.x : nullptr, visitor);
     factors[k] = visitor.Result();
   });
   if (factors.size() == 1) return factors[0];
@@ -493,34 +544,62 @@ SweepErrors VoltageSweep::Errors(const SweepParameters& parameters) const {
   Require(!how_.coarse, "a sweep that is not coarse");
   SweepErrors result;
   ErrorAccumulator errors;
-  const JointSetup setup = Setup();
+  const JointSolution at = SolutionOf(parameters);
   for (std::size_t k = 0; k < logs_.size(); ++k) {
-    LogSweep sweep(setup, (*condensed_)[k], logs_[k].initial_soc, parameters, true, false);
-    ErrorVisitor visitor(sweep.x(), setup.reference, (*condensed_)[k], errors);
-    sweep.Run(visitor);
+    ErrorVisitor visitor(at.x.data(), setup_.open_circuit_voltage, (*condensed_)[k], errors);
+    Sweep(k, at.structure, at.rates, nullptr, visitor);
     result.rows_outside_curve += visitor.outside();
   }
   result.metrics = errors.Result();
   return result;
 }
 
-std::vector<FittedRows> VoltageSweep::Means(const SweepParameters& parameters,
+std::vector<FittedRows> VoltageSweep::Means(const JointStructure& structure,
+                                            const JointRates& rates,
+                                            const Eigen::VectorXd& x,
                                             std::size_t most) const {
   Require(!how_.coarse, "a sweep that is not coarse");
   std::vector<FittedRows> means(logs_.size());
   const std::size_t all = rows();
-  const auto branches = static_cast<int>(parameters.time_constant_s.size());
-  const JointSetup setup = Setup();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     const CondensedLog& log = (*condensed_)[k];
-    LogSweep sweep(setup, log, logs_[k].initial_soc, parameters, true, true);
-    MeansVisitor visitor(sweep.x(), branches, log, all <= most);
-    sweep.Run(visitor);
+    MeansVisitor visitor(x, RateSlots(structure).size(), log, all <= most);
+    Sweep(k, structure, rates, &x, visitor);
     const double share = static_cast<double>(log.record().size()) / static_cast<double>(all);
     means[k] = visitor.Result(logs_[k].weight,
                               static_cast<std::size_t>(share * static_cast<double>(most)));
   });
   return means;
+}
+
+class VoltageSweep::RowsAtBeta : public Observations::AtBeta {
+ public:
+  explicit RowsAtBeta(const VoltageSweep& sweep) : sweep_(sweep) {}
+
+  [[nodiscard]] NormalEquations Sum(const JointStructure& structure,
+                                    const JointRates& rates) const override {
+    const NormalEquations zero(JointLayout(structure).size());
+    return sweep_.SumOverLogs(
+        structure, rates, nullptr, zero, [](auto& sum, double w, const CellRow& row) {
+          sum.Add(w, row);
+        });
+  }
+  [[nodiscard]] SlopeSums Slopes(const JointStructure& structure,
+                                 const JointRates& rates,
+                                 const Eigen::VectorXd& x) const override {
+    const SlopeSums zero(RateSlots(structure).size(), x.size());
+    return sweep_.SumOverLogs(
+        structure, rates, &x, zero, [&x](auto& sum, double w, const CellRow& row) {
+          sum.Add(w, row, x.data());
+        });
+  }
+
+ private:
+  const VoltageSweep& sweep_;
+};
+
+std::unique_ptr<Observations::AtBeta> VoltageSweep::At(double, bool) const {
+  return std::make_unique<RowsAtBeta>(*this);
 }
 
 }  // namespace lipoid

@@ -15,10 +15,9 @@
 #include <memory>
 #include <vector>
 
-#include "identify/joint/joint_model.h"
+#include "identify/fit/observations.h"
 #include "identify/logs/record.h"
 #include "identify/stages/condensed_log.h"
-#include "identify/trust/trust.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/error_metrics.h"
 
@@ -39,24 +38,20 @@ struct SweepLog {
   double weight = 1.0;  ///< of each row's square
 };
 
-/// What stays as it is while parameters are searched.
-struct SweepSetup {
-  double alpha_C = 0.0;
-  bool diffusion = true;
-  int terms = 10;
-  bool tail = true;
-  OpenCircuitVoltage open_circuit_voltage;
-};
-
 /// Errors of a prediction over the rows of all logs, each row once.
 struct SweepErrors {
   ErrorMetrics metrics;
   std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
 };
 
-class VoltageSweep {
+/// The same as a solution of a fit: one node for every resistance, in Ohm.
+struct JointSolution;
+[[nodiscard]] JointSolution SolutionOf(const SweepParameters& parameters);
+[[nodiscard]] SweepParameters ParametersOf(const JointSolution& solution);
+
+class VoltageSweep : public Observations {
  public:
-  VoltageSweep(SweepSetup setup,
+  VoltageSweep(JointSetup setup,
                std::vector<SweepLog> logs,
                const Condensation& how = Condensation::Exact());
 
@@ -74,14 +69,24 @@ class VoltageSweep {
   /// Not of a coarse sweep.
   [[nodiscard]] SweepErrors Errors(const SweepParameters& parameters) const;
 
-  /// Residuals and sensitivities of every log with the columns of the Jacobian, as means of rows
-  /// over which little changes: short after a step of the current, longer the longer ago it was.
-  /// All logs together have about `most` such rows, more only where the current itself changes as
-  /// often: then means reach over its steps, and say less than the rows did. Not of a coarse sweep.
-  [[nodiscard]] std::vector<FittedRows> Means(const SweepParameters& parameters,
+  /// Residuals and sensitivities of every log, as Rows() has them, as means of rows over which
+  /// little changes: short after a step of the current, longer the longer ago it was. All logs
+  /// together have about `most` such rows, more only where the current itself changes as often:
+  /// then means reach over its steps, and say less than the rows did. Not of a coarse sweep.
+  [[nodiscard]] std::vector<FittedRows> Means(const JointStructure& structure,
+                                              const JointRates& rates,
+                                              const Eigen::VectorXd& x,
                                               std::size_t most) const;
 
-  [[nodiscard]] const SweepSetup& setup() const { return setup_; }
+  [[nodiscard]] std::unique_ptr<AtBeta> At(double beta_per_sqrt_s, bool slopes) const override;
+  /// Means of rows: so many tell everything there is to know, in a few milliseconds.
+  [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
+                                             const JointRates& rates,
+                                             const Eigen::VectorXd& x) const override {
+    return Means(structure, rates, x, 8000);
+  }
+  [[nodiscard]] const FitScales& scales() const override { return scales_; }
+  [[nodiscard]] const JointSetup& setup() const override { return setup_; }
   [[nodiscard]] const std::vector<SweepLog>& logs() const { return logs_; }
   /// Rows in all logs.
   [[nodiscard]] std::size_t rows() const;
@@ -89,9 +94,22 @@ class VoltageSweep {
   [[nodiscard]] std::size_t points() const;
 
  private:
-  [[nodiscard]] JointSetup Setup() const;
+  class RowsAtBeta;
+  template <class Visitor>
+  void Sweep(std::size_t log,
+             const JointStructure& structure,
+             const JointRates& rates,
+             const Eigen::VectorXd* x,
+             Visitor& visitor) const;
+  template <class Sum, class Add>
+  [[nodiscard]] Sum SumOverLogs(const JointStructure& structure,
+                                const JointRates& rates,
+                                const Eigen::VectorXd* x,
+                                const Sum& zero,
+                                Add add) const;
 
-  SweepSetup setup_;
+  JointSetup setup_;
+  FitScales scales_{.least_beta_per_sqrt_s = 1e-4};
   std::vector<SweepLog> logs_;
   Condensation how_;
   std::shared_ptr<const std::vector<CondensedLog>> condensed_;  // the expensive part

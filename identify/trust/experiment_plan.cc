@@ -98,6 +98,7 @@ PlannedExperiment PlanExperiment(const Cell& cell,
     fit.parameters.resistance_Ohm.push_back(branch.resistance_Ohm(kTypicalSoc));
     fit.parameters.time_constant_s.push_back(branch.time_constant_s);
   }
+  fit.solution = SolutionOf(fit.parameters);
   TrustOptions assume;
   assume.assumed = ResidualCorrelation{.white_V = noise.white_V,
                                        .correlated_V = noise.coloured_V,

@@ -146,7 +146,6 @@ std::string ParametersText(const Comparison& comparison) {
 cli::ExitCode CompareCommand(cli::CommandLine& line) {
   std::vector<std::string> files;
   StagedArguments staged;
-  staged.options.pulses.branch_unknown = BranchUnknown::kCapacitance;
   OptimizerSettings settings;
   ComparisonOptions options;
   std::string names = ThesisNames();
@@ -186,7 +185,6 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   const auto campaigns = staged.Campaigns(line, files);
   if (campaigns.size() > 1) throw OptionError("one campaign at a time");
   const Campaign& campaign = campaigns[0];
-  if (time_constants) staged.options.pulses.branch_unknown = BranchUnknown::kTimeConstant;
   settings.context.seed = line.seed();
   settings.context.threads = 0;  // as many as --threads lets run
 
@@ -199,7 +197,8 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
                         task.data,
                         {.branches = staged.options.pulses.branches,
                          .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
-                         .unknown = staged.options.pulses.branch_unknown,
+                         .unknown = time_constants ? BranchUnknown::kTimeConstant
+                                                   : BranchUnknown::kCapacitance,
                          .scale = options.scaling},
                         staged.given.parameters);
   if (unknowns.variables.empty()) {

@@ -60,7 +60,7 @@ class CompareOptimizersTest : public testing::Test {
     return CompareOptimizers(sweep, unknowns, optimizers, settings, starts, options);
   }
 
-  SweepSetup setup_{
+  JointSetup setup_{
       .alpha_C = 2500.0,
       .terms = 6,
       .tail = true,

@@ -22,8 +22,8 @@ struct Bench {
              .diffusion = true,
              .terms = 10,
              .tail = true,
-             .reference = OpenCircuitVoltage::Linear({-0.1, 1.0}, {3.0, 4.2})};
-    logs = MakeJointLogs(made, setup.alpha_C, setup.reference, {});
+             .open_circuit_voltage = OpenCircuitVoltage::Linear({-0.1, 1.0}, {3.0, 4.2})};
+    logs = MakeJointLogs(made, setup.alpha_C, setup.open_circuit_voltage, {});
     structure.voltage_soc = VoltageNodes(0);
   }
   [[nodiscard]] double Ohm(const JointSolution& s, int at) const {
@@ -43,7 +43,8 @@ constexpr double kExact = 1e-4;
 
 TEST(JointFit, FindsTheTruthFromItsGrid) {
   const Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
-  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
   const JointSolution found = fit.Polish(fit.Search(bench.structure, 1e-4), 1e-6);
   const JointLayout layout(found.structure);
   EXPECT_NEAR(found.rates.beta_per_sqrt_s, 0.1924, kExact * 0.1924);
@@ -56,7 +57,8 @@ TEST(JointFit, FindsTheTruthFromItsGrid) {
 TEST(JointFit, ResistancesAreNotNegativeAndTheCurveDoesNotFall) {
   // Noise of 20 mV on few rows asks for both.
   const Bench bench(Truth(), test::SyntheticLogs(Truth(), 60.0, 0.02));
-  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
   JointStructure structure = bench.structure;
   structure.resistance_soc = ResistanceNodes(34);
   const JointSolution found = fit.Search(structure, 1e-6);
@@ -66,7 +68,7 @@ TEST(JointFit, ResistancesAreNotNegativeAndTheCurveDoesNotFall) {
   EXPECT_EQ(found.x.tail(layout.size() - layout.voltages()).minCoeff(), 0.0);
   double before_V = -1.0;
   for (int k = 0; k < layout.voltages(); ++k) {
-    const double v = bench.setup.reference(structure.voltage_soc[k]) + found.x[k];
+    const double v = bench.setup.open_circuit_voltage(structure.voltage_soc[k]) + found.x[k];
     EXPECT_GE(v, before_V - 1e-12);
     before_V = v;
   }
@@ -75,13 +77,15 @@ TEST(JointFit, ResistancesAreNotNegativeAndTheCurveDoesNotFall) {
 TEST(JointFit, HoldsWhatIsKnown) {
   Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
   bench.known.fixed = {{"beta", 0.25}, {"tau_1", 30.0}, {"r_s", 0.12}};
-  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
   const JointSolution found = fit.Search(bench.structure, 1e-4);
   EXPECT_EQ(found.rates.beta_per_sqrt_s, 0.25);
   EXPECT_EQ(found.rates.time_constant_s[0], 30.0);
   EXPECT_DOUBLE_EQ(bench.Ohm(found, JointLayout(found.structure).series()), 0.12);
   bench.known = {.bounds = {{"tau_1", {60.0, 80.0}}}};
-  const JointFit bounded(bench.logs, bench.setup, bench.known);
+  const JointObservations bounded_seen(bench.logs, bench.setup);
+  const JointFit bounded(bounded_seen, bench.known);
   const JointSolution at_bound = bounded.Search(bench.structure, 1e-4);
   EXPECT_NEAR(at_bound.rates.time_constant_s[0], 60.0, 1e-6);
   EXPECT_EQ(at_bound.at_bound, std::vector<std::string>{"tau_1"});
@@ -89,7 +93,8 @@ TEST(JointFit, HoldsWhatIsKnown) {
 
 TEST(JointFit, SaysWhetherThePolishCameToItsEnd) {
   Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
-  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
   const JointSolution rough = fit.Search(bench.structure, 1e-4);
   EXPECT_EQ(rough.termination, Termination::kConverged) << rough.message;
   EXPECT_EQ(fit.Polish(rough, kFineStep).termination, Termination::kConverged);
@@ -98,7 +103,8 @@ TEST(JointFit, SaysWhetherThePolishCameToItsEnd) {
   EXPECT_LE(cut.cost, rough.cost);
   // Without a rate to find there is nothing to polish.
   bench.known.fixed = {{"beta", 0.25}, {"tau_1", 30.0}};
-  const JointFit held(bench.logs, bench.setup, bench.known);
+  const JointObservations held_seen(bench.logs, bench.setup);
+  const JointFit held(held_seen, bench.known);
   EXPECT_EQ(held.Search(bench.structure, 1e-4).termination, Termination::kConverged);
 }
 
@@ -107,8 +113,9 @@ TEST(JointFit, LeavesOutNothingWhereThereIsOnlyOneGroup) {
   made.erase(made.begin(), made.begin() + 3);
   made.erase(made.begin() + 1);  // the low rate alone
   const Bench bench(Truth(), made);
-  const JointFit fit(bench.logs, bench.setup, bench.known);
-  const auto errors = fit.LeaveOut(bench.structure, fit.Base(bench.structure), {1e-3});
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
+  const auto errors = LeaveOut(fit, bench.logs, bench.structure, fit.Base(bench.structure), {1e-3});
   EXPECT_TRUE(std::isnan(errors.left_out_V));
   EXPECT_EQ(errors.smoothness, 1e-3);
 }
@@ -118,9 +125,10 @@ TEST(JointFit, ErrorsOfRowsLeftOutAreThoseOfTheNoise) {
   constexpr double kNoise_V = 0.001;
   // A second between rows: some seventy unknowns follow little of so many.
   const Bench bench(Truth(), test::SyntheticLogs(Truth(), 1.0, kNoise_V));
-  const JointFit fit(bench.logs, bench.setup, bench.known);
+  const JointObservations fit_seen(bench.logs, bench.setup);
+  const JointFit fit(fit_seen, bench.known);
   const JointSolution found = fit.Search(bench.structure, 1e-3);
-  const auto errors = fit.LeaveOut(bench.structure, found.rates, {1e-3});
+  const auto errors = LeaveOut(fit, bench.logs, bench.structure, found.rates, {1e-3});
   EXPECT_GT(errors.left_out_V, errors.fitted_V);
   EXPECT_LT(errors.left_out_V, 1.05 * errors.fitted_V);
   // Seventy unknowns take their share of some thousand points; blocks average over noise.

@@ -65,11 +65,9 @@ TEST(JointRun, ItsCellIsWhatWasFitted) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
   const JointResult result = Identify(logs);
   // The gauge moves alpha and the nodes together: no voltage changes.
-  const auto rows = AllRows(result.logs,
-                               result.setup,
-                               result.choice.best.structure,
-                               result.choice.best.rates,
-                               result.choice.best.x);
+  const JointSolution& best = result.choice.best;
+  const auto rows =
+      JointObservations(result.logs, result.setup).Rows(best.structure, best.rates, best.x);
   for (std::size_t l = 0; l < logs.size(); ++l) {
     if (result.logs.logs[l].size() != logs[l].log.record.size()) continue;  // in few points
     const Record& record = logs[l].log.record;

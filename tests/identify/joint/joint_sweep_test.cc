@@ -48,7 +48,7 @@ JointSetup SetupOf(const Cell& cell) {
           .diffusion = true,
           .terms = cell.diffusion->terms,
           .tail = cell.diffusion->tail,
-          .reference = cell.open_circuit_voltage};
+          .open_circuit_voltage = cell.open_circuit_voltage};
 }
 
 // The unknowns of the cell's tables, as JointLayout has them: v_oc is the reference.
@@ -80,11 +80,11 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
       for (auto* column : {&r.time_s, &r.current_A, &r.voltage_V}) column->resize(rows);
     }
     const JointSetup setup = SetupOf(e.cell);
-    const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
-    const auto rows =
-        AllRows(joint, setup, e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+    const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
+    const JointObservations seen(joint, setup);
+    const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
     for (std::size_t l = 0; l < rows.size(); ++l) {
-      ASSERT_EQ(rows[l].point.size(), logs[l].log.record.size());
+      ASSERT_EQ(rows[l].time_s.size(), logs[l].log.record.size());
       // Rounding of sums of some ten terms of 4 V.
       EXPECT_LT(rows[l].residual_V.cwiseAbs().maxCoeff(), 1e-12) << joint.logs[l].file;
     }
@@ -123,12 +123,13 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
                         slots.transfer()};
   const auto logs = test::SyntheticLogs(e.cell, 5.0);
   const JointSetup setup = SetupOf(e.cell);
-  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const Eigen::VectorXd x = UnknownsOf(e, joint.typical_A);
-  const auto rows = AllRows(joint, setup, e.structure, e.rates, x);
+  const JointObservations seen(joint, setup);
+  const auto rows = seen.Rows(e.structure, e.rates, x);
+  const auto smooth = seen.Rows(e.structure, e.rates, x, CurveSlope::kSmooth);
   const CellModel<Jet> model(Differentiable(e));
-  SlopeSums expected{Eigen::MatrixXd::Zero(5, 5), Eigen::VectorXd::Zero(5),
-                     Eigen::MatrixXd::Zero(5, x.size())};
+  SlopeSums expected(5, x.size());
   for (std::size_t l = 0; l < rows.size(); ++l) {
     const JointLog& log = joint.logs[l];
     auto state = model.Relaxed(Jet(1.0 - log.delivered_C / setup.alpha_C));
@@ -146,35 +147,36 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
         size[p] = std::max(size[p], std::abs(voltage.v[p]));
         off[p] = std::max(off[p], std::abs(voltage.v[p] - slope[of_jet[p]]));
       }
-      expected.of_rates += log.weight[k] * slope * slope.transpose();
-      expected.with_residual += log.weight[k] * rows[l].residual_V[row] * slope;
-      expected.with_linear +=
-          log.weight[k] * slope * rows[l].sensitivity.row(row).tail(x.size());
+      const Eigen::VectorXd all = smooth[l].sensitivity.row(row);
+      const double residual_V = rows[l].residual_V[row];
+      const double w = log.weight[k];
+      expected.of_rates += w * all.head(5) * all.head(5).transpose();
+      expected.with_residual += w * residual_V * all.head(5);
+      expected.with_linear += w * all.head(5) * all.tail(x.size()).transpose();
+      expected.right += w * residual_V * all.tail(x.size());
+      expected.square += w * residual_V * residual_V;
       ++row;
     }
     // Sums of some thousand terms, each right to the last digits.
     for (int p = 0; p < 5; ++p) EXPECT_LE(off[p], 1e-10 * size[p]) << log.file << " " << p;
   }
-  const SlopeSums sums = SumSlopes(joint,
-                                   setup,
-                                   e.structure,
-                                   TraceSoc(joint, setup, e.rates.beta_per_sqrt_s, true),
-                                   e.rates,
-                                   x,
-                                   CurveSlope::kOfSegments);
+  const SlopeSums sums = seen.At(e.rates.beta_per_sqrt_s, true)->Slopes(e.structure, e.rates, x);
   EXPECT_LE((sums.of_rates - expected.of_rates).norm(), 1e-12 * expected.of_rates.norm());
   EXPECT_LE((sums.with_residual - expected.with_residual).norm(),
             1e-12 * expected.of_rates.norm());  // residuals are zero but for their rounding
   EXPECT_LE((sums.with_linear - expected.with_linear).norm(), 1e-12 * expected.with_linear.norm());
+  EXPECT_LE((sums.right - expected.right).norm(), 1e-12 * expected.with_linear.norm());
+  EXPECT_NEAR(sums.square, expected.square, 1e-12);
 }
 
 TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const Example e = Everything();
   const auto logs = test::SyntheticLogs(e.cell, 5.0, 0.001);
   const JointSetup setup = SetupOf(e.cell);
-  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(JointLayout(e.structure).size());
-  const auto rows = AllRows(joint, setup, e.structure, e.rates, zero);
+  const JointObservations seen(joint, setup);
+  const auto rows = seen.Rows(e.structure, e.rates, zero);
   auto sums = SumGroups(
       joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
@@ -184,15 +186,14 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   Eigen::VectorXd right = zero;
   double square = 0.0;
   for (std::size_t l = 0; l < rows.size(); ++l) {
-    Eigen::VectorXd w(rows[l].residual_V.size());
-    for (Eigen::Index r = 0; r < w.size(); ++r) w[r] = joint.logs[l].weight[rows[l].point[r]];
+    const Eigen::VectorXd& w = rows[l].weight;
     const Eigen::MatrixXd a = rows[l].sensitivity.rightCols(zero.size());
     matrix += a.transpose() * w.asDiagonal() * a;
     right += a.transpose() * w.asDiagonal() * rows[l].residual_V;
     square += rows[l].residual_V.dot(w.asDiagonal() * rows[l].residual_V);
   }
   const NormalEquations all =
-      SumAll(joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
+      seen.At(e.rates.beta_per_sqrt_s, false)->Sum(e.structure, e.rates);
   EXPECT_LT((all.matrix - sums.back().matrix).norm(), 1e-12 * matrix.norm());
   EXPECT_LT((all.right - sums.back().right).norm(), 1e-12 * right.norm());
   EXPECT_NEAR(all.weight, sums.back().weight, 1e-12);
@@ -202,11 +203,8 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   EXPECT_NEAR(sums.back().square, square, 1e-12 * square);
   const Eigen::VectorXd x = UnknownsOf(e, joint.typical_A);
   double at_x = 0.0;
-  const auto solved = AllRows(joint, setup, e.structure, e.rates, x);
-  for (std::size_t l = 0; l < solved.size(); ++l) {
-    for (Eigen::Index r = 0; r < solved[l].residual_V.size(); ++r)
-      at_x += joint.logs[l].weight[solved[l].point[r]] * std::pow(solved[l].residual_V[r], 2.0);
-  }
+  for (const FittedRows& solved : seen.Rows(e.structure, e.rates, x))
+    at_x += solved.residual_V.dot(solved.weight.asDiagonal() * solved.residual_V);
   EXPECT_NEAR(sums.back().At(x), at_x, 1e-9 * at_x);  // the difference of sums that nearly cancel
 }
 
@@ -214,7 +212,7 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
   const Example e = Everything();
   const auto logs = test::SyntheticLogs(e.cell, 5.0);
   const JointSetup setup = SetupOf(e.cell);
-  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const Eigen::VectorXd truth = UnknownsOf(e, joint.typical_A);
   Eigen::VectorXd shifted = truth;
   shifted.head(static_cast<Eigen::Index>(e.structure.voltage_soc.size())).array() += 0.01;

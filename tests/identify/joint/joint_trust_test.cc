@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "identify/fit/linearized_fit.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "tests/support/synthetic_campaign.h"
@@ -55,7 +56,8 @@ TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
                                             .self_heating = Presence::kOn,
                                             .charge_transfer = Presence::kOn,
                                             .smoothness = 1e-3});
-  const JointSensitivities exact = FindSensitivities(result);
+  const JointObservations seen(result.logs, result.setup);
+  const LinearizedFit exact = Linearize(seen, result.choice.best, {});
   ASSERT_EQ(exact.rates, (std::vector<std::string>{"beta", "tau_1", "tau_2", "tau_h", "i_0"}));
   const JointSolution& best = result.choice.best;
   const auto rows_at = [&](std::size_t which, double factor) {
@@ -66,7 +68,7 @@ TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
                          &rates.heating_time_constant_s,
                          &rates.charge_transfer_A};
     *entries[which] *= factor;
-    return AllRows(result.logs, result.setup, best.structure, rates, best.x);
+    return seen.Rows(best.structure, rates, best.x);
   };
   const double values[] = {best.rates.beta_per_sqrt_s,
                            best.rates.time_constant_s[0],

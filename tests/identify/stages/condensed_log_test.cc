@@ -86,7 +86,7 @@ TEST(BlockShape, ReplacesRowsByNodesForPolynomials) {
   EXPECT_THROW(static_cast<void>(MakeBlockShape(Even(3, 1.0), 0)), PreconditionError);
 }
 
-SweepSetup SetupWith(OpenCircuitVoltage curve) {
+JointSetup SetupWith(OpenCircuitVoltage curve) {
   return {.alpha_C = 1353.6, .terms = 10, .tail = true, .open_circuit_voltage = std::move(curve)};
 }
 

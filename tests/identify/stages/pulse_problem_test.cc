@@ -40,7 +40,7 @@ Record Pulses() {
   return record;
 }
 
-SweepSetup SmallSetup() {
+JointSetup SmallSetup() {
   return {.alpha_C = 2000.0, .terms = 6, .tail = true, .open_circuit_voltage = Curve()};
 }
 
@@ -49,7 +49,7 @@ SweepSetup SmallSetup() {
 // by automatic differentiation of the cell itself.
 Jet CostByJets(const Record& record, const PulseParameters& p) {
   CellParameters<Jet> cell;
-  const SweepSetup setup = SmallSetup();
+  const JointSetup setup = SmallSetup();
   cell.alpha_C = Jet(setup.alpha_C);
   cell.beta_per_sqrt_s = Jet(p.sweep.beta_per_sqrt_s, 0);
   cell.terms = setup.terms;

@@ -59,7 +59,7 @@ struct Outcome {
 };
 Outcome FitAndAssess(const Record& record, const GivenParameters& knowledge = {}) {
   const Cell cell = LoadCell("gifi-600mAh-1");
-  const SweepSetup setup{.alpha_C = cell.alpha_C(),
+  const JointSetup setup{.alpha_C = cell.alpha_C(),
                          .open_circuit_voltage = cell.open_circuit_voltage};
   const VoltageSweep sweep(setup, {{.record = &record}});
   Outcome outcome;

@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "identify/joint/joint_fit.h"
 #include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
 
@@ -59,7 +60,7 @@ SweepLog LogOf(const Record& record, double initial_soc = 1.0, double weight = 1
 }
 
 // [J r] row by row, by automatic differentiation of the cell itself.
-Eigen::MatrixXd DenseRows(const SweepSetup& setup, const SweepLog& log, const SweepParameters& p) {
+Eigen::MatrixXd DenseRows(const JointSetup& setup, const SweepLog& log, const SweepParameters& p) {
   const auto branches = static_cast<int>(p.time_constant_s.size());
   const int columns = VoltageSweep::Columns(branches);
   CellParameters<Jet> cell;
@@ -134,7 +135,7 @@ SweepParameters Parameters(int branches) {
   return p;
 }
 
-SweepSetup MakeSetup(int terms = 10, bool tail = true, bool diffusion = true) {
+JointSetup MakeSetup(int terms = 10, bool tail = true, bool diffusion = true) {
   return {.alpha_C = 9000.0,
           .diffusion = diffusion,
           .terms = terms,
@@ -175,7 +176,7 @@ TEST(VoltageSweep, TakesEveryKindOfCurve) {
        {OpenCircuitVoltage::Linear({0.0, 0.1, 0.5, 1.0}, {3.0, 3.5, 3.8, 4.2}),
         OpenCircuitVoltage::Polynomial(0.0, 1.0, {3.7, 0.5, 0.02, 0.03}),
         OpenCircuitVoltage::Fourier(0.0, 1.0, 2.0, {3.7, -0.2, 0.01}, {0.3, 0.02})}) {
-    SweepSetup setup = MakeSetup();
+    JointSetup setup = MakeSetup();
     setup.open_circuit_voltage = curve;
     ExpectSameProducts(VoltageSweep(setup, {LogOf(record)}), Parameters(1));
   }
@@ -254,7 +255,7 @@ TEST(VoltageSweep, IsNotFiniteWhereTheModelHasNoValue) {
   p.beta_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(sweep.Factor(p, true).allFinite());
   EXPECT_FALSE(sweep.Factor(p, false).allFinite());
-  SweepSetup no_curve = MakeSetup();
+  JointSetup no_curve = MakeSetup();
   no_curve.open_circuit_voltage = OpenCircuitVoltage();
   const VoltageSweep without(no_curve, {LogOf(record)});
   EXPECT_FALSE(without.Factor(Parameters(1), true).allFinite());
@@ -270,7 +271,7 @@ TEST(VoltageSweep, OfNoRowsIsZero) {
 
 TEST(VoltageSweep, RefusesWhatHasNoMeaning) {
   const Record record = RandomRecord(1, Hold::kBackward, 10);
-  SweepSetup flat = MakeSetup();
+  JointSetup flat = MakeSetup();
   flat.alpha_C = 0.0;
   EXPECT_THROW(VoltageSweep(flat, {LogOf(record)}), PreconditionError);
   EXPECT_THROW(VoltageSweep(MakeSetup(), {SweepLog{}}), PreconditionError);
@@ -286,7 +287,13 @@ TEST(VoltageSweep, MeansAddUpToTheRows) {
                           .series_resistance_Ohm = 0.05,
                           .resistance_Ohm = {0.03},
                           .time_constant_s = {40.0}};
-  const SweepSetup setup{.alpha_C = 2000.0, .open_circuit_voltage = Curve()};
+  // Columns of Rows() among those of the Jacobian: beta, tau_1, r_s, r_1.
+  const std::vector<Eigen::Index> order{0, 3, 1, 2};
+  const JointSolution at = SolutionOf(p);
+  const auto means = [&](const VoltageSweep& sweep, std::size_t most) {
+    return sweep.Means(at.structure, at.rates, at.x, most)[0];
+  };
+  const JointSetup setup{.alpha_C = 2000.0, .open_circuit_voltage = Curve()};
   // Steps of exactly constant current at 1 s, which condense, and a random log, which does not.
   Record steps;
   for (int k = 0; k <= 3000; ++k) {
@@ -300,7 +307,7 @@ TEST(VoltageSweep, MeansAddUpToTheRows) {
     const Eigen::MatrixXd dense = DenseRows(sweep.setup(), LogOf(*record), p);  // [dr/dp r]
     for (const std::size_t most : {std::size_t{100000}, std::size_t{400}, std::size_t{20}}) {
       SCOPED_TRACE(most);
-      const FittedRows rows = sweep.Means(p, most)[0];
+      const FittedRows rows = means(sweep, most);
       EXPECT_LE(rows.time_s.size(), std::max(most, record->size()));
       if (most < 100) {
         EXPECT_LE(rows.time_s.size(), most);
@@ -312,15 +319,17 @@ TEST(VoltageSweep, MeansAddUpToTheRows) {
       EXPECT_LT((rows.weight - 0.25 * rows.averaged).norm(), kTolerance);
       const Eigen::VectorXd sums = rows.sensitivity.transpose() * rows.averaged;
       for (Eigen::Index k = 0; k < sums.size(); ++k) {
-        EXPECT_NEAR(sums[k], -dense.col(k).sum(), 1e-9 * dense.col(k).cwiseAbs().sum()) << k;
+        const auto column = dense.col(order[static_cast<std::size_t>(k)]);
+        EXPECT_NEAR(sums[k], -column.sum(), 1e-9 * column.cwiseAbs().sum()) << k;
       }
       EXPECT_NEAR(rows.residual_V.dot(rows.averaged), dense.rightCols(1).sum(), 1e-7);
     }
     // What the means say of the parameters is what the rows say.
-    const FittedRows rows = sweep.Means(p, 400)[0];
+    const FittedRows rows = means(sweep, 400);
     const Eigen::MatrixXd information =
         rows.sensitivity.transpose() * rows.averaged.asDiagonal() * rows.sensitivity;
-    const Eigen::MatrixXd all = dense.leftCols(4).transpose() * dense.leftCols(4);
+    const Eigen::MatrixXd columns = dense(Eigen::all, order);
+    const Eigen::MatrixXd all = columns.transpose() * columns;
     if (record != &steps) continue;
     for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(information(k, k) / all(k, k), 1.0, 0.01) << k;
   }

@@ -50,7 +50,7 @@ TEST(ExperimentPlan, PredictsTheSpreadOfEstimates) {
   const auto clean = Predict(cell, record.time_s, record.current_A).voltage_V;
   EXPECT_LE(clean.back(), cell.cutoff_V) << "the plan ends where the cell does";
   EXPECT_GT(clean[clean.size() - 2], cell.cutoff_V);
-  const SweepSetup setup{.alpha_C = cell.alpha_C(),
+  const JointSetup setup{.alpha_C = cell.alpha_C(),
                          .open_circuit_voltage = cell.open_circuit_voltage};
   const char* const names[] = {"beta", "r_s", "r_1", "tau_1"};
   const Eigen::Array4d truth{0.12, 0.08, 0.03, 25.0};

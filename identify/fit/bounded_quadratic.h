@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// A small strictly convex quadratic within lower bounds, solved exactly:
+/// A small strictly convex quadratic within bounds, solved exactly:
 ///
-///   minimize 1/2 x'G x - g'x  with  x >= lower
+///   minimize 1/2 x'G x - g'x  with  lower <= x <= upper
 ///
 /// by block principal pivoting (Portugal, Judice and Vicente 1994; Kim and Park 2011): guess which
 /// bounds are active, solve the rest by Cholesky, exchange all that disagree with the optimality
@@ -11,7 +11,7 @@
 /// rule, which ends after finitely many. A good guess, say the answer to a neighbouring problem,
 /// ends after one factorization. No library at hand has this: general solvers for quadratic
 /// programs need ten times as long for a hundred unknowns as the sums that make G.
-/// Tests: tests/identify/joint/bounded_quadratic_test.cc.
+/// Tests: tests/identify/fit/bounded_quadratic_test.cc.
 
 #include <Eigen/Core>
 #include <vector>
@@ -20,18 +20,18 @@ namespace lipoid {
 
 struct BoundedQuadraticResult {
   Eigen::VectorXd x;
-  std::vector<char> active;  ///< 1 where x stands at its bound
+  std::vector<char> active;  ///< 1 where x stands at its lower bound, 2 at the upper
   int factorizations = 0;
   bool solved = false;  ///< false: G is not positive definite, or the exchanges did not end
 };
 
-/// G symmetric (its lower triangle is read) and positive definite; a lower bound may be -infinity.
-/// Where held[k] is 1, x[k] stays at lower[k]. `guess` says which bounds may be active; empty:
-/// none.
+/// G symmetric (its lower triangle is read) and positive definite; bounds may be infinite, and there
+/// are no upper ones where `upper` is empty. Where lower and upper are the same x[k] is held.
+/// `guess` says which bounds may be active; empty: none.
 [[nodiscard]] BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
                                                               const Eigen::VectorXd& g,
                                                               const Eigen::VectorXd& lower,
                                                               const std::vector<char>& guess = {},
-                                                              const std::vector<char>& held = {});
+                                                              const Eigen::VectorXd& upper = {});
 
 }  // namespace lipoid

@@ -1,4 +1,4 @@
-#include "identify/joint/bounded_quadratic.h"
+#include "identify/fit/bounded_quadratic.h"
 
 #include <gtest/gtest.h>
 
@@ -106,8 +106,9 @@ TEST(BoundedQuadratic, LeavesWhatIsHeldAtItsBound) {
   Problem p = RandomProblem(6, engine);
   p.lower.setConstant(-10.0);
   p.lower[2] = 0.7;
-  const auto result =
-      MinimizeBoundedQuadratic(p.G, p.g, p.lower, {}, std::vector<char>{0, 0, 1, 0, 0, 0});
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(6, kInfinity);
+  upper[2] = 0.7;
+  const auto result = MinimizeBoundedQuadratic(p.G, p.g, p.lower, {}, upper);
   ASSERT_TRUE(result.solved);
   EXPECT_EQ(result.x[2], 0.7);
   Eigen::VectorXd gradient = p.G * result.x - p.g;

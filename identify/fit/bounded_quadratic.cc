@@ -1,6 +1,7 @@
-#include "identify/joint/bounded_quadratic.h"
+#include "identify/fit/bounded_quadratic.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,20 +10,15 @@
 namespace lipoid {
 namespace {
 
-// Solves G_FF x_F = g_F - G_FA lower_A for the free unknowns F; false where G_FF is not positive
-// definite.
+// Solves G_FF x_F = g_F - G_FA x_A for the free unknowns F; false where G_FF is not positive
+// definite. Those of A stand at their bounds.
 bool SolveFree(const Eigen::MatrixXd& G,
                const Eigen::VectorXd& g,
-               const Eigen::VectorXd& lower,
                const std::vector<char>& active,
                Eigen::VectorXd& x) {
   std::vector<Eigen::Index> free;
   for (Eigen::Index k = 0; k < g.size(); ++k) {
-    if (active[k]) {
-      x[k] = lower[k];
-    } else {
-      free.push_back(k);
-    }
+    if (!active[k]) free.push_back(k);
   }
   const auto n = static_cast<Eigen::Index>(free.size());
   Eigen::MatrixXd G_FF(n, n);
@@ -32,9 +28,9 @@ bool SolveFree(const Eigen::MatrixXd& G,
     right[b] = g[free[b]];
   }
   for (Eigen::Index k = 0; k < g.size(); ++k) {
-    if (!active[k] || lower[k] == 0.0) continue;
+    if (!active[k] || x[k] == 0.0) continue;
     for (Eigen::Index a = 0; a < n; ++a) {
-      right[a] -= (free[a] >= k ? G(free[a], k) : G(k, free[a])) * lower[k];
+      right[a] -= (free[a] >= k ? G(free[a], k) : G(k, free[a])) * x[k];
     }
   }
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(G_FF);
@@ -50,21 +46,27 @@ BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
                                                 const Eigen::VectorXd& g,
                                                 const Eigen::VectorXd& lower,
                                                 const std::vector<char>& guess,
-                                                const std::vector<char>& held) {
+                                                const Eigen::VectorXd& upper) {
   const Eigen::Index n = g.size();
-  Require(G.rows() == n && G.cols() == n && lower.size() == n,
+  Require(G.rows() == n && G.cols() == n && lower.size() == n &&
+              (upper.size() == 0 || upper.size() == n),
           "a quadratic of one size",
           {{"n", static_cast<double>(n)}, {"rows", static_cast<double>(G.rows())}});
   constexpr int kPatience = 3;  // exchanges of all that disagree which need not bring progress
   BoundedQuadraticResult result;
   result.x = Eigen::VectorXd::Zero(n);
   result.active = guess.empty() ? std::vector<char>(n, 0) : guess;
-  const auto is_held = [&](Eigen::Index k) { return !held.empty() && held[k] != 0; };
+  const auto most_of = [&](Eigen::Index k) {
+    return upper.size() == 0 ? std::numeric_limits<double>::infinity() : upper[k];
+  };
+  const auto is_held = [&](Eigen::Index k) { return lower[k] == most_of(k); };
   for (Eigen::Index k = 0; k < n; ++k) {
+    if (lower[k] > most_of(k)) return result;
+    char& active = result.active[static_cast<std::size_t>(k)];
     if (is_held(k)) {
-      result.active[k] = 1;
-    } else if (std::isinf(lower[k])) {
-      result.active[k] = 0;
+      active = 1;
+    } else if (std::isinf(active == 1 ? lower[k] : active == 2 ? most_of(k) : 0.0)) {
+      active = 0;
     }
   }
   // What rounding may do to a bound and to a gradient.
@@ -73,26 +75,38 @@ BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
   int patience = kPatience;
   const int most = 50 + 5 * static_cast<int>(n);
   std::vector<Eigen::Index> wrong;
+  std::vector<char> other;  // what they change to
   Eigen::VectorXd gradient(n);
   while (result.factorizations < most) {
     ++result.factorizations;
-    if (!SolveFree(G, g, lower, result.active, result.x)) return result;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (result.active[k]) result.x[k] = result.active[k] == 1 ? lower[k] : upper[k];
+    }
+    if (!SolveFree(G, g, result.active, result.x)) return result;
     gradient.noalias() = G.selfadjointView<Eigen::Lower>() * result.x;
     wrong.clear();
+    other.clear();
+    const auto beyond = [&](double bound) { return x_scale * (1.0 + std::abs(bound)); };
     for (Eigen::Index k = 0; k < n; ++k) {
       if (is_held(k)) continue;
+      char instead = result.active[k];
       if (result.active[k]) {
         // Its multiplier must not pull inwards.
         const double noise = 1e-13 * (std::abs(g[k]) + std::abs(gradient[k]));
-        if (gradient[k] - g[k] < -noise) wrong.push_back(k);
-      } else if (result.x[k] < lower[k] - x_scale * (1.0 + std::abs(lower[k]))) {
-        wrong.push_back(k);
+        const double inwards = (g[k] - gradient[k]) * (result.active[k] == 1 ? 1.0 : -1.0);
+        if (inwards > noise) instead = 0;
+      } else if (result.x[k] < lower[k] - beyond(lower[k])) {
+        instead = 1;
+      } else if (result.x[k] > most_of(k) + beyond(most_of(k))) {
+        instead = 2;
       }
+      if (instead == result.active[k]) continue;
+      wrong.push_back(k);
+      other.push_back(instead);
     }
     if (wrong.empty()) {
-      for (Eigen::Index k = 0; k < n; ++k) {
-        if (result.x[k] < lower[k]) result.x[k] = lower[k];
-      }
+      for (Eigen::Index k = 0; k < n; ++k)
+        result.x[k] = std::min(std::max(result.x[k], lower[k]), most_of(k));
       result.solved = true;
       return result;
     }
@@ -102,8 +116,9 @@ BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
       patience = kPatience;
     } else if (--patience < 0) {
       wrong = {wrong.back()};
+      other = {other.back()};
     }
-    for (const Eigen::Index k : wrong) result.active[k] = result.active[k] ? 0 : 1;
+    for (std::size_t w = 0; w < wrong.size(); ++w) result.active[wrong[w]] = other[w];
   }
   return result;
 }

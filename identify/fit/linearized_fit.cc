@@ -1,0 +1,185 @@
+#include "identify/fit/linearized_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/battery/cell_parameters.h"
+
+namespace lipoid {
+namespace {
+
+// Fills in the quantities of a fit whose rows are there.
+class Quantities {
+ public:
+  Quantities(LinearizedFit& fit,
+             const JointSolution& solution,
+             const GivenParameters& known,
+             double typical_A)
+      : fit_(fit),
+        solution_(solution),
+        known_(known),
+        layout_(solution.structure),
+        typical_A_(typical_A) {}
+
+  void Fill() {
+    AddRate("beta", solution_.rates.beta_per_sqrt_s);
+    AddTable("r_s", layout_.series());
+    for (int j = 0; j < solution_.structure.branches; ++j) {
+      AddTable(fmt::format("r_{}", j + 1), layout_.branch(j));
+      AddRate(fmt::format("tau_{}", j + 1), solution_.rates.time_constant_s[j]);
+      AddCapacitance(j);
+    }
+    if (solution_.structure.charge_transfer) {
+      AddTable("r_ct", layout_.transfer());
+      AddRate("i_0", solution_.rates.charge_transfer_A);
+    }
+    if (!solution_.structure.self_heating) return;
+    const double per_A3 = std::pow(typical_A_, -3.0);
+    const double x = solution_.x[layout_.heating()];
+    TrustedQuantity q = fit_.Quantity("rho_h", "Ohm/A^2", x * per_A3);
+    q.combination[fit_.Linear(layout_.heating())] = per_A3;
+    q.at_bound = Active(layout_.heating());
+    fit_.quantities.push_back(std::move(q));
+    AddRate("tau_h", solution_.rates.heating_time_constant_s);
+  }
+
+ private:
+  [[nodiscard]] bool Active(int unknown) const {
+    return solution_.active[static_cast<std::size_t>(unknown)] != 0;
+  }
+  [[nodiscard]] bool AtBound(const std::string& rate) const {
+    const auto& names = solution_.at_bound;
+    return std::find(names.begin(), names.end(), rate) != names.end();
+  }
+  /// -1: it was given.
+  [[nodiscard]] Eigen::Index Searched(const std::string& rate) const {
+    const auto found = std::find(fit_.rates.begin(), fit_.rates.end(), rate);
+    return found == fit_.rates.end() ? -1 : found - fit_.rates.begin();
+  }
+  [[nodiscard]] bool Follows(int j) const { return solution_.follows[static_cast<std::size_t>(j)]; }
+
+  void AddRate(const std::string& rate, double value) {
+    const Eigen::Index at = Searched(rate);
+    if (at < 0) return;
+    TrustedQuantity q = fit_.Quantity(rate, std::string(CellParameterUnit(rate)), value);
+    if (rate == "beta") q.upper = 1.0;
+    q.combination[at] = 1.0;
+    q.at_bound = AtBound(rate);
+    fit_.quantities.push_back(std::move(q));
+  }
+
+  void AddTable(const std::string& name, int table) {
+    const double per_A = 1.0 / typical_A_;
+    const auto& nodes = solution_.structure.resistance_soc;
+    if (nodes.size() == 1) {
+      if (known_.Fixed(name)) return;
+      TrustedQuantity q = fit_.Quantity(name, "Ohm", solution_.x[table] * per_A);
+      q.combination[fit_.Linear(table)] = per_A;
+      q.at_bound = Active(table);
+      for (int j = 0; j < solution_.structure.branches; ++j) {
+        const auto tau = Searched(fmt::format("tau_{}", j + 1));
+        if (table != layout_.branch(j) || !Follows(j) || tau < 0) continue;
+        q.combination.setZero();  // r_j = tau_j/c_j
+        q.combination[tau] = q.value / solution_.rates.time_constant_s[j];
+        q.at_bound = false;
+      }
+      fit_.quantities.push_back(std::move(q));
+      return;
+    }
+    NodeFinder find(nodes);
+    for (const double soc : {0.2, 0.5, 0.8}) {
+      if (soc < nodes.front() || soc > nodes.back()) continue;
+      const NodeShare at = find(soc);
+      const double low = solution_.x[table + at.lower];
+      const double high = solution_.x[table + at.lower + 1];
+      TrustedQuantity q = fit_.Quantity(fmt::format("{}({:.1f})", name, soc),
+                                        "Ohm",
+                                        ((1.0 - at.share) * low + at.share * high) * per_A);
+      q.combination[fit_.Linear(table + at.lower)] = (1.0 - at.share) * per_A;
+      q.combination[fit_.Linear(table + at.lower + 1)] = at.share * per_A;
+      q.at_bound = q.value <= 0.0;
+      fit_.quantities.push_back(std::move(q));
+    }
+  }
+
+  // c = tau/r, where r is one number.
+  void AddCapacitance(int j) {
+    const auto name = fmt::format("c_{}", j + 1);
+    const auto rate = fmt::format("tau_{}", j + 1);
+    const double tau_s = solution_.rates.time_constant_s[j];
+    const double r = solution_.x[layout_.branch(j)] / typical_A_;
+    const Eigen::Index at = Searched(rate);
+    const bool r_held = known_.Fixed(fmt::format("r_{}", j + 1)).has_value();
+    if (layout_.nodes() != 1 || !(r > 0.0) || known_.Fixed(name) || (at < 0 && r_held)) return;
+    TrustedQuantity q = fit_.Quantity(name, "F", tau_s / r);
+    q.at_bound = AtBound(rate) || Follows(j);
+    if (!Follows(j)) {
+      if (at >= 0) q.combination[at] = 1.0 / r;
+      q.combination[fit_.Linear(layout_.branch(j))] = -tau_s / (r * r) / typical_A_;
+    }
+    fit_.quantities.push_back(std::move(q));
+  }
+
+  LinearizedFit& fit_;
+  const JointSolution& solution_;
+  const GivenParameters& known_;
+  JointLayout layout_;
+  double typical_A_;
+};
+
+}  // namespace
+
+TrustedQuantity LinearizedFit::Quantity(std::string name, std::string unit, double value) const {
+  TrustedQuantity q;
+  q.name = std::move(name);
+  q.unit = std::move(unit);
+  q.value = value;
+  q.lower = 0.0;
+  q.combination = Eigen::VectorXd::Zero(penalty.rows());
+  return q;
+}
+
+LinearizedFit Linearize(const Observations& seen,
+                        const JointSolution& solution,
+                        const GivenParameters& known) {
+  const JointLayout layout(solution.structure);
+  const RateSlots slots(solution.structure);
+  const JointFit fit(seen, known);
+  LinearizedFit all;
+  std::vector<int> columns;
+  for (const auto& rate : fit.Rates(solution.structure)) {
+    all.rates.push_back(rate.name);
+    columns.push_back(rate.slot);
+    const auto& names = solution.at_bound;
+    if (std::find(names.begin(), names.end(), rate.name) != names.end())
+      all.held.push_back(static_cast<Eigen::Index>(columns.size()) - 1);
+  }
+  for (int k = 0; k < layout.size(); ++k) {
+    columns.push_back(slots.size() + k);
+    if (solution.active[static_cast<std::size_t>(k)]) all.held.push_back(all.Linear(k));
+  }
+  all.logs = seen.Rows(solution.structure, solution.rates, solution.x);
+  for (FittedRows& log : all.logs) {
+    for (int j = 0; j < solution.structure.branches; ++j) {
+      if (!solution.follows[static_cast<std::size_t>(j)]) continue;
+      // r_j moves with tau_j.
+      const int r = layout.branch(j);
+      const double rise = solution.x[r] / solution.rates.time_constant_s[j];
+      log.sensitivity.col(slots.tau(j)) += rise * log.sensitivity.col(slots.size() + r);
+    }
+    log.sensitivity = log.sensitivity(Eigen::all, columns).eval();
+    ToRises(log.sensitivity.rightCols(layout.size()), layout.voltages());
+  }
+  Eigen::MatrixXd nodes = fit.Penalty(solution.structure, solution.smoothness);
+  ToRises(nodes, layout.voltages());
+  nodes.transposeInPlace();
+  ToRises(nodes, layout.voltages());
+  all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
+  all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
+  Quantities(all, solution, known, seen.scales().typical_A).Fill();
+  return all;
+}
+
+}  // namespace lipoid

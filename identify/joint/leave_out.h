@@ -1,0 +1,40 @@
+#pragma once
+
+/// @file
+/// What leaving groups of rows out says of a structure at its rates. Weighted means of the errors'
+/// sizes, since a few rows at the end of a discharge outweigh all others in a sum of squares.
+/// Tests: tests/identify/joint/joint_fit_test.cc.
+
+#include <limits>
+#include <vector>
+
+#include "identify/joint/joint_fit.h"
+#include "identify/joint/joint_sweep.h"
+
+namespace lipoid {
+
+/// NaN and empty without two groups.
+struct LeftOutErrors {
+  double smoothness = 0.0;
+  double fitted_V = std::numeric_limits<double>::quiet_NaN();    ///< with the groups in the fit
+  double left_out_V = std::numeric_limits<double>::quiet_NaN();  ///< each predicted by the others
+  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). A piece that is left
+  /// out whole is harder to predict than a new log of the same cell is.
+  double expected_V = std::numeric_limits<double>::quiet_NaN();
+  /// What is expected of each unit (paired_errors.h), times its weight.
+  std::vector<double> unit_V = {};
+};
+
+/// A smoothness that predicts rows left out no worse than the best one by this share is as good:
+/// the least such is taken, as it follows the data most closely.
+inline constexpr double kSmoothnessLoss = 0.02;
+
+/// The least smoothness of the rising ladder that predicts rows left out as well as any, but for
+/// kSmoothnessLoss. `fit` is one of these logs.
+[[nodiscard]] LeftOutErrors LeaveOut(const JointFit& fit,
+                                     const JointLogs& logs,
+                                     const JointStructure& structure,
+                                     const JointRates& rates,
+                                     const std::vector<double>& ladder);
+
+}  // namespace lipoid
