@@ -16,7 +16,7 @@ struct LoadedLog {
   Log log;  ///< voltages and currents of one cell
 };
 
-/// Reads every log, in parallel, in the order of the campaign. The LoadErrors of all bad files come
+/// Reads every log by ReadLogs(), in the order of the campaign. The LoadErrors of all bad files come
 /// as one; a file that is bad in several places of the campaign is named once.
 [[nodiscard]] std::vector<LoadedLog> LoadCampaign(const Campaign& campaign);
 

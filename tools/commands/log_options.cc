@@ -42,4 +42,13 @@ ReadOptions LogOptions::ToReadOptions() const {
   return read;
 }
 
+std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
+  std::vector<LoadedLog> logs = LoadCampaign(campaign);
+  for (const LoadedLog& log : logs) {
+    if (!log.log.report.current_sign_is_of_others) continue;
+    line.Message("{}: {}", log.entry.file, log.log.report.current_sign_reason);
+  }
+  return logs;
+}
+
 }  // namespace lipoid

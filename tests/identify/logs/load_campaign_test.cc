@@ -73,6 +73,20 @@ TEST(LoadCampaign, RefusesAPackThatIsNotDeclared) {
                 "is it a pack (say `series`)?");
 }
 
+// Drive cycles without regeneration, whose campaigns had to name the sign.
+TEST(LoadCampaign, NeedsNoSignForADriveCycleWithoutRegeneration) {
+  for (const char* folder : {"panasonic_18650pf/t00", "panasonic_18650pf/tm20"}) {
+    const auto file = test::LabDataPath(std::string(folder) + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    Campaign campaign = ReadCampaign(file);
+    for (CampaignLog& log : campaign.logs) log.read.current_sign.clear();
+    for (const auto& [entry, log] : LoadCampaign(campaign)) {
+      EXPECT_EQ(log.report.current_sign, "discharge-positive") << entry.file;
+      EXPECT_FALSE(log.report.current_sign_is_of_others) << entry.file;
+    }
+  }
+}
+
 TEST(LoadCampaign, ReadsThoseBesideTheProject) {
   for (const char* name : {"nissan_leaf_33ah", "dmegc_inr18650_26_r1", "lg_m50_5ah"}) {
     const auto file = test::LabDataPath(std::string(name) + "/campaign.toml");
