@@ -1,5 +1,8 @@
 #include "identify/logs/load_campaign.h"
 
+#include <fmt/format.h>
+
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -32,6 +35,28 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   }
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
   return logs;
+}
+
+std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
+  std::vector<std::string> notes;
+  std::map<std::pair<std::string, std::string>, const LoadedLog*> first;  // by format and column
+  for (const LoadedLog& loaded : logs) {
+    const LogReport& report = loaded.log.report;
+    if (report.current_sign_is_of_others)
+      notes.push_back(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
+    if (report.current_sign == "unsigned") continue;
+    const auto [found, is_new] = first.insert({{report.format, report.current_column}, &loaded});
+    const LogReport& other = found->second->log.report;
+    if (is_new || other.current_sign == report.current_sign) continue;
+    notes.push_back(
+        fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
+                    "turned, and say `current_sign` of that one",
+                    found->second->entry.file,
+                    other.current_sign,
+                    loaded.entry.file,
+                    report.current_sign));
+  }
+  return notes;
 }
 
 }  // namespace lipoid

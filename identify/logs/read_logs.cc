@@ -28,10 +28,12 @@ struct Voice {
   }
 };
 
-CurrentSign SignOf(const LogReport& report) {
-  return report.current_sign == "discharge-positive"   ? CurrentSign::kDischargePositive
-         : report.current_sign == "discharge-negative" ? CurrentSign::kDischargeNegative
-                                                       : CurrentSign::kUnclear;
+// Without a voltage the sign was taken, not found.
+CurrentSign SignOf(const Log& log) {
+  const std::string& sign = log.report.current_sign;
+  if (log.record.voltage_V.empty() || sign == "unsigned") return CurrentSign::kUnclear;
+  return sign == "discharge-positive" ? CurrentSign::kDischargePositive
+                                      : CurrentSign::kDischargeNegative;
 }
 
 // The largest first, so that none of them ends alone.
@@ -93,7 +95,7 @@ std::vector<std::vector<Diagnostic>> ReadLogs(
     const std::size_t k = order[next++];
     try {
       Log log = ReadLog(logs[k].file, logs[k].options);
-      voices[k] = Voice{log.report.format, log.report.current_column, SignOf(log.report), false};
+      voices[k] = Voice{log.report.format, log.report.current_column, SignOf(log), false};
       take(k, std::move(log));
     } catch (const OpenSignError& error) {
       voices[k] = Voice{error.format(), error.current_column(), CurrentSign::kUnclear, true};

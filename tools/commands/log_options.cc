@@ -44,10 +44,7 @@ ReadOptions LogOptions::ToReadOptions() const {
 
 std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
   std::vector<LoadedLog> logs = LoadCampaign(campaign);
-  for (const LoadedLog& log : logs) {
-    if (!log.log.report.current_sign_is_of_others) continue;
-    line.Message("{}: {}", log.entry.file, log.log.report.current_sign_reason);
-  }
+  for (const std::string& note : NotesOnLogs(logs)) line.Message("{}", note);
   return logs;
 }
 

@@ -23,7 +23,7 @@ struct LogOptions {
   [[nodiscard]] ReadOptions ToReadOptions() const;
 };
 
-/// LoadCampaign(), with a message for each log whose sign other logs settled.
+/// LoadCampaign(), with a message for each of NotesOnLogs().
 [[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);
 
 }  // namespace lipoid

@@ -15,6 +15,7 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/current_sign.h"
+#include "identify/logs/log.h"
 #include "tests/support/paths.h"
 #include "tests/support/plain_csv.h"
 
@@ -139,10 +140,10 @@ struct Tally {
         {"one direction, no rests", WithoutRests(OneDirection(whole))}};
     unsigned seed = 1;
     for (const auto& [form, record] : forms) {
-      const bool plain = IsPlain(record);
+      std::map<std::string, Count>& counts = IsPlain(record) ? plain : others;
       for (const Noise& noise : kNoises) {
         const std::string what = std::string(form) + " | " + noise.name;
-        (plain ? this->plain : others)[what] += Judge(Noisy(record, noise, seed++), what);
+        counts[what] += Judge(Noisy(record, noise, seed++), what);
       }
     }
   }
@@ -171,6 +172,9 @@ struct Tally {
     }
   }
 };
+
+constexpr const char* kNoLabLogs =
+    "skipped: the real lab logs (../shared/data) are not beside the project";
 
 // The logs of the lab folders; discharge is positive in all of them. None where they are absent.
 std::vector<Record> LabLogs() {
@@ -256,19 +260,45 @@ TEST(CurrentSignOnLogs, OfSimulatedCellsIsRightUnderNoiseAndWithoutRests) {
   EXPECT_EQ(Tally::Sum(tally.others).wrong, 0);
 }
 
+// The short logs of fixtures/, a dozen rows each: little noise is enough to hide the sign of some.
+TEST(CurrentSignOnLogs, OfMutatedFixturesIsRightOrRefused) {
+  Tally tally;
+  int read = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(test::SourcePath("fixtures/logs"))) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file() || name == "README.md" || name == "generate.py") continue;
+    Record record;
+    try {
+      record = ReadLog(entry.path().string()).record;
+    } catch (const LoadError&) {
+      continue;  // it needs options to be read
+    }
+    ++read;
+    tally.Take(record);
+    EXPECT_EQ(Judge(record, "as recorded").right, 2) << record.file;
+  }
+  EXPECT_GE(read, 38);
+  tally.Print();
+  Count all = Tally::Sum(tally.plain);
+  all += Tally::Sum(tally.others);
+  EXPECT_EQ(all.wrong, 0);
+  EXPECT_GT(all.right, all.refused);
+}
+
 TEST(CurrentSignOnLogs, OfMutatedLogsIsRightOrRefused) {
   const std::vector<Record> logs = LabLogs();
-  if (logs.empty()) {
-    GTEST_SKIP() << "skipped: the real lab logs (../shared/data) are not beside the project";
-  }
+  if (logs.empty()) GTEST_SKIP() << kNoLabLogs;
   Tally tally;
   for (const Record& log : logs) tally.Take(Slower(log));
   tally.Print();
   const Count plain = Tally::Sum(tally.plain);
   const Count others = Tally::Sum(tally.others);
   EXPECT_EQ(plain.wrong + others.wrong, 0);
-  EXPECT_EQ(plain.refused, 0);
-  EXPECT_GE(others.right, 0);
+  // Pulse tests at 0 and -20 degC, whose voltage rises for hours after heavy pulses.
+  EXPECT_LT(plain.refused, plain.all() / 100);
+  // Most of these are pulses without the rests beside them, in which nothing is left to see.
+  EXPECT_GT(others.right, others.all() / 2);
   for (const Record& log : logs) {  // all rows
     const Count whole = Judge(log, "all rows");
     EXPECT_EQ(whole.right, 2) << log.file;
@@ -279,9 +309,7 @@ TEST(CurrentSignOnLogs, OfMutatedLogsIsRightOrRefused) {
 // direction has.
 TEST(CurrentSignOnLogs, OfAmountsOfBothDirectionsIsRefused) {
   const std::vector<Record> logs = LabLogs();
-  if (logs.empty()) {
-    GTEST_SKIP() << "skipped: the real lab logs (../shared/data) are not beside the project";
-  }
+  if (logs.empty()) GTEST_SKIP() << kNoLabLogs;
   int both_directions = 0;
   for (const Noise& noise : {Noise{}, Noise{.of_range = 0.005, .voltage_V = 1e-3}}) {
     for (const Record& log : logs) {

@@ -1,5 +1,6 @@
 #include "identify/logs/load_campaign.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,6 +86,36 @@ TEST(LoadCampaign, NeedsNoSignForADriveCycleWithoutRegeneration) {
       EXPECT_FALSE(log.report.current_sign_is_of_others) << entry.file;
     }
   }
+}
+
+// Two discharges of one format, of which one counts the current the other way round, and a rest.
+TEST(LoadCampaign, NotesWhoSettledWhomAndWhoDisagrees) {
+  const auto folder = test::FreshFolder("load_campaign/notes");
+  std::string turned = "time_s,current_A,voltage_V\n";
+  std::string rest = turned;
+  for (int k = 0; k < 60; ++k) {
+    turned += fmt::format("{},-1,{}\n", 60 * k, 4.1 - 0.01 * k);
+    rest += fmt::format("{},0,4.1\n", 60 * k);
+  }
+  Write(folder + "/turned.csv", turned);
+  Write(folder + "/rest.csv", rest);
+  Write(folder + "/said.csv", rest);
+  const auto notes = [&](const std::string& option) {
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'validation'\nfile = 'turned.csv'\n"
+          "[[log]]\nkind = 'validation'\nfile = '" +
+              option);
+    return NotesOnLogs(LoadCampaign(ReadCampaign(folder + "/c.toml")));
+  };
+  EXPECT_EQ(notes("rest.csv'\n"),
+            std::vector<std::string>{
+                "rest.csv: discharge is negative as in turned.csv, of the same format; by itself "
+                "this log does not settle it: no current flows"});
+  EXPECT_EQ(notes("said.csv'\ncurrent_sign = 'discharge-positive'\n"),
+            std::vector<std::string>{
+                "turned.csv is discharge-negative and said.csv is discharge-positive, although "
+                "both have one format: look whether one is turned, and say `current_sign` of that "
+                "one"});
 }
 
 TEST(LoadCampaign, ReadsThoseBesideTheProject) {
