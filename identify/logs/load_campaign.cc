@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -39,17 +40,20 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
 
 std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
   std::vector<std::string> notes;
+  const auto add = [&](std::string note) {  // a file may stand in several places
+    if (std::find(notes.begin(), notes.end(), note) == notes.end())
+      notes.push_back(std::move(note));
+  };
   std::map<std::pair<std::string, std::string>, const LoadedLog*> first;  // by format and column
   for (const LoadedLog& loaded : logs) {
     const LogReport& report = loaded.log.report;
     if (report.current_sign_is_of_others)
-      notes.push_back(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
+      add(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
     if (report.current_sign == "unsigned") continue;
     const auto [found, is_new] = first.insert({{report.format, report.current_column}, &loaded});
     const LogReport& other = found->second->log.report;
     if (is_new || other.current_sign == report.current_sign) continue;
-    notes.push_back(
-        fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
+    add(fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
                     "turned, and say `current_sign` of that one",
                     found->second->entry.file,
                     other.current_sign,
