@@ -102,7 +102,7 @@ std::optional<double> NoiseOf(const std::vector<double>& column,
     const double one = unit(k);
     if (one > 0.0) bends.push_back(std::abs(column[k] - 2.0 * column[k - 1] + column[k - 2]) / one);
   }
-  constexpr std::size_t kEnough = 6;
+  constexpr std::size_t kEnough = 5;
   if (bends.size() < kEnough) return std::nullopt;
   const auto at =
       bends.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(bends.size()));
@@ -418,7 +418,15 @@ SignFinding FindSignFromPhysics(const Record& record) {
   const Flow flow = LookAtFlow(look);
 
   const double sum = edges.evidence + flow.evidence;
+  const double rise = flow.rise_V / look.drift_V(kDrift);
+  const double of_rise = 0.5 * rise * rise;
+  const SignFinding both_ways = {
+      CurrentSign::kUnclear,
+      "the voltage falls with the current in some places and rises in others, as if the current "
+      "had no sign",
+      true};
   if (!(std::abs(sum) >= kDecisive)) {  // NaN too, of numbers that overflow
+    if (look.one_sided && of_rise > kDecisive) return both_ways;
     // Of a log that is all hold the resistance is not seen: the least that would show.
     const double least_V = std::max(edges.drop_V, kSteadyDrift * look.mean_V);
     return {CurrentSign::kUnclear,
@@ -439,15 +447,10 @@ SignFinding FindSignFromPhysics(const Record& record) {
       against += std::max(0.0, -says);
       if (edge.row >= flow.rise_from && edge.row < flow.rise_to) edges_in_rise += says;
     }
-    const double rise = flow.rise_V / look.drift_V(kDrift);
-    against += std::max(0.0, 0.5 * rise * rise - std::max(0.0, edges_in_rise));
+    against += std::max(0.0, of_rise - std::max(0.0, edges_in_rise));
   }
-  if (against > kAgainst + (look.one_sided ? kAgainstShareOfAmount : kAgainstShare) * in_favour) {
-    return {CurrentSign::kUnclear,
-            "the voltage falls with the current in some places and rises in others, as if the "
-            "current had no sign",
-            true};
-  }
+  if (against > kAgainst + (look.one_sided ? kAgainstShareOfAmount : kAgainstShare) * in_favour)
+    return both_ways;
   if (look.one_sided && HoldsVoltage(look, edges.drop_V, side)) {
     return {CurrentSign::kUnclear,
             "the current has one sign and in places the voltage is held while it changes, as at "
