@@ -59,8 +59,6 @@ TEST(Inspect, SaysWhichLogSettledTheSignOfAnother) {
                          "log does not settle it: no current flows"),
             std::string::npos)
       << run.out;
-  // And where a campaign is loaded.
-  std::ofstream(folder + "/v_oc.csv") << "soc,voltage_V\n0,3\n1,4.2\n";
   const auto alone = RunLipoid(folder, {"inspect", "rest.csv"});
   EXPECT_EQ(alone.exit_code, 3);
   EXPECT_NE(alone.err.find("say `current_sign`"), std::string::npos) << alone.err;
