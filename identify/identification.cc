@@ -77,14 +77,17 @@ Identification Identify(const Campaign& campaign,
                         const IdentifyOptions& options,
                         const StageProgress& progress) {
   CheckIdentifyOptions(options);
-  return options.method == IdentifyMethod::kJoint
-             ? IdentifyAllAtOnce(campaign, logs, options, progress)
-             : IdentifyByStages(campaign, logs, options, progress);
+  Identification found = options.method == IdentifyMethod::kJoint
+                             ? IdentifyAllAtOnce(campaign, logs, options, progress)
+                             : IdentifyByStages(campaign, logs, options, progress);
+  found.log_notes = NotesOnLogs(logs);
+  return found;
 }
 
 Json IdentificationToJson(const Identification& found) {
   Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
   if (!found.profiles.empty()) json["profiles"] = ProfilesToJson(found.profiles);
+  if (!found.log_notes.empty()) json["log_notes"] = found.log_notes;
   return json;
 }
 

@@ -40,6 +40,7 @@ struct Identification {
   std::vector<Profile> profiles;
   std::optional<StagedResult> staged;  ///< of the staged method
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
+  std::vector<std::string> log_notes;  ///< NotesOnLogs()
 
   /// The kinds of logs that the last fit used.
   [[nodiscard]] std::vector<LogKind> fitted_kinds() const;

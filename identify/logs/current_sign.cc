@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <string_view>
 
 #include "identify/logs/columns.h"
 #include "identify/median.h"
@@ -12,333 +15,450 @@
 namespace lipoid {
 namespace {
 
-// Shares of the largest current: below the first a row is at rest, above the second a change is an
-// edge.
+// A cell whose discharge is positive has a voltage that falls as R i + g q, with R and g above 0 and
+// the charge q that has left; where its discharge is negative, both are below 0. How much better
+// one side explains the voltage than the other is a log-likelihood ratio in nats, above 0 for
+// "discharge is positive". It is taken twice, and the two add up:
+//
+//   edges   from row to row, where the current changes and only R counts:
+//           sum of ln(1 + ((dv - R di)/s)^2) - ln(1 + ((dv + R di)/s)^2). The tails are heavy
+//           because one edge may be turned by a recovery or by a row that was written late. s is
+//           the noise of the voltage and what the voltage was doing anyway.
+//   flow    over the whole log: 6 (E_+ - E_-) / d^2, where E_+ and E_- are the variances of the
+//           voltage, weighted by charge, that the two sides explain. An even fall by F volts has the
+//           variance F^2 / 12 and so gives F^2 / (2 d^2). d is what a voltage moves by for other
+//           reasons: a recovery from an earlier load, warming, and what such a simple cell misses.
+//
+// A sign is found where the sum is decisive and little stands against it.
+constexpr double kDecisive = 6.0;  // odds of 400 to 1
+// What may stand against a sign: this, and a share of what speaks for it.
+constexpr double kAgainst = 2.0;
+constexpr double kAgainstShare = 0.25;
+// A current that never changes sign may be an amount, of charging as well as of discharging: then
+// a few places that say the opposite are enough.
+constexpr double kAgainstShareOfAmount = 0.02;
+
+// Shares of the largest current: below the first a row is at rest, and no noise hides a change
+// above the second.
 constexpr double kRestShare = 0.02;
-constexpr double kEdgeShare = 0.1;
+constexpr double kHiddenShare = 0.3;
+// Multiples of its noise by which a current must change: of 10,000 rows of noise none does.
+constexpr double kBeyondNoise = 7.0;
 
-// Agreement of evidence with itself, from -1 to 1: sum of signed over sum of absolute
-// contributions.
-constexpr double kDecisive = 0.7;
-constexpr double kIncoherent = 0.3;
+// What a voltage moves by on its own, as shares of it: 50 mV and 15 mV of 3.8 V. A move that slows
+// down may be a recovery from an earlier load; one that keeps up is hardly that.
+constexpr double kDrift = 0.013;
+constexpr double kSteadyDrift = 0.004;
 
-// Multiples of the noise that count as seen; multiples of the trend before an edge that make it an
-// edge.
-constexpr double kSeen = 5.0;
-constexpr double kAboveTrend = 2.0;
+double Odds(double multiple_of_scale) { return std::log1p(multiple_of_scale * multiple_of_scale); }
 
-// Scatter of the voltage about a straight line through neighbouring rows of equal current, and
-// never less than half the resolution.
-double VoltageNoise(const Record& record, double largest_A) {
-  std::vector<double> bends;
-  bends.reserve(record.size());
-  double resolution_V = 1e-3;
-  const auto same_current = [&](std::size_t k) {
-    return std::abs(record.current_A[k] - record.current_A[k - 1]) <= kRestShare * largest_A;
-  };
-  for (std::size_t k = 2; k < record.size(); ++k) {
-    if (!same_current(k) || !same_current(k - 1)) continue;
-    const double before_V = record.voltage_V[k - 1] - record.voltage_V[k - 2];
-    const double after_V = record.voltage_V[k] - record.voltage_V[k - 1];
-    bends.push_back(std::abs(after_V - before_V));
-    if (after_V != 0.0) resolution_V = std::min(resolution_V, std::abs(after_V));
+// The columns, and what can be said of them without a sign. A load is a share of the largest
+// current, with the sign of the file; a drop is the voltage that the resistance takes at a load of
+// 1.
+struct Look {
+  std::vector<double> time_s;
+  std::vector<double> load;
+  std::vector<double> voltage_V;
+  double noise = 0.0;          // of the load of one row
+  double noise_of_load = 0.0;  // the same as a share of that load
+  double noise_V = 0.0;        // of one row
+  double longest_s = 0.0;      // across longer intervals the voltage moves for other reasons
+  double mean_V = 0.0;
+  bool one_sided = false;  // the current never changes sign
+
+  [[nodiscard]] std::size_t size() const { return time_s.size(); }
+  [[nodiscard]] double dt_s(std::size_t k) const { return time_s[k] - time_s[k - 1]; }
+  [[nodiscard]] double di(std::size_t k) const { return load[k] - load[k - 1]; }
+  [[nodiscard]] double dv_V(std::size_t k) const { return voltage_V[k] - voltage_V[k - 1]; }
+  // A change of the load, at such loads, that is more than noise; at none: a load.
+  [[nodiscard]] double Least(double at_load) const {
+    return std::clamp(
+        kBeyondNoise * std::max(noise, noise_of_load * at_load), kRestShare, kHiddenShare);
   }
-  constexpr double kMedianOfBend = 1.65;  // of |a - 2 b + c| for unit normal scatter: 0.674 sqrt(6)
-  constexpr double kUnknown_V = 2e-3;     // no three rows of one current
-  if (bends.empty()) return kUnknown_V;
-  constexpr std::size_t kEnoughBends = 6;  // fewer are as likely the shape of the curve
-  const double most_V = bends.size() < kEnoughBends ? kUnknown_V : 1e3;
-  return std::max(
-      {std::min(UpperMedian(std::move(bends)) / kMedianOfBend, most_V), resolution_V / 2, 1e-7});
+  [[nodiscard]] bool Changes(std::size_t k) const {
+    return std::abs(di(k)) >= Least(std::max(std::abs(load[k]), std::abs(load[k - 1])));
+  }
+  [[nodiscard]] bool Calm(std::size_t k) const { return !Changes(k) && dt_s(k) <= longest_s; }
+  [[nodiscard]] bool Loaded(std::size_t k) const { return std::abs(load[k]) > Least(0.0); }
+  // Whether a load goes on from the row before.
+  [[nodiscard]] bool GoesOn(std::size_t k) const {
+    return k > 0 && Loaded(k) && Loaded(k - 1) && (load[k] > 0.0) == (load[k - 1] > 0.0);
+  }
+  [[nodiscard]] double drift_V(double share) const {
+    return std::hypot(share * mean_V, 2.0 * noise_V);
+  }
+};
+
+// The noise of one row, from a quantile of |a - 2 b + c| over `unit(k)`, which is 0 for rows that do
+// not count; for unit normal scatter that quantile is `expected`. Slow moves hardly show in it. None
+// where there are so few rows that the shape of the curve might be all there is.
+template <class Unit>
+std::optional<double> NoiseOf(const std::vector<double>& column,
+                              double quantile,
+                              double expected,
+                              const Unit& unit) {
+  std::vector<double> bends;
+  for (std::size_t k = 2; k < column.size(); ++k) {
+    const double one = unit(k);
+    if (one > 0.0) bends.push_back(std::abs(column[k] - 2.0 * column[k - 1] + column[k - 2]) / one);
+  }
+  constexpr std::size_t kEnough = 5;
+  if (bends.size() < kEnough) return std::nullopt;
+  const auto at =
+      bends.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(bends.size()));
+  std::nth_element(bends.begin(), at, bends.end());
+  return *at / expected;
 }
 
-struct Evidence {
-  double sum = 0.0;  // signed: positive says that discharge is positive
-  double absolute = 0.0;
-  std::size_t count = 0;
-
-  void Add(double contribution) {
-    sum += contribution;
-    absolute += std::abs(contribution);
-    ++count;
+Look LookAt(const Record& record, double largest_A) {
+  Look look;
+  // Of a long log every n-th row: what a slower logger would have written says as much.
+  constexpr std::size_t kEnoughRows = std::size_t{1} << 17;
+  const std::size_t stride = record.size() / kEnoughRows + 1;
+  for (std::size_t k = 0; k < record.size(); k += stride) {
+    look.time_s.push_back(record.time_s[k]);
+    look.load.push_back(record.current_A[k] / largest_A);
+    look.voltage_V.push_back(record.voltage_V[k]);
+    look.mean_V += std::abs(record.voltage_V[k]);
   }
-  [[nodiscard]] double Agreement() const { return absolute > 0.0 ? sum / absolute : 0.0; }
+  look.mean_V /= static_cast<double>(look.size());
+  std::vector<double> intervals_s;
+  double resolution_V = 1e-3;
+  for (std::size_t k = 1; k < look.size(); ++k) {
+    intervals_s.push_back(look.dt_s(k));
+    if (look.dv_V(k) != 0.0) resolution_V = std::min(resolution_V, std::abs(look.dv_V(k)));
+  }
+  look.longest_s = std::max(90.0, 20.0 * UpperMedian(std::move(intervals_s)));
+
+  // sqrt(6) times the quartile and the median of |x| for unit normal scatter. The quartile is noise
+  // even where a drive cycle leaves few calm rows. A load may be noisy where rests are not.
+  constexpr double kQuartile = 0.7805;
+  constexpr double kMedian = 1.652;
+  const std::vector<double>& load = look.load;
+  look.noise = NoiseOf(load, 0.25, kQuartile, [](std::size_t) { return 1.0; }).value_or(0.0);
+  look.noise_of_load =
+      NoiseOf(load, 0.25, kQuartile, [&](std::size_t k) {
+        const double least =
+            std::min({std::abs(load[k]), std::abs(load[k - 1]), std::abs(load[k - 2])});
+        return least > kRestShare ? least : 0.0;
+      }).value_or(0.0);
+  constexpr double kUnknown_V = 2e-3;
+  const double bend_V =
+      NoiseOf(look.voltage_V, 0.5, kMedian, [&](std::size_t k) {
+        return look.Calm(k) && look.Calm(k - 1) ? 1.0 : 0.0;
+      }).value_or(kUnknown_V);
+  look.noise_V = std::max({bend_V, resolution_V / 2.0, 1e-7});
+  const Extent extent = FindExtent(load);
+  look.one_sided = extent.least >= -look.Least(0.0) || extent.most <= look.Least(0.0);
+  return look;
+}
+
+struct Edge {
+  std::size_t row = 0;
+  double di = 0.0;
+  double dv_V = 0.0;
+  double scale_V = 0.0;
+
+  // How much better this drop explains the edge than the opposite one.
+  [[nodiscard]] double Of(double drop_V) const {
+    return Odds((dv_V - drop_V * di) / scale_V) - Odds((dv_V + drop_V * di) / scale_V);
+  }
 };
 
 struct Edges {
-  Evidence evidence;            // of the edges that are large against the largest current
-  double resistance_Ohm = 0.0;  // of those, signed as the evidence
-  // -dv/di of all edges, small ones too.
-  std::vector<double> each_Ohm;
-  double largest_V = 0.0;
-  std::size_t after_calm = 0;  // edges before which the voltage was seen to keep still
+  std::vector<Edge> all;
+  double drop_V = 0.0;  // an amount
+  double evidence = 0.0;
 };
 
-Edges LookAtEdges(const Record& record, double largest_A, double noise_V) {
-  std::vector<double> intervals_s;
-  intervals_s.reserve(record.size());
-  for (std::size_t k = 1; k < record.size(); ++k)
-    intervals_s.push_back(record.time_s[k] - record.time_s[k - 1]);
-  // Across a gap the voltage moves for reasons that are not in the log.
-  const double longest_s = std::max(60.0, 20.0 * UpperMedian(std::move(intervals_s)));
-  Edges edges;
-  double squares = 0.0;
-  double products = 0.0;
-  for (std::size_t k = 1; k < record.size(); ++k) {
-    const double di_A = record.current_A[k] - record.current_A[k - 1];
-    if (std::abs(di_A) < kRestShare * largest_A) continue;
-    const double dt_s = record.time_s[k] - record.time_s[k - 1];
-    const double dv_V = record.voltage_V[k] - record.voltage_V[k - 1];
-    if (std::abs(dv_V) < kSeen * noise_V || dt_s > longest_s) continue;
-    if (k > 1) {  // what the voltage was doing anyway must not pass for the edge
-      const double before_V = record.voltage_V[k - 1] - record.voltage_V[k - 2];
-      const double before_s = record.time_s[k - 1] - record.time_s[k - 2];
-      const double before_A = record.current_A[k - 1] - record.current_A[k - 2];
-      const double going_on_V =
-          std::abs(before_A) < kRestShare * largest_A ? before_V / before_s * dt_s : 0.0;
-      if (std::abs(dv_V) < kAboveTrend * std::abs(going_on_V)) continue;
-      edges.after_calm += std::abs(before_A) < kRestShare * largest_A ? 1 : 0;
-    }
-    edges.each_Ohm.push_back(-dv_V / di_A);
-    edges.largest_V = std::max(edges.largest_V, std::abs(dv_V));
-    if (std::abs(di_A) < kEdgeShare * largest_A) continue;
-    edges.evidence.Add(-dv_V * di_A);
-    products -= dv_V * di_A;
-    squares += di_A * di_A;
+// The step of the voltage at an edge, as means of some rows before and after it between which the
+// current keeps still, and how far it may be off.
+Edge StepAt(const Look& look, std::size_t row, std::size_t rows) {
+  constexpr double kNoise = 2.0;      // multiples of it that a step must have to say anything
+  constexpr double kAftermath = 0.3;  // of an edge, in the row after it
+  std::size_t first = row - 1;
+  std::size_t last = row;
+  while (first > 0 && row - first < rows && look.Calm(first)) --first;
+  while (last + 1 < look.size() && last + 1 - row < rows && look.Calm(last + 1)) ++last;
+  const auto before = static_cast<double>(row - first);
+  const auto after = static_cast<double>(last - row + 1);
+  const auto step = [&](const std::vector<double>& column) {
+    double sum_before = 0.0;
+    double sum_after = 0.0;
+    for (std::size_t k = first; k < row; ++k) sum_before += column[k];
+    for (std::size_t k = row; k <= last; ++k) sum_after += column[k];
+    return sum_after / after - sum_before / before;
+  };
+  // What the voltage was doing anyway.
+  double anyway_V = 0.0;
+  if (row - first > 1) {
+    const double moved_V = std::abs(look.voltage_V[row - 1] - look.voltage_V[first]);
+    anyway_V = std::max(0.0, moved_V - kNoise * std::sqrt(2.0) * look.noise_V) *
+               step(look.time_s) / (look.time_s[row - 1] - look.time_s[first]);
+  } else if (row > 1) {
+    anyway_V = std::abs(look.dv_V(row - 1)) *
+               (look.Calm(row - 1) ? look.dt_s(row) / look.dt_s(row - 1) : kAftermath);
   }
-  if (squares > 0.0) edges.resistance_Ohm = products / squares;
+  const double noise_V = look.noise_V * std::sqrt(1.0 / before + 1.0 / after);
+  return {
+      row, look.di(row), step(look.voltage_V), std::hypot(kNoise * noise_V, anyway_V)};
+}
+
+Edges LookAtEdges(const Look& look) {
+  // A short look is sharp, a long one averages noise: whichever shows more.
+  constexpr std::size_t kLongLook = 8;
+  Edges edges;
+  std::vector<double> seen_V;
+  std::vector<double> all_V;
+  for (std::size_t k = 1; k < look.size(); ++k) {
+    if (!look.Changes(k) || look.dt_s(k) > look.longest_s) continue;
+    Edge edge = StepAt(look, k, 1);
+    const Edge slower = StepAt(look, k, kLongLook);
+    if (std::abs(slower.dv_V) * edge.scale_V > std::abs(edge.dv_V) * slower.scale_V) edge = slower;
+    all_V.push_back(std::abs(edge.dv_V / edge.di));
+    if (std::abs(edge.dv_V) > edge.scale_V) seen_V.push_back(all_V.back());
+    edges.all.push_back(edge);
+  }
+  if (edges.all.empty()) return edges;
+  edges.drop_V = UpperMedian(seen_V.empty() ? std::move(all_V) : std::move(seen_V));
+  const auto gain = [&](double drop_V) {
+    double sum = 0.0;
+    for (const Edge& edge : edges.all)
+      sum += Odds(edge.dv_V / edge.scale_V) - Odds((edge.dv_V + drop_V * edge.di) / edge.scale_V);
+    return std::max(0.0, sum);
+  };
+  edges.evidence = gain(edges.drop_V) - gain(-edges.drop_V);
   return edges;
 }
 
-// What the voltage did over one stretch of current of one sign.
-struct Stretch {
-  double charge_C = 0.0;  // absolute
-  double fall_V = 0.0;    // first minus last, times the sign of the current
-  double range_V = 0.0;
-  double current_range_A = 0.0;
-  double first_half_V = 0.0;    // fall over the first half of the charge
-  double last_quarter_V = 0.0;  // and over its last quarter
-  double against_V = 0.0;       // largest move against the fall, without the ohmic part
+// The charge that each row stands for, as a share of all that moved; none at rest. Empty where no
+// charge moved.
+std::vector<double> SharesOfCharge(const Look& look) {
+  std::vector<double> shares(look.size(), 0.0);
+  double sum = 0.0;
+  for (std::size_t k = 1; k < look.size(); ++k) {
+    const double half_s = 0.5 * std::min(look.dt_s(k), look.longest_s);
+    for (const std::size_t end : {k - 1, k}) {
+      if (!look.Loaded(end)) continue;
+      shares[end] += half_s * std::abs(look.load[end]);
+      sum += half_s * std::abs(look.load[end]);
+    }
+  }
+  if (!(sum > 0.0)) return {};
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
+// Of the load, the charge and the fall of the voltage.
+using Covariance = std::array<std::array<double, 3>, 3>;
+
+Covariance Covary(const Look& look, const std::vector<double>& shares) {
+  std::array<double, 3> mean{};
+  Covariance covariance{};
+  for (const bool second : {false, true}) {
+    double charge = 0.0;
+    for (std::size_t k = 0; k < look.size(); ++k) {
+      if (k > 0) charge += 0.5 * look.dt_s(k) * (look.load[k - 1] + look.load[k]);
+      if (shares[k] == 0.0) continue;
+      const std::array<double, 3> row{look.load[k], charge, -look.voltage_V[k]};
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (!second) mean[a] += shares[k] * row[a];
+        for (std::size_t b = 0; second && b < 3; ++b)
+          covariance[a][b] += shares[k] * (row[a] - mean[a]) * (row[b] - mean[b]);
+      }
+    }
+  }
+  return covariance;
+}
+
+// The most of the voltage's variance that -v = drop i + g q explains, where neither is against a
+// side.
+struct Explained {
+  double drop_V = 0.0;
+  double variance_V2 = 0.0;
 };
 
-Stretch LookAtStretch(const Record& record,
-                      std::size_t first,
-                      std::size_t last,
-                      double resistance_Ohm) {
-  const double sign = record.current_A[first] > 0.0 ? 1.0 : -1.0;
-  Stretch stretch;
-  for (std::size_t k = first + 1; k <= last; ++k) {
-    stretch.charge_C += std::abs(record.current_A[k]) * (record.time_s[k] - record.time_s[k - 1]);
+Explained Explain(const Covariance& c, double side) {
+  constexpr double kChanges = 0.01;  // of the load, that shows a resistance
+  constexpr double kApart = 1e-6;    // of 1 - correlation^2
+  const bool changes = c[0][0] > kChanges * kChanges;
+  const double determinant = c[0][0] * c[1][1] - c[0][1] * c[0][1];
+  if (changes && determinant > kApart * c[0][0] * c[1][1]) {
+    const double drop_V = (c[0][2] * c[1][1] - c[1][2] * c[0][1]) / determinant;
+    const double slope = (c[1][2] * c[0][0] - c[0][2] * c[0][1]) / determinant;
+    if (side * drop_V >= 0.0 && side * slope >= 0.0)
+      return {drop_V, drop_V * c[0][2] + slope * c[1][2]};
   }
-  const auto v = [&](std::size_t k) { return record.voltage_V[k]; };
-  const auto [low, high] =
-      std::minmax_element(record.voltage_V.begin() + static_cast<std::ptrdiff_t>(first),
-                          record.voltage_V.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  stretch.range_V = *high - *low;
-  const auto [least, most] =
-      std::minmax_element(record.current_A.begin() + static_cast<std::ptrdiff_t>(first),
-                          record.current_A.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  stretch.current_range_A = *most - *least;
-  stretch.fall_V = sign * (v(first) - v(last));
-
-  const double direction = stretch.fall_V >= 0.0 ? sign : -sign;  // of the fall in terms of v
-  double charge_C = 0.0;
-  bool half_is_set = false;
-  bool quarter_is_set = false;
-  double extreme_V = v(first) + resistance_Ohm * record.current_A[first];
-  for (std::size_t k = first + 1; k <= last; ++k) {
-    charge_C += std::abs(record.current_A[k]) * (record.time_s[k] - record.time_s[k - 1]);
-    if (!half_is_set && charge_C >= 0.5 * stretch.charge_C) {
-      stretch.first_half_V = sign * (v(first) - v(k));
-      half_is_set = true;
-    }
-    if (!quarter_is_set && charge_C >= 0.75 * stretch.charge_C) {
-      stretch.last_quarter_V = sign * (v(k) - v(last));
-      quarter_is_set = true;
-    }
-    const double u_V = v(k) + resistance_Ohm * record.current_A[k];
-    extreme_V = direction > 0.0 ? std::min(extreme_V, u_V) : std::max(extreme_V, u_V);
-    stretch.against_V = std::max(stretch.against_V, std::abs(u_V - extreme_V));
-  }
-  return stretch;
+  Explained best;
+  if (c[1][1] > 0.0 && side * c[1][2] > 0.0) best.variance_V2 = c[1][2] * c[1][2] / c[1][1];
+  if (changes && side * c[0][2] > 0.0 && c[0][2] * c[0][2] / c[0][0] > best.variance_V2)
+    best = {c[0][2] / c[0][0], c[0][2] * c[0][2] / c[0][0]};
+  return best;
 }
 
-std::vector<Stretch> LookAtStretches(const Record& record,
-                                     double largest_A,
-                                     double resistance_Ohm) {
-  std::vector<Stretch> stretches;
-  const double rest_A = kRestShare * largest_A;
-  const auto side = [&](std::size_t k) {
-    const double i_A = record.current_A[k];
-    return i_A > rest_A ? 1 : i_A < -rest_A ? -1 : 0;
+struct Flow {
+  double evidence = 0.0;
+  // The largest move against the evidence, and the rows between which it happened.
+  double rise_V = 0.0;
+  std::size_t rise_from = 0;
+  std::size_t rise_to = 0;
+};
+
+Flow LookAtFlow(const Look& look) {
+  const std::vector<double> shares = SharesOfCharge(look);
+  if (shares.empty()) return {};
+  const Covariance covariance = Covary(look, shares);
+  const Explained plus = Explain(covariance, 1.0);
+  const Explained minus = Explain(covariance, -1.0);
+  const double side = plus.variance_V2 >= minus.variance_V2 ? 1.0 : -1.0;
+  const Explained& better = side > 0.0 ? plus : minus;
+
+  // Means of the voltage over parts of about equal charge, without the ohmic part. A row may be
+  // more than a part.
+  constexpr std::size_t kParts = 16;
+  struct Part {
+    std::size_t number = 0;
+    std::size_t first = 0;
+    double share = 0.0;
+    double sum_V = 0.0;
+    [[nodiscard]] double mean_V() const { return sum_V / share; }
   };
-  for (std::size_t first = 0; first < record.size();) {
-    std::size_t next = first + 1;
-    while (next < record.size() && side(next) == side(first)) ++next;
-    if (side(first) != 0 && next - first > 1) {
-      stretches.push_back(LookAtStretch(record, first, next - 1, resistance_Ohm));
-    }
-    first = next;
+  std::vector<Part> parts;
+  double before = 0.0;
+  double net = 0.0;
+  for (std::size_t k = 0; k < look.size(); ++k) {
+    if (shares[k] == 0.0) continue;
+    const auto number = std::min(
+        kParts - 1, static_cast<std::size_t>((before + 0.5 * shares[k]) * double{kParts}));
+    if (parts.empty() || parts.back().number != number) parts.push_back({number, k});
+    parts.back().share += shares[k];
+    parts.back().sum_V += shares[k] * (look.voltage_V[k] + better.drop_V * look.load[k]);
+    before += shares[k];
+    net += look.load[k] > 0.0 ? shares[k] : -shares[k];
   }
-  return stretches;
-}
+  // With this sign they fall as time goes on.
+  const double down = net >= 0.0 ? side : -side;
 
-// Edges that go the other way than the large ones. Recovery from an earlier load can turn a small
-// edge, but not often, and not by as much as the resistance would.
-bool HasContraryEdges(const Edges& edges, double side) {
-  constexpr double kFew = 0.1;
-  constexpr double kAsMuch = 0.7;
-  const auto contrary = std::count_if(edges.each_Ohm.begin(),
-                                      edges.each_Ohm.end(),
-                                      [&](double r_Ohm) { return side * r_Ohm < 0.0; });
-  const bool strong = std::any_of(edges.each_Ohm.begin(), edges.each_Ohm.end(), [&](double r_Ohm) {
-    return side * r_Ohm < -kAsMuch * std::abs(edges.resistance_Ohm);
-  });
-  return static_cast<double>(contrary) > kFew * static_cast<double>(edges.each_Ohm.size()) &&
-         (contrary > 1 || strong);
-}
-
-// Every n-th row of a long log: what a slower logger would have written says as much about the
-// sign.
-Record Thinned(const Record& record) {
-  constexpr std::size_t kEnoughRows = std::size_t{1} << 17;
-  const std::size_t stride = record.size() / kEnoughRows + 1;
-  Record thin;
-  for (auto* column : {&thin.time_s, &thin.current_A, &thin.voltage_V})
-    column->reserve(record.size() / stride + 1);
-  for (std::size_t k = 0; k < record.size(); k += stride) {
-    thin.time_s.push_back(record.time_s[k]);
-    thin.current_A.push_back(record.current_A[k]);
-    thin.voltage_V.push_back(record.voltage_V[k]);
+  Flow flow;
+  std::size_t lowest = 0;
+  for (std::size_t part = 1; part < parts.size(); ++part) {
+    const double rise_V = down * (parts[part].mean_V() - parts[lowest].mean_V());
+    if (rise_V < 0.0) lowest = part;
+    if (rise_V <= flow.rise_V) continue;
+    flow.rise_V = rise_V;
+    flow.rise_from = parts[lowest + 1].first;
+    flow.rise_to = part + 1 < parts.size() ? parts[part + 1].first : look.size();
   }
-  return thin;
+  constexpr double kKeepsUp = 0.8;
+  const auto fall_V = [&](std::size_t from) {  // over 6 parts, between means of 4
+    double sum_V = 0.0;
+    for (std::size_t k = from; k < from + 4; ++k)
+      sum_V += 0.25 * down * (parts[k].mean_V() - parts[k + 6].mean_V());
+    return sum_V;
+  };
+  const bool steady =
+      parts.size() == kParts && fall_V(0) > 0.0 && fall_V(6) >= kKeepsUp * fall_V(0);
+  const double missed_V2 = std::max(0.0, covariance[2][2] - better.variance_V2);
+  const double drift_V = look.drift_V(steady ? kSteadyDrift : kDrift);
+  flow.evidence =
+      6.0 * (plus.variance_V2 - minus.variance_V2) / (drift_V * drift_V + missed_V2);
+  return flow;
 }
 
-std::string_view RisesOrFalls(bool falls) { return falls ? "falls" : "rises"; }
+// A voltage that is held while the load changes ends a charge, high up, or a discharge, low down.
+// Whether one is held where the side says that it should not be; of no side, whether any is.
+bool HoldsVoltage(const Look& look, double drop_V, double side) {
+  constexpr double kHeld = 0.3;        // of the ohmic part
+  constexpr double kSeen = 10.0;       // multiples of the noise
+  constexpr double kNoiseRange = 8.0;  // from the least to the most of many rows
+  for (std::size_t first = 0, next = 1; first < look.size(); first = next++) {
+    while (next < look.size() && look.GoesOn(next) && !look.Changes(next)) ++next;
+    const Extent v_V = FindExtent({look.voltage_V.data() + first, next - first});
+    const Extent load = FindExtent({look.load.data() + first, next - first});
+    const double noise =
+        std::max(look.noise, look.noise_of_load * std::max(-load.least, load.most));
+    const double ohmic_V = drop_V * (load.most - load.least - kNoiseRange * noise);
+    const bool held = ohmic_V > kSeen * look.noise_V && v_V.most - v_V.least < kHeld * ohmic_V;
+    const bool high = v_V.least + v_V.most > 2.0 * look.mean_V;
+    if (held && (side == 0.0 || high == (side * look.load[first] > 0.0))) return true;
+  }
+  return false;
+}
+
+std::string Describe(const Look& look, const Edges& edges, double side, double largest_A) {
+  const std::string_view moves = side > 0.0 ? "falls" : "rises";
+  double fall_V = 0.0;
+  for (std::size_t k = 1; k < look.size(); ++k) {
+    if (look.GoesOn(k)) fall_V -= look.load[k] > 0.0 ? look.dv_V(k) : -look.dv_V(k);
+  }
+  std::string text = "the voltage";
+  const bool has_edges = side * edges.evidence > 0.0;
+  if (has_edges) {
+    text += fmt::format(" {} where the current rises ({} edges, {:.3g} Ohm)",
+                        moves,
+                        edges.all.size(),
+                        edges.drop_V / largest_A);
+  }
+  if (side * fall_V > 0.0 || !has_edges) {
+    text += fmt::format("{} {} while positive current flows ({:.3g} V in all)",
+                        has_edges ? " and" : "",
+                        moves,
+                        std::abs(fall_V));
+  }
+  return text;
+}
 
 }  // namespace
 
-SignFinding FindSignFromPhysics(const Record& whole) {
-  const Record record = Thinned(whole);
+SignFinding FindSignFromPhysics(const Record& record) {
   const double largest_A = LargestMagnitude(record.current_A);
   if (largest_A == 0.0) return {CurrentSign::kUnclear, "no current flows"};
-  const double noise_V = VoltageNoise(record, largest_A);
-  const Edges edges = LookAtEdges(record, largest_A, noise_V);
-  const auto stretches = LookAtStretches(record, largest_A, edges.resistance_Ohm);
+  const Look look = LookAt(record, largest_A);
+  const Edges edges = LookAtEdges(look);
+  const Flow flow = LookAtFlow(look);
 
-  Evidence flow;
-  double charge_C = 0.0;
-  double fall_V = 0.0;
-  for (const Stretch& stretch : stretches) {
-    charge_C += stretch.charge_C;
-    if (stretch.range_V < kSeen * noise_V) continue;
-    // Weighted by the charge and by how far the voltage moved.
-    flow.absolute += stretch.charge_C * stretch.range_V;
-    flow.sum += stretch.charge_C * stretch.fall_V;
-    fall_V += stretch.fall_V;
-    ++flow.count;
-  }
-  const bool has_edges = edges.evidence.count > 0;
-  const bool has_flow = flow.count > 0;
-  const double by_edges = edges.evidence.Agreement();
-  const double by_flow = flow.Agreement();
-  if (!has_edges && !has_flow) {
-    return {CurrentSign::kUnclear, "the voltage hardly moves with the current"};
-  }
-
-  constexpr double kAlone = 4.0;
-  if (!has_flow && edges.evidence.count == 1 && edges.largest_V < kAlone * kSeen * noise_V) {
+  const double sum = edges.evidence + flow.evidence;
+  const double rise = flow.rise_V / look.drift_V(kDrift);
+  const double of_rise = 0.5 * rise * rise;
+  const SignFinding both_ways = {
+      CurrentSign::kUnclear,
+      "the voltage falls with the current in some places and rises in others, as if the current "
+      "had no sign",
+      true};
+  if (!(std::abs(sum) >= kDecisive)) {  // NaN too, of numbers that overflow
+    if (look.one_sided && of_rise > kDecisive) return both_ways;
+    // Of a log that is all hold the resistance is not seen: the least that would show.
+    const double least_V = std::max(edges.drop_V, kSteadyDrift * look.mean_V);
     return {CurrentSign::kUnclear,
-            "the voltage hardly moves with the one switching of the current"};
+            "the voltage hardly moves with the current",
+            look.one_sided && HoldsVoltage(look, least_V, 0.0)};
   }
-
-  const double best = std::abs(by_edges) >= std::abs(by_flow) ? by_edges : by_flow;
-  const bool falls = best > 0.0;
-  const double side = falls ? 1.0 : -1.0;
-  const auto against = [&](bool has, double agreement) {
-    return has && side * agreement < kIncoherent;
-  };
-  if (std::abs(best) < kDecisive || against(has_edges, by_edges) || against(has_flow, by_flow)) {
+  const double side = sum > 0.0 ? 1.0 : -1.0;
+  const double in_favour =
+      std::max(0.0, side * edges.evidence) + std::max(0.0, side * flow.evidence);
+  double against = in_favour - side * sum;
+  if (look.one_sided) {
+    // Here even one edge counts, and a rise of the voltage, unless the edges during it still say the
+    // same: then it is a recovery under a lighter load.
+    against = std::max(0.0, -side * flow.evidence);
+    double edges_in_rise = 0.0;
+    for (const Edge& edge : edges.all) {
+      const double says = edge.Of(side * edges.drop_V);
+      against += std::max(0.0, -says);
+      if (edge.row >= flow.rise_from && edge.row < flow.rise_to) edges_in_rise += says;
+    }
+    against += std::max(0.0, of_rise - std::max(0.0, edges_in_rise));
+  }
+  if (against > kAgainst + (look.one_sided ? kAgainstShareOfAmount : kAgainstShare) * in_favour)
+    return both_ways;
+  if (look.one_sided && HoldsVoltage(look, edges.drop_V, side)) {
     return {CurrentSign::kUnclear,
-            "the voltage falls with the current in some places and rises in others, as if the "
-            "current had no sign"};
+            "the current has one sign and in places the voltage is held while it changes, as at "
+            "the end of a charge",
+            true};
   }
-
-  // A current that never changes sign may be the amount alone, of charging as well as discharging.
-  const auto [low, high] = std::minmax_element(record.current_A.begin(), record.current_A.end());
-  const bool one_sided = *low >= -kRestShare * largest_A || *high <= kRestShare * largest_A;
-  if (one_sided && HasContraryEdges(edges, side)) {
-    return {CurrentSign::kUnclear,
-            "the current has one sign but the voltage falls at some of its edges and rises at "
-            "others, as if it had no "
-            "sign"};
-  }
-  for (const Stretch& stretch : stretches) {
-    constexpr double kShareOfCharge = 0.02;
-    if (!one_sided || stretch.charge_C < kShareOfCharge * charge_C) continue;
-    // Held at a voltage while the current changes: the end of a charge, or of a discharge.
-    const double ohmic_V = std::abs(edges.resistance_Ohm) * stretch.current_range_A;
-    if (ohmic_V > 2 * kSeen * noise_V && stretch.range_V < 0.3 * ohmic_V) {
-      return {CurrentSign::kUnclear,
-              "the current has one sign and in places the voltage is held while it changes, as at "
-              "the end of a charge"};
-    }
-    if (stretch.range_V < 2 * kSeen * noise_V) continue;
-    // Recovery from an earlier load also goes the other way, but slows down: it is over in the
-    // second half.
-    const double second_half_V = side * (stretch.fall_V - stretch.first_half_V);
-    const bool turned =
-        second_half_V < -std::max(0.3 * std::abs(stretch.first_half_V), 2 * kSeen * noise_V);
-    const bool there_and_back = stretch.against_V > 0.25 * stretch.range_V &&
-                                side * stretch.last_quarter_V < -0.2 * stretch.range_V;
-    const bool many_times = stretch.against_V > 0.6 * stretch.range_V &&
-                            stretch.against_V > 2 * kSeen * noise_V && side * stretch.fall_V > 0.0;
-    if (turned || there_and_back || many_times) {
-      return {CurrentSign::kUnclear,
-              "the current has one sign but the voltage both falls and rises while it flows, as if "
-              "it had no sign"};
-    }
-  }
-
-  if (edges.after_calm == 0) {
-    // Where the log does not show what was before the current, a recovery from an earlier load
-    // could pose as the opposite current. A recovery slows down; a discharge goes far, or on and
-    // on, or its edge stands out.
-    constexpr double kFar_V = 0.05;
-    constexpr double kFarShare = 0.03;
-    constexpr double kOn_V = 0.015;
-    constexpr double kOnAndOn = 0.8;
-    double mean_V = 0.0;
-    for (const double v : record.voltage_V)
-      mean_V += std::abs(v) / static_cast<double>(record.size());
-    const bool far = std::abs(fall_V) > std::max(kFarShare * mean_V, kFar_V);
-    const bool on_and_on =
-        std::abs(fall_V) > std::max(kOn_V, 2 * noise_V) &&
-        std::all_of(stretches.begin(), stretches.end(), [&](const Stretch& stretch) {
-          return side * (stretch.fall_V - stretch.first_half_V) >=
-                 kOnAndOn * side * stretch.first_half_V;
-        });
-    const bool stands_out = has_edges && std::abs(fall_V) < 2.0 * edges.largest_V;
-    if (!far && !on_and_on && !stands_out) {
-      return {CurrentSign::kUnclear,
-              "the log holds no clear switching of the current and the voltage hardly moves"};
-    }
-  }
-
-  std::string reason = "the voltage ";
-  if (has_edges) {
-    reason += fmt::format("{} where the current rises ({} edges, {:.3g} Ohm)",
-                          RisesOrFalls(falls),
-                          edges.evidence.count,
-                          std::abs(edges.resistance_Ohm));
-  }
-  if (has_flow) {
-    reason += fmt::format("{}{} while positive current flows ({:.3g} V in all)",
-                          has_edges ? " and " : "",
-                          RisesOrFalls(falls),
-                          std::abs(fall_V));
-  }
-  return {falls ? CurrentSign::kDischargePositive : CurrentSign::kDischargeNegative, reason};
+  return {side > 0.0 ? CurrentSign::kDischargePositive : CurrentSign::kDischargeNegative,
+          Describe(look, edges, side, largest_A)};
 }
 
 SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8_t>& directions) {
@@ -394,12 +514,14 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
               fmt::format("the current has no sign of its own, and in {} rows with current the "
                           "state column says "
                           "neither charge nor discharge",
-                          total(neither))};
+                          total(neither)),
+              true};
     }
     return {CurrentSign::kUnsigned, reason};
   }
   return {CurrentSign::kUnclear,
-          "the state column and the sign of the current contradict each other"};
+          "the state column and the sign of the current contradict each other",
+          true};
 }
 
 }  // namespace lipoid

@@ -4,9 +4,10 @@
 /// Which way the current of a log counts: found, never assumed.
 ///
 /// A cell has a resistance and a charge, so its voltage falls when more current leaves (edges of
-/// the current), and falls while charge leaves (stretches of load). Both are looked at; where they
-/// disagree with each other, or with themselves, or say too little against the noise, the answer is
-/// "unclear". Tests: tests/identify/logs/current_sign_test.cc.
+/// the current), and falls while charge leaves. Both are weighed as log-likelihood ratios, which
+/// add up: edges against the noise of current and voltage, falls by how many volts they go, where
+/// the charge flows. Where the sum is not decisive, or too much stands against it, the answer is
+/// "unclear". Tests: tests/identify/logs/current_sign_test.cc and current_sign_on_logs_test.cc.
 
 #include <cstdint>
 #include <string>
@@ -21,6 +22,9 @@ enum class CurrentSign { kUnclear, kDischargePositive, kDischargeNegative, kUnsi
 struct SignFinding {
   CurrentSign sign = CurrentSign::kUnclear;
   std::string reason = "FindSign was not called";  ///< one sentence, without a full stop
+  /// Of an unclear sign: the log speaks against either, as a current without a sign of its own
+  /// does. Then no other log settles it.
+  bool contradictory = false;
 };
 
 /// From the voltage alone. The record's currents count as in the file.

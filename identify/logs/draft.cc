@@ -121,6 +121,10 @@ CampaignDraft DraftCampaign(const std::vector<InspectedFile>& files,
     entry.log.file = relative(file.file);
     entry.log.path = file.file;
     entry.log.read = read;
+    // The log that settled this one may not be in the campaign.
+    if (inspection.report.current_sign_is_of_others) {
+      entry.log.read.current_sign = inspection.report.current_sign;
+    }
     entry.reason = inspection.suggestion.reason;
     draft.entries.push_back(std::move(entry));
     const Candidate candidate{&inspection, &draft.entries.back()};

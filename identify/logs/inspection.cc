@@ -1,10 +1,11 @@
 #include "identify/logs/inspection.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "identify/logs/read_logs.h"
 
 namespace lipoid {
 namespace {
@@ -53,15 +54,16 @@ Inspection InspectRecord(const Record& record, const LogReport& report) {
 std::vector<InspectedFile> InspectLogs(const std::vector<std::string>& files,
                                        const ReadOptions& options) {
   std::vector<InspectedFile> inspected(files.size());
-  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t k) {
-    inspected[k].file = files[k];
-    try {
-      const Log log = ReadLog(files[k], options);
-      inspected[k].inspection = InspectRecord(log.record, log.report);
-    } catch (const LoadError& error) {
-      inspected[k].problems = error.diagnostics();
-    }
+  std::vector<LogToRead> logs;
+  logs.reserve(files.size());
+  for (const std::string& file : files) logs.push_back({file, options});
+  auto problems = ReadLogs(logs, [&](std::size_t k, const Log& log) {
+    inspected[k].inspection = InspectRecord(log.record, log.report);
   });
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    inspected[k].file = files[k];
+    inspected[k].problems = std::move(problems[k]);
+  }
   return inspected;
 }
 

@@ -50,7 +50,7 @@ struct InspectedFile {
   std::vector<Diagnostic> problems;
 };
 
-/// Reads files side by side; the results are in the order of the files.
+/// Reads files by ReadLogs(); the results are in the order of the files.
 [[nodiscard]] std::vector<InspectedFile> InspectLogs(const std::vector<std::string>& files,
                                                      const ReadOptions& options);
 

@@ -1,45 +1,28 @@
 #include "identify/logs/load_campaign.h"
 
-#include <tbb/parallel_for.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdint>
-#include <filesystem>
+#include <map>
 #include <set>
 #include <string>
-#include <system_error>
+#include <utility>
 
 #include "identify/logs/plausibility.h"
+#include "identify/logs/read_logs.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   std::vector<LoadedLog> logs(campaign.logs.size());
-  std::vector<std::vector<Diagnostic>> problems(campaign.logs.size());
-  // The largest first, so that none of them ends alone.
-  std::vector<std::uintmax_t> size(logs.size());
-  std::vector<std::size_t> order(logs.size());
-  for (std::size_t k = 0; k < logs.size(); ++k) {
-    std::error_code unreadable;  // said when it is read
-    size[k] = std::filesystem::file_size(campaign.logs[k].path, unreadable);
-    if (unreadable) size[k] = 0;
-    order[k] = k;
-  }
-  std::stable_sort(
-      order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(std::size_t{0}, logs.size(), [&](std::size_t) {
-    const std::size_t k = order[next++];
-    try {
-      logs[k].entry = campaign.logs[k];
-      logs[k].log = ReadLog(campaign.logs[k].path, campaign.logs[k].read);
-      DivideByPack(logs[k].log.record, campaign.series, campaign.parallel);
-      CheckPlausible(logs[k].log.record, campaign.capacity_Ah);
-    } catch (const LoadError& error) {
-      problems[k] = error.diagnostics();
-    }
+  std::vector<LogToRead> files;
+  files.reserve(campaign.logs.size());
+  for (const CampaignLog& entry : campaign.logs) files.push_back({entry.path, entry.read});
+  const auto problems = ReadLogs(files, [&](std::size_t k, Log log) {
+    DivideByPack(log.record, campaign.series, campaign.parallel);
+    CheckPlausible(log.record, campaign.capacity_Ah);
+    logs[k] = {campaign.logs[k], std::move(log)};
   });
   // In the order of the campaign, whatever the threads did. A file that stands in several places
   // speaks once; where several are bad, each has one line.
@@ -53,6 +36,31 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   }
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
   return logs;
+}
+
+std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
+  std::vector<std::string> notes;
+  const auto add = [&](std::string note) {  // a file may stand in several places
+    if (std::find(notes.begin(), notes.end(), note) == notes.end())
+      notes.push_back(std::move(note));
+  };
+  std::map<std::pair<std::string, std::string>, const LoadedLog*> first;  // by format and column
+  for (const LoadedLog& loaded : logs) {
+    const LogReport& report = loaded.log.report;
+    if (report.current_sign_is_of_others)
+      add(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
+    if (report.current_sign == "unsigned") continue;
+    const auto [found, is_new] = first.insert({{report.format, report.current_column}, &loaded});
+    const LogReport& other = found->second->log.report;
+    if (is_new || other.current_sign == report.current_sign) continue;
+    add(fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
+                    "turned, and say `current_sign` of that one",
+                    found->second->entry.file,
+                    other.current_sign,
+                    loaded.entry.file,
+                    report.current_sign));
+  }
+  return notes;
 }
 
 }  // namespace lipoid

@@ -4,6 +4,7 @@
 /// The logs of a campaign, read and made those of one cell.
 /// Tests: tests/identify/logs/load_campaign_test.cc.
 
+#include <string>
 #include <vector>
 
 #include "identify/logs/campaign.h"
@@ -16,8 +17,12 @@ struct LoadedLog {
   Log log;  ///< voltages and currents of one cell
 };
 
-/// Reads every log, in parallel, in the order of the campaign. The LoadErrors of all bad files come
+/// Reads every log by ReadLogs(), in the order of the campaign. The LoadErrors of all bad files come
 /// as one; a file that is bad in several places of the campaign is named once.
 [[nodiscard]] std::vector<LoadedLog> LoadCampaign(const Campaign& campaign);
+
+/// What a reader of any result should know of the logs, one sentence each: whose sign other logs
+/// settled, and which two logs of one format count their current in opposite ways.
+[[nodiscard]] std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs);
 
 }  // namespace lipoid

@@ -15,11 +15,9 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/csv/table_reader.h"
 #include "identify/logs/csv/text_source.h"
-#include "identify/logs/current_sign.h"
 #include "identify/logs/formats/formats.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
-#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
@@ -333,6 +331,7 @@ void SettleMillivolts(Record& record,
 void SettleSign(Log& log,
                 const std::vector<std::int8_t>& directions,
                 const ReadOptions& options,
+                const SignOfOthers& others,
                 const SourcePosition& position) {
   Record& record = log.record;
   LogReport& report = log.report;
@@ -369,13 +368,23 @@ void SettleSign(Log& log,
     found = {CurrentSign::kDischargePositive,
              "there is no voltage to tell; discharge is taken as positive"};
   }
+  if (found.sign == CurrentSign::kUnclear && !found.contradictory &&
+      others.sign != CurrentSign::kUnclear) {
+    found = {others.sign,
+             fmt::format("discharge is {} as in {}; by itself this log does not settle it: {}",
+                         others.sign == CurrentSign::kDischargePositive ? "positive" : "negative",
+                         others.source,
+                         found.reason)};
+    report.current_sign_is_of_others = true;
+  }
   if (found.sign == CurrentSign::kUnclear) {
-    throw LoadError(
-        position,
-        fmt::format(
-            "expected a current whose sign the data settle, found that {}; say `current_sign` "
-            "(--current-sign discharge-positive or discharge-negative), or read a part of the log",
-            found.reason));
+    std::string message = fmt::format(
+        "expected a current whose sign the data settle, found that {}{}; say `current_sign` "
+        "(--current-sign discharge-positive or discharge-negative), or read a part of the log",
+        found.reason,
+        found.contradictory || others.source.empty() ? "" : ", and that " + others.source);
+    if (found.contradictory) throw LoadError(position, std::move(message));
+    throw OpenSignError(position, std::move(message), report.format, report.current_column);
   }
   if (found.sign == CurrentSign::kDischargeNegative) {
     for (double& i : record.current_A) i = 0.0 - i;  // never -0
@@ -426,7 +435,15 @@ void AddNotes(const TextSource& source,
 
 }  // namespace
 
-Log ReadLog(const std::string& file, const ReadOptions& options) {
+OpenSignError::OpenSignError(SourcePosition position,
+                             std::string message,
+                             std::string format,
+                             std::string current_column)
+    : LoadError(std::move(position), std::move(message)),
+      format_(std::move(format)),
+      current_column_(std::move(current_column)) {}
+
+Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
   CheckOptions(options);
   TextSource source(file);
   const LogPlan plan = PlanReading(source, options);
@@ -435,6 +452,9 @@ Log ReadLog(const std::string& file, const ReadOptions& options) {
   reader.ForEachBlock([&](TableBlock& block) { collector.Take(block); });
   Log log = collector.Finish();
   log.report.format = plan.layout->name;
+  if (const auto& current = plan.Of(Quantity::kCurrent)) {
+    log.report.current_column = current->header_text;
+  }
   log.report.notes = plan.notes;
   AddNotes(source, plan, reader, collector, log.report);
 
@@ -447,7 +467,7 @@ Log ReadLog(const std::string& file, const ReadOptions& options) {
   CheckReadable(
       log.record,
       {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
-  SettleSign(log, collector.directions(), options, position(Quantity::kCurrent));
+  SettleSign(log, collector.directions(), options, others, position(Quantity::kCurrent));
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];

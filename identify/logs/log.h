@@ -15,7 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "identify/logs/current_sign.h"
 #include "identify/logs/record.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 
@@ -53,12 +55,14 @@ struct Gap {
 /// What reading found and did; shown by `lipoid inspect`.
 struct LogReport {
   std::string format;                      ///< name in the format table
+  std::string current_column;              ///< the header's name for it
   std::size_t rows = 0;                    ///< rows kept
   std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
   std::string current_sign;         ///< "discharge-positive", "discharge-negative", "unsigned"
   std::string current_sign_reason;  ///< one sentence
+  bool current_sign_is_of_others = false;  ///< see SignOfOthers
   std::vector<Gap> gaps;
   std::vector<std::string> notes;  ///< byte order mark, trailing comma, decimal comma, ...
 
@@ -72,6 +76,31 @@ struct Log {
   LogReport report;
 };
 
-[[nodiscard]] Log ReadLog(const std::string& file, const ReadOptions& options = {});
+/// What other logs of the same format say of the sign. It settles a log that says too little
+/// itself, but none that contradicts itself.
+struct SignOfOthers {
+  CurrentSign sign = CurrentSign::kUnclear;  ///< unclear where they do not agree
+  std::string source;  ///< which logs: "as low_rate.csv", "a.csv is discharge-positive, ..."
+};
+
+/// A log that says too little about the sign of its current; others of its format may settle it.
+class OpenSignError : public LoadError {
+ public:
+  OpenSignError(SourcePosition position,
+                std::string message,
+                std::string format,
+                std::string current_column);
+
+  [[nodiscard]] const std::string& format() const { return format_; }
+  [[nodiscard]] const std::string& current_column() const { return current_column_; }
+
+ private:
+  std::string format_;
+  std::string current_column_;
+};
+
+[[nodiscard]] Log ReadLog(const std::string& file,
+                          const ReadOptions& options = {},
+                          const SignOfOthers& others = {});
 
 }  // namespace lipoid

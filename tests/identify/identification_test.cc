@@ -19,7 +19,8 @@ Cell Truth() {
 }
 
 TEST(Identification, HasTheSameShapeForEitherMethod) {
-  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  logs[0].log.report.current_sign_is_of_others = true;
   const Campaign campaign = test::CampaignOf(logs);
   for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
     const Identification found =
@@ -46,6 +47,7 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
     for (const char* key : {"method", "converged", "alpha_C", "parameters", "trust", "stages",
                             "validation", "constant_current", "cautions", "profiles"})
       EXPECT_TRUE(json.contains(key)) << key;
+    EXPECT_EQ(json.at("log_notes").size(), 1U);
   }
 }
 

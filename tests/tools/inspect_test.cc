@@ -45,6 +45,25 @@ TEST(Inspect, SummaryHasTheKeysOfTheDesign) {
   EXPECT_NE(run.out.find("1 row with a repeated time stamp"), std::string::npos) << run.out;
 }
 
+TEST(Inspect, SaysWhichLogSettledTheSignOfAnother) {
+  const auto folder = TestFolder();
+  WriteDischarge(folder + "/cc.csv");
+  std::ofstream(folder + "/rest.csv") << "time_s,current_A,voltage_V\n0,0,4.2\n1,0,4.2\n2,0,4.2\n";
+  const auto run = RunLipoid(folder, {"inspect", "rest.csv", "cc.csv", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto files = ReadJson(folder, "s.json").at("files");
+  EXPECT_EQ(files[0].at("current_sign"), "discharge-positive");
+  EXPECT_EQ(files[0].at("current_sign_is_of_others"), true);
+  EXPECT_EQ(files[1].at("current_sign_is_of_others"), false);
+  EXPECT_NE(run.out.find("discharge is positive as in cc.csv, of the same format; by itself this "
+                         "log does not settle it: no current flows"),
+            std::string::npos)
+      << run.out;
+  const auto alone = RunLipoid(folder, {"inspect", "rest.csv"});
+  EXPECT_EQ(alone.exit_code, 3);
+  EXPECT_NE(alone.err.find("say `current_sign`"), std::string::npos) << alone.err;
+}
+
 TEST(Inspect, GoesOnAfterABadFileAndSaysSoInTheExitCode) {
   const auto folder = TestFolder();
   WriteDischarge(folder + "/cc.csv");

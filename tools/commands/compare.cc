@@ -6,12 +6,12 @@
 
 #include "identify/comparison/compare_optimizers.h"
 #include "identify/comparison/comparison_report.h"
-#include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_run.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/log_options.h"
 #include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
 
@@ -190,7 +190,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
 
   CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
   line.progress().Update(0.0, "reading logs");
-  const auto logs = LoadCampaign(campaign);
+  const auto logs = LoadLogs(line, campaign);
   const PulseTask task = PreparePulses(campaign, logs, staged.options, staged.given);
   const PulseUnknowns unknowns =
       FindPulseUnknowns(task.sweep.setup(),

@@ -15,6 +15,7 @@
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/joint_text.h"
+#include "tools/commands/log_options.h"
 #include "tools/commands/profile_text.h"
 #include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
@@ -191,7 +192,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     };
     CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
     line.progress().Update(share(0.0), "reading logs");
-    const auto logs = LoadCampaign(campaign);
+    const auto logs = LoadLogs(line, campaign);
     Hashing hashing(InputsOf(campaign, staged.given));
     const StageProgress tell = [&](std::string_view stage, double part) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);

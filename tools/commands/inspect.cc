@@ -212,6 +212,7 @@ Json ToJson(const Inspection& log) {
                {"sampling_s", ToJson(log.sampling_s)},
                {"current_sign", log.report.current_sign},
                {"current_sign_reason", log.report.current_sign_reason},
+               {"current_sign_is_of_others", log.report.current_sign_is_of_others},
                {"current_A", ToJson(log.current_A)},
                {"voltage_V", ToJson(log.voltage_V)},
                {"charge_out_C", log.charge_out_C},

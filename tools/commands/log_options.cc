@@ -42,4 +42,10 @@ ReadOptions LogOptions::ToReadOptions() const {
   return read;
 }
 
+std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
+  std::vector<LoadedLog> logs = LoadCampaign(campaign);
+  for (const std::string& note : NotesOnLogs(logs)) line.Message("{}", note);
+  return logs;
+}
+
 }  // namespace lipoid

@@ -4,7 +4,9 @@
 /// The options that say how logs are read, common to the commands that read them.
 
 #include <string>
+#include <vector>
 
+#include "identify/logs/load_campaign.h"
 #include "identify/logs/log.h"
 #include "tools/cli/command_line.h"
 
@@ -20,5 +22,8 @@ struct LogOptions {
   /// OptionError where they are not right.
   [[nodiscard]] ReadOptions ToReadOptions() const;
 };
+
+/// LoadCampaign(), with a message for each of NotesOnLogs().
+[[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);
 
 }  // namespace lipoid

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include "identify/logs/campaign.h"
-#include "identify/logs/load_campaign.h"
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "identify/studies/studies.h"
 #include "model/core/atomic_file.h"
@@ -10,6 +9,7 @@
 #include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/log_options.h"
 
 namespace lipoid {
 namespace {
@@ -119,7 +119,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   }
   const Campaign campaign = ReadCampaign(campaign_file);
   line.progress().Update(0.0, "reading logs");
-  const auto logs = LoadCampaign(campaign);
+  const auto logs = LoadLogs(line, campaign);
   const StudyInput input{campaign, logs, options, given};
   const StudyResult result = study.run(input, [&](std::string_view doing, double share) {
     line.progress().Update(0.1 + 0.9 * share, doing);

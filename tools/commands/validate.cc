@@ -45,7 +45,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"rmse / V"},
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
-  for (const auto& loaded : LoadCampaign(CampaignFromArguments(arguments))) {
+  for (const auto& loaded : LoadLogs(line, CampaignFromArguments(arguments))) {
     LogErrors errors = Validate(one, loaded.log.record, initial_soc);
     errors.file = loaded.entry.file;
     table.Row({errors.file,

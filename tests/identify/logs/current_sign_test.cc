@@ -79,6 +79,39 @@ TEST(CurrentSign, OfAnAmountAloneIsUnclear) {
   }
 }
 
+// A charge that is held at its voltage from the first row on, and, after a rest or at once, a
+// discharge; of either only the amount.
+TEST(CurrentSign, OfAChargeHeldAtItsVoltageAndADischargeIsUnclear) {
+  for (const double drop_V : {0.08, 0.2}) {
+    for (const int rest_rows : {0, 30}) {
+      Record record;
+      const auto add = [&](double current_A, double voltage_V) {
+        record.time_s.push_back(10.0 * static_cast<double>(record.size()));
+        record.current_A.push_back(current_A);
+        record.voltage_V.push_back(voltage_V);
+      };
+      for (int k = 0; k < 300; ++k) add(2.0 * std::exp(-k / 80.0), 4.2 + 1e-4 * (k % 2));
+      const SignFinding held = FindSignFromPhysics(record);
+      EXPECT_EQ(held.sign, CurrentSign::kUnclear);
+      EXPECT_TRUE(held.contradictory) << "no other log may settle it";
+      for (int k = 0; k < rest_rows; ++k) add(0.0, 4.195);
+      for (int k = 0; k < 300; ++k) add(2.0, 4.2 - drop_V - 0.0033 * k);
+      EXPECT_EQ(FindSignFromPhysics(record).sign, CurrentSign::kUnclear)
+          << drop_V << " V, " << rest_rows << " rows of rest";
+    }
+  }
+}
+
+// Currents whose squares are 0 or infinite.
+TEST(CurrentSign, IsFoundOfCurrentsOfAnySize) {
+  for (const double scale : {1e-310, 1e-200, 1e200}) {
+    Record record = Simulate(Profile({{1000, 1}}), 1.0, 0.0, 1);
+    for (double& i : record.current_A) i *= scale;
+    EXPECT_EQ(Find(record, Written::kAsItIs), CurrentSign::kDischargePositive) << scale;
+    EXPECT_EQ(Find(record, Written::kTurned), CurrentSign::kDischargeNegative) << scale;
+  }
+}
+
 TEST(CurrentSign, OfNothingIsUnclear) {
   EXPECT_EQ(Find(Simulate(Profile({{100, 0}}), 1.0, 1e-3, 3), Written::kAsItIs),
             CurrentSign::kUnclear);

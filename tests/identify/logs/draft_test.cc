@@ -45,6 +45,18 @@ TEST(Draft, TakesCapacityFromTheSlowestAndCutOffFromTheEnds) {
   EXPECT_EQ(draft.campaign.logs[2].kind, LogKind::kLowRate);
 }
 
+// The log that settled the sign may be left out of the campaign.
+TEST(Draft, WritesASignThatAnotherLogSettled) {
+  auto settled = Ending("lab/slow.csv", 0.1, 73000.0, 3.0);
+  settled.inspection->report.current_sign = "discharge-negative";
+  settled.inspection->report.current_sign_is_of_others = true;
+  const auto draft = DraftCampaign(
+      {Ending("lab/1c.csv", 2.0, 3550.0, 3.0), std::move(settled)}, "lab", "lab/campaign.toml");
+  ASSERT_EQ(draft.campaign.logs.size(), 2U);
+  EXPECT_EQ(draft.campaign.logs[0].read.current_sign, "");
+  EXPECT_EQ(draft.campaign.logs[1].read.current_sign, "discharge-negative");
+}
+
 TEST(Draft, IsACampaignWhenWritten) {
   auto broken =
       InspectedFile{.file = "lab/broken.csv",

@@ -1,5 +1,6 @@
 #include "identify/logs/load_campaign.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,6 +72,50 @@ TEST(LoadCampaign, RefusesAPackThatIsNotDeclared) {
                 "/a.csv:1:1: error: expected the voltage of one cell, found 7.35 V on average; are "
                 "these mV, or "
                 "is it a pack (say `series`)?");
+}
+
+// Drive cycles without regeneration, whose campaigns had to name the sign.
+TEST(LoadCampaign, NeedsNoSignForADriveCycleWithoutRegeneration) {
+  for (const char* folder : {"panasonic_18650pf/t00", "panasonic_18650pf/tm20"}) {
+    const auto file = test::LabDataPath(std::string(folder) + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    Campaign campaign = ReadCampaign(file);
+    for (CampaignLog& log : campaign.logs) log.read.current_sign.clear();
+    for (const auto& [entry, log] : LoadCampaign(campaign)) {
+      EXPECT_EQ(log.report.current_sign, "discharge-positive") << entry.file;
+      EXPECT_FALSE(log.report.current_sign_is_of_others) << entry.file;
+    }
+  }
+}
+
+// Two discharges of one format, of which one counts the current the other way round, and a rest.
+TEST(LoadCampaign, NotesWhoSettledWhomAndWhoDisagrees) {
+  const auto folder = test::FreshFolder("load_campaign/notes");
+  std::string turned = "time_s,current_A,voltage_V\n";
+  std::string rest = turned;
+  for (int k = 0; k < 60; ++k) {
+    turned += fmt::format("{},-1,{}\n", 60 * k, 4.1 - 0.01 * k);
+    rest += fmt::format("{},0,4.1\n", 60 * k);
+  }
+  Write(folder + "/turned.csv", turned);
+  Write(folder + "/rest.csv", rest);
+  Write(folder + "/said.csv", rest);
+  const auto notes = [&](const std::string& option) {
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'validation'\nfile = 'turned.csv'\n"
+          "[[log]]\nkind = 'validation'\nfile = '" +
+              option);
+    return NotesOnLogs(LoadCampaign(ReadCampaign(folder + "/c.toml")));
+  };
+  EXPECT_EQ(notes("rest.csv'\n"),
+            std::vector<std::string>{
+                "rest.csv: discharge is negative as in turned.csv, of the same format; by itself "
+                "this log does not settle it: no current flows"});
+  EXPECT_EQ(notes("said.csv'\ncurrent_sign = 'discharge-positive'\n"),
+            std::vector<std::string>{
+                "turned.csv is discharge-negative and said.csv is discharge-positive, although "
+                "both have one format: look whether one is turned, and say `current_sign` of that "
+                "one"});
 }
 
 TEST(LoadCampaign, ReadsThoseBesideTheProject) {
