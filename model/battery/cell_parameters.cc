@@ -42,6 +42,46 @@ std::optional<BranchName> ParseBranchName(std::string_view name) {
   return std::nullopt;
 }
 
+// "r_s[3]" is {"r_s", 3}.
+struct NodeName {
+  std::string_view table;
+  std::size_t index = 0;
+};
+
+std::optional<NodeName> ParseNodeName(std::string_view name) {
+  const auto bracket = name.find('[');
+  if (bracket == std::string_view::npos || !name.ends_with(']')) return std::nullopt;
+  const auto digits = name.substr(bracket + 1, name.size() - bracket - 2);
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return NodeName{name.substr(0, bracket), index};
+}
+
+// The resistance that may be a table: r_s, r_1, ..., r_ct; null where the cell has none of that
+// name.
+template <class AnyCell>
+auto* FindResistance(AnyCell& cell, std::string_view name) {
+  decltype(&cell.series_resistance_Ohm) found = nullptr;
+  const auto branch_name = ParseBranchName(name);
+  if (name == "r_s") {
+    found = &cell.series_resistance_Ohm;
+  } else if (name == "r_ct" && cell.charge_transfer) {
+    found = &cell.charge_transfer->resistance_Ohm;
+  } else if (branch_name && branch_name->symbol == "r" &&
+             branch_name->index < cell.branches.size()) {
+    found = &cell.branches[branch_name->index].resistance_Ohm;
+  }
+  return found;
+}
+
+// Nodes of a table of this name: none where the cell has no such table.
+std::size_t CountNodes(const Cell& cell, std::string_view table) {
+  if (table == "v_oc") return cell.open_circuit_voltage.voltage_V().size();
+  const auto* resistance = FindResistance(cell, table);
+  return resistance && !resistance->constant() ? resistance->resistance_Ohm.size() : 0;
+}
+
 void Check(bool holds, std::string_view name, std::string_view expected, double value) {
   if (!holds || !std::isfinite(value)) {
     throw OptionError(fmt::format("{}: expected {}, found {}", name, expected, value));
@@ -79,6 +119,32 @@ void SetBranch(Cell& cell, std::string_view name, const BranchName& branch_name,
   if (branch.capacitance_F) {
     branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
   }
+}
+
+void SetNode(Cell& cell, std::string_view name, const NodeName& node, double value) {
+  const std::size_t nodes = CountNodes(cell, node.table);
+  if (node.index >= nodes) {
+    throw OptionError(
+        nodes == 0
+            ? fmt::format("'{}' is no parameter of this cell: it has no table {}", name, node.table)
+            : fmt::format("'{}' is no parameter of this cell: the nodes of {} are 0 to {}",
+                          name,
+                          node.table,
+                          nodes - 1));
+  }
+  if (node.table != "v_oc") {
+    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
+    FindResistance(cell, node.table)->resistance_Ohm[node.index] = value;
+    return;
+  }
+  Check(true, name, "a finite voltage", value);
+  const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
+  auto voltage_V = curve.voltage_V();
+  voltage_V[node.index] = value;
+  cell.open_circuit_voltage =
+      curve.method() == OcvMethod::kLinear
+          ? OpenCircuitVoltage::Linear(curve.soc(), std::move(voltage_V))
+          : OpenCircuitVoltage::MonotoneCubic(curve.soc(), std::move(voltage_V));
 }
 
 // tau_h, rho_h.
@@ -125,7 +191,24 @@ std::vector<std::string> CellParameterNames(const Cell& cell) {
   return names;
 }
 
+std::vector<std::string> CellNodeNames(const Cell& cell) {
+  std::vector<std::string> tables{"r_s"};
+  for (std::size_t j = 1; j <= cell.branches.size(); ++j) tables.push_back(fmt::format("r_{}", j));
+  tables.insert(tables.end(), {"r_ct", "v_oc"});
+  std::vector<std::string> names;
+  for (const auto& table : tables) {
+    for (std::size_t k = 0; k < CountNodes(cell, table); ++k)
+      names.push_back(fmt::format("{}[{}]", table, k));
+  }
+  return names;
+}
+
 std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
+  if (const auto node = ParseNodeName(name)) {
+    if (node->index >= CountNodes(cell, node->table)) return std::nullopt;
+    if (node->table == "v_oc") return cell.open_circuit_voltage.voltage_V()[node->index];
+    return FindResistance(cell, node->table)->resistance_Ohm[node->index];
+  }
   if (name == "alpha" && cell.diffusion) return cell.diffusion->alpha_C;
   if (name == "beta" && cell.diffusion) return cell.diffusion->beta_per_sqrt_s;
   if (name == "r_s") return UnlessMissing(cell.series_resistance_Ohm);
@@ -150,6 +233,7 @@ std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
 }
 
 void SetCellParameter(Cell& cell, std::string_view name, double value) {
+  if (const auto node = ParseNodeName(name)) return SetNode(cell, name, *node, value);
   if (const auto branch_name = ParseBranchName(name))
     return SetBranch(cell, name, *branch_name, value);
   if (name == "r_s") {
@@ -199,6 +283,7 @@ std::optional<std::string> MissingCellParameter(const Cell& cell) {
 
 std::string_view CellParameterUnit(std::string_view name) {
   if (name == "alpha") return "C";
+  if (name.starts_with("v_oc")) return "V";
   if (name == "beta") return "s^-1/2";
   if (name == "i_0") return "A";
   if (name == "rho_h") return "Ohm/A^2";
