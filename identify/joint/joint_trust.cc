@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/joint/joint_drawn.h"
 #include "model/battery/cell_model.h"
 
 namespace lipoid {
@@ -323,7 +324,9 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   TrustOptions with_held = options;
   const auto held = assessment.Held();
   with_held.held.insert(with_held.held.end(), held.begin(), held.end());
-  return AssessTrust(sensitivities.logs, penalty, assessment.Quantities(), with_held);
+  const auto quantities = assessment.Quantities();
+  with_held.drawn = DrawnOfJoint(result, quantities, count);
+  return AssessTrust(sensitivities.logs, penalty, quantities, with_held);
 }
 
 }  // namespace lipoid

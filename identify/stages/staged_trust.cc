@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/trust_sentence.h"
 
 namespace lipoid {
@@ -84,6 +85,7 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
     if (Has(fit.fixed, name("tau")) && Has(fit.fixed, name("r"))) continue;
     add(name("c"), "F", capacitance, std::move(of));
   }
+  if (!how.assumed) options.drawn = CellParametersAmong(quantities);
   TrustReport report = AssessTrust(rows, {}, quantities, options);
 
   if (times) {

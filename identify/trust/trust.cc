@@ -141,6 +141,7 @@ class Assessment {
     SumScores();
     Judge();
     FindCombinations();
+    FindDrawn();
     report_.sentence = TrustSentence(report_);
     return std::move(report_);
   }
@@ -537,6 +538,32 @@ class Assessment {
             weights[j];
       report_.combinations.push_back(std::move(combination));
     }
+  }
+
+  // H^{-1} J'W Sigma W J H^{-1} of the combinations that cells are drawn from.
+  void FindDrawn() {
+    const std::vector<NamedCombination>& drawn = options_.drawn;
+    if (drawn.empty()) return;
+    Require(fit_.has_value(), "a fit, not a plan, to draw cells from");
+    const Eigen::Index p = logs_[0].sensitivity.cols();
+    const auto n = static_cast<Eigen::Index>(drawn.size());
+    Eigen::MatrixXd of_free(n, Size(free_));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const NamedCombination& one = drawn[static_cast<std::size_t>(k)];
+      Require(one.combination.size() == p, "a combination of the p parameters");
+      of_free.row(k) = one.combination(free_).transpose();
+      report_.drawn.push_back(one.name);
+    }
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(n, p);
+    moves(Eigen::all, free_) = of_free * fit_->inverse();
+    std::vector<Eigen::MatrixXd> sums(logs_.size());
+    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+      const Eigen::MatrixXd scores =
+          moves * logs_[l].sensitivity.transpose() * logs_[l].weight.asDiagonal();
+      sums[l] = models_[l].QuadraticSum(scores, variances_[l]);
+    });
+    report_.drawn_covariance.setZero(n, n);
+    for (const Eigen::MatrixXd& sum : sums) report_.drawn_covariance += sum;
   }
 
   static double Scale(const TrustedQuantity& q) {

@@ -75,12 +75,20 @@ inline constexpr int kMostPartners = 3;
 /// in the data at all: what is left of them is rounding.
 inline constexpr double kNoInformation = 1e-11;
 
+/// A linear combination of the p parameters by its name.
+struct NamedCombination {
+  std::string name = {};
+  Eigen::VectorXd combination = {};
+};
+
 struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
   int simulations = 12;  ///< of noise like the residuals', for the degrees of freedom; > 1
   std::uint64_t seed = 1;
   /// Noise that is assumed, for an experiment that is only planned; else the residuals tell.
   std::optional<ResidualCorrelation> assumed = std::nullopt;
+  /// What cells are to be drawn from: their covariance is found too, and nobody is told of them.
+  std::vector<NamedCombination> drawn = {};
 };
 
 struct QuantityTrust {
@@ -114,6 +122,10 @@ struct TrustReport {
   /// Worst carried first. Those of quantities at a bound or that follow from others are left out.
   std::vector<CarriedCombination> combinations;
   std::vector<ResidualCorrelation> residual_correlation;  ///< of each log
+  /// Of TrustOptions::drawn, in its order. Parameters that are held, and directions of which the
+  /// rows know nothing, do not vary in it.
+  Eigen::MatrixXd drawn_covariance;
+  std::vector<std::string> drawn;  ///< their names
   double sampling_s = 0.0;                                ///< the shortest usual step of the logs
   double span_s = 0.0;                                    ///< the longest log
   std::string sentence;                                   ///< the one that a user needs

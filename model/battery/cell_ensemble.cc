@@ -156,7 +156,7 @@ class Drawing {
   // time to where its own bound holds.
   bool MoveIntoRange(Eigen::VectorXd& x) const {
     constexpr double kClose = 1e-6;  // of a standard error
-    constexpr int kMostSweeps = 2000;
+    constexpr int kMostSweeps = 10000;
     Eigen::VectorXd lambda = Eigen::VectorXd::Zero(range_.least.size());
     bool moved = false;
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
