@@ -22,6 +22,7 @@ constexpr double kConfidence = 0.95;
 constexpr double kHasPart = 1e-4;
 // Series that tell what the fit leaves of a component of the noise.
 constexpr Eigen::Index kSeriesPerComponent = 4;
+constexpr Eigen::Index kComponentsPerBatch = 4;
 // A component of which less is left cannot be seen in the residuals at all.
 constexpr double kSwallowed = 0.05;
 // With fewer degrees of freedom Student's quantile is a statement about its own tails.
@@ -282,27 +283,54 @@ class Assessment {
     return parts;
   }
 
-  // The variogram that noise of one component has left when the fit has followed it: from what it
-  // was without a fit, in place.
-  void FindDesignOfResiduals(const Part& part, Eigen::Ref<Eigen::VectorXd> design) const {
-    const CorrelationModel& model = models_[part.log];
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), part.component);
-    std::vector<Eigen::MatrixXd> all(logs_.size());
-    Eigen::MatrixXd& noise = all[part.log];
-    noise = model.Simulate(unit, kSeriesPerComponent, options_.seed, Stream(part.log, 1));
-    const Eigen::VectorXd before = model.Variogram(noise).rowwise().sum();
-    Project(all);
-    const Eigen::VectorXd after = model.Variogram(noise).rowwise().sum();
-    const Eigen::Index last = design.size() - 1;
-    if (!(before[last] > 0.0)) return;
-    const double largest = design.maxCoeff();
-    const double mean_square = design[last];
-    // The part that is left, so that the chance of the noise drops out.
-    for (Eigen::Index k = 0; k <= last; ++k) {
-      design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
-                                  : mean_square * after[k] / before[last];
+  // Components of the noise of one log that go through the fit together: the products have few rows
+  // on one side and all those of the log on the other, and cost little more for some more of the
+  // few.
+  struct Batch {
+    std::size_t log;
+    Eigen::Index first, components;
+  };
+  [[nodiscard]] std::vector<Batch> Batches() const {
+    std::vector<Batch> batches;
+    for (std::size_t l = 0; l < models_.size(); ++l) {
+      const Eigen::Index all = models_[l].components();
+      for (Eigen::Index m = 0; m < all; m += kComponentsPerBatch)
+        batches.push_back({l, m, std::min(kComponentsPerBatch, all - m)});
     }
-    if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
+    return batches;
+  }
+
+  // The variograms that noise of each component has left when the fit has followed it: from what
+  // they were without a fit, in place.
+  void FindDesignsOfResiduals(const Batch& batch, Eigen::MatrixXd& designs) const {
+    constexpr Eigen::Index kSeries = kSeriesPerComponent;
+    const CorrelationModel& model = models_[batch.log];
+    std::vector<Eigen::MatrixXd> all(logs_.size());
+    Eigen::MatrixXd& noise = all[batch.log];
+    noise.resize(batch.components * kSeries, logs_[batch.log].residual_V.size());
+    for (Eigen::Index m = 0; m < batch.components; ++m) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), batch.first + m);
+      noise.middleRows(m * kSeries, kSeries) =
+          model.Simulate(unit, kSeries, options_.seed, Stream(batch.log, 1));
+    }
+    const Eigen::MatrixXd before_each = model.Variogram(noise);
+    Project(all);
+    const Eigen::MatrixXd after_each = model.Variogram(noise);
+    for (Eigen::Index m = 0; m < batch.components; ++m) {
+      auto design = designs.col(batch.first + m);
+      const Eigen::VectorXd before = before_each.middleCols(m * kSeries, kSeries).rowwise().sum();
+      const Eigen::VectorXd after = after_each.middleCols(m * kSeries, kSeries).rowwise().sum();
+      const Eigen::Index last = design.size() - 1;
+      if (!(before[last] > 0.0)) continue;
+      const double largest = design.maxCoeff();
+      const double mean_square = design[last];
+      // The part that is left, so that the chance of the noise drops out.
+      for (Eigen::Index k = 0; k <= last; ++k) {
+        design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
+                                    : mean_square * after[k] / before[last];
+      }
+      if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
+    }
   }
 
   // White first, then the one time constant; nothing is to be found, and nothing is uncertain.
@@ -321,9 +349,9 @@ class Assessment {
       models_.emplace_back(log.time_s, log.averaged);
       designs.push_back(models_.back().design());
     }
-    const std::vector<Part> parts = Parts();
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
-      FindDesignOfResiduals(parts[k], designs[parts[k].log].col(parts[k].component));
+    const std::vector<Batch> batches = Batches();
+    tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t k) {
+      FindDesignsOfResiduals(batches[k], designs[batches[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());

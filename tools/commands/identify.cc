@@ -1,10 +1,12 @@
 // lipoid identify CAMPAIGN... -o CELL: from logs to a cell file.
+#include <fmt/ranges.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <chrono>
 #include <filesystem>
 
+#include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_run.h"
@@ -14,6 +16,7 @@
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
 #include "identify/stages/staged_run.h"
+#include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/profile_report.h"
 #include "model/battery/cell_comparison.h"
 #include "model/battery/cell_file.h"
@@ -44,6 +47,18 @@ struct Outcome {
   double mean_error_percent = 0.0;  // of the pulses, or of all logs
   Cell cell;
 };
+
+// What cells can be drawn from, in the cell file.
+void AddUncertainty(Outcome& outcome, const TrustReport& trust, bool soc_follows_alpha) {
+  CellUncertainty uncertainty = UncertaintyOf(trust, outcome.cell, soc_follows_alpha);
+  outcome.cell.uncertainty = std::move(uncertainty.found);
+  outcome.report["not_drawn"] = uncertainty.unknown;
+  if (uncertainty.unknown.empty()) return;
+  outcome.text += fmt::format(
+      "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction of "
+      "the logs depends on the rest\n",
+      fmt::join(uncertainty.unknown, ", "));
+}
 
 void AddProfiles(Outcome& outcome, const std::vector<Profile>& profiles) {
   if (profiles.empty()) return;
@@ -77,6 +92,7 @@ Outcome Staged(const Campaign& campaign,
                   .fitted = {result.fitted_kind},
                   .mean_error_percent = result.pulses.errors.mean_error_percent,
                   .cell = std::move(result.cell)};
+  AddUncertainty(outcome, result.trust, result.open_circuit_voltage.has_value());
   AddProfiles(outcome, profiles);
   return outcome;
 }
@@ -104,6 +120,7 @@ Outcome Joint(const Campaign& campaign,
                   .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
                   .mean_error_percent = mean,
                   .cell = std::move(result.cell)};
+  AddUncertainty(outcome, trust, SocFollowsAlpha(result));
   AddProfiles(outcome, profiles);
   return outcome;
 }
