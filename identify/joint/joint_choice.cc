@@ -15,6 +15,8 @@ constexpr double kAtTheNoise = 1.1;
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
+constexpr int kFewNodes = 13;
+constexpr int kManyNodes = 34;
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise.
@@ -54,6 +56,7 @@ bool Complete(const JointSolution& solution, const JointLogs& logs) {
 // With a node more between any two.
 std::vector<double> Halved(const std::vector<double>& nodes) {
   std::vector<double> fine;
+  if (nodes.empty()) return fine;
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
     fine.push_back(nodes[k]);
     fine.push_back(0.5 * (nodes[k] + nodes[k + 1]));
@@ -110,142 +113,226 @@ std::vector<double> OnAxis(std::vector<double> nodes, double lowest_soc) {
   return nodes;
 }
 
+namespace {
+
+class Choosing {
+ public:
+  Choosing(const JointFit& fit,
+           const JointLogs& logs,
+           const std::vector<double>& voltage_soc,
+           double lowest_soc,
+           const JointOptions& options,
+           const std::function<void(double)>& progress)
+      : fit_(fit),
+        logs_(logs),
+        voltage_soc_(voltage_soc),
+        lowest_soc_(lowest_soc),
+        options_(options),
+        progress_(progress),
+        compare_(logs.groups >= 2),
+        rough_(options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness) {}
+
+  JointChoice Run() {
+    JointStructure structure;
+    structure.branches =
+        options_.branches >= 0 ? options_.branches : std::min(1, options_.most_branches);
+    structure.voltage_soc = voltage_soc_;
+    structure.self_heating = options_.self_heating == Presence::kOn;
+    structure.charge_transfer = options_.charge_transfer == Presence::kOn;
+    const int given = options_.resistance_nodes;
+    structure.resistance_soc = Nodes(given > 0 ? given : compare_ ? kFewNodes : 1);
+    Search(structure);
+    if (compare_) {
+      TryTerms(structure);
+      if (given == 0) TryNodes();
+      TryBranches();
+      TryVoltageNodes();
+    } else {
+      choice_.reason =
+          "too few pulses and discharges to leave any out: the simplest structure is taken";
+    }
+    for (std::size_t k = 0; compare_ && k < choice_.tried.size(); ++k) {
+      if (k != taken_) choice_.tried[k].gain = Gain(k, taken_);
+    }
+    choice_.tried[taken_].taken = true;
+    PolishBest();
+    FindWeights();
+    FindFiner();
+    Tell(1.0);
+    return std::move(choice_);
+  }
+
+ private:
+  void Tell(double share) {
+    done_ = std::max(done_, share);
+    if (progress_) progress_(done_);
+  }
+  [[nodiscard]] std::vector<double> Nodes(int count) const {
+    return OnAxis(ResistanceNodes(count), lowest_soc_);
+  }
+  [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
+  void Take(std::size_t k) {
+    taken_ = k;
+    choice_.best = choice_.tried[k].solution;
+    choice_.errors = choice_.tried[k].errors;
+  }
+
+  [[nodiscard]] PairedGain Gain(std::size_t simple, std::size_t rich) const {
+    return CompareErrors(choice_.tried[simple].errors.unit_V,
+                         choice_.tried[rich].errors.unit_V,
+                         logs_.unit_weight);
+  }
+  [[nodiscard]] bool IsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) const {
+    return Better(rich, simple, logs_.noise_mean_V);
+  }
+
+  // A structure tried, and taken where it is better than what was taken before.
+  std::size_t Judge(JointSolution solution) {
+    TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
+    row.errors.smoothness = rough_;
+    if (compare_) {
+      row.errors = fit_.LeaveOut(
+          row.solution.structure,
+          row.solution.rates,
+          options_.smoothness > 0.0 ? std::vector<double>{options_.smoothness} : kSmoothness);
+    }
+    const bool taking =
+        choice_.tried.empty() ||
+        (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
+    choice_.tried.push_back(std::move(row));
+    if (taking) Take(choice_.tried.size() - 1);
+    Tell(0.1 * static_cast<double>(choice_.tried.size()));
+    return choice_.tried.size() - 1;
+  }
+  std::size_t Search(const JointStructure& structure) {
+    return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
+  }
+
+  // The terms first: without them no number of nodes tells a cell that warms from one that does
+  // not. Each alone, as one may stand in for the other; then both, if both helped.
+  void TryTerms(JointStructure structure) {
+    const bool free_heating = options_.self_heating == Presence::kAuto;
+    const bool free_transfer = options_.charge_transfer == Presence::kAuto;
+    const LeftOutErrors plain = choice_.errors;
+    bool both = free_heating && free_transfer;
+    for (const bool heating : {false, true}) {
+      if (!(heating ? free_heating : free_transfer)) continue;
+      JointStructure richer = structure;
+      (heating ? richer.self_heating : richer.charge_transfer) = true;
+      both = IsBetter(choice_.tried[Search(richer)].errors, plain) && both;
+    }
+    if (!both) return;
+    structure.self_heating = structure.charge_transfer = true;
+    Search(structure);
+  }
+
+  void TryNodes() {
+    const std::size_t middle = taken_;
+    const JointStructure base = best();
+    std::vector<std::size_t> by_nodes;
+    for (const int nodes : {1, kFewNodes, kManyNodes}) {
+      JointStructure other = base;
+      other.resistance_soc = Nodes(nodes);
+      by_nodes.push_back(nodes == base.nodes() ? middle : Search(other));
+    }
+    std::size_t best = by_nodes.front();
+    for (const std::size_t k : by_nodes) {
+      if (IsBetter(choice_.tried[k].errors, choice_.tried[best].errors)) best = k;
+    }
+    Take(best);
+  }
+
+  void TryBranches() {
+    while (options_.branches < 0 && best().branches < options_.most_branches) {
+      JointStructure richer = best();
+      ++richer.branches;
+      if (Search(richer) != taken_) return;
+    }
+  }
+
+  // The nodes of v_oc do not move the rates: those found are kept.
+  void TryVoltageNodes() {
+    if (voltage_soc_.empty() || options_.voltage_nodes != 0) return;
+    JointStructure finer = best();
+    finer.voltage_soc = Halved(voltage_soc_);
+    JointSolution solution = fit_.Solve(finer, choice_.best.rates, rough_);
+    solution.termination = choice_.best.termination;
+    solution.message = choice_.best.message;
+    Judge(std::move(solution));
+  }
+
+  // The last polish follows the fit. Where rows left out are predicted worse for it, it followed
+  // noise along a flat valley.
+  void PolishBest() {
+    // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
+    // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
+    if (compare_ && options_.smoothness == 0.0 && choice_.errors.fitted_V <= logs_.noise_V)
+      choice_.errors.smoothness = kNoSmoothness;
+    JointSolution before = fit_.Solve(best(), choice_.best.rates, choice_.errors.smoothness);
+    before.at_bound = choice_.best.at_bound;
+    before.termination = choice_.best.termination;
+    before.message = choice_.best.message;
+    JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);
+    if (compare_) {
+      const LeftOutErrors errors =
+          fit_.LeaveOut(polished.structure, polished.rates, {choice_.errors.smoothness});
+      if (errors.expected_V > choice_.errors.expected_V) {
+        polished = std::move(before);
+      } else {
+        choice_.errors = errors;
+      }
+    }
+    choice_.best = std::move(polished);
+  }
+
+  void FindWeights() {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      TriedStructure& row = choice_.tried[k];
+      if (k == taken_) {
+        row.weight = 0.5;
+      } else if (row.solution.x.size() > 0) {
+        row.weight =
+            CompareErrors(
+                choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
+                .Probability();
+      }
+      sum += row.weight;
+    }
+    for (TriedStructure& row : choice_.tried) row.weight /= sum;
+  }
+
+  void FindFiner() {
+    JointStructure finer = best();
+    finer.voltage_soc = Halved(finer.voltage_soc);
+    if (finer.nodes() < kManyNodes) finer.resistance_soc = Halved(finer.resistance_soc);
+    if (finer == best() || choice_.best.x.size() == 0) return;
+    choice_.finer =
+        fit_.Approach(fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness));
+  }
+
+  const JointFit& fit_;
+  const JointLogs& logs_;
+  const std::vector<double>& voltage_soc_;
+  double lowest_soc_;
+  const JointOptions& options_;
+  const std::function<void(double)>& progress_;
+  bool compare_;
+  double rough_;
+  double done_ = 0.0;
+  std::size_t taken_ = 0;
+  JointChoice choice_;
+};
+
+}  // namespace
+
 JointChoice ChooseStructure(const JointFit& fit,
                             const JointLogs& logs,
                             const std::vector<double>& voltage_soc,
                             double lowest_soc,
                             const JointOptions& options,
                             const std::function<void(double)>& progress) {
-  JointChoice choice;
-  std::vector<double> ladder = kSmoothness;
-  if (options.smoothness > 0.0) ladder = {options.smoothness};
-  const double rough = options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness;
-  const bool compare = logs.groups >= 2;
-  double done = 0.0;
-  const auto tell = [&](double share) {
-    done = std::max(done, share);
-    if (progress) progress(done);
-  };
-
-  std::size_t taken = 0;
-  const auto take = [&](std::size_t k) {
-    taken = k;
-    choice.best = choice.tried[k].solution;
-    choice.errors = choice.tried[k].errors;
-  };
-  const auto better = [&](const LeftOutErrors& rich, const LeftOutErrors& simple) {
-    return Better(rich, simple, logs.noise_mean_V);
-  };
-  // Judges the solution, and takes it where it is better than what was taken before.
-  const auto judge = [&](const JointStructure& structure, JointSolution solution) {
-    TriedStructure row{.what = Describe(structure), .solution = std::move(solution)};
-    if (compare) {
-      row.errors = fit.LeaveOut(structure, row.solution.rates, ladder);
-    } else {
-      row.errors.smoothness = rough;
-    }
-    const bool taking =
-        choice.tried.empty() || (Complete(row.solution, logs) && better(row.errors, choice.errors));
-    choice.tried.push_back(std::move(row));
-    if (taking) take(choice.tried.size() - 1);
-    tell(0.08 * static_cast<double>(choice.tried.size()));
-  };
-  const auto try_one = [&](const JointStructure& structure) {
-    judge(structure, fit.Search(structure, rough, choice.tried.empty() ? nullptr : &choice.best));
-  };
-
-  const auto on = [&](int nodes) { return OnAxis(ResistanceNodes(nodes), lowest_soc); };
-  JointStructure structure;
-  structure.branches =
-      options.branches >= 0 ? options.branches : std::min(1, options.most_branches);
-  structure.voltage_soc = voltage_soc;
-  structure.self_heating = options.self_heating == Presence::kOn;
-  structure.charge_transfer = options.charge_transfer == Presence::kOn;
-  const int given_nodes = options.resistance_nodes;
-  structure.resistance_soc = on(given_nodes > 0 ? given_nodes : compare ? 13 : 1);
-  try_one(structure);
-  if (!compare) {
-    choice.reason =
-        "too few pulses and discharges to leave any out: the simplest structure is taken";
-  } else {
-    // The terms first: without them no number of nodes tells a cell that warms from one that does
-    // not. Each alone, as one may stand in for the other; then both, if both helped.
-    const bool free_heating = options.self_heating == Presence::kAuto;
-    const bool free_transfer = options.charge_transfer == Presence::kAuto;
-    const LeftOutErrors plain = choice.errors;
-    bool both = free_heating && free_transfer;
-    for (const bool heating : {false, true}) {
-      if (!(heating ? free_heating : free_transfer)) continue;
-      JointStructure richer = structure;
-      (heating ? richer.self_heating : richer.charge_transfer) = true;
-      try_one(richer);
-      both = both && better(choice.tried.back().errors, plain);
-    }
-    if (both) {
-      structure.self_heating = structure.charge_transfer = true;
-      try_one(structure);
-    }
-    if (given_nodes == 0) {
-      const std::size_t middle = taken;
-      const JointStructure base = choice.best.structure;
-      std::vector<std::size_t> by_nodes;
-      for (const int nodes : {1, 13, 34}) {
-        if (nodes == base.nodes()) {
-          by_nodes.push_back(middle);
-          continue;
-        }
-        JointStructure other = base;
-        other.resistance_soc = on(nodes);
-        try_one(other);
-        by_nodes.push_back(choice.tried.size() - 1);
-      }
-      std::size_t best = by_nodes.front();
-      for (const std::size_t k : by_nodes) {
-        if (better(choice.tried[k].errors, choice.tried[best].errors)) best = k;
-      }
-      take(best);
-    }
-    while (options.branches < 0 && choice.best.structure.branches < options.most_branches) {
-      JointStructure richer = choice.best.structure;
-      ++richer.branches;
-      try_one(richer);
-      if (taken + 1 != choice.tried.size()) break;
-    }
-    // The nodes of v_oc do not move the rates: those found are kept.
-    if (!voltage_soc.empty() && options.voltage_nodes == 0) {
-      JointStructure finer = choice.best.structure;
-      finer.voltage_soc = Halved(voltage_soc);
-      JointSolution solution = fit.Solve(finer, choice.best.rates, rough);
-      solution.termination = choice.best.termination;
-      solution.message = choice.best.message;
-      judge(finer, std::move(solution));
-    }
-  }
-  choice.tried[taken].taken = true;
-  // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
-  // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
-  if (compare && options.smoothness == 0.0 && choice.errors.fitted_V <= logs.noise_V)
-    choice.errors.smoothness = kNoSmoothness;
-  // The last polish follows the fit; where rows left out are predicted worse for it, it followed
-  // noise along a flat valley.
-  JointSolution before =
-      fit.Solve(choice.best.structure, choice.best.rates, choice.errors.smoothness);
-  before.at_bound = choice.best.at_bound;
-  before.termination = choice.best.termination;
-  before.message = choice.best.message;
-  JointSolution polished = fit.Polish(before, kFineStep, options.iterations_per_variable);
-  if (compare) {
-    const LeftOutErrors errors =
-        fit.LeaveOut(polished.structure, polished.rates, {choice.errors.smoothness});
-    if (errors.expected_V > choice.errors.expected_V) {
-      polished = std::move(before);
-    } else {
-      choice.errors = errors;
-    }
-  }
-  choice.best = std::move(polished);
-  tell(1.0);
-  return choice;
+  return Choosing(fit, logs, voltage_soc, lowest_soc, options, progress).Run();
 }
 
 }  // namespace lipoid

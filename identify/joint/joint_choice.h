@@ -6,8 +6,8 @@
 /// The way goes from simple to rich. A richer structure is taken where it predicts better by kGain,
 /// or where it predicts better at all and fits better by kBetterFit; so that neither noise nor a
 /// single odd piece of a log decides. Where the simple one fits as well as the noise lets it,
-/// nothing is. The rates of each candidate come from a grid of its own. Tests:
-/// tests/identify/joint/joint_choice_test.cc.
+/// nothing is. How sure the choice is stands beside it (paired_errors.h), and counts in the
+/// intervals (structure_spread.h). Tests: tests/identify/joint/joint_choice_test.cc.
 
 #include <functional>
 #include <string>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "identify/joint/joint_fit.h"
+#include "identify/trust/paired_errors.h"
 #include "model/core/options.h"
 
 namespace lipoid {
@@ -78,6 +79,11 @@ struct TriedStructure {
   std::string what;  ///< "13 nodes, 2 branches, self-heating"
   JointSolution solution = {};
   LeftOutErrors errors = {};
+  /// Against what was taken when this was tried.
+  PairedGain gain = {.standard_error = std::numeric_limits<double>::quiet_NaN()};
+  /// Share in the spread of the parameters over structures that are nearly as good: in proportion
+  /// to the probability that this one predicts better than the one taken, whose own is a half.
+  double weight = 0.0;
   bool taken = false;
 };
 
@@ -88,7 +94,11 @@ struct JointChoice {
   JointSolution best;
   LeftOutErrors errors;
   std::vector<TriedStructure> tried;
-  std::string reason;  ///< where nothing could be compared
+  /// The best structure with a node more between any two of every table, refitted: what straight
+  /// lines and smoothness do to the parameters shows in the difference. Empty where there are no
+  /// tables.
+  JointSolution finer;
+  std::string reason;  ///< where nothing could be compared, or what decided is an extrapolation
 };
 
 /// `voltage_soc` are the nodes of v_oc, none where the curve is given; lowest_soc is where the

@@ -74,16 +74,10 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   if (!SocFollowsAlpha(result))
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
   nodes.AddTable("r_s", result.cell.series_resistance_Ohm, layout.series(), drawn);
-  // The cell has the branches in the order of their time constants.
-  std::vector<int> order;
-  for (int j = 0; j < best.structure.branches; ++j) order.push_back(j);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return best.rates.time_constant_s[a] < best.rates.time_constant_s[b];
-  });
-  for (std::size_t place = 0; place < order.size(); ++place) {
-    nodes.AddTable(fmt::format("r_{}", place + 1),
-                   result.cell.branches[place].resistance_Ohm,
-                   layout.branch(order[place]),
+  for (int j = 0; j < best.structure.branches; ++j) {
+    nodes.AddTable(fmt::format("r_{}", j + 1),
+                   result.cell.branches[static_cast<std::size_t>(j)].resistance_Ohm,
+                   layout.branch(j),
                    drawn);
   }
   if (result.cell.charge_transfer) {

@@ -3,54 +3,30 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "identify/fit/grid.h"
 #include "identify/optimizers/bobyqa.h"
+#include "identify/optimizers/levenberg_marquardt.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A branch has a time constant of so many sampling intervals at least. A faster one has nearly all
+// of its drop in the first row after an edge, where it would stand in for r_s.
+constexpr double kShortestTau = 2.0;
 
-// From node voltages to their rises, x_node[k] = sum_{j <= k} rise[j]: of a quadratic.
-void ToRises(NormalEquations& sum, int voltages) {
-  const Eigen::Index n = sum.right.size();
-  for (Eigen::Index c = 0; c < n; ++c) {
-    for (Eigen::Index r = c + 1; r < n; ++r) sum.matrix(c, r) = sum.matrix(r, c);
-  }
-  for (Eigen::Index k = voltages - 2; k >= 0; --k) sum.matrix.row(k) += sum.matrix.row(k + 1);
-  for (Eigen::Index k = voltages - 2; k >= 0; --k) sum.matrix.col(k) += sum.matrix.col(k + 1);
-  for (Eigen::Index k = voltages - 2; k >= 0; --k) sum.right[k] += sum.right[k + 1];
-}
-
-// Points of a geometric grid, ends included.
-std::vector<double> Geometric(double lower, double upper, int points) {
-  std::vector<double> grid;
-  for (int k = 0; k < points; ++k) {
-    grid.push_back(points == 1 ? std::sqrt(lower * upper)
-                               : lower * std::pow(upper / lower, double(k) / (points - 1)));
-  }
-  return grid;
-}
-
-// Every choice of `count` out of the grid, in rising order.
-std::vector<std::vector<double>> Choices(const std::vector<double>& grid, int count) {
-  std::vector<std::vector<double>> all;
-  std::vector<double> chosen;
-  const auto choose = [&](auto&& self, std::size_t from) -> void {
-    if (static_cast<int>(chosen.size()) == count) {
-      all.push_back(chosen);
-      return;
-    }
-    for (std::size_t k = from; k < grid.size(); ++k) {
-      chosen.push_back(grid[k]);
-      self(self, k + 1);
-      chosen.pop_back();
-    }
-  };
-  choose(choose, 0);
-  return all;
+// A quadratic of node voltages as one of their rises.
+void TurnToRises(NormalEquations& sum, int voltages) {
+  sum.matrix.triangularView<Eigen::StrictlyUpper>() = sum.matrix.transpose();
+  ToRises(sum.matrix, voltages);
+  sum.matrix.transposeInPlace();
+  ToRises(sum.matrix, voltages);
+  ToRises(sum.right.transpose(), voltages);
 }
 
 // Every so-manieth node, so that no more than `most` are left.
@@ -69,11 +45,13 @@ JointStructure Coarsen(JointStructure structure) {
   return structure;
 }
 
-// The cost over the logarithms of the rates that are searched.
-class RatesProblem : public OptimizationProblem {
+// Least squares over the logarithms of the rates, with the linear unknowns at their best for each:
+// variable projection. The Jacobian is Kaufman's: slopes at fixed linear unknowns, less what the
+// free linear unknowns can follow.
+class RatesProblem : public LeastSquaresProblem {
  public:
   RatesProblem(const JointFit& fit, const JointSolution& from)
-      : fit_(fit), best_(from), rates_(fit.Rates(from.structure)) {}
+      : fit_(fit), best_(from), last_(from), rates_(fit.Rates(from.structure)) {}
 
   [[nodiscard]] int size() const override { return static_cast<int>(rates_.size()); }
   [[nodiscard]] Eigen::VectorXd lower() const override {
@@ -94,22 +72,47 @@ class RatesProblem : public OptimizationProblem {
     }
     return x;
   }
-  [[nodiscard]] bool has_gradient() const override { return false; }
-  [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override {
+
+  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override {
+    const int p = size();
     JointRates rates = best_.rates;
-    for (int k = 0; k < size(); ++k) {
+    for (int k = 0; k < p; ++k) {
       // exp(log(bound)) may miss the bound by a rounding.
       *rates_[k].entry(rates, rates_[k].index) =
           std::clamp(std::exp(x[k]), rates_[k].lower, rates_[k].upper);
     }
-    JointSolution solution = fit_.Solve(best_.structure, rates, best_.smoothness, best_.at_zero);
-    const double cost = solution.cost;
-    if (cost < best_.cost) best_ = std::move(solution);
-    return cost;
-  }
-  double Gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override {
-    gradient.setConstant(size(), std::numeric_limits<double>::quiet_NaN());
-    return Cost(x);
+    ProjectedSlopes slopes;
+    last_ = fit_.Solve(
+        best_.structure, rates, best_.smoothness, last_.at_zero, jacobian ? &slopes : nullptr);
+    const double cost = last_.cost;
+    if (cost < best_.cost) best_ = last_;
+    if (!std::isfinite(cost)) {
+      return Eigen::MatrixXd::Constant(
+          p + 1, p + 1, std::numeric_limits<double>::quiet_NaN());
+    }
+    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(p + 1, p + 1);
+    const double norm = std::sqrt(std::max(cost, 0.0));
+    factor(p, p) = norm;
+    if (!jacobian) return factor;
+    // The root of [J'J J'r; r'J r'r], from the eigenvectors of J'J, which may be singular.
+    Eigen::VectorXd scale(p);
+    for (int k = 0; k < p; ++k) scale[k] = *rates_[k].entry(rates, rates_[k].index);
+    const Eigen::MatrixXd square = scale.asDiagonal() * slopes.square * scale.asDiagonal();
+    const Eigen::VectorXd right = scale.cwiseProduct(slopes.with_residual);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(square);
+    const double least = 1e-14 * std::max(eigen.eigenvalues()[p - 1], 0.0);
+    double rest = cost;
+    for (int k = 0; k < p; ++k) {
+      const double value = eigen.eigenvalues()[k];
+      if (!(value > least)) continue;
+      const double root = std::sqrt(value);
+      factor.row(k).head(p) = root * eigen.eigenvectors().col(k).transpose();
+      factor(k, p) = eigen.eigenvectors().col(k).dot(right) / root;
+      rest -= factor(k, p) * factor(k, p);
+    }
+    factor(p, p) = std::sqrt(std::max(rest, 0.0));
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(factor);
+    return qr.matrixQR().triangularView<Eigen::Upper>();
   }
   [[nodiscard]] const JointSolution& best() const { return best_; }
   [[nodiscard]] const std::vector<JointFit::Rate>& rates() const { return rates_; }
@@ -117,12 +120,35 @@ class RatesProblem : public OptimizationProblem {
  private:
   const JointFit& fit_;
   mutable JointSolution best_;  // one thread asks
+  mutable JointSolution last_;  // its active bounds are the guess for the next
   std::vector<JointFit::Rate> rates_;
 };
 
 }  // namespace
 
-JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const JointKnowledge& known)
+void SortBranches(JointSolution& solution) {
+  const std::vector<double> taus = solution.rates.time_constant_s;
+  const std::size_t n = taus.size();
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return taus[a] < taus[b]; });
+  if (std::is_sorted(order.begin(), order.end()) || solution.x.size() == 0) return;
+  const JointLayout layout(solution.structure);
+  const JointSolution before = solution;
+  for (std::size_t j = 0; j < n; ++j) {
+    const int from = layout.branch(static_cast<int>(order[j]));
+    const int to = layout.branch(static_cast<int>(j));
+    solution.rates.time_constant_s[j] = taus[order[j]];
+    solution.x.segment(to, layout.nodes()) = before.x.segment(from, layout.nodes());
+    std::copy_n(before.at_zero.begin() + from, layout.nodes(), solution.at_zero.begin() + to);
+    const auto name = fmt::format("tau_{}", order[j] + 1);
+    for (std::size_t k = 0; k < before.at_bound.size(); ++k) {
+      if (before.at_bound[k] == name) solution.at_bound[k] = fmt::format("tau_{}", j + 1);
+    }
+  }
+}
+
+JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const GivenParameters& known)
     : logs_(logs), setup_(setup), known_(known) {
   // Time constants that logs with steps can show, pulses where there are any.
   double shortest_s = kInfinity;
@@ -135,14 +161,13 @@ JointFit::JointFit(const JointLogs& logs, const JointSetup& setup, const JointKn
     }
     if (std::isfinite(shortest_s)) break;
   }
-  shortest_tau_s_ = 0.5 * shortest_s;
+  shortest_tau_s_ = kShortestTau * shortest_s;
   longest_tau_s_ = std::max(longest_s, 8.0 * shortest_s);
 }
 
 JointRates JointFit::Base(const JointStructure& structure) const {
   const auto fixed = [&](const std::string& name, double otherwise) {
-    const auto found = known_.fixed.find(name);
-    return found == known_.fixed.end() ? otherwise : found->second;
+    return known_.Fixed(name).value_or(otherwise);
   };
   JointRates rates;
   rates.beta_per_sqrt_s = setup_.diffusion ? fixed("beta", 0.2) : kInfinity;
@@ -157,18 +182,29 @@ JointRates JointFit::Base(const JointStructure& structure) const {
 
 std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) const {
   std::vector<Rate> rates;
-  const auto add = [&](std::string name, double lower, double upper, auto entry, int index) {
-    if (known_.fixed.count(name) > 0) return;
-    if (const auto found = known_.bounds.find(name); found != known_.bounds.end()) {
-      lower = std::max(found->second.first, std::numeric_limits<double>::min());
-      upper = found->second.second;
+  const RateSlots slots(structure);
+  const auto add = [&](std::string name,
+                       double lower,
+                       double upper,
+                       auto entry,
+                       int index,
+                       int slot) {
+    if (known_.Fixed(name)) return;
+    if (const auto bounds = known_.Bounds(name)) {
+      lower = std::max(bounds->first, std::numeric_limits<double>::min());
+      upper = bounds->second;
     }
-    rates.push_back({std::move(name), lower, upper, entry, index});
+    rates.push_back({std::move(name), lower, upper, entry, index, slot});
   };
   if (setup_.diffusion) {
     // Slower than the longest log there is no diffusion to be seen.
     add(
-        "beta", 1e-3, 1.0, [](JointRates& r, int) { return &r.beta_per_sqrt_s; }, 0);
+        "beta",
+        1e-3,
+        1.0,
+        [](JointRates& r, int) { return &r.beta_per_sqrt_s; },
+        0,
+        slots.beta());
   }
   for (int j = 0; j < structure.branches; ++j) {
     add(
@@ -176,7 +212,8 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
         shortest_tau_s_,
         longest_tau_s_,
         [](JointRates& r, int at) { return &r.time_constant_s[at]; },
-        j);
+        j,
+        slots.tau(j));
   }
   if (structure.self_heating) {
     add(
@@ -184,7 +221,8 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
         std::max(30.0, 2.0 * shortest_tau_s_),
         1e4,
         [](JointRates& r, int) { return &r.heating_time_constant_s; },
-        0);
+        0,
+        slots.heating());
   }
   if (structure.charge_transfer) {
     add(
@@ -192,7 +230,8 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
         0.01 * logs_.largest_A,
         2.0 * logs_.largest_A,
         [](JointRates& r, int) { return &r.charge_transfer_A; },
-        0);
+        0,
+        slots.transfer());
   }
   return rates;
 }
@@ -226,7 +265,8 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
                                   const JointRates& rates,
                                   double smoothness,
                                   const NormalEquations& sum,
-                                  const std::vector<char>& guess) const {
+                                  const std::vector<char>& guess,
+                                  Eigen::MatrixXd* information) const {
   const JointLayout layout(structure);
   const int n = layout.size();
   const int voltages = layout.voltages();
@@ -236,7 +276,7 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
   const double floor = 1e-13 * all.matrix.diagonal().maxCoeff();
   all.matrix.diagonal().array() += floor;
   NormalEquations rises = all;
-  ToRises(rises, voltages);
+  TurnToRises(rises, voltages);
 
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(n);
   std::vector<char> held(static_cast<std::size_t>(n), 0);
@@ -246,11 +286,11 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
                           setup_.reference(structure.voltage_soc[k - 1]));
   }
   const auto hold = [&](const std::string& name, int table) {
-    const auto found = known_.fixed.find(name);
-    if (found == known_.fixed.end()) return;
+    const auto fixed = known_.Fixed(name);
+    if (!fixed) return;
     for (int k = table; k < table + layout.nodes(); ++k) {
       held[k] = 1;
-      lower[k] = found->second * logs_.typical_A;
+      lower[k] = *fixed * logs_.typical_A;
     }
   };
   hold("r_s", layout.series());
@@ -268,29 +308,60 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
   solution.at_zero = std::move(best.active);
   solution.cost = all.At(solution.x);
   solution.square = sum.At(solution.x);
+  if (information != nullptr) *information = std::move(rises.matrix);
   return solution;
 }
 
 JointSolution JointFit::Solve(const JointStructure& structure,
                               const JointRates& rates,
                               double smoothness,
-                              const std::vector<char>& guess) const {
+                              const std::vector<char>& guess,
+                              ProjectedSlopes* slopes) const {
   ++evaluations_;
-  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s);
-  return SolveSums(
-      structure, rates, smoothness, SumAll(logs_, setup_, structure, soc, rates), guess);
+  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s, slopes != nullptr);
+  Eigen::MatrixXd information;
+  JointSolution solution = SolveSums(structure,
+                                     rates,
+                                     smoothness,
+                                     SumAll(logs_, setup_, structure, soc, rates),
+                                     guess,
+                                     &information);
+  if (slopes == nullptr || solution.x.size() == 0) return solution;
+
+  SlopeSums sums = SumSlopes(logs_, setup_, structure, soc, rates, solution.x, CurveSlope::kSmooth);
+  std::vector<int> searched;
+  for (const Rate& rate : Rates(structure)) searched.push_back(rate.slot);
+  Eigen::MatrixXd with_linear = sums.with_linear(searched, Eigen::all);
+  ToRises(with_linear, JointLayout(structure).voltages());
+  std::vector<int> free;
+  for (std::size_t k = 0; k < solution.at_zero.size(); ++k) {
+    if (!solution.at_zero[k]) free.push_back(static_cast<int>(k));
+  }
+  const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
+  const Eigen::LLT<Eigen::MatrixXd> llt(information.selfadjointView<Eigen::Lower>()
+                                            .toDenseMatrix()(free, free)
+                                            .eval());
+  slopes->square = sums.of_rates(searched, searched);
+  slopes->square -= across.transpose() * llt.solve(across);
+  slopes->with_residual = -sums.with_residual(searched);
+  return solution;
 }
 
-std::vector<double> JointFit::BetaGrid(const JointStructure& structure) const {
+std::vector<double> JointFit::BetaGrid(const JointStructure& structure,
+                                       const JointRates* near) const {
   for (const Rate& rate : Rates(structure)) {
     if (rate.name != "beta") continue;
-    constexpr int kBetas = 9;
-    return Geometric(std::max(rate.lower, std::min(0.01, rate.upper)), rate.upper, kBetas);
+    const double lower = std::max(rate.lower, std::min(0.01, rate.upper));
+    if (near == nullptr) return GeometricGrid(lower, rate.upper, 9);
+    std::vector<double> betas = GeometricGrid(lower, rate.upper, 4);
+    betas.push_back(std::clamp(near->beta_per_sqrt_s, rate.lower, rate.upper));
+    return betas;
   }
   return {Base(structure).beta_per_sqrt_s};
 }
 
-std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure) const {
+std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
+                                            const JointRates* near) const {
   std::vector<JointRates> grid{Base(structure)};
   const auto with = [&](const std::vector<std::vector<double>>& choices, auto&& set) {
     std::vector<JointRates> more;
@@ -302,33 +373,51 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure) con
     }
     grid = std::move(more);
   };
-  // Two values of tau_h or i_0; one where both are there, for each was found alone before.
+  // Two values of tau_h or i_0; one where both are there, for each was found alone before; and none
+  // but its own where the neighbour knows it.
   const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;
   std::vector<int> branches;
   double lower_tau_s = shortest_tau_s_;
   double upper_tau_s = longest_tau_s_;
   for (const Rate& rate : Rates(structure)) {
     if (rate.name == "tau_h") {
-      with(Choices(Geometric(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1),
-           [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
+      auto choices =
+          Choices(GeometricGrid(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
+      if (near != nullptr && std::isfinite(near->heating_time_constant_s))
+        choices = {{near->heating_time_constant_s}};
+      with(choices, [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
     } else if (rate.name == "i_0") {
-      with(Choices(Geometric(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1),
-           [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
+      auto choices = Choices(GeometricGrid(0.1 * logs_.largest_A, 0.5 * logs_.largest_A, values), 1);
+      if (near != nullptr && std::isfinite(near->charge_transfer_A))
+        choices = {{near->charge_transfer_A}};
+      with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
     } else if (rate.name != "beta") {
       branches.push_back(rate.index);
       lower_tau_s = std::max(lower_tau_s, rate.lower);
       upper_tau_s = std::min(upper_tau_s, rate.upper);
     }
   }
-  if (!branches.empty()) {
-    const int count = static_cast<int>(branches.size());
-    // Not at the ends: there a branch is one with r_s, or with v_oc.
-    const double margin = std::pow(upper_tau_s / lower_tau_s, 0.08);
-    const auto taus = Geometric(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
-    with(Choices(taus, count), [&](JointRates& r, const auto& c) {
-      for (int k = 0; k < count; ++k) r.time_constant_s[branches[k]] = c[k];
+  if (branches.empty()) return grid;
+  // Not at the ends: there a branch is one with r_s, or with v_oc.
+  const auto count = static_cast<int>(branches.size());
+  const double margin = std::pow(upper_tau_s / lower_tau_s, 0.08);
+  const auto taus = GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
+  // The neighbour's branches stay where they are, and one more is looked for beside them.
+  const std::size_t known = near == nullptr ? 0 : near->time_constant_s.size();
+  if (known > 0 && known + 1 >= branches.size() && known <= branches.size()) {
+    for (JointRates& rates : grid) {
+      for (std::size_t j = 0; j < known; ++j)
+        rates.time_constant_s[branches[j]] = near->time_constant_s[branches[j]];
+    }
+    if (known == branches.size()) return grid;
+    with(Choices(taus, 1), [&](JointRates& r, const auto& c) {
+      r.time_constant_s[branches[known]] = c[0];
     });
+    return grid;
   }
+  with(Choices(taus, count), [&](JointRates& r, const auto& c) {
+    for (int k = 0; k < count; ++k) r.time_constant_s[branches[k]] = c[k];
+  });
   return grid;
 }
 
@@ -337,8 +426,9 @@ JointSolution JointFit::Search(const JointStructure& structure,
                                const JointSolution* near) const {
   // Fine tables do not move the valleys: these are found with coarse ones.
   const JointStructure coarse = Coarsen(structure);
-  const std::vector<double> betas = BetaGrid(structure);
-  const std::vector<JointRates> line = RatesGrid(structure);
+  const JointRates* from = near == nullptr || near->x.size() == 0 ? nullptr : &near->rates;
+  const std::vector<double> betas = BetaGrid(structure, from);
+  const std::vector<JointRates> line = RatesGrid(structure, from);
   // One line of the grid per beta, along which active bounds are handed on.
   std::vector<JointSolution> best(betas.size());
   tbb::parallel_for(std::size_t{0}, betas.size(), [&](std::size_t b) {
@@ -353,31 +443,25 @@ JointSolution JointFit::Search(const JointStructure& structure,
       if (solution.cost < best[b].cost) best[b] = std::move(solution);
     }
   });
-  if (near != nullptr && near->structure.branches == structure.branches) {
-    JointRates rates = near->rates;
-    const JointRates base = Base(structure);
-    if (std::isnan(rates.heating_time_constant_s))
-      rates.heating_time_constant_s = base.heating_time_constant_s;
-    if (std::isnan(rates.charge_transfer_A)) rates.charge_transfer_A = base.charge_transfer_A;
-    best.push_back(Solve(coarse, rates, smoothness));
-  }
   // The two best are polished: neighbours may lie in different valleys.
   const auto cheaper = [](const auto& a, const auto& b) { return a.cost < b.cost; };
   const std::size_t polished = std::min<std::size_t>(2, best.size());
   const auto end = best.begin() + static_cast<std::ptrdiff_t>(polished);
   std::partial_sort(best.begin(), end, best.end(), cheaper);
-  constexpr double kRoughStep = 3e-3;  // of the logarithms of the rates
-  tbb::parallel_for(std::size_t{0}, polished, [&](std::size_t k) {
-    best[k] = Polish(std::move(best[k]), kRoughStep);
-  });
+  tbb::parallel_for(
+      std::size_t{0}, polished, [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
   JointSolution found = std::move(*std::min_element(best.begin(), end, cheaper));
-  if (coarse == structure || found.x.size() == 0) return found;
-  return Polish(Solve(structure, found.rates, smoothness), 2.0 * kRoughStep);
+  if (coarse != structure && found.x.size() > 0)
+    found = Approach(Solve(structure, found.rates, smoothness));
+  constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates
+  return Polish(std::move(found), kRoughStep);
 }
 
-JointSolution JointFit::Polish(JointSolution from,
-                               double step_tolerance,
-                               int iterations_per_variable) const {
+// The cost has a kink wherever a row crosses a node of v_oc, and rows of short logs are few: with the
+// slope of the segments steps would be as short as the segments, and end in the first small valley.
+// The smooth slope leads past them; a direct search, which sees the cost alone, then settles in.
+template <class Minimize>
+JointSolution JointFit::Descend(JointSolution from, Minimize&& minimize) const {
   const RatesProblem problem(*this, from);
   if (from.x.size() == 0) return from;
   if (problem.size() == 0) {  // what is left is solved exactly
@@ -385,11 +469,7 @@ JointSolution JointFit::Polish(JointSolution from,
     from.message = "No rate was to be found.";
     return from;
   }
-  DirectSearchOptions options;
-  options.step_tolerance = step_tolerance;
-  options.iterations_per_variable = iterations_per_variable;
-  const Eigen::VectorXd start = problem.Point(from.rates);
-  const OptimizationSummary summary = MinimizeBobyqa(problem, start, options);
+  const OptimizationSummary summary = minimize(problem, problem.Point(from.rates));
   JointSolution best = problem.best();
   best.termination = summary.termination;
   best.message = summary.message;
@@ -401,6 +481,26 @@ JointSolution JointFit::Polish(JointSolution from,
       best.at_bound.push_back(rate.name);
   }
   return best;
+}
+
+JointSolution JointFit::Approach(JointSolution from) const {
+  constexpr double kStep = 3e-4;  // of the point, whose logarithms are some units
+  return Descend(std::move(from), [](const RatesProblem& problem, const Eigen::VectorXd& start) {
+    return MinimizeLevenbergMarquardt(
+        problem, start, {.step_tolerance = kStep, .max_iterations = 20});
+  });
+}
+
+JointSolution JointFit::Polish(JointSolution from,
+                               double step_tolerance,
+                               int iterations_per_variable) const {
+  DirectSearchOptions options;
+  options.step_tolerance = step_tolerance;
+  options.iterations_per_variable = iterations_per_variable;
+  return Descend(std::move(from),
+                 [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
+                   return MinimizeBobyqa(problem, start, options);
+                 });
 }
 
 LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
@@ -434,6 +534,9 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
     for (std::size_t s = 0; s < ladder.size(); ++s)
       without[g].push_back(SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
   });
+  const auto total_of = [&](const std::vector<double>& units) {
+    return std::accumulate(units.begin(), units.end(), 0.0) / weight;
+  };
   const auto fitted = SumErrors(logs_,
                                 setup_,
                                 structure,
@@ -441,15 +544,19 @@ LeftOutErrors JointFit::LeaveOut(const JointStructure& structure,
                                 rates,
                                 std::vector<std::vector<Eigen::VectorXd>>(groups, whole));
   const auto errors = SumErrors(logs_, setup_, structure, soc, rates, without);
+  constexpr double kFitted = 0.368;  // e^-1: the share of rows that a bootstrap leaves out
   std::vector<LeftOutErrors> all;
-  double least_V = kInfinity;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
-    all.push_back({.smoothness = ladder[s],
-                   .fitted_V = fitted[s] / weight,
-                   .left_out_V = errors[s] / weight});
-    all.back().expected_V = 0.368 * all.back().fitted_V + 0.632 * all.back().left_out_V;
-    least_V = std::min(least_V, all.back().expected_V);
+    LeftOutErrors& one = all.emplace_back();
+    one.smoothness = ladder[s];
+    one.fitted_V = total_of(fitted[s]);
+    one.left_out_V = total_of(errors[s]);
+    one.expected_V = kFitted * one.fitted_V + (1.0 - kFitted) * one.left_out_V;
+    for (std::size_t u = 0; u < errors[s].size(); ++u)
+      one.unit_V.push_back(kFitted * fitted[s][u] + (1.0 - kFitted) * errors[s][u]);
   }
+  double least_V = kInfinity;
+  for (const LeftOutErrors& one : all) least_V = std::min(least_V, one.expected_V);
   for (const LeftOutErrors& one : all) {
     if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
   }

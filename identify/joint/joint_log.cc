@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <unordered_map>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
@@ -13,11 +15,13 @@
 namespace lipoid {
 namespace {
 
-// Of each log every fifth pulse, or every fifth of sixty pieces of a discharge, are left out
-// together: what is left covers all states of charge at the same currents. The ends of a discharge
-// stay: beyond them there is nothing to predict from.
+// Every fifth pulse, or every fifth of sixty pieces of a discharge, are left out together: what is
+// left covers all states of charge at the same currents. The ends of a discharge stay: beyond them
+// there is nothing to predict from.
 constexpr int kGroups = 5;
 constexpr int kPieces = 60;
+// Neighbouring pieces are compared together, so that errors of units hardly depend on each other.
+constexpr int kPiecesOfUnit = 5;
 // Logs of up to so many rows are taken as they are.
 constexpr std::size_t kShortLog = 2500;
 // Blocks take no more than this share of a log's rows, so that v_oc(A) is seen in detail.
@@ -63,6 +67,24 @@ Condensation HowToCondense(const Record& record) {
   return how;
 }
 
+// Lengths of steps that differ by no more than the stamps' rounding are one.
+void FindIntervals(JointLog& log) {
+  std::unordered_map<std::int64_t, std::uint32_t> known;
+  log.interval.assign(log.size(), 0);
+  for (std::size_t k = 1; k < log.size(); ++k) {
+    const double dt_s = log.time_s[k] - log.time_s[k - 1];
+    const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
+    // A length at the edge of two keys is at worst there twice.
+    const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30);
+    const auto [found, fresh] =
+        known.try_emplace(key, static_cast<std::uint32_t>(log.interval_s.size()));
+    if (!fresh && std::abs(log.interval_s[found->second] - dt_s) > tolerance_s)
+      found->second = static_cast<std::uint32_t>(log.interval_s.size());
+    if (found->second == log.interval_s.size()) log.interval_s.push_back(dt_s);
+    log.interval[k] = found->second;
+  }
+}
+
 JointLog MakeJointLog(const LoadedLog& loaded,
                       double alpha_C,
                       const OpenCircuitVoltage& curve,
@@ -79,23 +101,29 @@ JointLog MakeJointLog(const LoadedLog& loaded,
   if (log.kind == LogKind::kPulses) starts = PulseStarts(segments);
   const double from_s = record.time_s.front();
   const double length_s = record.time_s.back() - from_s;
-  const auto group_of = [&](std::size_t row) {
-    if (log.kind == LogKind::kLowRate) return JointLog::kAlways;
+  struct Place {
+    int group, unit;
+  };
+  const auto place_of = [&](std::size_t row) -> Place {
+    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
     if (log.kind == LogKind::kConstantCurrent) {
       const double share = (record.time_s[row] - from_s) / length_s;
-      const int piece = static_cast<int>(share * kPieces);
-      return piece == 0 || piece >= kPieces - 2 ? JointLog::kAlways : piece % kGroups;
+      const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
+      if (piece == 0 || piece >= kPieces - 2) return {JointLog::kAlways, JointLog::kAlways};
+      return {piece % kGroups, piece / kPiecesOfUnit};
     }
     const auto after = std::upper_bound(starts.begin(), starts.end(), row);
-    return std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0) % kGroups;
+    const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);
+    return {pulse % kGroups, pulse};
   };
-  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, int at) {
+  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, Place at) {
     log.time_s.push_back(time_s);
     log.step_A.push_back(step_A);
     log.current_A.push_back(current_A);
     log.voltage_V.push_back(v);
     log.count.push_back(w);
-    log.group.push_back(at);
+    log.group.push_back(at.group);
+    log.unit.push_back(at.unit);
   };
   const CondensedLog condensed(record, HowToCondense(record));
   const bool backward = record.hold == Hold::kBackward;
@@ -103,24 +131,24 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     if (piece.plain()) {
       for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) {
         const double step_A = k == 0 ? 0.0 : record.current_A[backward ? k : k - 1];
-        add(record.time_s[k], step_A, record.current_A[k], record.voltage_V[k], 1.0, group_of(k));
+        add(record.time_s[k], step_A, record.current_A[k], record.voltage_V[k], 1.0, place_of(k));
       }
       continue;
     }
     const BlockShape& shape = condensed.shapes()[piece.shape];
     const double* voltage_V = condensed.node_voltage_V(piece);
     const double before_s = record.time_s[piece.first - 1];
-    const int group = group_of(piece.first);
+    const Place place = place_of(piece.first);
     for (Eigen::Index j = 0; j < shape.nodes(); ++j) {
       add(before_s + shape.node_s[j],
           piece.current_A,
           piece.current_A,
           voltage_V[j],
           shape.weight[j],
-          group);
+          place);
     }
     const double end_s = before_s + piece.duration_s;
-    if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, group);
+    if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, place);
   }
 
   // Weights of rows, then of the log.
@@ -135,6 +163,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     sum += log.weight[k];
     log.weight[k] /= 1.0 + charge_V * charge_V / (voltage_V * voltage_V);
   }
+  FindIntervals(log);
   log.log_weight = loaded.entry.weight;
   for (double& w : log.weight) w *= log.log_weight / sum;
 
@@ -144,6 +173,28 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     log.longest_s = std::max(log.longest_s, segment.duration_s());
   }
   return log;
+}
+
+// Groups and units of one log become those of all.
+void NumberGroups(JointLogs& all) {
+  for (JointLog& log : all.logs) {
+    int last_group = -1;
+    int last_unit = -1;
+    const auto first_unit = static_cast<int>(all.unit_weight.size());
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == JointLog::kAlways) continue;
+      last_group = std::max(last_group, log.group[k]);
+      last_unit = std::max(last_unit, log.unit[k]);
+      log.group[k] += all.groups;
+      log.unit[k] += first_unit;
+    }
+    all.groups += last_group + 1;
+    all.unit_weight.resize(static_cast<std::size_t>(first_unit + last_unit + 1), 0.0);
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] != JointLog::kAlways)
+        all.unit_weight[static_cast<std::size_t>(log.unit[k])] += log.weight[k];
+    }
+  }
 }
 
 }  // namespace
@@ -163,14 +214,8 @@ JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
   });
   double squares = 0.0;
   double loaded = 0.0;
-  for (JointLog& log : all.logs) {
-    int most = -1;
-    for (int& group : log.group) {
-      if (group == JointLog::kAlways) continue;
-      most = std::max(most, group);
-      group += all.groups;
-    }
-    all.groups += most + 1;
+  NumberGroups(all);
+  for (const JointLog& log : all.logs) {
     all.largest_A = std::max(all.largest_A, LargestMagnitude(log.current_A));
     all.weight_sum += log.log_weight;
   }

@@ -11,9 +11,14 @@
 /// steep, a charge that differs by a thousandth between two discharges of the same cell moves the
 /// voltage by more than anything that a resistance does. Each log then counts as much as its weight
 /// in the campaign says, whatever the number of its rows.
+///
+/// Every fifth pulse with the rest behind it, and every fifth of sixty pieces of a discharge, are
+/// left out together. Errors of what is left out are compared unit by unit (paired_errors.h): a
+/// pulse with its rest, or five neighbouring pieces of a discharge.
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,7 +41,8 @@ struct JointLog {
   double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
   /// One entry per point: the current that flowed since the point before, the current at the point,
   /// what was measured there, the number of rows it stands for (0: only a point on the way), their
-  /// weight in the sum of squares, and the group in which it is left out.
+  /// weight in the sum of squares, the group in which it is left out, and the unit in which its
+  /// error is compared then.
   std::vector<double> time_s;
   std::vector<double> step_A;
   std::vector<double> current_A;
@@ -44,6 +50,10 @@ struct JointLog {
   std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
+  std::vector<int> unit;
+  /// The steps between points have few lengths: each once, and of every point which one leads to it.
+  std::vector<double> interval_s;
+  std::vector<std::uint32_t> interval;
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
   double noise_V = 0.0;     ///< of a row and what its second differences have; 0: cannot be seen
@@ -56,6 +66,8 @@ struct JointLog {
 struct JointLogs {
   std::vector<JointLog> logs;
   int groups = 0;           ///< that can be left out
+  /// Weight of each unit.
+  std::vector<double> unit_weight;
   double weight_sum = 0.0;  ///< over all logs
   double largest_A = 0.0;
   double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows

@@ -22,6 +22,15 @@
 
 namespace lipoid {
 
+/// What does not change while rates are searched.
+struct JointSetup {
+  double alpha_C = 0.0;
+  bool diffusion = true;
+  int terms = 10;
+  bool tail = true;
+  OpenCircuitVoltage reference;  ///< of v_oc(A); the curve itself where it is given
+};
+
 /// Which terms there are.
 struct JointStructure {
   int branches = 1;
@@ -40,6 +49,25 @@ struct JointRates {
   std::vector<double> time_constant_s;
   double heating_time_constant_s = std::numeric_limits<double>::quiet_NaN();
   double charge_transfer_A = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Where the slope in each nonlinear parameter stands: beta, tau_1 .. tau_n, tau_h, i_0. There is
+/// always a beta; without diffusion its slope is zero.
+class RateSlots {
+ public:
+  explicit RateSlots(const JointStructure& structure)
+      : branches_(structure.branches),
+        heating_(structure.self_heating ? 1 : 0),
+        transfer_(structure.charge_transfer ? 1 : 0) {}
+
+  [[nodiscard]] int beta() const { return 0; }
+  [[nodiscard]] int tau(int j) const { return 1 + j; }
+  [[nodiscard]] int heating() const { return 1 + branches_; }
+  [[nodiscard]] int transfer() const { return 1 + branches_ + heating_; }
+  [[nodiscard]] int size() const { return 1 + branches_ + heating_ + transfer_; }
+
+ private:
+  int branches_, heating_, transfer_;
 };
 
 /// Where each linear unknown stands. All are in volts: node voltages as they are, resistances
@@ -68,6 +96,13 @@ class JointLayout {
   int voltages_, nodes_, branches_;
   bool transfer_, heating_;
 };
+
+/// From columns of node voltages to columns of their rises, x_node[k] = sum_{j <= k} rise[j]: each
+/// takes in those of all nodes above it.
+template <class Matrix>
+void ToRises(Matrix&& columns, int voltages) {
+  for (int k = voltages - 2; k >= 0; --k) columns.col(k) += columns.col(k + 1);
+}
 
 /// The two nodes between which a state of charge lies, and the share of the upper one. Beyond the
 /// ends the share leaves [0, 1].

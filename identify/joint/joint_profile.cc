@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 
+#include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -19,7 +19,6 @@ constexpr double kStep = 1e-3;
 
 // A parameter as the run knows it.
 struct Held {
-  std::string known;  ///< its name in JointKnowledge: branches as they were searched
   std::string unit;
   double estimate = 0.0;
   double lower = 0.0;
@@ -27,11 +26,6 @@ struct Held {
   double* (*entry)(JointRates&, int) = nullptr;  ///< of a rate
   int index = 0;
 };
-
-std::string Unit(const std::string& rate) {
-  if (rate == "beta") return "s^-1/2";
-  return rate == "i_0" ? "A" : "s";
-}
 
 // Those that can be held at a value, by the names that users see, and those that cannot.
 struct Offered {
@@ -46,71 +40,63 @@ struct Offered {
   }
 };
 
-Offered OfferedBy(const JointResult& result, const JointKnowledge& known) {
+Offered OfferedBy(const JointResult& result, const GivenParameters& known) {
   const JointSolution& best = result.choice.best;
   const JointLayout layout(best.structure);
   const JointFit fit(result.logs, result.setup, known);
   const auto searched = fit.Rates(best.structure);
   Offered all;
-  const auto add_rate = [&](const std::string& rate, const std::string& name) {
+  const auto add_rate = [&](const std::string& name) {
     const auto found = std::find_if(
-        searched.begin(), searched.end(), [&](const auto& other) { return other.name == rate; });
+        searched.begin(), searched.end(), [&](const auto& other) { return other.name == name; });
     if (found == searched.end()) {
       all.fixed.push_back(name);
       return;
     }
     JointRates rates = best.rates;
     all.held.push_back({name,
-                        {.known = rate,
-                         .unit = Unit(rate),
+                        {.unit = std::string(CellParameterUnit(name)),
                          .estimate = *found->entry(rates, found->index),
                          .lower = found->lower,
                          .upper = found->upper,
                          .entry = found->entry,
                          .index = found->index}});
   };
-  const auto add_table = [&](const std::string& table, const std::string& name, int at) {
-    if (known.fixed.count(table) > 0) {
+  const auto add_table = [&](const std::string& name, int at) {
+    if (known.Fixed(name)) {
       all.fixed.push_back(name);
     } else if (layout.nodes() > 1) {
       all.tables.push_back(name);
     } else {
       Held held;
-      held.known = table;
       held.unit = "Ohm";
       held.estimate = best.x[at] / result.logs.typical_A;
       all.held.push_back({name, held});
     }
   };
-  if (result.setup.diffusion) add_rate("beta", "beta");
-  add_table("r_s", "r_s", layout.series());
-  // As the cell file and the trust report have them.
-  std::vector<int> order(static_cast<std::size_t>(best.structure.branches));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return best.rates.time_constant_s[a] < best.rates.time_constant_s[b];
-  });
-  for (std::size_t place = 0; place < order.size(); ++place) {
-    const int j = order[place];
-    add_table(fmt::format("r_{}", j + 1), fmt::format("r_{}", place + 1), layout.branch(j));
-    add_rate(fmt::format("tau_{}", j + 1), fmt::format("tau_{}", place + 1));
+  if (result.setup.diffusion) add_rate("beta");
+  add_table("r_s", layout.series());
+  for (int j = 0; j < best.structure.branches; ++j) {
+    add_table(fmt::format("r_{}", j + 1), layout.branch(j));
+    add_rate(fmt::format("tau_{}", j + 1));
   }
-  if (best.structure.self_heating) add_rate("tau_h", "tau_h");
-  if (best.structure.charge_transfer) add_rate("i_0", "i_0");
+  if (best.structure.self_heating) add_rate("tau_h");
+  if (best.structure.charge_transfer) add_rate("i_0");
   return all;
 }
 
 // The fit with one parameter held, from the rates of the last one.
 class HeldFit {
  public:
-  HeldFit(Held held, const JointResult& result, JointKnowledge known)
-      : held_(std::move(held)),
+  HeldFit(std::string name, const Held& held, const JointResult& result, GivenParameters known)
+      : name_(std::move(name)),
+        held_(held),
         result_(result),
         known_(std::move(known)),
         last_(result.choice.best) {}
 
   ProfileCost operator()(double value) {
-    known_.fixed[held_.known] = value;
+    known_.fixed[name_] = value;
     const JointFit fit(result_.logs, result_.setup, known_);
     JointRates rates = last_.rates;
     if (held_.entry != nullptr) *held_.entry(rates, held_.index) = value;
@@ -123,9 +109,10 @@ class HeldFit {
   }
 
  private:
+  std::string name_;
   Held held_;
   const JointResult& result_;
-  JointKnowledge known_;
+  GivenParameters known_;
   JointSolution last_;
 };
 
@@ -153,7 +140,7 @@ std::vector<Profile> ProfileJoint(const std::vector<std::string>& names,
                                   const TrustReport& trust,
                                   const std::map<std::string, std::pair<double, double>>& bounds) {
   CheckJointProfile(names);
-  const JointKnowledge known{.fixed = result.fixed, .bounds = bounds};
+  const GivenParameters known{.fixed = result.fixed, .bounds = bounds};
   const Offered offered = OfferedBy(result, known);
   for (const std::string& name : names) {
     if (std::find(offered.tables.begin(), offered.tables.end(), name) == offered.tables.end())
@@ -181,8 +168,8 @@ std::vector<Profile> ProfileJoint(const std::vector<std::string>& names,
     // A resistance at zero: as far as the series resistance is uncertain, which it would take from.
     if (series != nullptr) task.typical_reach = Reach95(*series);
     if (!std::isfinite(task.typical_reach)) task.typical_reach = 0.1 / result.logs.typical_A;
-    task.begin = [&result, &known, held]() -> Refit {
-      auto fit = std::make_shared<HeldFit>(held, result, known);
+    task.begin = [&result, &known, name, held]() -> Refit {
+      auto fit = std::make_shared<HeldFit>(name, held, result, known);
       return [fit](double value) { return (*fit)(value); };
     };
     tasks.push_back(std::move(task));

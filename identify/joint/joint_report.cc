@@ -18,6 +18,9 @@ Json TriedToJson(const TriedStructure& row) {
           {"fitted_V", NumberOrNull(row.errors.fitted_V)},
           {"left_out_V", NumberOrNull(row.errors.left_out_V)},
           {"expected_V", NumberOrNull(row.errors.expected_V)},
+          {"gain_V", NumberOrNull(row.gain.gain)},
+          {"gain_standard_error_V", NumberOrNull(row.gain.standard_error)},
+          {"weight", row.weight},
           {"beta_per_sqrt_s", NumberOrNull(row.solution.rates.beta_per_sqrt_s)},
           {"time_constants_s", row.solution.rates.time_constant_s},
           {"taken", row.taken}};

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 
 #include "identify/validation.h"
 #include "model/core/errors.h"
@@ -39,36 +41,30 @@ OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, dou
   return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
 }
 
-JointKnowledge Knowledge(const StagedGiven& given, int branches) {
-  JointKnowledge known;
-  for (const auto& [name, value] : given.parameters.fixed) {
-    if (name.rfind("c_", 0) == 0) {
-      throw OptionError(fmt::format(
-          "--fix {}: the joint method knows branches by their time constants; fix tau_{} instead",
-          name,
-          name.substr(2)));
-    }
-    const bool branch = name.rfind("r_", 0) == 0 || name.rfind("tau_", 0) == 0;
-    const int of = branch && name != "r_s" ? std::atoi(name.c_str() + name.find('_') + 1) : 0;
-    if (!(name == "beta" || name == "r_s" || (of >= 1 && of <= branches))) {
-      throw OptionError(fmt::format(
-          "--fix {}: the joint method holds beta, r_s, and r_j or tau_j of a branch that "
-          "--branches gives",
-          name));
-    }
-    known.fixed[name] = value;
+// What is given, checked; without --branches the data say how many there are, and none has a name.
+const GivenParameters& Checked(const GivenParameters& given, int branches, bool diffusion) {
+  if (branches < 0 && given.NamesABranch()) {
+    throw OptionError(
+        "--fix and --bounds of a branch need --branches: without it the joint method chooses how "
+        "many branches there are");
   }
-  for (const auto& [name, ends] : given.parameters.bounds) {
-    if (name != "beta" && name.rfind("tau_", 0) != 0) {
-      throw OptionError(fmt::format("--bounds {}: the joint method bounds beta and tau_j", name));
-    }
-    known.bounds[name] = ends;
+  CheckGiven(given, FitParameterNames(diffusion, branches));
+  for (const auto& [name, value] : given.fixed) {
+    if (!name.starts_with("c_")) continue;
+    throw OptionError(fmt::format(
+        "--fix {}: the joint method knows branches by their time constants; fix tau_{} instead",
+        name,
+        name.substr(2)));
   }
-  if (!given.parameters.start.empty()) {
+  for (const auto& [name, ends] : given.bounds) {
+    if (name == "beta" || name.starts_with("tau_")) continue;
+    throw OptionError(fmt::format("--bounds {}: the joint method bounds beta and tau_j", name));
+  }
+  if (!given.start.empty()) {
     throw OptionError(fmt::format("--start {}: the joint method searches a grid and needs no start",
-                                  given.parameters.start.begin()->first));
+                                  given.start.begin()->first));
   }
-  return known;
+  return given;
 }
 
 class JointRun {
@@ -85,25 +81,21 @@ class JointRun {
         options_(options),
         given_(given),
         progress_(progress),
-        known_(Knowledge(given, options.branches)) {}
+        known_(Checked(
+            given.parameters, options.branches, staged_options.pulses.diffusion)) {}
 
   JointResult Run() {
     const auto began = std::chrono::steady_clock::now();
     StagedGiven for_staged = given_;
     for_staged.parameters = {};  // structures differ: what is held here need not be there
-    result_.staged = IdentifyStaged(
-        campaign_, logs_, staged_options_, for_staged, [&](auto stage, double share) {
-          Tell(stage, 0.2 * share);
-        });
+    curve_given_ = given_.open_circuit_voltage.has_value();
+    result_.fixed = known_.fixed;
     for (const LoadedLog& log : logs_) {
       const std::vector<double> delivered_C = DeliveredCharge(log.log.record);
       deepest_C_.push_back(
           delivered_C.empty() ? 0.0 : *std::max_element(delivered_C.begin(), delivered_C.end()));
     }
-    curve_given_ = given_.open_circuit_voltage.has_value();
-    result_.fixed = known_.fixed;
-    FindAlpha();
-    Fit();
+    FitBesideTheStaged(for_staged);
     MakeCell();
     Judge();
     NameCautions();
@@ -115,6 +107,36 @@ class JointRun {
  private:
   void Tell(std::string_view stage, double share) const {
     if (progress_) progress_(stage, share);
+  }
+
+  // The joint fit needs alpha and v_oc(A) of the staged run; its pulses are fitted side by side.
+  void FitBesideTheStaged(const StagedGiven& for_staged) {
+    tbb::task_group joint;
+    std::exception_ptr failed;
+    StagedResult staged;
+    try {
+      staged = IdentifyStaged(
+          campaign_,
+          logs_,
+          staged_options_,
+          for_staged,
+          [&](auto stage, double share) {
+            constexpr double kBeforePulses = 0.2;
+            if (share < kBeforePulses) Tell(stage, share);
+          },
+          [&](const StagedResult& before) {
+            result_.staged = before;
+            joint.run([this] {
+              FindAlpha();
+              Fit();
+            });
+          });
+    } catch (...) {
+      failed = std::current_exception();
+    }
+    joint.wait();
+    if (failed) std::rethrow_exception(failed);
+    result_.staged = std::move(staged);
   }
 
   void Prepare(double alpha_C) {
@@ -167,6 +189,7 @@ class JointRun {
     }
     result_.alpha_source = "cut-off";
     // Twice: the nodes move with the gauge, and where they lie matters a little.
+    JointSolution rough;
     for (int pass = 0; pass < 2; ++pass) {
       Tell("alpha", 0.2 + 0.05 * pass);
       Prepare(alpha_C);
@@ -179,7 +202,7 @@ class JointRun {
                                                                : 1),
                  LowestSoc(alpha_C));
       structure.voltage_soc = CurveNodes();
-      const JointSolution rough = fit.Search(structure, 1e-3);
+      rough = fit.Search(structure, 1e-3, pass == 0 ? nullptr : &rough);
       if (rough.x.size() == 0) return;
       const double next_C = alpha_C * (1.0 - Cutoff(rough).soc);
       if (!(next_C > 0.5 * alpha_C && next_C < 2.0 * alpha_C)) return;
@@ -243,7 +266,8 @@ class JointRun {
     }
     if (result_.alpha_source == "cut-off" && result_.choice.errors.smoothness <= kNoSmoothness)
       FitInItsOwnGauge();
-    const JointSolution& best = result_.choice.best;
+    JointSolution& best = result_.choice.best;
+    if (!known_.NamesABranch()) SortBranches(best);
     result_.rmse_V = std::sqrt(std::max(best.square, 0.0) / result_.logs.weight_sum);
     result_.evaluations = fit.evaluations();
     result_.converged = best.termination == Termination::kConverged;
@@ -299,9 +323,6 @@ class JointRun {
         branch.capacitance_F = branch.time_constant_s / r;
       cell.branches.push_back(std::move(branch));
     }
-    std::sort(cell.branches.begin(), cell.branches.end(), [](const auto& a, const auto& b) {
-      return a.time_constant_s < b.time_constant_s;
-    });
     const double per_A = 1.0 / result_.logs.typical_A;
     if (best.structure.charge_transfer) {
       cell.charge_transfer =
@@ -416,7 +437,7 @@ class JointRun {
   const JointOptions& options_;
   const StagedGiven& given_;
   const StageProgress& progress_;
-  const JointKnowledge known_;
+  const GivenParameters& known_;
   bool curve_given_ = false;
   std::vector<double> deepest_C_;  // charge that has left each log at most
   JointResult result_;

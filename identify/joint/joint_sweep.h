@@ -12,31 +12,29 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "identify/fit/cell_rows.h"
 #include "identify/joint/joint_log.h"
 #include "identify/joint/joint_model.h"
 
 namespace lipoid {
 
-/// What does not change while rates are searched.
-struct JointSetup {
-  double alpha_C = 0.0;
-  bool diffusion = true;
-  int terms = 10;
-  bool tail = true;
-  OpenCircuitVoltage reference;  ///< of v_oc(A); the curve itself where it is given
+/// A(t) of one log for one beta: of each point, and of the start of the step that leads to it under
+/// the step's current (CellModel takes r_j there); their slopes in beta where they were asked for.
+struct LogTrace {
+  std::vector<double> at;
+  std::vector<double> start;
+  std::vector<double> at_slope;
+  std::vector<double> start_slope;
 };
-
-/// A(t) of every log for one beta: of each point, and of the start of the step that leads to it
-/// under the step's current (CellModel takes r_j there).
 struct SocTrace {
-  std::vector<std::vector<double>> at;
-  std::vector<std::vector<double>> start;
+  std::vector<LogTrace> logs;
   double lowest = 1.0;
   double highest = 0.0;
 };
 [[nodiscard]] SocTrace TraceSoc(const JointLogs& logs,
                                 const JointSetup& setup,
-                                double beta_per_sqrt_s);
+                                double beta_per_sqrt_s,
+                                bool slopes = false);
 
 /// sum w (y - a'x)² = square - 2 right'x + x' matrix x over the rows of one group, with y counted
 /// from the reference. Only the lower triangle of the matrix is filled.
@@ -67,10 +65,28 @@ struct NormalEquations {
                                      const SocTrace& soc,
                                      const JointRates& rates);
 
-/// Weighted sums of the errors' sizes over the rows of all groups, each predicted with
-/// unknowns of its own: unknowns[group][s] for s = 0 .. candidates - 1. An empty vector counts as
+/// What the slopes S of the predicted voltage in the nonlinear parameters (RateSlots) sum to at the
+/// unknowns x, with the residual r = y - a'x: sum w S S', sum w S r, sum w S a'.
+struct SlopeSums {
+  Eigen::MatrixXd of_rates;
+  Eigen::VectorXd with_residual;
+  Eigen::MatrixXd with_linear;
+
+  void Add(const SlopeSums& other);
+};
+/// The trace must have slopes.
+[[nodiscard]] SlopeSums SumSlopes(const JointLogs& logs,
+                                  const JointSetup& setup,
+                                  const JointStructure& structure,
+                                  const SocTrace& soc,
+                                  const JointRates& rates,
+                                  const Eigen::VectorXd& x,
+                                  CurveSlope curve);
+
+/// Weighted sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
+/// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
 /// infinitely wrong.
-[[nodiscard]] std::vector<double> SumErrors(
+[[nodiscard]] std::vector<std::vector<double>> SumErrors(
     const JointLogs& logs,
     const JointSetup& setup,
     const JointStructure& structure,
@@ -82,12 +98,14 @@ struct NormalEquations {
 struct JointRows {
   std::vector<std::size_t> point;  ///< in the log
   Eigen::VectorXd residual_V;      ///< measured less predicted
-  Eigen::MatrixXd sensitivity;     ///< of the predicted voltage to the linear unknowns
+  /// Of the predicted voltage: to the nonlinear parameters (RateSlots), then to the linear ones.
+  Eigen::MatrixXd sensitivity;
 };
-[[nodiscard]] std::vector<JointRows> LinearRows(const JointLogs& logs,
-                                                const JointSetup& setup,
-                                                const JointStructure& structure,
-                                                const JointRates& rates,
-                                                const Eigen::VectorXd& x);
+[[nodiscard]] std::vector<JointRows> AllRows(const JointLogs& logs,
+                                             const JointSetup& setup,
+                                             const JointStructure& structure,
+                                             const JointRates& rates,
+                                             const Eigen::VectorXd& x,
+                                             CurveSlope curve = CurveSlope::kOfSegments);
 
 }  // namespace lipoid

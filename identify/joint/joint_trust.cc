@@ -1,6 +1,5 @@
 #include "identify/joint/joint_trust.h"
 
-#include <ceres/jet.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -8,82 +7,10 @@
 #include <cmath>
 
 #include "identify/joint/joint_drawn.h"
-#include "model/battery/cell_model.h"
+#include "identify/joint/structure_spread.h"
 
 namespace lipoid {
 namespace {
-
-// beta, five branches, tau_h and i_0.
-constexpr int kMostRates = 8;
-using Jet = ceres::Jet<double, kMostRates>;
-
-// The solution as a cell whose rates are variables.
-class VariableCell {
- public:
-  VariableCell(const JointResult& result, const std::vector<JointFit::Rate>& searched)
-      : best_(result.choice.best), layout_(best_.structure), per_A_(1.0 / result.logs.typical_A) {
-    const JointSetup& setup = result.setup;
-    parameters.alpha_C = Jet(setup.alpha_C);
-    parameters.diffusion = setup.diffusion;
-    parameters.terms = setup.terms;
-    parameters.tail = setup.tail;
-    parameters.beta_per_sqrt_s =
-        Variable("beta", setup.diffusion ? best_.rates.beta_per_sqrt_s : 1.0, searched);
-    parameters.open_circuit_voltage = setup.reference;
-    if (layout_.voltages() > 0) {
-      std::vector<double> voltage_V;
-      for (int k = 0; k < layout_.voltages(); ++k)
-        voltage_V.push_back(setup.reference(best_.structure.voltage_soc[k]) + best_.x[k]);
-      parameters.open_circuit_voltage =
-          OpenCircuitVoltage::Linear(best_.structure.voltage_soc, std::move(voltage_V));
-    }
-    parameters.series_resistance_Ohm = Table(layout_.series());
-    for (int j = 0; j < best_.structure.branches; ++j) {
-      parameters.branches.push_back(
-          {Table(layout_.branch(j)),
-           Variable(fmt::format("tau_{}", j + 1), best_.rates.time_constant_s[j], searched)});
-    }
-    if (best_.structure.self_heating) {
-      parameters.self_heating =
-          SelfHeating<Jet>{Variable("tau_h", best_.rates.heating_time_constant_s, searched),
-                           Jet(best_.x[layout_.heating()] * per_A_ * per_A_ * per_A_)};
-    }
-    if (best_.structure.charge_transfer) {
-      parameters.charge_transfer = ChargeTransfer<Jet>{
-          Variable("i_0", best_.rates.charge_transfer_A, searched), Table(layout_.transfer())};
-    }
-  }
-
-  CellParameters<Jet> parameters;
-
- private:
-  static Jet Variable(const std::string& name,
-                      double value,
-                      const std::vector<JointFit::Rate>& searched) {
-    for (std::size_t k = 0; k < searched.size(); ++k) {
-      if (searched[k].name == name) return Jet(value, static_cast<int>(k));
-    }
-    return Jet(value);
-  }
-
-  [[nodiscard]] Resistance<Jet> Table(int at) const {
-    const auto& nodes = best_.structure.resistance_soc;
-    if (nodes.size() == 1) return {Jet(best_.x[at] * per_A_)};
-    std::vector<Jet> values;
-    for (int k = 0; k < layout_.nodes(); ++k) values.emplace_back(best_.x[at + k] * per_A_);
-    return {nodes, std::move(values)};
-  }
-
-  const JointSolution& best_;
-  JointLayout layout_;
-  double per_A_;
-};
-
-// Sums from column (or entry) k to the last of the voltages: from nodes to rises.
-template <class Matrix>
-void SuffixSumColumns(Matrix& m, int voltages) {
-  for (Eigen::Index k = voltages - 2; k >= 0; --k) m.col(k) += m.col(k + 1);
-}
 
 class Assessment {
  public:
@@ -109,17 +36,12 @@ class Assessment {
     AddAlpha();
     AddRate("beta", "beta", "s^-1/2", best_.rates.beta_per_sqrt_s);
     AddTable("r_s", layout_.series());
-    std::vector<int> order;
-    for (int j = 0; j < best_.structure.branches; ++j) order.push_back(j);
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-      return best_.rates.time_constant_s[a] < best_.rates.time_constant_s[b];
-    });
-    for (std::size_t place = 0; place < order.size(); ++place) {
-      const int j = order[place];
+    for (int j = 0; j < best_.structure.branches; ++j) {
       const double tau_s = best_.rates.time_constant_s[j];
-      AddTable(fmt::format("r_{}", place + 1), layout_.branch(j));
-      AddRate(fmt::format("tau_{}", j + 1), fmt::format("tau_{}", place + 1), "s", tau_s);
-      AddCapacitance(fmt::format("tau_{}", j + 1), fmt::format("c_{}", place + 1), j, tau_s);
+      const auto tau = fmt::format("tau_{}", j + 1);
+      AddTable(fmt::format("r_{}", j + 1), layout_.branch(j));
+      AddRate(tau, tau, "s", tau_s);
+      AddCapacitance(tau, fmt::format("c_{}", j + 1), j, tau_s);
     }
     if (best_.structure.charge_transfer) {
       AddTable("r_ct", layout_.transfer());
@@ -156,7 +78,14 @@ class Assessment {
     q.combination = Eigen::VectorXd::Zero(size_);
     return q;
   }
-  void Add(TrustedQuantity q) { quantities_.push_back(std::move(q)); }
+  void Add(TrustedQuantity q) {
+    if (q.name != "alpha") {
+      q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+        return ValueIn(solution, q.name, result_.logs.typical_A, best_);
+      });
+    }
+    quantities_.push_back(std::move(q));
+  }
   [[nodiscard]] Eigen::Index Searched(const std::string& rate) const {
     const auto found = std::find(rates_.begin(), rates_.end(), rate);
     return found == rates_.end() ? -1 : found - rates_.begin();
@@ -242,6 +171,11 @@ class Assessment {
     for (std::size_t k = 0; k <= cutoff.upper; ++k) {
       q.combination[Linear(static_cast<int>(k))] = of_upper + (k <= cutoff.lower ? of_lower : 0.0);
     }
+    // A curve that lies higher there reaches the cut-off later.
+    q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+      return (of_lower + of_upper) *
+             OpenCircuitVoltageIn(solution, result_.setup.reference, cutoff.soc);
+    });
     Add(std::move(q));
   }
 
@@ -258,48 +192,32 @@ class Assessment {
 JointSensitivities FindSensitivities(const JointResult& result) {
   const JointSolution& best = result.choice.best;
   const JointLayout layout(best.structure);
-  JointKnowledge known;
+  GivenParameters known;
   known.fixed = result.fixed;
   const JointFit fit(result.logs, result.setup, known);
   const auto searched = fit.Rates(best.structure);
   JointSensitivities all;
   for (const auto& rate : searched) all.rates.push_back(rate.name);
-  const auto count = static_cast<Eigen::Index>(searched.size());
-
-  const VariableCell cell(result, searched);
-  const CellModel<Jet> model(cell.parameters);
-  auto rows = LinearRows(result.logs, result.setup, best.structure, best.rates, best.x);
+  std::vector<int> columns;
+  for (const auto& rate : searched) columns.push_back(rate.slot);
+  const int slots = RateSlots(best.structure).size();
+  for (int k = 0; k < layout.size(); ++k) columns.push_back(slots + k);
+  auto rows = AllRows(result.logs, result.setup, best.structure, best.rates, best.x);
   all.logs.resize(rows.size());
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t l) {
     const JointLog& log = result.logs.logs[l];
     FittedRows& out = all.logs[l];
     const auto n = rows[l].residual_V.size();
     out.residual_V = std::move(rows[l].residual_V);
+    out.sensitivity = rows[l].sensitivity(Eigen::all, columns);
+    ToRises(out.sensitivity.rightCols(layout.size()), layout.voltages());
     out.weight.resize(n);
     out.averaged.resize(n);
-    out.sensitivity.resize(n, count + layout.size());
-    SuffixSumColumns(rows[l].sensitivity, layout.voltages());
-    out.sensitivity.rightCols(layout.size()) = rows[l].sensitivity;
-
-    auto state = model.Relaxed(Jet(1.0 - log.delivered_C / result.setup.alpha_C));
-    IntervalCache<CellModel<Jet>::Step> cache;
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < log.size(); ++k) {
-      if (k > 0) {
-        const double dt_s = log.time_s[k] - log.time_s[k - 1];
-        auto& step = cache.Get(dt_s, log.time_s[k], [&](double dt, CellModel<Jet>::Step& made) {
-          model.MakeStep(dt, made);
-        });
-        step.dt_s = dt_s;
-        model.Advance(state, Jet(log.step_A[k]), step);
-      }
-      if (row == n || rows[l].point[static_cast<std::size_t>(row)] != k) continue;
-      const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
+    for (Eigen::Index row = 0; row < n; ++row) {
+      const std::size_t k = rows[l].point[static_cast<std::size_t>(row)];
       out.time_s.push_back(log.time_s[k]);
       out.weight[row] = log.weight[k];
       out.averaged[row] = log.count[k];
-      for (Eigen::Index r = 0; r < count; ++r) out.sensitivity(row, r) = voltage.v[r];
-      ++row;
     }
   });
   return all;
@@ -311,12 +229,12 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   const JointLayout layout(best.structure);
   const auto count = static_cast<Eigen::Index>(sensitivities.rates.size());
 
-  JointKnowledge known;
+  GivenParameters known;
   const JointFit fit(result.logs, result.setup, known);
   Eigen::MatrixXd nodes = fit.Penalty(best.structure, best.smoothness);
-  SuffixSumColumns(nodes, layout.voltages());
+  ToRises(nodes, layout.voltages());
   nodes.transposeInPlace();
-  SuffixSumColumns(nodes, layout.voltages());
+  ToRises(nodes, layout.voltages());
   Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(count + layout.size(), count + layout.size());
   penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
 

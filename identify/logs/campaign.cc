@@ -302,13 +302,15 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {
   std::vector<std::string> problems;
   const bool typed = campaign.file.empty();
-  if (campaign.Count(LogKind::kLowRate) == 0 && !open_circuit_voltage_given) {
+  if (campaign.Count(LogKind::kLowRate) + campaign.Count(LogKind::kPulses) == 0 &&
+      !open_circuit_voltage_given) {
     problems.push_back(
-        typed ? "expected a low-rate log for the open-circuit voltage, found none; give one with "
-                "--low-rate, or the curve with --open-circuit-voltage FILE"
-              : "expected a [[log]] of kind \"low-rate\" for the open-circuit voltage, found none; "
-                "add "
-                "one, or give the curve with --open-circuit-voltage FILE");
+        typed ? "expected a low-rate log for the open-circuit voltage, or pulses with rests, found "
+                "neither; give one with --low-rate or --pulses, or the curve with "
+                "--open-circuit-voltage FILE"
+              : "expected a [[log]] of kind \"low-rate\" for the open-circuit voltage, or of kind "
+                "\"pulses\" with rests, found neither; add one, or give the curve with "
+                "--open-circuit-voltage FILE");
   }
   if (campaign.Count(LogKind::kConstantCurrent) + campaign.Count(LogKind::kPulses) == 0) {
     problems.push_back(

@@ -79,8 +79,8 @@ struct CampaignArguments {
 /// OptionError where a file stands twice under one kind.
 [[nodiscard]] Campaign CampaignFromArguments(const CampaignArguments& arguments);
 
-/// Whether the logs together are enough to identify a cell: a low-rate log or a given open-circuit
-/// voltage, pulses or constant currents, a cut-off for constant currents. LoadError at the
+/// Whether the logs may be enough to identify a cell: a low-rate log, pulses or a given curve for
+/// v_oc(A); pulses or constant currents; a cut-off for constant currents. LoadError at the
 /// campaign's file, or OptionError where it was given on the command line.
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given);
 

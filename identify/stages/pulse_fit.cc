@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "identify/fit/grid.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -42,31 +43,6 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a,
       best[columns[k]] = y[static_cast<Eigen::Index>(k)];
   }
   return best;
-}
-
-std::vector<double> LogGrid(double low, double high, int count) {
-  std::vector<double> grid;
-  grid.reserve(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k)
-    grid.push_back(low * std::pow(high / low, count > 1 ? double(k) / (count - 1) : 0.5));
-  return grid;
-}
-
-// Every way to choose `count` entries of the grid, rising.
-std::vector<std::vector<double>> Choices(const std::vector<double>& grid, int count) {
-  std::vector<std::vector<double>> all{{}};
-  for (int chosen = 0; chosen < count; ++chosen) {
-    std::vector<std::vector<double>> longer;
-    for (const auto& choice : all) {
-      for (const double value : grid) {
-        if (!choice.empty() && value <= choice.back()) continue;
-        longer.push_back(choice);
-        longer.back().push_back(value);
-      }
-    }
-    all = std::move(longer);
-  }
-  return all;
 }
 
 struct Candidate {
@@ -122,7 +98,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
                          const PulseFitStart& start,
                          const PulseFitOptions& options,
                          const LevenbergMarquardtOptions& solver,
-                         const PulseFitKnowledge& given) {
+                         const GivenParameters& given) {
   const auto began = std::chrono::steady_clock::now();
   const auto n = static_cast<std::size_t>(options.branches);
   PulseUnknowns unknowns = FindPulseUnknowns(sweep.setup(),
@@ -143,7 +119,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   const VoltageSweep& coarse = start.coarse != nullptr ? *start.coarse : *made;
   std::vector<double> betas{base.sweep.beta_per_sqrt_s};
   if (unknowns.Free("beta")) {
-    for (const double beta : LogGrid(0.03, 1.0, 7)) betas.push_back(beta);
+    for (const double beta : GeometricGrid(0.03, 1.0, 7)) betas.push_back(beta);
   }
   // What stands beside r_j, if it is free.
   const auto free_inertia = [&](std::size_t j) -> std::optional<std::string> {
@@ -158,7 +134,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   std::vector<std::vector<double>> choices{base.sweep.time_constant_s};
   if (n > 0 && all_taus_free) {
     const StartValues& data = start.data;
-    const auto grid = LogGrid(
+    const auto grid = GeometricGrid(
         2.0 * data.shortest_s, std::max(data.longest_s, 4.0 * data.shortest_s), n <= 2 ? 8 : 6);
     for (auto& choice : Choices(grid, options.branches)) choices.push_back(std::move(choice));
   }
@@ -245,16 +221,10 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
 
   // Branches come in any order: by rising time constant, those that are gone last, unless the user
   // named one.
-  const auto names_a_branch = [](const auto& map) {
-    return std::any_of(map.begin(), map.end(), [](const auto& entry) {
-      return entry.first != "beta" && entry.first != "r_s";
-    });
-  };
   const std::vector<double>& taus = found.sweep.time_constant_s;
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (!names_a_branch(given.fixed) && !names_a_branch(given.bounds) &&
-      !names_a_branch(given.start)) {
+  if (!given.NamesABranch()) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       if (gone[a] != gone[b]) return static_cast<bool>(gone[b]);
       return taus[a] < taus[b];

@@ -76,6 +76,6 @@ struct PulseFitStart {
                                        const PulseFitStart& start,
                                        const PulseFitOptions& options = {},
                                        const LevenbergMarquardtOptions& solver = {},
-                                       const PulseFitKnowledge& knowledge = {});
+                                       const GivenParameters& knowledge = {});
 
 }  // namespace lipoid

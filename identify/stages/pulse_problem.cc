@@ -1,7 +1,6 @@
 #include "identify/stages/pulse_problem.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -19,105 +18,6 @@ constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is 
 constexpr double kLargestBeta = 1.0;
 // A branch of r_j = 0 follows the current at once: so does one of a nanosecond.
 constexpr double kLeastTau_s = 1e-9;
-
-// What the user knows, checked.
-class Knowledge {
- public:
-  Knowledge(const PulseFitKnowledge& given, int branches, bool diffusion)
-      : given_(given), branches_(branches), diffusion_(diffusion) {
-    for (const auto& [name, value] : given.fixed) CheckValue("fix", name, value);
-    for (const auto& [name, value] : given.start) CheckValue("start", name, value);
-    for (const auto& [name, range] : given.bounds) CheckBounds(name, range);
-    for (int j = 1; j <= branches; ++j) {
-      const auto c = fmt::format("c_{}", j);
-      const auto tau = fmt::format("tau_{}", j);
-      if (!Mentioned(c) || !Mentioned(tau)) continue;
-      throw OptionError(fmt::format("give either {} or {}, not both", c, tau));
-    }
-  }
-
-  [[nodiscard]] std::optional<double> Fixed(const std::string& name) const {
-    return Find(given_.fixed, name);
-  }
-  [[nodiscard]] std::optional<double> Start(const std::string& name) const {
-    return Find(given_.start, name);
-  }
-  [[nodiscard]] bool Mentioned(const std::string& name) const {
-    return given_.fixed.count(name) + given_.start.count(name) + given_.bounds.count(name) > 0;
-  }
-  void Apply(PulseVariable& v) const {
-    const auto found = given_.bounds.find(v.name);
-    if (found == given_.bounds.end()) return;
-    v.lower = v.logarithmic ? std::max(found->second.first, v.lower) : found->second.first;
-    v.upper = found->second.second;
-    if (v.lower > v.upper) {
-      throw OptionError(
-          fmt::format("--bounds {}: expected an upper bound of at least {}", v.name, v.lower));
-    }
-  }
-
- private:
-  [[nodiscard]] std::vector<std::string> Names() const {
-    std::vector<std::string> names;
-    if (diffusion_) names.emplace_back("beta");
-    names.emplace_back("r_s");
-    for (const char* prefix : {"r", "tau", "c"}) {
-      for (int j = 1; j <= branches_; ++j) names.push_back(fmt::format("{}_{}", prefix, j));
-    }
-    return names;
-  }
-
-  void CheckName(std::string_view option, const std::string& name) const {
-    const auto names = Names();
-    if (std::find(names.begin(), names.end(), name) != names.end()) return;
-    throw OptionError(fmt::format(
-        "--{}: no parameter '{}' in this fit; there are {}", option, name, fmt::join(names, ", ")));
-  }
-
-  void CheckValue(std::string_view option, const std::string& name, double value) const {
-    CheckName(option, name);
-    const bool resistance = name[0] == 'r';
-    const bool valid = std::isfinite(value) && (resistance ? value >= 0.0 : value > 0.0) &&
-                       (name != "beta" || value <= kLargestBeta);
-    if (!valid) {
-      throw OptionError(fmt::format("--{} {}={}: expected a number {}",
-                                    option,
-                                    name,
-                                    value,
-                                    resistance       ? "of at least 0"
-                                    : name == "beta" ? "above 0 and at most 1"
-                                                     : "above 0"));
-    }
-  }
-
-  void CheckBounds(const std::string& name, const std::pair<double, double>& range) const {
-    const auto& [low, high] = range;
-    CheckName("bounds", name);
-    if (!(low >= 0.0 && low <= high) || (name == "beta" && high > kLargestBeta)) {
-      throw OptionError(fmt::format("--bounds {}={},{}: expected 0 <= low <= high{}",
-                                    name,
-                                    low,
-                                    high,
-                                    name == "beta" ? " <= 1" : ""));
-    }
-    const auto fixed = given_.fixed.find(name);
-    if (fixed != given_.fixed.end() && !(fixed->second >= low && fixed->second <= high)) {
-      throw OptionError(fmt::format(
-          "--fix {0}={1} lies outside --bounds {0}={2},{3}", name, fixed->second, low, high));
-    }
-  }
-
-  static std::optional<double> Find(const std::map<std::string, double>& map,
-                                    const std::string& name) {
-    const auto found = map.find(name);
-    if (found == map.end()) return std::nullopt;
-    return found->second;
-  }
-
-  const PulseFitKnowledge& given_;
-  int branches_;
-  bool diffusion_;
-};
 
 }  // namespace
 
@@ -173,8 +73,8 @@ bool PulseUnknowns::Free(std::string_view name) const {
 PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
                                 const StartValues& data,
                                 const PulseProblemOptions& options,
-                                const PulseFitKnowledge& known) {
-  const Knowledge knowledge(known, options.branches, setup.diffusion);
+                                const GivenParameters& known) {
+  CheckGiven(known, FitParameterNames(setup.diffusion, options.branches));
   PulseUnknowns unknowns;
   unknowns.scales = FindPulseScales(data, setup.alpha_C);
   const PulseScales& scales = unknowns.scales;
@@ -200,22 +100,29 @@ PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
   };
   const auto add = [&](PulseVariable v) {
     double& entry = Entry(start, v);
-    if (const auto fixed = knowledge.Fixed(v.name)) {
+    if (const auto fixed = known.Fixed(v.name)) {
       entry = *fixed;
       unknowns.fixed.push_back(v.name);
       return;
     }
-    if (const auto begin = knowledge.Start(v.name)) entry = *begin;
+    if (const auto begin = known.Start(v.name)) entry = *begin;
     v.logarithmic = logarithmic(v);
     // A logarithm never reaches 0: far below what any log could show stands for it.
     if (v.logarithmic && v.lower == 0.0) v.lower = 1e-6 * v.unit;
-    knowledge.Apply(v);
+    if (const auto bounds = known.Bounds(v.name)) {
+      v.lower = v.logarithmic ? std::max(bounds->first, v.lower) : bounds->first;
+      v.upper = bounds->second;
+      if (v.lower > v.upper) {
+        throw OptionError(
+            fmt::format("--bounds {}: expected an upper bound of at least {}", v.name, v.lower));
+      }
+    }
     if (options.scale == ParameterScale::kNatural) v.unit = 1.0;
     entry = std::clamp(entry, v.lower, v.upper);
     unknowns.variables.push_back(std::move(v));
   };
   if (setup.diffusion) {
-    if (options.hold_beta && !knowledge.Fixed("beta")) {
+    if (options.hold_beta && !known.Fixed("beta")) {
       unknowns.fixed.emplace_back("beta");
     } else {
       add({"beta",
@@ -235,8 +142,8 @@ PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
     const auto c = fmt::format("c_{}", j + 1);
     const auto tau = fmt::format("tau_{}", j + 1);
     const bool by_capacitance =
-        knowledge.Mentioned(c) ||
-        (options.unknown == BranchUnknown::kCapacitance && !knowledge.Mentioned(tau));
+        known.Mentions(c) ||
+        (options.unknown == BranchUnknown::kCapacitance && !known.Mentions(tau));
     if (by_capacitance) {
       // The time constants of the start, whatever the resistance is held at.
       const double r = std::max(start.sweep.resistance_Ohm[j], 1e-6 * series);

@@ -12,26 +12,16 @@
 
 #include <array>
 #include <limits>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "identify/fit/given.h"
 #include "identify/optimizers/least_squares.h"
 #include "identify/stages/start_values.h"
 #include "identify/stages/voltage_sweep.h"
 
 namespace lipoid {
-
-/// What the user knows: by name beta, r_s, r_1, c_1, tau_1, r_2, ...; bounds as {low, high}. To
-/// give tau_j and c_j of one branch contradicts itself.
-struct PulseFitKnowledge {
-  std::map<std::string, double> fixed = {};
-  std::map<std::string, double> start = {};
-  std::map<std::string, std::pair<double, double>> bounds = {};
-};
 
 /// Which unknown stands beside r_j.
 enum class BranchUnknown { kTimeConstant, kCapacitance };
@@ -119,7 +109,7 @@ struct PulseUnknowns {
 [[nodiscard]] PulseUnknowns FindPulseUnknowns(const SweepSetup& setup,
                                               const StartValues& data,
                                               const PulseProblemOptions& options,
-                                              const PulseFitKnowledge& known);
+                                              const GivenParameters& known);
 
 /// Makes parameters a start. A resistance of zero would leave its time constant without a gradient.
 /// Where capacitances are the unknowns they take over the time constants.

@@ -30,7 +30,7 @@ struct Offered {
   std::vector<std::string> fixed;
 };
 
-Offered OfferedBy(const PulseFitOptions& options, const PulseFitKnowledge& given) {
+Offered OfferedBy(const PulseFitOptions& options, const GivenParameters& given) {
   Offered names;
   const auto add = [&](const std::string& name, const std::string& twin = "") {
     const bool held = given.fixed.count(name) > 0 || given.fixed.count(twin) > 0 ||
@@ -74,7 +74,7 @@ class HeldFit {
           const PulseFitResult& fit,
           const PulseFitOptions& options,
           const LevenbergMarquardtOptions& solver,
-          PulseFitKnowledge known)
+          GivenParameters known)
       : name_(std::move(name)),
         sweep_(sweep),
         data_(data),
@@ -115,7 +115,7 @@ class HeldFit {
   const StartValues& data_;
   const PulseFitOptions& options_;
   const LevenbergMarquardtOptions& solver_;
-  PulseFitKnowledge known_;
+  GivenParameters known_;
   SweepParameters last_;
   double weight_ = 0.0;
 };
@@ -124,7 +124,7 @@ class HeldFit {
 
 void CheckStagedProfile(const std::vector<std::string>& names,
                         const PulseFitOptions& options,
-                        const PulseFitKnowledge& given) {
+                        const GivenParameters& given) {
   const Offered all = OfferedBy(options, given);
   CheckProfileNames(names, all.free, all.fixed);
 }
@@ -136,7 +136,7 @@ std::vector<Profile> ProfileStaged(const std::vector<std::string>& names,
                                    const TrustReport& trust,
                                    const PulseFitOptions& options,
                                    const LevenbergMarquardtOptions& solver,
-                                   const PulseFitKnowledge& given) {
+                                   const GivenParameters& given) {
   CheckStagedProfile(names, options, given);
   const PulseScales scales = FindPulseScales(data, sweep.setup().alpha_C);
   const QuantityTrust* series = FindQuantity(trust, "r_s");

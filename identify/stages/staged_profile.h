@@ -16,7 +16,7 @@ namespace lipoid {
 /// Throws OptionError for a name that this fit does not have, or that was given.
 void CheckStagedProfile(const std::vector<std::string>& names,
                         const PulseFitOptions& options,
-                        const PulseFitKnowledge& given);
+                        const GivenParameters& given);
 
 /// Of what FitPulses found with these options in the logs of the sweep, whose `data` are the start
 /// values. All rows take part; each point starts at its neighbour.
@@ -27,6 +27,6 @@ void CheckStagedProfile(const std::vector<std::string>& names,
                                                  const TrustReport& trust,
                                                  const PulseFitOptions& options = {},
                                                  const LevenbergMarquardtOptions& solver = {},
-                                                 const PulseFitKnowledge& given = {});
+                                                 const GivenParameters& given = {});
 
 }  // namespace lipoid

@@ -35,7 +35,8 @@ Json DischargeTimesToJson(const DischargeTimesResult& stage) {
 }
 
 Json OcvToJson(const OcvFitResult& stage) {
-  return {{"method", options_internal::ToText(stage.curve.method())},
+  return {{"source", "low-rate"},
+          {"method", options_internal::ToText(stage.curve.method())},
           {"mean_error_percent", NumberOrNull(stage.mean_error_percent)},
           {"max_error_percent", NumberOrNull(stage.max_error_percent)},
           {"rmse_V", NumberOrNull(stage.rmse_V)},
@@ -45,6 +46,28 @@ Json OcvToJson(const OcvFitResult& stage) {
           {"current_A", stage.current_A},
           {"soc_lo", stage.soc_lo},
           {"soc_hi", stage.soc_hi}};
+}
+
+Json FromRestsToJson(const OcvFromRests& stage) {
+  Json rests = Json::array();
+  for (const auto& rest : stage.rests) {
+    rests.push_back({{"soc", rest.soc},
+                     {"voltage_V", rest.voltage_V},
+                     {"rest_s", rest.rest_s},
+                     {"drift_V", rest.drift_V},
+                     {"slope_V_per_s", rest.slope_V_per_s}});
+  }
+  return {{"source", "rests"},
+          {"method", options_internal::ToText(stage.curve.method())},
+          {"nodes", stage.curve.soc().size()},
+          {"rest_count", stage.rests.size()},
+          {"largest_drift_V", stage.largest_drift_V},
+          {"soc_lo", stage.rests.front().soc},
+          {"soc_hi", stage.rests.back().soc},
+          {"guessed_to_soc", stage.guessed_to_soc ? Json(*stage.guessed_to_soc) : Json(nullptr)},
+          {"half_gap_V", stage.guessed_to_soc ? Json(stage.half_gap_V) : Json(nullptr)},
+          {"drop_V", stage.guessed_to_soc ? Json(stage.drop_V) : Json(nullptr)},
+          {"rests", std::move(rests)}};
 }
 
 Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
@@ -107,7 +130,9 @@ Json StagedToJson(const StagedResult& result) {
   stages["discharge_times"] =
       result.discharge_times ? DischargeTimesToJson(*result.discharge_times) : Json(nullptr);
   stages["open_circuit_voltage"] =
-      result.open_circuit_voltage ? OcvToJson(*result.open_circuit_voltage) : Json(nullptr);
+      result.open_circuit_voltage ? OcvToJson(*result.open_circuit_voltage)
+      : result.from_rests         ? FromRestsToJson(*result.from_rests)
+                                  : Json(nullptr);
   stages["pulses_beta_held"] =
       result.pulses_beta_held ? PulsesToJson(*result.pulses_beta_held, diffusion) : Json(nullptr);
   stages["pulses"] = PulsesToJson(result.pulses, diffusion);

@@ -51,9 +51,10 @@ class StagedRun {
             const StageProgress& progress)
       : campaign_(campaign), logs_(logs), options_(options), given_(given), progress_(progress) {}
 
-  StagedResult Run() {
+  StagedResult Run(const BeforePulses& before_pulses) {
     const auto began = std::chrono::steady_clock::now();
     RunUpToPulses();
+    if (before_pulses) before_pulses(result_);
     Tell("pulses", 0.2);
     FitPulseParameters();
     Tell("validation", 0.95);
@@ -82,6 +83,8 @@ class StagedRun {
     Tell("open-circuit voltage", 0.1);
     // Neither waits for the other.
     tbb::parallel_invoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
+    if (result_.from_rests)
+      result_.done_instead.push_back("no low-rate log: " + InWords(*result_.from_rests));
   }
 
   void Tell(std::string_view stage, double share) const {
@@ -169,6 +172,15 @@ class StagedRun {
           "{}: alpha is the charge of the low-rate log, {:.6g} C, and beta waits for stage 3",
           found,
           result_.alpha_C));
+    } else if (const auto charge_C = PulseCharge()) {
+      result_.alpha_C = *charge_C;
+      result_.alpha_source = "pulse-charge";
+      result_.done_instead.push_back(
+          fmt::format("{} and no low-rate log: alpha is the charge of the pulses until cut-off, "
+                      "{:.4g} Ah ({:.6g} C), and beta waits for stage 3",
+                      found,
+                      *charge_C / 3600.0,
+                      *charge_C));
     } else if (campaign_.capacity_Ah > 0.0) {
       result_.alpha_C = 3600.0 * campaign_.capacity_Ah;
       result_.alpha_source = "nominal-capacity";
@@ -194,11 +206,33 @@ class StagedRun {
       result_.cell.open_circuit_voltage = *given_.open_circuit_voltage;
       return;
     }
+    if (low_rate_ == nullptr) {
+      result_.from_rests = FindOpenCircuitVoltageFromRests(LogsOfRests(), result_.alpha_C);
+      result_.cell.open_circuit_voltage = result_.from_rests->curve;
+      return;
+    }
     result_.open_circuit_voltage = FitOpenCircuitVoltage(low_rate_->log.record,
                                                          result_.alpha_C,
                                                          low_rate_->entry.initial_soc,
                                                          options_.open_circuit_voltage);
     result_.cell.open_circuit_voltage = result_.open_circuit_voltage->curve;
+  }
+
+  // A curve that was given has an axis of its own: there the nominal capacity is the better guess.
+  [[nodiscard]] std::optional<double> PulseCharge() const {
+    if (given_.open_circuit_voltage || !campaign_.cutoff_V) return std::nullopt;
+    return ChargeToCutoff(LogsOfRests(), *campaign_.cutoff_V);
+  }
+
+  [[nodiscard]] std::vector<LogOfRests> LogsOfRests() const {
+    const auto pulses = OfKind(logs_, LogKind::kPulses);
+    std::vector<LogOfRests> found;
+    for (std::size_t k = 0; k < pulses.size(); ++k) {
+      found.push_back({.record = &pulses[k]->log.record,
+                       .segments = &pulse_segments_[k],
+                       .initial_soc = pulses[k]->entry.initial_soc});
+    }
+    return found;
   }
 
   void PreparePulses() {
@@ -414,8 +448,9 @@ StagedResult IdentifyStaged(const Campaign& campaign,
                             const std::vector<LoadedLog>& logs,
                             const StagedOptions& options,
                             const StagedGiven& given,
-                            const StageProgress& progress) {
-  return StagedRun(campaign, logs, options, given, progress).Run();
+                            const StageProgress& progress,
+                            const BeforePulses& before_pulses) {
+  return StagedRun(campaign, logs, options, given, progress).Run(before_pulses);
 }
 
 PulseTask PreparePulses(const Campaign& campaign,

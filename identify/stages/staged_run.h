@@ -16,6 +16,7 @@
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/discharge_times.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
+#include "identify/stages/open_circuit_voltage_from_rests.h"
 #include "identify/stages/pulse_fit.h"
 #include "identify/stages/staged_trust.h"
 #include "model/battery/cell.h"
@@ -34,21 +35,23 @@ struct StagedGiven {
   std::optional<double> alpha_C;
   std::optional<OpenCircuitVoltage> open_circuit_voltage;
   std::string open_circuit_voltage_source;  ///< a file, for the record
-  PulseFitKnowledge parameters;
+  GivenParameters parameters;
 };
 
 struct StagedResult {
   Cell cell;
   bool converged = false;
   std::optional<DischargeTimesResult> discharge_times;
-  std::optional<OcvFitResult> open_circuit_voltage;  ///< none where the curve was given
+  std::optional<OcvFitResult> open_circuit_voltage;  ///< none without a low-rate log
+  std::optional<OcvFromRests> from_rests;            ///< v_oc where neither log nor curve is there
   std::optional<PulseFitResult> pulses_beta_held;    ///< (4.60); none where beta is given or absent
   PulseFitResult pulses;                             ///< (4.61)
   LogKind fitted_kind = LogKind::kPulses;            ///< of the logs that stage 3 used
   TrustReport trust;                                 ///< how far to believe the parameters
   StartValues start;
   double alpha_C = 0.0;
-  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given", "nominal-capacity"
+  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given",
+                             ///< "pulse-charge", "nominal-capacity"
   double low_rate_charge_C = 0.0;         ///< 0 without such a log
   double low_rate_offset_V = 0.0;         ///< by which the low-rate log lies below v_oc
   std::vector<std::string> done_instead;  ///< for a kind of log that is missing
@@ -70,12 +73,16 @@ struct PulseTask {
 /// Called with the name of the stage that begins and the share of the work done.
 using StageProgress = std::function<void(std::string_view stage, double share)>;
 
+/// Called once stages 1 and 2 are done, with what they found: other work on it may begin.
+using BeforePulses = std::function<void(const StagedResult&)>;
+
 /// Throws LoadError for logs that are not what the campaign says they are.
 [[nodiscard]] StagedResult IdentifyStaged(const Campaign& campaign,
                                           const std::vector<LoadedLog>& logs,
                                           const StagedOptions& options = {},
                                           const StagedGiven& given = {},
-                                          const StageProgress& progress = {});
+                                          const StageProgress& progress = {},
+                                          const BeforePulses& before_pulses = {});
 
 /// The same up to where the pulses are to be fitted: for those who fit them otherwise.
 [[nodiscard]] PulseTask PreparePulses(const Campaign& campaign,

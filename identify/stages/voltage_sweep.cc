@@ -2,8 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "identify/fit/cell_rows.h"
 #include "identify/logs/columns.h"
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
@@ -12,340 +15,214 @@
 namespace lipoid {
 namespace {
 
-// Decay and gain of a mode over one step, with their slopes in the mode's parameter.
-struct ModeStep {
-  double decay, gain, decay_slope, gain_slope;
-};
-
-// A value and its derivative in one parameter: all that ExactHold needs to differentiate itself.
-struct Dual {
-  double a = 0.0;
-  double d = 0.0;
-
-  explicit Dual(double value) : a(value) {}
-  Dual(double value, double slope) : a(value), d(slope) {}
-  friend Dual operator+(const Dual& x, const Dual& y) { return {x.a + y.a, x.d + y.d}; }
-  friend Dual operator-(const Dual& x, const Dual& y) { return {x.a - y.a, x.d - y.d}; }
-  friend Dual operator*(double s, const Dual& x) { return {s * x.a, s * x.d}; }
-};
-
-ModeStep MakeModeStep(const Dual& rate_per_s, double dt_s) {
-  const auto hold = ExactHold(rate_per_s, dt_s);
-  return {hold.decay.a, hold.gain.a, hold.decay.d, hold.gain.d};
+// The branches of (4.50) with constant resistances, and v_oc(A) given.
+JointStructure StructureOf(const SweepParameters& p) {
+  JointStructure structure;
+  structure.branches = static_cast<int>(p.time_constant_s.size());
+  return structure;
 }
 
-// All modes of the cell side by side, so that a step of them runs in vector registers.
-using Modes = Eigen::ArrayXd;
-
-// The modes of a cell with these parameters: sigma_um for m = 1 .. M with slopes in beta, then
-// v_cj/r_j with slopes in tau_j.
-class ModeRates {
- public:
-  ModeRates(const SweepSetup& setup, const SweepParameters& p)
-      : terms_(setup.terms),
-        beta_(p.beta_per_sqrt_s),
-        inverse_tau_(Eigen::Map<const Modes>(p.time_constant_s.data(),
-                                             static_cast<Eigen::Index>(p.time_constant_s.size()))
-                         .inverse()) {}
-
-  [[nodiscard]] Eigen::Index terms() const { return terms_; }
-  [[nodiscard]] Eigen::Index branches() const { return inverse_tau_.size(); }
-  [[nodiscard]] Eigen::Index modes() const { return terms_ + inverse_tau_.size(); }
-
-  [[nodiscard]] ModeStep Step(Eigen::Index mode, double dt_s) const {
-    if (mode < terms_) {
-      const double mm = static_cast<double>((mode + 1) * (mode + 1));
-      return MakeModeStep(Dual(mm * beta_ * beta_, 2.0 * mm * beta_), dt_s);  // (4.46)
-    }
-    // Of unit resistance: (v_cj/r_j)+ = decay v_cj/r_j + (1 - decay) i, (4.50). Slopes in tau_j.
-    const double z = dt_s * inverse_tau_[mode - terms_];
-    const double decay = std::exp(-z);
-    const double slope = decay * z * inverse_tau_[mode - terms_];
-    return {decay, -std::expm1(-z), slope, -slope};
-  }
-
- private:
-  Eigen::Index terms_;
-  double beta_;
-  Modes inverse_tau_;
-};
-
-struct StepCoefficients {
-  Modes decay, gain, decay_slope, gain_slope;
-
-  void Set(const ModeRates& rates, double dt_s) {
-    for (Modes* v : {&decay, &gain, &decay_slope, &gain_slope}) v->resize(rates.modes());
-    for (Eigen::Index mode = 0; mode < rates.modes(); ++mode) {
-      const ModeStep step = rates.Step(mode, dt_s);
-      decay[mode] = step.decay;
-      gain[mode] = step.gain;
-      decay_slope[mode] = step.decay_slope;
-      gain_slope[mode] = step.gain_slope;
-    }
-  }
-};
-
-// The modes and their slopes at one time, with the charge that has left.
-struct ModeState {
-  Modes value, slope;
-  double delivered_C;
-
-  void Step(const StepCoefficients& step, double current_A, double dt_s, bool slopes) {
-    if (slopes) {
-      slope =
-          step.decay * slope + step.decay_slope * value + (step.gain_slope * current_A + kAlive);
-    }
-    value = step.decay * value + (step.gain * current_A + kAlive);
-    delivered_C += dt_s * current_A;
-  }
-};
-
-// What the modes make of the nodes of a block: rows are nodes. Of the diffusion modes only the sum
-// is wanted, so its drive is summed already.
-struct BlockCoefficients {
-  Eigen::MatrixXd decay, decay_slope;  // nodes x modes
-  Eigen::MatrixXd drive, drive_slope;  // nodes x (1 + branches): sum over m, then each branch
-  StepCoefficients whole;              // to the last row
-
-  void Set(const ModeRates& rates, const BlockShape& shape) {
-    const Eigen::Index nodes = shape.nodes();
-    decay.resize(nodes, rates.modes());
-    decay_slope.resize(nodes, rates.modes());
-    drive = Eigen::MatrixXd::Zero(nodes, 1 + rates.branches());
-    drive_slope = drive;
-    for (Eigen::Index mode = 0; mode < rates.modes(); ++mode) {
-      const Eigen::Index group = mode < rates.terms() ? 0 : 1 + mode - rates.terms();
-      for (Eigen::Index j = 0; j < nodes; ++j) {
-        const ModeStep step = rates.Step(mode, shape.node_s[j]);
-        decay(j, mode) = step.decay;
-        decay_slope(j, mode) = step.decay_slope;
-        drive(j, group) += step.gain;
-        drive_slope(j, group) += step.gain_slope;
-      }
-    }
-    whole.Set(rates, shape.duration_s());
-  }
-};
-
-// Sum of the diffusion modes, then every branch, at the nodes of a block.
-struct NodeStates {
-  Eigen::MatrixXd value, slope;  // nodes x (1 + branches)
-
-  void Set(const BlockCoefficients& c,
-           const ModeState& state,
-           Eigen::Index terms,
-           double current_A,
-           bool slopes) {
-    const Eigen::Index branches = c.drive.cols() - 1;
-    value.noalias() = current_A * c.drive;
-    value.col(0).noalias() += c.decay.leftCols(terms) * state.value.head(terms).matrix();
-    for (Eigen::Index j = 0; j < branches; ++j)
-      value.col(1 + j) += c.decay.col(terms + j) * state.value[terms + j];
-    if (!slopes) return;
-    slope.noalias() = current_A * c.drive_slope;
-    slope.col(0).noalias() += c.decay.leftCols(terms) * state.slope.head(terms).matrix();
-    slope.col(0).noalias() += c.decay_slope.leftCols(terms) * state.value.head(terms).matrix();
-    for (Eigen::Index j = 0; j < branches; ++j) {
-      slope.col(1 + j) += c.decay.col(terms + j) * state.slope[terms + j] +
-                          c.decay_slope.col(terms + j) * state.value[terms + j];
-    }
-  }
-};
-
-// One log swept with one set of parameters. What becomes of rows and blocks is the visitor's:
-//   Row(k, sigma_C, sigma_slope, branch values, branch slopes)
-//   Block(piece, shape, sigma at the nodes, ...) -> false: it wants the rows instead
+// One log swept with one set of parameters. What becomes of its points is the visitor's:
+//   Row(k, soc, row)                      row k of the log
+//   Begin(piece, shape), Node(piece, shape, j, soc, row) for every node, End(piece, shape)
+//                                         a block whose sums its nodes carry exactly
 class LogSweep {
  public:
-  LogSweep(const SweepSetup& setup,
+  LogSweep(const JointSetup& setup,
            const CondensedLog& log,
            double initial_soc,
-           const SweepParameters& p)
+           const SweepParameters& p,
+           bool knots_matter,
+           bool slopes)
       : log_(log),
-        rates_(setup, p),
-        tail_s_(setup.tail ? 2.0 * TailSum(setup.terms) / (p.beta_per_sqrt_s * p.beta_per_sqrt_s)
-                           : 0.0),
-        tail_slope_(setup.tail ? -2.0 * tail_s_ / p.beta_per_sqrt_s : 0.0),
-        delivered_C_(setup.alpha_C * (1.0 - initial_soc)) {}
+        structure_(StructureOf(p)),
+        rates_{.beta_per_sqrt_s = p.beta_per_sqrt_s, .time_constant_s = p.time_constant_s},
+        x_(JointLayout(structure_).size()),
+        curve_(setup.reference),
+        knots_matter_(knots_matter),
+        soc_(setup, p.beta_per_sqrt_s, setup.alpha_C * (1.0 - initial_soc), slopes),
+        ahead_(soc_),
+        rows_(setup,
+              structure_,
+              rates_,
+              1.0,
+              slopes ? x_.data() : nullptr,
+              CurveSlope::kOfSegments) {
+    x_[0] = p.series_resistance_Ohm;
+    for (Eigen::Index j = 1; j < x_.size(); ++j)
+      x_[j] = p.resistance_Ohm[static_cast<std::size_t>(j - 1)];
+  }
+  LogSweep(const LogSweep&) = delete;
+  LogSweep& operator=(const LogSweep&) = delete;
+
+  /// r_s, r_1 .. r_n.
+  [[nodiscard]] const double* x() const { return x_.data(); }
 
   template <class Visitor>
-  void Run(bool slopes, Visitor&& visitor) {
-    const Record& record = log_.record();
-    const Eigen::Index terms = rates_.terms();
-    ModeState state{Modes::Zero(rates_.modes()), Modes::Zero(rates_.modes()), delivered_C_};
-    std::vector<BlockCoefficients> blocks(log_.shapes().size());
-    for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k].Set(rates_, log_.shapes()[k]);
-    IntervalCache<StepCoefficients> cache;
-    const auto make = [&](double dt_s, StepCoefficients& step) { step.Set(rates_, dt_s); };
-    const bool backward = record.hold == Hold::kBackward;
-    NodeStates nodes;
-    Eigen::VectorXd sigma_C, sigma_slope;
-
-    const auto row = [&](std::size_t k) {
-      const double current_A = record.current_A[k];
-      if (k > 0) {
-        const double dt_s = record.time_s[k] - record.time_s[k - 1];
-        state.Step(cache.Get(dt_s, record.time_s[k], make),
-                   backward ? current_A : record.current_A[k - 1],
-                   dt_s,
-                   slopes);
-      }
-      const double sigma =
-          state.delivered_C + 2.0 * state.value.head(terms).sum() + tail_s_ * current_A;  // (4.47)
-      const double slope =
-          slopes ? 2.0 * state.slope.head(terms).sum() + tail_slope_ * current_A : 0.0;
-      visitor.Row(k, sigma, slope, state.value.data() + terms, state.slope.data() + terms);
-    };
+  void Run(Visitor&& visitor) {
+    std::vector<BlockSteps> blocks(log_.shapes().size());
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const BlockShape& shape = log_.shapes()[k];
+      std::vector<double>& gap_s = blocks[k].gap_s;
+      for (Eigen::Index j = 0; j < shape.nodes(); ++j)
+        gap_s.push_back(j == 0 ? shape.node_s[0] : shape.node_s[j] - shape.node_s[j - 1]);
+      gap_s.push_back(shape.duration_s() - shape.node_s[shape.nodes() - 1]);
+      SetSteps(gap_s, blocks[k].steps);
+    }
     for (const CondensedPiece& piece : log_.pieces()) {
-      if (!piece.plain()) {
-        const BlockShape& shape = log_.shapes()[piece.shape];
-        const BlockCoefficients& block = blocks[piece.shape];
-        const double current_A = piece.current_A;
-        nodes.Set(block, state, terms, current_A, slopes);
-        sigma_C = (state.delivered_C + tail_s_ * current_A + current_A * shape.node_s.array() +
-                   2.0 * nodes.value.col(0).array());  // (4.47)
-        if (slopes) sigma_slope = 2.0 * nodes.slope.col(0).array() + tail_slope_ * current_A;
-        if (visitor.Block(piece, shape, sigma_C, sigma_slope, nodes.value, nodes.slope)) {
-          state.Step(block.whole, current_A, piece.duration_s, slopes);
-          continue;
-        }
-      }
-      for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) row(k);
+      if (!piece.plain() && TakeBlock(piece, blocks[piece.shape], visitor)) continue;
+      for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) TakeRow(k, visitor);
     }
   }
 
  private:
-  const CondensedLog& log_;
-  ModeRates rates_;
-  double tail_s_;
-  double tail_slope_;
-  double delivered_C_;
-};
+  struct Steps {
+    ModeSteps soc, rows;
+  };
+  struct BlockSteps {
+    std::vector<double> gap_s;  // to each node from the one before, then to the end
+    Steps steps;
+  };
 
-// Does v_oc(A) have one formula where a block's A lies? Its ends reach a little beyond the nodes.
-bool CrossesKnot(const OpenCircuitVoltage& curve, const Eigen::VectorXd& sigma_C, double alpha_C) {
-  const double reach = 0.1 * (sigma_C.maxCoeff() - sigma_C.minCoeff());
-  const double low = 1.0 - (sigma_C.maxCoeff() + reach) / alpha_C;
-  const double high = 1.0 - (sigma_C.minCoeff() - reach) / alpha_C;
-  return curve.Formula(low) != curve.Formula(high);
-}
+  template <class Lengths>
+  void SetSteps(const Lengths& lengths_s, Steps& steps) const {
+    soc_.SetSteps(lengths_s, steps.soc);
+    rows_.SetSteps(lengths_s, steps.rows);
+  }
+
+  template <class Visitor>
+  void TakeRow(std::size_t k, Visitor& visitor) {
+    const Record& record = log_.record();
+    const double current_A = record.current_A[k];
+    if (k > 0) {
+      const double dt_s = record.time_s[k] - record.time_s[k - 1];
+      const double step_A = record.hold == Hold::kBackward ? current_A : record.current_A[k - 1];
+      const Steps& steps = cache_.Get(dt_s, record.time_s[k], [&](double dt, Steps& made) {
+        SetSteps(std::array{dt}, made);
+      });
+      rows_.Step(steps.rows, 0, step_A, 0.0, 0.0);  // constant resistances look at no A
+      soc_.Step(steps.soc, 0, step_A, dt_s);
+    }
+    const double soc = soc_.Soc(current_A);
+    visitor.Row(
+        k, soc, rows_.MakeRow(current_A, record.voltage_V[k], soc, soc_.Slope(current_A)));
+  }
+
+  // false: v_oc(A) has more than one formula where the block lies, and its rows are wanted.
+  template <class Visitor>
+  bool TakeBlock(const CondensedPiece& piece, const BlockSteps& block, Visitor& visitor) {
+    const BlockShape& shape = log_.shapes()[piece.shape];
+    const double current_A = piece.current_A;
+    const auto nodes = static_cast<std::size_t>(shape.nodes());
+    SocState& ahead = ahead_;
+    ahead = soc_;
+    at_.resize(nodes);
+    slope_.resize(nodes);
+    for (std::size_t j = 0; j < nodes; ++j) {
+      ahead.Step(block.steps.soc, static_cast<Eigen::Index>(j), current_A, block.gap_s[j]);
+      at_[j] = ahead.Soc(current_A);
+      slope_[j] = ahead.Slope(current_A);
+    }
+    if (knots_matter_) {
+      // Its ends reach a little beyond the nodes.
+      const auto [low, high] = std::minmax_element(at_.begin(), at_.end());
+      const double reach = 0.1 * (*high - *low);
+      if (curve_.Formula(*low - reach) != curve_.Formula(*high + reach)) return false;
+    }
+    const double* voltage_V = log_.node_voltage_V(piece);
+    visitor.Begin(piece, shape);
+    for (std::size_t j = 0; j < nodes; ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      rows_.Step(block.steps.rows, at, current_A, 0.0, 0.0);
+      visitor.Node(
+          piece, shape, at, at_[j], rows_.MakeRow(current_A, voltage_V[j], at_[j], slope_[j]));
+    }
+    visitor.End(piece, shape);
+    const auto end = static_cast<Eigen::Index>(nodes);
+    rows_.Step(block.steps.rows, end, current_A, 0.0, 0.0);
+    // By the stamps themselves, whatever the gaps sum up to.
+    double gaps_s = 0.0;
+    for (std::size_t j = 0; j < nodes; ++j) gaps_s += block.gap_s[j];
+    ahead.Step(block.steps.soc, end, current_A, piece.duration_s - gaps_s);
+    std::swap(soc_, ahead);
+    return true;
+  }
+
+  const CondensedLog& log_;
+  JointStructure structure_;
+  JointRates rates_;
+  Eigen::VectorXd x_;
+  const OpenCircuitVoltage& curve_;
+  bool knots_matter_;
+  SocState soc_;
+  SocState ahead_;  // at the end of a block
+  CellRows rows_;
+  IntervalCache<Steps> cache_;
+  std::vector<double> at_, slope_;  // of the nodes of a block
+};
 
 // Adds up the rows of [J r].
 class FactorVisitor {
  public:
-  FactorVisitor(const SweepSetup& setup,
-                const CondensedLog& log,
-                const SweepParameters& p,
-                double weight,
-                bool knots_matter,
-                bool jacobian)
-      : setup_(setup),
-        log_(log),
-        record_(log.record()),
-        p_(p),
-        branches_(static_cast<Eigen::Index>(p.time_constant_s.size())),
-        weight_(std::sqrt(weight)),
-        inverse_alpha_(1.0 / setup.alpha_C),
-        knots_matter_(knots_matter),
+  FactorVisitor(const double* x, int branches, double weight, bool jacobian)
+      : x_(x),
+        branches_(branches),
+        weight_(weight),
         jacobian_(jacobian),
-        factor_(VoltageSweep::Columns(static_cast<int>(branches_)) + 1) {}
+        factor_(VoltageSweep::Columns(branches) + 1) {}
 
-  void Row(std::size_t k,
-           double sigma_C,
-           double sigma_slope,
-           const double* branch,
-           const double* branch_slope) {
-    Point(record_.voltage_V[k],
-          record_.current_A[k],
-          weight_,
-          sigma_C,
-          sigma_slope,
-          branch,
-          branch_slope,
-          1);
+  void Row(std::size_t, double, const CellRow& row) { Add(row, weight_); }
+  void Begin(const CondensedPiece& piece, const BlockShape&) {
+    remainder_ += weight_ * piece.remainder;
   }
-
-  bool Block(const CondensedPiece& piece,
-             const BlockShape& shape,
-             const Eigen::VectorXd& sigma_C,
-             const Eigen::VectorXd& sigma_slope,
-             const Eigen::MatrixXd& value,
-             const Eigen::MatrixXd& slope) {
-    if (knots_matter_ && CrossesKnot(setup_.open_circuit_voltage, sigma_C, setup_.alpha_C))
-      return false;
-    const double* voltage_V = log_.node_voltage_V(piece);
-    const Eigen::Index nodes = shape.nodes();
-    for (Eigen::Index j = 0; j < nodes; ++j) {
-      Point(voltage_V[j],
-            piece.current_A,
-            weight_ * std::sqrt(shape.weight[j]),
-            sigma_C[j],
-            jacobian_ ? sigma_slope[j] : 0.0,
-            value.data() + nodes + j,
-            slope.data() + nodes + j,
-            nodes);
-    }
-    remainder_ += piece.remainder;
-    return true;
+  void Node(const CondensedPiece&,
+            const BlockShape& shape,
+            Eigen::Index j,
+            double,
+            const CellRow& row) {
+    Add(row, weight_ * shape.weight[j]);
   }
+  void End(const CondensedPiece&, const BlockShape&) {}
 
+  // What the blocks' polynomials leave is a residual that no parameter moves.
   [[nodiscard]] Eigen::MatrixXd Result() {
-    const double remainder = weight_ * weight_ * remainder_;
-    const Eigen::Index last = VoltageSweep::Columns(static_cast<int>(branches_));
+    const Eigen::Index last = VoltageSweep::Columns(branches_);
     if (!jacobian_) {
-      Eigen::MatrixXd norm = Eigen::MatrixXd::Zero(last + 1, last + 1);
-      norm(last, last) = std::sqrt(sum_of_squares_ + remainder);
-      return norm;
+      Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(last + 1, last + 1);
+      factor(last, last) = std::sqrt(sum_of_squares_ + remainder_);
+      return factor;
     }
-    // What no polynomial of a block can change stands in the residual alone.
     double* row = factor_.NextRow();
-    for (Eigen::Index k = 0; k < last; ++k) row[k * factor_.stride()] = 0.0;
-    row[last * factor_.stride()] = std::sqrt(remainder);
+    for (Eigen::Index j = 0; j < last; ++j) row[j * factor_.stride()] = 0.0;
+    row[last * factor_.stride()] = std::sqrt(remainder_);
     factor_.Push();
     return factor_.Factor();
   }
 
  private:
-  void Point(double measured_V,
-             double current_A,
-             double weight,
-             double sigma_C,
-             double sigma_slope,
-             const double* branch,
-             const double* branch_slope,
-             Eigen::Index step) {
-    const double soc = (setup_.alpha_C - sigma_C) * inverse_alpha_;       // (4.48)
-    const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
-    double voltage = open_circuit.value_V - p_.series_resistance_Ohm * current_A;
-    for (Eigen::Index j = 0; j < branches_; ++j)
-      voltage -= p_.resistance_Ohm[static_cast<std::size_t>(j)] * branch[j * step];  // (4.51)
-    const double residual = measured_V - voltage;                                    // (4.61)
+  void Add(const CellRow& row, double weight) {
+    const double residual = row.Residual(x_);  // (4.61)
     if (!jacobian_) {
-      sum_of_squares_ += weight * weight * residual * residual;
+      sum_of_squares_ += weight * residual * residual;
       return;
     }
-    // d(residual)/d(parameter) = -d(voltage)/d(parameter).
-    double* row = factor_.NextRow();
+    // d(residual)/d(parameter) = -d(voltage)/d(parameter): beta, r_s, r_j, tau_j.
+    const double root = std::sqrt(weight);
+    double* out = factor_.NextRow();
     const auto stride = factor_.stride();
-    row[0] = weight * open_circuit.slope_V * sigma_slope * inverse_alpha_;
-    row[stride] = weight * current_A;
-    for (Eigen::Index j = 0; j < branches_; ++j) {
-      row[(2 + j) * stride] = weight * branch[j * step];
-      row[(2 + branches_ + j) * stride] =
-          weight * p_.resistance_Ohm[static_cast<std::size_t>(j)] * branch_slope[j * step];
-    }
-    row[(2 + 2 * branches_) * stride] = weight * residual;
+    for (int j = 0; j <= branches_; ++j) out[(1 + j) * stride] = 0.0;
+    for (int e = 0; e < row.entries; ++e)
+      out[(1 + row.index[e]) * stride] = -root * row.value[e];
+    out[0] = -root * row.slope[0];
+    for (int j = 0; j < branches_; ++j)
+      out[(2 + branches_ + j) * stride] = -root * row.slope[1 + j];
+    out[(2 + 2 * branches_) * stride] = root * residual;
     factor_.Push();
   }
 
-  const SweepSetup& setup_;
-  const CondensedLog& log_;
-  const Record& record_;
-  const SweepParameters& p_;
-  Eigen::Index branches_;
+  const double* x_;
+  int branches_;
   double weight_;
-  double inverse_alpha_;
-  bool knots_matter_;
   bool jacobian_;
   RowFactor factor_;
   double sum_of_squares_ = 0.0;
@@ -355,135 +232,81 @@ class FactorVisitor {
 // Compares every row with its prediction.
 class ErrorVisitor {
  public:
-  ErrorVisitor(const SweepSetup& setup,
+  ErrorVisitor(const double* x,
+               const OpenCircuitVoltage& curve,
                const CondensedLog& log,
-               const SweepParameters& p,
                ErrorAccumulator& errors)
-      : setup_(setup), record_(log.record()), p_(p), errors_(errors) {}
+      : x_(x), curve_(curve), record_(log.record()), log_(log), errors_(errors) {}
 
-  void Row(std::size_t k, double sigma_C, double, const double* branch, const double*) {
-    double polarization_V = p_.series_resistance_Ohm * record_.current_A[k];
-    for (std::size_t j = 0; j < p_.resistance_Ohm.size(); ++j)
-      polarization_V += p_.resistance_Ohm[j] * branch[j];
-    Add(k, sigma_C, polarization_V);
+  void Row(std::size_t k, double soc, const CellRow& row) {
+    const double measured_V = record_.voltage_V[k];
+    errors_.Add(measured_V, measured_V - row.Residual(x_));
+    if (!curve_.InRange(soc)) ++outside_;
   }
-
-  // sigma and the polarization are polynomials, and so is the voltage where no knot is crossed.
-  bool Block(const CondensedPiece& piece,
-             const BlockShape& shape,
-             const Eigen::VectorXd& sigma_C,
-             const Eigen::VectorXd&,
-             const Eigen::MatrixXd& value,
-             const Eigen::MatrixXd&) {
-    const Eigen::Index nodes = shape.nodes();
-    const Eigen::MatrixXd to_coefficients = shape.at_nodes * shape.weight.asDiagonal();
-    Eigen::VectorXd polarization_V =
-        Eigen::VectorXd::Constant(nodes, p_.series_resistance_Ohm * piece.current_A);
-    for (std::size_t j = 0; j < p_.resistance_Ohm.size(); ++j)
-      polarization_V += p_.resistance_Ohm[j] * value.col(1 + static_cast<Eigen::Index>(j));
-    if (CrossesKnot(setup_.open_circuit_voltage, sigma_C, setup_.alpha_C)) {
-      const Eigen::VectorXd sigma_rows_C = shape.basis * (to_coefficients * sigma_C);
-      rows_ = shape.basis * (to_coefficients * polarization_V);
-      for (std::size_t k = 0; k < piece.rows; ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        Add(piece.first + k, sigma_rows_C[row], rows_[row]);
-      }
-      return true;
-    }
-    Eigen::VectorXd voltage_V(nodes);
-    for (Eigen::Index j = 0; j < nodes; ++j)
-      voltage_V[j] =
-          setup_.open_circuit_voltage.Evaluate(Soc(sigma_C[j])).value_V - polarization_V[j];
-    rows_.noalias() = shape.basis * (to_coefficients * voltage_V);
+  void Begin(const CondensedPiece&, const BlockShape& shape) { nodes_V_.resize(shape.nodes()); }
+  void Node(const CondensedPiece& piece,
+            const BlockShape&,
+            Eigen::Index j,
+            double soc,
+            const CellRow& row) {
+    nodes_V_[j] = log_.node_voltage_V(piece)[j] - row.Residual(x_);
+    if (j == 0 && !curve_.InRange(soc)) outside_ += piece.rows;
+  }
+  // The voltage is a polynomial, known by its values at the nodes.
+  void End(const CondensedPiece& piece, const BlockShape& shape) {
+    rows_V_.noalias() =
+        shape.basis * (shape.at_nodes * shape.weight.asDiagonal() * nodes_V_).eval();
     const double* measured_V = record_.voltage_V.data() + piece.first;
     for (std::size_t k = 0; k < piece.rows; ++k)
-      errors_.Add(measured_V[k], rows_[static_cast<Eigen::Index>(k)]);
-    if (!setup_.open_circuit_voltage.InRange(Soc(sigma_C[0]))) outside_ += piece.rows;
-    return true;
+      errors_.Add(measured_V[k], rows_V_[static_cast<Eigen::Index>(k)]);
   }
 
   [[nodiscard]] std::size_t outside() const { return outside_; }
 
  private:
-  [[nodiscard]] double Soc(double sigma_C) const {
-    return (setup_.alpha_C - sigma_C) / setup_.alpha_C;  // (4.48)
-  }
-
-  void Add(std::size_t k, double sigma_C, double polarization_V) {
-    const double soc = Soc(sigma_C);
-    const double open_circuit_V = setup_.open_circuit_voltage.Evaluate(soc).value_V;
-    errors_.Add(record_.voltage_V[k], open_circuit_V - polarization_V);  // (4.51)
-    if (!setup_.open_circuit_voltage.InRange(soc)) ++outside_;
-  }
-
-  const SweepSetup& setup_;
+  const double* x_;
+  const OpenCircuitVoltage& curve_;
   const Record& record_;
-  const SweepParameters& p_;
+  const CondensedLog& log_;
   ErrorAccumulator& errors_;
-  Eigen::VectorXd rows_;
+  Eigen::VectorXd nodes_V_;
+  Eigen::VectorXd rows_V_;
   std::size_t outside_ = 0;
 };
 
 // Gathers means of rows for VoltageSweep::Means().
 class MeansVisitor {
  public:
-  MeansVisitor(const SweepSetup& setup,
-               const CondensedLog& log,
-               const SweepParameters& p,
-               bool each_row)
-      : setup_(setup),
-        log_(log),
+  MeansVisitor(const double* x, int branches, const CondensedLog& log, bool each_row)
+      : x_(x),
         record_(log.record()),
-        p_(p),
         growth_(each_row ? 0.0 : kGrowth),
-        branches_(static_cast<Eigen::Index>(p.time_constant_s.size())),
-        columns_(VoltageSweep::Columns(static_cast<int>(branches_))) {
+        branches_(branches),
+        columns_(VoltageSweep::Columns(branches)) {
     tolerance_A_ = kSameCurrent * LargestMagnitude(record_.current_A);
   }
 
-  void Row(std::size_t k,
-           double sigma_C,
-           double sigma_slope,
-           const double* branch,
-           const double* branch_slope) {
+  void Row(std::size_t k, double, const CellRow& row) {
     const double time_s = record_.time_s[k];
     Begin(time_s, time_s, record_.current_A[k]);
-    Point(record_.voltage_V[k],
-          record_.current_A[k],
-          1.0,
-          sigma_C,
-          sigma_slope,
-          branch,
-          branch_slope,
-          1);
+    Add(row, 1.0);
     time_sum_ += time_s - first_s_;
   }
-
-  bool Block(const CondensedPiece& piece,
-             const BlockShape& shape,
-             const Eigen::VectorXd& sigma_C,
-             const Eigen::VectorXd& sigma_slope,
-             const Eigen::MatrixXd& value,
-             const Eigen::MatrixXd& slope) {
-    if (CrossesKnot(setup_.open_circuit_voltage, sigma_C, setup_.alpha_C)) return false;
-    const double before_s = piece.first > 0 ? record_.time_s[piece.first - 1] : record_.time_s[0];
-    Begin(before_s, before_s + piece.duration_s, piece.current_A);
-    // The quadrature of the block: sums over its rows are sums over its nodes.
-    const double* voltage_V = log_.node_voltage_V(piece);
-    const Eigen::Index nodes = shape.nodes();
-    for (Eigen::Index j = 0; j < nodes; ++j) {
-      Point(voltage_V[j],
-            piece.current_A,
-            shape.weight[j],
-            sigma_C[j],
-            sigma_slope[j],
-            value.data() + nodes + j,
-            slope.data() + nodes + j,
-            nodes);
-    }
+  void Begin(const CondensedPiece& piece, const BlockShape&) {
+    before_s_ = piece.first > 0 ? record_.time_s[piece.first - 1] : record_.time_s[0];
+    Begin(before_s_, before_s_ + piece.duration_s, piece.current_A);
+  }
+  // The quadrature of the block: sums over its rows are sums over its nodes.
+  void Node(const CondensedPiece&,
+            const BlockShape& shape,
+            Eigen::Index j,
+            double,
+            const CellRow& row) {
+    Add(row, shape.weight[j]);
+  }
+  void End(const CondensedPiece& piece, const BlockShape& shape) {
     time_sum_ +=
-        (before_s - first_s_) * static_cast<double>(piece.rows) + shape.weight.dot(shape.node_s);
-    return true;
+        (before_s_ - first_s_) * static_cast<double>(piece.rows) + shape.weight.dot(shape.node_s);
   }
 
   // At most so many, if need be over steps of the current.
@@ -537,28 +360,13 @@ class MeansVisitor {
     if (open_.rows == 0.0) first_s_ = from_s;
   }
 
-  void Point(double measured_V,
-             double current_A,
-             double rows,
-             double sigma_C,
-             double sigma_slope,
-             const double* branch,
-             const double* branch_slope,
-             Eigen::Index step) {
-    const double soc = (setup_.alpha_C - sigma_C) / setup_.alpha_C;       // (4.48)
-    const auto open_circuit = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
-    double voltage = open_circuit.value_V - p_.series_resistance_Ohm * current_A;
+  void Add(const CellRow& row, double rows) {
     if (open_.rows == 0.0) open_.sum.setZero(columns_ + 1);
     Eigen::VectorXd& sum = open_.sum;
-    sum[0] -= rows * open_circuit.slope_V * sigma_slope / setup_.alpha_C;
-    sum[1] -= rows * current_A;
-    for (Eigen::Index j = 0; j < branches_; ++j) {
-      const double resistance = p_.resistance_Ohm[static_cast<std::size_t>(j)];
-      voltage -= resistance * branch[j * step];  // (4.51)
-      sum[2 + j] -= rows * branch[j * step];
-      sum[2 + branches_ + j] -= rows * resistance * branch_slope[j * step];
-    }
-    sum[columns_] += rows * (measured_V - voltage);  // (4.61)
+    sum[0] += rows * row.slope[0];
+    for (int e = 0; e < row.entries; ++e) sum[1 + row.index[e]] += rows * row.value[e];
+    for (int j = 0; j < branches_; ++j) sum[2 + branches_ + j] += rows * row.slope[1 + j];
+    sum[columns_] += rows * row.Residual(x_);  // (4.61)
     open_.rows += rows;
   }
 
@@ -588,18 +396,17 @@ class MeansVisitor {
     means_ = std::move(joined);
   }
 
-  const SweepSetup& setup_;
-  const CondensedLog& log_;
+  const double* x_;
   const Record& record_;
-  const SweepParameters& p_;
   double growth_;
-  Eigen::Index branches_;
+  int branches_;
   Eigen::Index columns_;
   double tolerance_A_ = 0.0;
   std::size_t phase_ = 0;
   double phase_A_ = 0.0;
   double phase_start_s_ = 0.0;
   double first_s_ = 0.0;
+  double before_s_ = 0.0;  // the open block
   double time_sum_ = 0.0;  // since first_s_
   Mean open_;
   std::vector<Mean> means_;
@@ -620,6 +427,14 @@ VoltageSweep::VoltageSweep(SweepSetup setup, std::vector<SweepLog> logs, const C
     condensed->emplace_back(*log.record, how);
   }
   condensed_ = std::move(condensed);
+}
+
+JointSetup VoltageSweep::Setup() const {
+  return {.alpha_C = setup_.alpha_C,
+          .diffusion = setup_.diffusion,
+          .terms = setup_.terms,
+          .tail = setup_.tail,
+          .reference = setup_.open_circuit_voltage};
 }
 
 VoltageSweep VoltageSweep::With(OpenCircuitVoltage curve) const {
@@ -646,10 +461,16 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
           "as many resistances as time constants");
   const int columns = Columns(branches) + 1;
   std::vector<Eigen::MatrixXd> factors(logs_.size());
+  const JointSetup setup = Setup();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
-    FactorVisitor visitor(
-        setup_, (*condensed_)[k], parameters, logs_[k].weight, !how_.coarse, jacobian);
-    LogSweep(setup_, (*condensed_)[k], logs_[k].initial_soc, parameters).Run(jacobian, visitor);
+    LogSweep sweep(setup,
+                   (*condensed_)[k],
+                   logs_[k].initial_soc,
+                   parameters,
+                   !how_.coarse,
+                   jacobian);
+    FactorVisitor visitor(sweep.x(), branches, logs_[k].weight, jacobian);
+    sweep.Run(visitor);
     factors[k] = visitor.Result();
   });
   if (factors.size() == 1) return factors[0];
@@ -672,9 +493,11 @@ SweepErrors VoltageSweep::Errors(const SweepParameters& parameters) const {
   Require(!how_.coarse, "a sweep that is not coarse");
   SweepErrors result;
   ErrorAccumulator errors;
+  const JointSetup setup = Setup();
   for (std::size_t k = 0; k < logs_.size(); ++k) {
-    ErrorVisitor visitor(setup_, (*condensed_)[k], parameters, errors);
-    LogSweep(setup_, (*condensed_)[k], logs_[k].initial_soc, parameters).Run(false, visitor);
+    LogSweep sweep(setup, (*condensed_)[k], logs_[k].initial_soc, parameters, true, false);
+    ErrorVisitor visitor(sweep.x(), setup.reference, (*condensed_)[k], errors);
+    sweep.Run(visitor);
     result.rows_outside_curve += visitor.outside();
   }
   result.metrics = errors.Result();
@@ -686,10 +509,13 @@ std::vector<FittedRows> VoltageSweep::Means(const SweepParameters& parameters,
   Require(!how_.coarse, "a sweep that is not coarse");
   std::vector<FittedRows> means(logs_.size());
   const std::size_t all = rows();
+  const auto branches = static_cast<int>(parameters.time_constant_s.size());
+  const JointSetup setup = Setup();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     const CondensedLog& log = (*condensed_)[k];
-    MeansVisitor visitor(setup_, log, parameters, all <= most);
-    LogSweep(setup_, log, logs_[k].initial_soc, parameters).Run(true, visitor);
+    LogSweep sweep(setup, log, logs_[k].initial_soc, parameters, true, true);
+    MeansVisitor visitor(sweep.x(), branches, log, all <= most);
+    sweep.Run(visitor);
     const double share = static_cast<double>(log.record().size()) / static_cast<double>(all);
     means[k] = visitor.Result(logs_[k].weight,
                               static_cast<std::size_t>(share * static_cast<double>(most)));

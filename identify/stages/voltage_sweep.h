@@ -5,22 +5,17 @@
 ///
 ///   r(k) = v_b(k) - v^_b(k | beta, r_s, r_j, tau_j)
 ///
-/// Every state is a first-order mode (exact_hold.h), so its sensitivity to the mode's own rate
-/// obeys a recurrence of the same shape,
-///
-///   x+  = p x  + g i
-///   x'+ = p x' + p' x + g' i
-///
-/// and v_b is linear in r_s and r_j. Value and Jacobian therefore come from one sweep, and only the
-/// triangular factor of [J r] is kept: see LeastSquaresProblem. Stretches of constant current are
-/// condensed (condensed_log.h): the sums are those of all rows, at a fraction of the evaluations.
-/// alpha and v_oc(A) are given. Tests: tests/identify/stages/voltage_sweep_test.cc (against Jets
-/// through CellModel).
+/// Rows and slopes are those of every fit (identify/fit/cell_rows.h), with constant resistances and
+/// alpha and v_oc(A) given. Value and Jacobian come from one sweep, and only the triangular factor
+/// of [J r] is kept: see LeastSquaresProblem. Stretches of constant current are condensed
+/// (condensed_log.h): the sums are those of all rows, at a fraction of the evaluations. Tests:
+/// tests/identify/stages/voltage_sweep_test.cc (against Jets through CellModel).
 
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
 
+#include "identify/joint/joint_model.h"
 #include "identify/logs/record.h"
 #include "identify/stages/condensed_log.h"
 #include "identify/trust/trust.h"
@@ -94,6 +89,8 @@ class VoltageSweep {
   [[nodiscard]] std::size_t points() const;
 
  private:
+  [[nodiscard]] JointSetup Setup() const;
+
   SweepSetup setup_;
   std::vector<SweepLog> logs_;
   Condensation how_;

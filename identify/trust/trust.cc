@@ -420,7 +420,9 @@ class Assessment {
     const Eigen::MatrixXd& inverse = known.inverse();
     const Eigen::MatrixXd covariance = inverse * scatter * inverse;
     const Eigen::VectorXd freedom = DegreesOfFreedom(inverse);
-    const Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
+    Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
+    for (Eigen::Index k = 0; k < all.rows(); ++k)
+      all(k, k) += quantities_[static_cast<std::size_t>(k)].added_variance;
     report_.covariance = all;
     double squares = 0.0;
     for (const FittedRows& log : logs_) squares += log.residual_V.cwiseAbs2().dot(log.weight);
@@ -440,6 +442,7 @@ class Assessment {
       const bool known_at_all = !held && known.Knows(term);
       const double variance = std::max(0.0, all(index, index));
       trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
+      trust.model_standard_error = std::sqrt(q.added_variance);
       trust.relative_standard_error = trust.standard_error / Scale(q);
       const double reach = Reach(freedom[index]);
       trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);

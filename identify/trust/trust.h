@@ -15,7 +15,8 @@
 /// how well the correlation itself is known: intervals are Student's, with so many degrees of
 /// freedom.
 ///
-/// What is not in an interval: a model that is wrong (its bias), and what the fit took as exact.
+/// What is not in an interval: a model that is wrong in a way no candidate is right (its bias), and
+/// what the fit took as exact. What a choice among models adds comes with the quantities.
 /// Parameters nobody asks about are profiled out, those at a bound are held.
 /// docs/verdicts.md. Tests: tests/identify/trust/trust_test.cc.
 
@@ -53,6 +54,9 @@ struct TrustedQuantity {
   bool at_bound = false;             ///< the parameters of the combination are held
   Eigen::VectorXd combination = {};  ///< length p; for one parameter a unit vector
   double scale = 0.0;                ///< a change that is of note; 0: |value|
+  /// What is not in the scatter of the rows, as a variance: the choice among models, the error of
+  /// the model's own tables.
+  double added_variance = 0.0;
 };
 
 enum class Verdict { kIdentified, kWeak, kAtBound, kOnlyInCombination };
@@ -96,6 +100,7 @@ struct QuantityTrust {
   std::string unit = {};
   double estimate = 0.0;
   double standard_error = 0.0;           ///< infinite: the data say nothing; NaN: at its bound
+  double model_standard_error = 0.0;     ///< the part of it that the choice of the model adds
   double relative_standard_error = 0.0;  ///< of the scale
   double low = 0.0;                      ///< 95 % interval; infinite or NaN as the error
   double high = 0.0;

@@ -11,6 +11,7 @@ Json TrustedParametersToJson(const TrustReport& report) {
                           {"unit", q.unit},
                           {"estimate", NumberOrNull(q.estimate)},
                           {"standard_error", NumberOrNull(q.standard_error)},
+                          {"model_standard_error", NumberOrNull(q.model_standard_error)},
                           {"relative_standard_error", NumberOrNull(q.relative_standard_error)},
                           {"interval_95", {NumberOrNull(q.low), NumberOrNull(q.high)}},
                           {"verdict", options_internal::ToText(q.verdict)},

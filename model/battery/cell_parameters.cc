@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -23,23 +24,138 @@ std::optional<double> UnlessMissing(const Resistance<double>& resistance) {
   return resistance.constant() ? UnlessMissing(resistance.resistance_Ohm[0]) : std::nullopt;
 }
 
-// "tau_2" is {"tau", 1}.
-struct BranchName {
-  std::string_view symbol;
-  std::size_t index = 0;
+// A row of the table: what is true of the parameter, how a cell gives it and takes it.
+struct Row {
+  CellParameterKind kind;
+  std::optional<double> (*get)(const Cell& cell, std::size_t branch);
+  void (*set)(Cell& cell, std::size_t branch, double value);
 };
 
-std::optional<BranchName> ParseBranchName(std::string_view name) {
-  for (const std::string_view symbol : {"r", "c", "tau"}) {
-    if (!name.starts_with(symbol) || name.substr(symbol.size(), 1) != "_") continue;
-    const auto digits = name.substr(symbol.size() + 1);
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (error == std::errc{} && end == digits.data() + digits.size() && number >= 1) {
-      return BranchName{symbol, number - 1};
-    }
+// The terms beyond the thesis begin with one of their two parameters.
+Cell::SelfHeating& Heating(Cell& cell) {
+  if (!cell.self_heating) cell.self_heating = Cell::SelfHeating{kMissing, kMissing};
+  return *cell.self_heating;
+}
+Cell::ChargeTransfer& Transfer(Cell& cell) {
+  if (!cell.charge_transfer) cell.charge_transfer = Cell::ChargeTransfer{kMissing, kMissing};
+  return *cell.charge_transfer;
+}
+
+// With r_j given, a branch keeps what it was written with: its capacitance or its time constant.
+void FollowCapacitance(Cell::Branch& branch) {
+  if (branch.capacitance_F)
+    branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::string_view kResistance = "a resistance of at least 0 Ohm";
+constexpr std::string_view kTimeConstant = "a time constant above 0 s";
+
+// The only list of parameters, in the order in which cells name them.
+const std::array kRows{
+    Row{{"alpha", "C", "a charge above 0 C", false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.diffusion ? std::optional(cell.diffusion->alpha_C) : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) { cell.diffusion->alpha_C = value; }},
+    Row{{"beta", "s^-1/2", "a number in (0, 1]", false, false, 1.0},
+        [](const Cell& cell, std::size_t) {
+          return cell.diffusion ? std::optional(cell.diffusion->beta_per_sqrt_s) : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) { cell.diffusion->beta_per_sqrt_s = value; }},
+    Row{{"r_s", "Ohm", kResistance, false, true, kInfinity},
+        [](const Cell& cell, std::size_t) { return UnlessMissing(cell.series_resistance_Ohm); },
+        [](Cell& cell, std::size_t, double value) {
+          cell.series_resistance_Ohm = Resistance<double>(value);
+        }},
+    Row{{"r", "Ohm", kResistance, true, true, kInfinity},
+        [](const Cell& cell, std::size_t j) {
+          return UnlessMissing(cell.branches[j].resistance_Ohm);
+        },
+        [](Cell& cell, std::size_t j, double value) {
+          cell.branches[j].resistance_Ohm = Resistance<double>(value);
+          FollowCapacitance(cell.branches[j]);
+        }},
+    Row{{"c", "F", "a capacitance above 0 F", true, false, kInfinity},
+        [](const Cell& cell, std::size_t j) -> std::optional<double> {
+          const Cell::Branch& branch = cell.branches[j];
+          if (!branch.resistance_Ohm.constant()) return std::nullopt;
+          if (branch.capacitance_F) return branch.capacitance_F;
+          const double resistance_Ohm = branch.resistance_Ohm.resistance_Ohm[0];
+          if (!(resistance_Ohm > 0.0)) return std::nullopt;
+          return UnlessMissing(branch.time_constant_s / resistance_Ohm);
+        },
+        [](Cell& cell, std::size_t j, double value) {
+          cell.branches[j].capacitance_F = value;
+          FollowCapacitance(cell.branches[j]);
+        }},
+    Row{{"tau", "s", kTimeConstant, true, false, kInfinity},
+        [](const Cell& cell, std::size_t j) {
+          return UnlessMissing(cell.branches[j].time_constant_s);
+        },
+        [](Cell& cell, std::size_t j, double value) {
+          cell.branches[j].time_constant_s = value;
+          cell.branches[j].capacitance_F.reset();
+        }},
+    Row{{"tau_h", "s", kTimeConstant, false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.self_heating ? UnlessMissing(cell.self_heating->time_constant_s)
+                                   : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) { Heating(cell).time_constant_s = value; }},
+    Row{{"rho_h",
+         "Ohm/A^2",
+         "a drop of the resistance of at least 0 Ohm/A^2",
+         false,
+         true,
+         kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.self_heating ? UnlessMissing(cell.self_heating->resistance_drop_Ohm_per_A2)
+                                   : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) {
+          Heating(cell).resistance_drop_Ohm_per_A2 = value;
+        }},
+    Row{{"i_0", "A", "a current above 0 A", false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.charge_transfer ? UnlessMissing(cell.charge_transfer->current_A)
+                                      : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) { Transfer(cell).current_A = value; }},
+    Row{{"r_ct", "Ohm", kResistance, false, true, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.charge_transfer ? UnlessMissing(cell.charge_transfer->resistance_Ohm)
+                                      : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) {
+          Transfer(cell).resistance_Ohm = Resistance<double>(value);
+        }},
+};
+
+std::optional<std::size_t> ParseNumber(std::string_view digits) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
+struct Found {
+  const Row* row = nullptr;
+  std::size_t branch = 0;
+};
+
+Found Find(std::string_view name) {
+  for (const Row& row : kRows) {
+    if (!row.kind.of_branch && row.kind.symbol == name) return {&row};
   }
-  return std::nullopt;
+  const auto bar = name.find('_');
+  if (bar == std::string_view::npos) return {};
+  const auto number = ParseNumber(name.substr(bar + 1));
+  if (!number || *number < 1) return {};
+  for (const Row& row : kRows) {
+    if (row.kind.of_branch && row.kind.symbol == name.substr(0, bar)) return {&row, *number - 1};
+  }
+  return {};
 }
 
 // "r_s[3]" is {"r_s", 3}.
@@ -51,11 +167,9 @@ struct NodeName {
 std::optional<NodeName> ParseNodeName(std::string_view name) {
   const auto bracket = name.find('[');
   if (bracket == std::string_view::npos || !name.ends_with(']')) return std::nullopt;
-  const auto digits = name.substr(bracket + 1, name.size() - bracket - 2);
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
-  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-  return NodeName{name.substr(0, bracket), index};
+  const auto index = ParseNumber(name.substr(bracket + 1, name.size() - bracket - 2));
+  if (!index) return std::nullopt;
+  return NodeName{name.substr(0, bracket), *index};
 }
 
 // The resistance that may be a table: r_s, r_1, ..., r_ct; null where the cell has none of that
@@ -63,14 +177,13 @@ std::optional<NodeName> ParseNodeName(std::string_view name) {
 template <class AnyCell>
 auto* FindResistance(AnyCell& cell, std::string_view name) {
   decltype(&cell.series_resistance_Ohm) found = nullptr;
-  const auto branch_name = ParseBranchName(name);
+  const auto [row, branch] = Find(name);
   if (name == "r_s") {
     found = &cell.series_resistance_Ohm;
   } else if (name == "r_ct" && cell.charge_transfer) {
     found = &cell.charge_transfer->resistance_Ohm;
-  } else if (branch_name && branch_name->symbol == "r" &&
-             branch_name->index < cell.branches.size()) {
-    found = &cell.branches[branch_name->index].resistance_Ohm;
+  } else if (row != nullptr && row->kind.symbol == "r" && branch < cell.branches.size()) {
+    found = &cell.branches[branch].resistance_Ohm;
   }
   return found;
 }
@@ -83,42 +196,7 @@ std::size_t CountNodes(const Cell& cell, std::string_view table) {
 }
 
 void Check(bool holds, std::string_view name, std::string_view expected, double value) {
-  if (!holds || !std::isfinite(value)) {
-    throw OptionError(fmt::format("{}: expected {}, found {}", name, expected, value));
-  }
-}
-
-void SetBranch(Cell& cell, std::string_view name, const BranchName& branch_name, double value) {
-  const auto& [symbol, index] = branch_name;
-  if (index == cell.branches.size() && symbol == "r") {
-    cell.branches.push_back(
-        {.resistance_Ohm = {}, .time_constant_s = kMissing, .capacitance_F = {}});
-  }
-  if (index >= cell.branches.size()) {
-    throw OptionError(fmt::format("{}: the cell has {} branch{}; give r_{} first to add one",
-                                  name,
-                                  cell.branches.size(),
-                                  cell.branches.size() == 1 ? "" : "es",
-                                  cell.branches.size() + 1));
-  }
-  Cell::Branch& branch = cell.branches[index];
-  if (symbol == "tau") {
-    Check(value > 0.0, name, "a time constant above 0 s", value);
-    branch.time_constant_s = value;
-    branch.capacitance_F.reset();
-    return;
-  }
-  if (symbol == "r") {
-    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
-    branch.resistance_Ohm = Resistance<double>(value);
-  } else {
-    Check(value > 0.0, name, "a capacitance above 0 F", value);
-    Check(branch.resistance_Ohm.constant(), name, "tau, beside a table of resistances", value);
-    branch.capacitance_F = value;
-  }
-  if (branch.capacitance_F) {
-    branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
-  }
+  if (!holds) throw OptionError(fmt::format("{}: expected {}, found {}", name, expected, value));
 }
 
 void SetNode(Cell& cell, std::string_view name, const NodeName& node, double value) {
@@ -133,11 +211,12 @@ void SetNode(Cell& cell, std::string_view name, const NodeName& node, double val
                           nodes - 1));
   }
   if (node.table != "v_oc") {
-    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
+    const CellParameterKind& kind = Find(node.table).row->kind;
+    Check(kind.Holds(value), name, kind.expected, value);
     FindResistance(cell, node.table)->resistance_Ohm[node.index] = value;
     return;
   }
-  Check(true, name, "a finite voltage", value);
+  Check(std::isfinite(value), name, "a finite voltage", value);
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
   auto voltage_V = curve.voltage_V();
   voltage_V[node.index] = value;
@@ -147,47 +226,35 @@ void SetNode(Cell& cell, std::string_view name, const NodeName& node, double val
           : OpenCircuitVoltage::MonotoneCubic(curve.soc(), std::move(voltage_V));
 }
 
-// tau_h, rho_h.
-void SetSelfHeating(Cell& cell, std::string_view name, double value) {
-  const bool time = name == "tau_h";
-  if (time) {
-    Check(value > 0.0, name, "a time constant above 0 s", value);
-  } else {
-    Check(value >= 0.0, name, "a drop of the resistance of at least 0 Ohm/A^2", value);
-  }
-  if (!cell.self_heating) cell.self_heating = Cell::SelfHeating{kMissing, kMissing};
-  (time ? cell.self_heating->time_constant_s : cell.self_heating->resistance_drop_Ohm_per_A2) =
-      value;
-}
-
-// i_0, r_ct.
-void SetChargeTransfer(Cell& cell, std::string_view name, double value) {
-  const bool current = name == "i_0";
-  if (current) {
-    Check(value > 0.0, name, "a current above 0 A", value);
-  } else {
-    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
-  }
-  if (!cell.charge_transfer) cell.charge_transfer = Cell::ChargeTransfer{kMissing, kMissing};
-  if (current) {
-    cell.charge_transfer->current_A = value;
-  } else {
-    cell.charge_transfer->resistance_Ohm = value;
-  }
-}
-
 }  // namespace
+
+bool CellParameterKind::Holds(double value) const {
+  return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value <= upper;
+}
+
+std::optional<CellParameterName> FindCellParameter(std::string_view name) {
+  const Found found = Find(name);
+  if (found.row == nullptr) return std::nullopt;
+  return CellParameterName{&found.row->kind, found.branch};
+}
 
 std::vector<std::string> CellParameterNames(const Cell& cell) {
   std::vector<std::string> names;
-  const auto add = [&](std::string name) {
-    if (CellParameter(cell, name)) names.push_back(std::move(name));
+  const auto add = [&](const Row& row, std::size_t branch, std::string name) {
+    if (row.get(cell, branch)) names.push_back(std::move(name));
   };
-  for (const char* name : {"alpha", "beta", "r_s"}) add(name);
-  for (std::size_t j = 1; j <= cell.branches.size(); ++j) {
-    for (const char* symbol : {"r", "c", "tau"}) add(fmt::format("{}_{}", symbol, j));
+  std::size_t branches = 0;  // those of one branch stand together
+  for (const Row& row : kRows) {
+    if (!row.kind.of_branch) {
+      add(row, 0, std::string(row.kind.symbol));
+    } else if (branches++ == 0) {
+      for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+        for (const Row& of : kRows) {
+          if (of.kind.of_branch) add(of, j, fmt::format("{}_{}", of.kind.symbol, j + 1));
+        }
+      }
+    }
   }
-  for (const char* name : {"tau_h", "rho_h", "i_0", "r_ct"}) add(name);
   return names;
 }
 
@@ -209,51 +276,41 @@ std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
     if (node->table == "v_oc") return cell.open_circuit_voltage.voltage_V()[node->index];
     return FindResistance(cell, node->table)->resistance_Ohm[node->index];
   }
-  if (name == "alpha" && cell.diffusion) return cell.diffusion->alpha_C;
-  if (name == "beta" && cell.diffusion) return cell.diffusion->beta_per_sqrt_s;
-  if (name == "r_s") return UnlessMissing(cell.series_resistance_Ohm);
-  if (const auto& term = cell.self_heating) {
-    if (name == "tau_h") return UnlessMissing(term->time_constant_s);
-    if (name == "rho_h") return UnlessMissing(term->resistance_drop_Ohm_per_A2);
-  }
-  if (const auto& term = cell.charge_transfer) {
-    if (name == "i_0") return UnlessMissing(term->current_A);
-    if (name == "r_ct") return UnlessMissing(term->resistance_Ohm);
-  }
-  const auto branch_name = ParseBranchName(name);
-  if (!branch_name || branch_name->index >= cell.branches.size()) return std::nullopt;
-  const auto& branch = cell.branches[branch_name->index];
-  if (branch_name->symbol == "tau") return UnlessMissing(branch.time_constant_s);
-  if (!branch.resistance_Ohm.constant()) return std::nullopt;
-  const double resistance_Ohm = branch.resistance_Ohm.resistance_Ohm[0];
-  if (branch_name->symbol == "r") return resistance_Ohm;
-  if (branch.capacitance_F) return branch.capacitance_F;
-  if (resistance_Ohm > 0.0) return UnlessMissing(branch.time_constant_s / resistance_Ohm);
-  return std::nullopt;
+  const Found found = Find(name);
+  if (found.row == nullptr) return std::nullopt;
+  if (found.row->kind.of_branch && found.branch >= cell.branches.size()) return std::nullopt;
+  return found.row->get(cell, found.branch);
 }
 
 void SetCellParameter(Cell& cell, std::string_view name, double value) {
   if (const auto node = ParseNodeName(name)) return SetNode(cell, name, *node, value);
-  if (const auto branch_name = ParseBranchName(name))
-    return SetBranch(cell, name, *branch_name, value);
-  if (name == "r_s") {
-    Check(value >= 0.0, name, "a resistance of at least 0 Ohm", value);
-    cell.series_resistance_Ohm = Resistance<double>(value);
-  } else if (name == "tau_h" || name == "rho_h") {
-    SetSelfHeating(cell, name, value);
-  } else if (name == "i_0" || name == "r_ct") {
-    SetChargeTransfer(cell, name, value);
-  } else if (name == "alpha" && cell.diffusion) {
-    Check(value > 0.0, name, "a charge above 0 C", value);
-    cell.diffusion->alpha_C = value;
-  } else if (name == "beta" && cell.diffusion) {
-    Check(value > 0.0 && value <= 1.0, name, "a number in (0, 1]", value);
-    cell.diffusion->beta_per_sqrt_s = value;
-  } else {
+  const Found found = Find(name);
+  const bool of_diffusion = name == "alpha" || name == "beta";
+  if (found.row == nullptr || (of_diffusion && !cell.diffusion)) {
     throw OptionError(fmt::format("'{}' is no parameter of this cell; it has {}",
                                   name,
                                   fmt::join(CellParameterNames(cell), ", ")));
   }
+  const CellParameterKind& kind = found.row->kind;
+  if (kind.of_branch) {
+    if (found.branch == cell.branches.size() && kind.symbol == "r") {
+      cell.branches.push_back(
+          {.resistance_Ohm = {}, .time_constant_s = kMissing, .capacitance_F = {}});
+    }
+    if (found.branch >= cell.branches.size()) {
+      throw OptionError(fmt::format("{}: the cell has {} branch{}; give r_{} first to add one",
+                                    name,
+                                    cell.branches.size(),
+                                    cell.branches.size() == 1 ? "" : "es",
+                                    cell.branches.size() + 1));
+    }
+  }
+  Check(kind.Holds(value), name, kind.expected, value);
+  if (kind.symbol == "c") {
+    const bool constant = cell.branches[found.branch].resistance_Ohm.constant();
+    Check(constant, name, "tau, beside a table of resistances", value);
+  }
+  found.row->set(cell, found.branch, value);
 }
 
 std::optional<std::string> MissingCellParameter(const Cell& cell) {
@@ -282,13 +339,11 @@ std::optional<std::string> MissingCellParameter(const Cell& cell) {
 }
 
 std::string_view CellParameterUnit(std::string_view name) {
-  if (name == "alpha") return "C";
-  if (name.starts_with("v_oc")) return "V";
-  if (name == "beta") return "s^-1/2";
-  if (name == "i_0") return "A";
-  if (name == "rho_h") return "Ohm/A^2";
-  if (name.starts_with("tau")) return "s";
-  return name.starts_with("c") ? "F" : "Ohm";
+  const auto node = ParseNodeName(name);
+  if (node && node->table == "v_oc") return "V";
+  const Found found = Find(node ? node->table : name);
+  Require(found.row != nullptr, "the name of a parameter");
+  return found.row->kind.unit;
 }
 
 }  // namespace lipoid

@@ -1,10 +1,13 @@
 #pragma once
 
 /// @file
-/// The parameters of a cell by the names of the command line: alpha, beta, r_s, r_1, c_1, tau_1,
-/// r_2, ... in SI units (C, s^-1/2, Ohm, F, s), and, of the two terms beyond the thesis, tau_h (s),
-/// rho_h (Ohm/A²), i_0 (A), r_ct (Ohm). Tests: tests/model/battery/cell_parameters_test.cc.
+/// The table of parameters: the one place that knows what a parameter is called, its unit, its range
+/// and where it stands in a cell. Names are those of the command line: alpha, beta, r_s, r_1, c_1,
+/// tau_1, r_2, ... in SI units (C, s^-1/2, Ohm, F, s), and, of the two terms beyond the thesis,
+/// tau_h (s), rho_h (Ohm/A²), i_0 (A), r_ct (Ohm). A new parameter is a new row in the source file.
+/// Tests: tests/model/battery/cell_parameters_test.cc.
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +16,28 @@
 #include "model/battery/cell.h"
 
 namespace lipoid {
+
+/// What is true of a parameter in every cell.
+struct CellParameterKind {
+  std::string_view symbol;    ///< "beta"; of a branch without its number: "tau"
+  std::string_view unit;      ///< "s"
+  std::string_view expected;  ///< its range in words: "a time constant above 0 s"
+  bool of_branch = false;     ///< the name has the number of a branch behind it
+  bool zero = false;          ///< the value may be 0; it is never less
+  double upper = std::numeric_limits<double>::infinity();  ///< the largest value it may have
+
+  /// Finite and within the range.
+  [[nodiscard]] bool Holds(double value) const;
+};
+
+/// A name of the table: its kind, and the branch it belongs to, counted from 0.
+struct CellParameterName {
+  const CellParameterKind* kind = nullptr;
+  std::size_t branch = 0;
+};
+
+/// None for a name that no cell has.
+[[nodiscard]] std::optional<CellParameterName> FindCellParameter(std::string_view name);
 
 /// The names this cell has, in the order above. A table of resistances has no name: of such a
 /// branch there is only tau_j.

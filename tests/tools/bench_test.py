@@ -5,6 +5,7 @@ import copy
 import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 # pylint: disable=wrong-import-position
-from benchmarks import figure, goals, report, staged, thevenin
+from benchmarks import figure, goals, joint, joint_peer, report, staged, thevenin
 
 CELL = {
     "capacity_Ah": 1.0, "initial_soc": 0.9,
@@ -63,6 +64,120 @@ class PeerLineTest(unittest.TestCase):
                           "1.8e-01 1.6e-03 3.1e-04 6.8e+04", "3.10"))
 
 
+# A cell whose voltage is written row by row, with no pass that the peer has.
+NODES = {"soc": [-0.1, 0.1, 0.3, 1.0], "voltage_V": [2.8, 3.5, 3.7, 4.2]}
+TRUTH = {"alpha_C": 1000.0, "beta": 0.2, "r_s": 0.05, "r_1": 0.02, "tau_1": 40.0, "rho": 0.002,
+         "tau_h": 300.0}
+
+
+def voltage_of(time_s, current_A):
+    """(4.46)-(4.51) with ten modes and the tail, rows held backward."""
+    modes, branch, heat, charge = np.zeros(10), 0.0, 0.0, 0.0
+    rates = (TRUTH["beta"] * np.arange(1, 11)) ** 2
+    tail = 2.0 / TRUTH["beta"] ** 2 * sum(1.0 / m ** 2 for m in range(11, 10 ** 6))
+    voltage_V = []
+    for k, i in enumerate(current_A):
+        dt = time_s[k] - time_s[k - 1] if k else 0.0
+        modes = modes * np.exp(-rates * dt) + i * (1 - np.exp(-rates * dt)) / rates
+        branch += (1 - np.exp(-dt / TRUTH["tau_1"])) * (TRUTH["r_1"] * i - branch)
+        heat += (1 - np.exp(-dt / TRUTH["tau_h"])) * (i * i - heat)
+        charge += i * dt
+        soc = 1 - (charge + 2 * modes.sum() + tail * i) / TRUTH["alpha_C"]
+        voltage_V.append(np.interp(soc, NODES["soc"], NODES["voltage_V"])
+                         - (TRUTH["r_s"] - TRUTH["rho"] * heat) * i - branch)
+    return np.array(voltage_V)
+
+
+class JointPeerTest(unittest.TestCase):
+    def problem(self, folder):
+        """A slow discharge, one of two hours, and pulses, as CSV."""
+        logs = []
+        for kind, step_s, current in (
+                ("low-rate", 60.0, lambda t: 0.012 if t else 0.0),
+                ("constant-current", 10.0, lambda t: 0.13 if t else 0.0),
+                ("pulses", 5.0, lambda t: 1.0 if 0.0 < t % 1200.0 <= 60.0 else 0.0)):
+            hours = {"low-rate": 23.0, "constant-current": 2.0, "pulses": 5.0}[kind]
+            time_s = np.arange(0.0, 3600.0 * hours, step_s)
+            current_A = np.array([current(t) for t in time_s])
+            file = pathlib.Path(folder) / f"{kind}.csv"
+            np.savetxt(file, np.column_stack([time_s, current_A, voltage_of(time_s, current_A)]),
+                       delimiter=",", header="time_s,current_A,voltage_V", comments="")
+            logs.append({"file": str(file), "kind": kind, "hold": "backward", "initial_soc": 1.0,
+                         "weight": 1.0})
+        return {"logs": logs, "alpha_C": TRUTH["alpha_C"], "terms": 10, "tail": True,
+                "branches": 1, "voltage_soc": NODES["soc"], "resistance_soc": [0.5],
+                "self_heating": True, "charge_transfer": False, "smoothness": 1e-6,
+                "charge_uncertainty": 0.002, "voltage_uncertainty_V": 0.001,
+                "answer": {"rates": {name: TRUTH[name] for name in ("beta", "tau_1", "tau_h")},
+                           "voltage_V": NODES["voltage_V"],
+                           "tables": [[TRUTH["r_s"]], [TRUTH["r_1"]]], "heating": TRUTH["rho"]}}
+
+    def test_it_has_the_equations_and_finds_the_truth(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = joint_peer.fit(self.problem(folder))
+        # Means of blocks of rows are off by 1 uV here, a hundredth of any cycler's noise.
+        self.assertLess(result["judged"]["rmse_V"], 3e-6)
+        self.assertLess(result["rmse_V"], 5e-6)
+        for name in ("beta", "tau_1"):  # one pulse current tells little of tau_h
+            self.assertAlmostEqual(result["rates"][name] / TRUTH[name], 1.0, delta=0.01)
+
+    def test_recurrences_by_doubling_are_those_row_by_row(self):
+        generator = np.random.default_rng(1)
+        decay, drive = generator.uniform(size=(2, 100, 3))
+        wanted, state = [], np.zeros(3)
+        for k in range(100):
+            state = decay[k] * state + drive[k]
+            wanted.append(state)
+        np.testing.assert_allclose(joint_peer.recurrence(decay, drive), wanted, rtol=1e-13)
+
+    def test_blocks_hold_one_current_and_all_rows(self):
+        current_A = np.repeat([0.0, 2.0, 0.0, 2.0], 2000)
+        edges = joint_peer.block_edges(current_A)
+        self.assertLess(len(edges), 500)
+        for first, end in zip(edges, np.append(edges[1:], len(current_A))):
+            self.assertEqual(len(set(current_A[first:end])), 1)
+        self.assertEqual(list(joint_peer.block_edges(current_A[:100])), list(range(100)))
+
+    def test_the_structure_is_that_of_the_cell_file(self):
+        cell = {"series_resistance_Ohm": {"soc": [0.0, 1.0], "resistance_Ohm": [0.1, 0.2]},
+                "branches": [{"resistance_Ohm": {"soc": [0.0, 1.0], "resistance_Ohm": [0.3, 0.4]},
+                              "time_constant_s": 9.0}],
+                "diffusion": {"alpha_C": 5.0, "beta_per_sqrt_s": 0.1, "terms": 3, "tail": False},
+                "open_circuit_voltage": {"soc": [0.0, 1.0], "voltage_V": [3.0, 4.0]},
+                "charge_transfer": {"resistance_Ohm": {"soc": [0.0, 1.0],
+                                                       "resistance_Ohm": [0.5, 0.6]},
+                                    "current_A": 7.0},
+                "run": {"options": {"joint": {"charge_uncertainty": 0.002,
+                                              "voltage_uncertainty_V": 0.001}}}}
+        with tempfile.TemporaryDirectory() as folder:
+            campaign = pathlib.Path(folder) / "campaign.toml"
+            campaign.write_text("[[log]]\nkind = 'pulses'\nfile = 'a.csv'\ninitial_soc = 0.9\n"
+                                "[[log]]\nkind = 'validation'\nfile = 'b.csv'\n",
+                                encoding="utf-8")
+            given = joint.problem(campaign, {"joint": {"smoothness": 0.01}}, cell)
+        self.assertEqual([log["initial_soc"] for log in given["logs"]], [0.9])
+        self.assertEqual(given["answer"]["tables"], [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
+        self.assertEqual(given["answer"]["rates"], {"beta": 0.1, "tau_1": 9.0, "i_0": 7.0})
+        self.assertEqual((given["branches"], given["charge_transfer"], given["self_heating"]),
+                         (1, True, False))
+        self.assertEqual(given["smoothness"], 0.01)
+
+
+def joint_result(wall_s=0.4, our_rmse_V=0.001):
+    """The stage's figures of one campaign, and one that is not there."""
+    run = {"wall_s": wall_s, "joint_s": 0.3, "processor_s": 0.5, "peak_memory_MB": 90.0,
+           "rmse_V": 0.001}
+    peer = {"total_s": 4.0, "fit_s": 3.9, "load_s": 0.1, "rows": 10000, "points": 2000,
+            "unknowns": 90, "evaluations": 100, "rmse_V": 0.001}
+    return {"stages": {"joint": {"peer_limit_s": 600.0, "comparable": 1.05, "peer_skipped": None,
+                                 "campaigns": [
+        {"name": "nissan", "structure": {},
+         "lipoid": {"command": "lipoid identify", "runs": [run], "median": run},
+         "peer": {"command": "python3 joint_peer.py", "runs": [peer], "median": peer,
+                  "judges": {"lipoid_rmse_V": our_rmse_V}}},
+        {"name": "dmegc", "skipped": "there is no campaign.toml"}]}}}
+
+
 RESULT = {"stages": {"staged": {
     "lipoid": {"median": {"wall_s": 0.4, "joint_fit_s": 0.1, "rmse_V": 0.006,
                           "peak_memory_MB": 500}},
@@ -94,6 +209,13 @@ class GoalsTest(unittest.TestCase):
         self.assertEqual(set(met({"stages": {}}).values()), {None})
         self.assertIsNone(met(RESULT)["particle swarm with the thesis' settings"])
 
+    def test_the_joint_method_needs_time_and_rmse(self):
+        for figures, wanted in (((0.5, 0.001), True), ((0.51, 0.001), False),
+                                ((0.4, 0.00105), True), ((0.4, 0.00106), False)):
+            found = goals.judge(joint_result(*figures))[-2:]
+            self.assertEqual([row["met"] for row in found], [wanted, None])
+        self.assertIn("10.0 times faster", goals.judge(joint_result())[-2]["found"])
+
     def test_particle_swarm_needs_time_and_cost(self):
         for wall_s, above, wanted in ((9.9, 0.1, True), (10.0, 0.0, False), (1.0, 0.11, False)):
             row = {"optimizer": "particle-swarm", "wall_s": wall_s,
@@ -108,6 +230,12 @@ class ReportTest(unittest.TestCase):
                               (12.3456, "12.35"), (1e-9, "1.000e-09"), (0.0, "0"), (None, "-"),
                               (float("nan"), "-")):
             self.assertEqual(report.number(value), wanted)
+
+    def test_the_joint_method_has_a_row_for_every_campaign(self):
+        text = report.joint(joint_result()["stages"]["joint"], None)
+        self.assertIn("| nissan | 0.400 | 0.300 | 4.00 | 3.90 | 10.00 | 10,000 | 100 |", text)
+        self.assertIn("skipped: there is no campaign.toml", text)
+        self.assertIn("    lipoid identify\n    python3 joint_peer.py\n", text)
 
     def test_axes_place_decades_and_round_steps(self):
         decades = figure.Axis([1e4, 1e8], 200.0, logarithmic=True)

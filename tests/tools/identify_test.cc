@@ -399,8 +399,8 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
        "--branches: expected a whole number, 0 .. 5, found '6'"},
       {{"--pulses", "logs/pulses.csv", "--initial-voltage-V", "4.1"},
        "--initial-voltage-V needs v_oc(A)"},
-      {{"--pulses", "logs/pulses.csv"},
-       "expected a low-rate log for the open-circuit voltage, found none"},
+      {{"--constant-current", "logs/cc_1C.csv", "--cutoff-V", "3"},
+       "expected a low-rate log for the open-circuit voltage, or pulses with rests, found neither"},
   };
   for (const auto& one : cases) {
     SCOPED_TRACE(one.message);

@@ -1,5 +1,7 @@
 """The goals, and whether the figures meet them. A goal without its figure is open, not met."""
 
+from .joint import COMPARABLE, GOALS_S
+
 PEER_DIGITS_V = 5e-7  # the peer prints its rmse with six decimals
 
 
@@ -12,6 +14,7 @@ def judge(result):
         csv_reading(result),
         peak_memory(result),
         field_tool(result),
+        *joint_method(result),
     ]
 
 
@@ -89,3 +92,26 @@ def field_tool(result):
     theirs = example["pybop"]["sum_of_squares_V2"]
     return row(*texts, f"{ratio:.0f} times; {ours:.4g} V² against {theirs:.4g} V²",
                ratio >= 1000 and ours <= theirs)
+
+
+def joint_method(result):
+    """One goal for each campaign; none in figures that are older than the stage."""
+    stage = result["stages"].get("joint")
+    if stage is None:
+        return []
+    return [joint_run(row_of_campaign) for row_of_campaign in stage["campaigns"]]
+
+
+def joint_run(measured):
+    goal_s = GOALS_S[measured["name"]]
+    texts = (f"joint method, {measured['name']}, CSV on disk to cell file",
+             f"{goal_s:g} s, at an rmse comparable with SciPy's")
+    if "peer" not in measured:
+        return row(*texts)
+    wall_s = measured["lipoid"]["median"]["wall_s"]
+    ours = measured["peer"]["judges"]["lipoid_rmse_V"]
+    theirs = measured["peer"]["median"]["rmse_V"]
+    ratio = measured["peer"]["median"]["total_s"] / wall_s
+    found = (f"{wall_s:.2f} s, {ratio:.1f} times faster than SciPy's fit of one structure; rmse "
+             f"{1e3 * ours:.3f} mV, SciPy {1e3 * theirs:.3f} mV")
+    return row(*texts, found, wall_s <= goal_s and ours <= COMPARABLE * theirs)

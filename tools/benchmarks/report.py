@@ -34,8 +34,8 @@ def write(result, figure_name):
     stages = result["stages"]
     parts = [head(result), goals(result["goals"]), machine(result["machine"])]
     parts.append(campaign(result["campaign"]))
-    for name, section in (("staged", staged), ("branches", branches), ("optimizers", optimizers), ("csv", csv_reading),
-                          ("pybop", pybop)):
+    for name, section in (("staged", staged), ("joint", joint), ("branches", branches),
+                          ("optimizers", optimizers), ("csv", csv_reading), ("pybop", pybop)):
         if name in stages:
             parts.append(section(stages[name], stages))
     if "limits" in stages:
@@ -167,6 +167,41 @@ def against_truth(stage):
             f"{number(joint['peak_memory_MB'], 3)} MB for the whole run on the same files, its "
             "standard errors\nincluded. What the staged method, whoever runs it, is off by comes "
             "from alpha and v_oc(A), which it takes from\nlogs under load.\n")
+
+
+def joint(stage, _):
+    rows = []
+    commands = ""
+    for one in stage["campaigns"]:
+        if "skipped" in one:
+            rows.append([one["name"], *["-"] * 9, f"skipped: {one['skipped']}"])
+            continue
+        commands = commands or code(one["lipoid"]["command"])
+        ours = one["lipoid"]["median"]
+        line = [one["name"], number(ours["wall_s"], 3), number(ours["joint_s"], 3)]
+        if "peer" not in one:
+            ended = (f"the peer was killed after {stage['peer_limit_s']:.0f} s"
+                     if "peer_ended" in one else f"no peer: {stage['peer_skipped']}")
+            rows.append([*line, *["-"] * 7, ended])
+            continue
+        peer = one["peer"]["median"]
+        if "peer" in one and "peer" not in commands:
+            commands += code(one["peer"]["command"])
+        rows.append([*line, number(peer["total_s"], 3), number(peer["fit_s"], 3),
+                     ratio(peer["total_s"], ours["wall_s"]), f"{peer['rows']:,.0f}",
+                     number(peer["evaluations"], 3),
+                     number(1e3 * one["peer"]["judges"]["lipoid_rmse_V"]),
+                     number(1e3 * peer["rmse_V"]), ""])
+    return ("## The joint method\n\n" + commands + "\n"
+            + table(["campaign", "lipoid: whole / s", "of it the method / s", "SciPy: whole / s",
+                     "its fit / s", "ratio of the whole", "rows", "SciPy's evaluations",
+                     "lipoid: rmse / mV", "SciPy: rmse / mV", ""], rows)
+            + "\nlipoid is charged for its whole process: reading, the staged run, the choice of the "
+            "structure and the standard\nerrors. The peer (variable projection: `nnls` inside, "
+            "`least_squares` outside) is given alpha, the structure and\nthe smoothness that lipoid "
+            "chose, starts from a small grid, and is charged for reading and one fit, without\nthe "
+            "start of Python. Both errors are weighted (docs/joint.md, 2), by the peer's own "
+            "equations at its own points.\n")
 
 
 def branches(stage, _):

@@ -6,18 +6,9 @@
 #include <chrono>
 #include <filesystem>
 
-#include "identify/joint/joint_drawn.h"
-#include "identify/joint/joint_profile.h"
-#include "identify/joint/joint_report.h"
-#include "identify/joint/joint_run.h"
-#include "identify/joint/joint_trust.h"
+#include "identify/identification.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
-#include "identify/stages/staged_profile.h"
-#include "identify/stages/staged_report.h"
-#include "identify/stages/staged_run.h"
-#include "identify/trust/cell_uncertainty.h"
-#include "identify/trust/profile_report.h"
 #include "model/battery/cell_comparison.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
@@ -33,96 +24,17 @@
 namespace lipoid {
 namespace {
 
-enum class Method { kStaged, kJoint };
-constexpr std::array<std::pair<Method, std::string_view>, 2> OptionNames(Method) {
-  return {{{Method::kStaged, "staged"}, {Method::kJoint, "joint"}}};
-}
-
-// What either method leaves.
-struct Outcome {
-  bool converged = false;
-  Json report;
-  std::string text;
-  std::vector<LogKind> fitted;      // kinds of logs that the last fit used
-  double mean_error_percent = 0.0;  // of the pulses, or of all logs
-  Cell cell;
-};
-
-// What cells can be drawn from, in the cell file.
-void AddUncertainty(Outcome& outcome, const TrustReport& trust, bool soc_follows_alpha) {
-  CellUncertainty uncertainty = UncertaintyOf(trust, outcome.cell, soc_follows_alpha);
-  outcome.cell.uncertainty = std::move(uncertainty.found);
-  outcome.report["not_drawn"] = uncertainty.unknown;
-  if (uncertainty.unknown.empty()) return;
-  outcome.text += fmt::format(
-      "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction of "
-      "the logs depends on the rest\n",
-      fmt::join(uncertainty.unknown, ", "));
-}
-
-void AddProfiles(Outcome& outcome, const std::vector<Profile>& profiles) {
-  if (profiles.empty()) return;
-  outcome.report["profiles"] = ProfilesToJson(profiles);
-  outcome.text += "\n" + ProfilesText(profiles);
-}
-
-Outcome Staged(const Campaign& campaign,
-               const std::vector<LoadedLog>& logs,
-               const StagedArguments& arguments,
-               const std::vector<std::string>& profiled,
-               const StageProgress& progress) {
-  StagedResult result =
-      IdentifyStaged(campaign, logs, arguments.options, arguments.given, progress);
-  std::vector<Profile> profiles;
-  if (!profiled.empty()) {
-    progress("profiles", 0.97);
-    const PulseTask task = PreparePulses(campaign, logs, arguments.options, arguments.given);
-    profiles = ProfileStaged(profiled,
-                             task.sweep,
-                             task.data,
-                             result.pulses,
-                             result.trust,
-                             arguments.options.pulses,
-                             arguments.options.solver,
-                             arguments.given.parameters);
+std::string IdentificationText(const Campaign& campaign, const Identification& found) {
+  std::string text = found.joint ? JointReport(campaign, *found.joint, found.trust)
+                                 : IdentifyReport(campaign, *found.staged);
+  if (!found.not_drawn.empty()) {
+    text += fmt::format(
+        "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction "
+        "of the logs depends on the rest\n",
+        fmt::join(found.not_drawn, ", "));
   }
-  Outcome outcome{.converged = result.converged,
-                  .report = StagedToJson(result),
-                  .text = IdentifyReport(campaign, result),
-                  .fitted = {result.fitted_kind},
-                  .mean_error_percent = result.pulses.errors.mean_error_percent,
-                  .cell = std::move(result.cell)};
-  AddUncertainty(outcome, result.trust, result.open_circuit_voltage.has_value());
-  AddProfiles(outcome, profiles);
-  return outcome;
-}
-
-Outcome Joint(const Campaign& campaign,
-              const std::vector<LoadedLog>& logs,
-              const StagedArguments& arguments,
-              const JointOptions& options,
-              const std::vector<std::string>& profiled,
-              const StageProgress& progress) {
-  JointResult result =
-      IdentifyJoint(campaign, logs, arguments.options, options, arguments.given, progress);
-  const TrustReport trust = AssessJoint(result);
-  std::vector<Profile> profiles;
-  if (!profiled.empty()) {
-    progress("profiles", 0.97);
-    profiles = ProfileJoint(profiled, result, trust, arguments.given.parameters.bounds);
-  }
-  double mean = 0.0;
-  for (const auto& log : result.fitted)
-    mean += log.all.mean_error_percent / static_cast<double>(result.fitted.size());
-  Outcome outcome{.converged = result.converged,
-                  .report = JointToJson(result, trust),
-                  .text = JointReport(campaign, result, trust),
-                  .fitted = {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses},
-                  .mean_error_percent = mean,
-                  .cell = std::move(result.cell)};
-  AddUncertainty(outcome, trust, SocFollowsAlpha(result));
-  AddProfiles(outcome, profiles);
-  return outcome;
+  if (!found.profiles.empty()) text += "\n" + ProfilesText(found.profiles);
+  return text;
 }
 
 // Where the cell of a campaign goes: the file named, or one in the folder named, called after the
@@ -201,8 +113,7 @@ class Hashing {
 cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::vector<std::string> campaign_files;
   StagedArguments staged;
-  JointOptions joint;
-  Method method = Method::kStaged;
+  IdentifyOptions options;
   std::string output;
   std::string residuals;
   std::string truth_file;
@@ -225,7 +136,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Arguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option("method", method, Names{}, "stage by stage, or all logs at once");
+  line.Option("method", options.method, Names{}, "stage by stage, or all logs at once");
   staged.AddTo(line);
   line.OutputOption("residuals",
                     residuals,
@@ -238,18 +149,17 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
              "hold each of these at values around its estimate, refit the others, show the errors");
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
-  line.Group("joint", joint);
+  line.Group("joint", options.joint);
   if (!line.Parse()) return cli::ExitCode::kDone;
-  if (method == Method::kJoint && line.Given("branches")) joint.branches = staged.branches();
+  const bool joint = options.method == IdentifyMethod::kJoint;
+  if (joint && line.Given("branches")) options.joint.branches = staged.branches();
 
   const bool by_options = staged.ByOptions();
   const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
-  const std::vector<std::string> profiled = ProfiledNames(profile_texts);
-  if (method == Method::kJoint) {
-    CheckJointProfile(profiled);
-  } else {
-    CheckStagedProfile(profiled, staged.options.pulses, staged.given.parameters);
-  }
+  options.staged = staged.options;
+  options.given = staged.given;
+  options.profiled = ProfiledNames(profile_texts);
+  CheckIdentifyOptions(options);
   const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
   if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
@@ -293,31 +203,31 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     const StageProgress tell = [&](std::string_view stage, double part) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };
-    Outcome result = method == Method::kJoint ? Joint(campaign, logs, staged, joint, profiled, tell)
-                                              : Staged(campaign, logs, staged, profiled, tell);
+    Identification result = Identify(campaign, logs, options, tell);
+    const Json report = IdentificationToJson(result);
     line.progress().Update(share(0.95), "writing");
     RunRecord run;
     run.command = line.CommandText();
-    run.options = {{"method", options_internal::ToText(method)}};
+    run.options = {{"method", options_internal::ToText(options.method)}};
     run.options.update(staged.ToJson());
     run.options["solver"] = OptionsToJson<Json>(staged.options.solver);
-    if (method == Method::kJoint) run.options["joint"] = OptionsToJson<Json>(joint);
-    if (!profiled.empty()) run.options["profile"] = profiled;
+    if (joint) run.options["joint"] = OptionsToJson<Json>(options.joint);
+    if (!options.profiled.empty()) run.options["profile"] = options.profiled;
     run.seed = line.seed();
-    run.metrics = result.report;
+    run.metrics = report;
     hashing.AddTo(run);
     result.cell.run = run.ToJson();
     result.cell.run["converged"] = result.converged;
-    if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted, residuals);
+    if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
-    entry.update(result.report);
+    entry.update(report);
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
-    line.Print("{}", result.text);
+    line.Print("{}", IdentificationText(campaign, result));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
       line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
@@ -326,14 +236,14 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.Print("\nCell file: {}\n", paths[k]);
     if (campaigns.size() == 1) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
     if (k + 1 < campaigns.size()) line.Print("\n");
-    mean_errors.push_back(result.mean_error_percent);
+    mean_errors.push_back(result.mean_error_percent());
     found.push_back(std::move(result.cell));
   }
   if (campaigns.size() == 1) {
     line.summary().update(cells[0]);
   } else {
     const auto spread = SpreadOfCells(
-        found, method == Method::kJoint ? "mean error" : "pulse mean error", mean_errors);
+        found, joint ? "mean error" : "pulse mean error", mean_errors);
     line.Print("\n{}", spread.text);
     line.summary()["cells"] = std::move(cells);
     line.summary()["spread"] = spread.json;

@@ -59,8 +59,34 @@ std::string DischargeTimesText(const StagedResult& result) {
                             Significant(stage.rmse_s, 3));
 }
 
+std::string FromRestsText(const OcvFromRests& stage) {
+  TextTable table({{"   from rests", Align::kLeft},
+                   {"SOC"},
+                   {"v_oc / V"},
+                   {"rest / s"},
+                   {"drift / mV"},
+                   {"slope / mV/h"}});
+  for (const auto& rest : stage.rests) {
+    table.Row({"",
+               Significant(rest.soc, 4),
+               Significant(rest.voltage_V, 5),
+               Significant(rest.rest_s, 4),
+               Significant(1e3 * rest.drift_V, 2),
+               Significant(3.6e6 * rest.slope_V_per_s, 2)});
+  }
+  std::string text = table.Text();
+  text += "   drift: how far the voltage moved in the second half of the rest\n";
+  if (stage.guessed_to_soc) {
+    text += fmt::format("   below SOC {} a guess from the voltage under load, good to {} mV\n",
+                        Significant(stage.rests.front().soc, 3),
+                        Significant(1e3 * stage.half_gap_V, 2));
+  }
+  return text;
+}
+
 std::string OpenCircuitVoltageText(const StagedResult& result) {
   std::string text = "2  open-circuit voltage (4.59)\n";
+  if (result.from_rests) return text + FromRestsText(*result.from_rests);
   if (!result.open_circuit_voltage) return text + "   given\n";
   const auto& stage = *result.open_circuit_voltage;
   const auto method = options_internal::ToText(stage.curve.method());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tools/cli/text_table.h"
 #include "tools/commands/identify_report.h"
@@ -19,7 +20,7 @@ std::string TriedText(const JointChoice& choice) {
   TextTable table({{"1  tried", Align::kLeft},
                    {"fitted_mV"},
                    {"left_out_mV"},
-                   {"expected_mV"},
+                   {"gain_mV"},
                    {"beta"},
                    {"tau / s"},
                    {"", Align::kLeft}});
@@ -30,7 +31,11 @@ std::string TriedText(const JointChoice& choice) {
     table.Row({"   " + row.what,
                Significant(1e3 * row.errors.fitted_V, 3),
                Significant(1e3 * row.errors.left_out_V, 3),
-               Significant(1e3 * row.errors.expected_V, 3),
+               std::isnan(row.gain.standard_error)
+                   ? "-"
+                   : fmt::format("{} +- {}",
+                                 Significant(1e3 * row.gain.gain, 2),
+                                 Significant(1e3 * row.gain.standard_error, 2)),
                Significant(row.solution.rates.beta_per_sqrt_s, 3),
                taus.empty() ? "-" : taus,
                row.taken ? "taken" : ""});

@@ -44,7 +44,7 @@ class CompareOptimizersTest : public testing::Test {
   [[nodiscard]] Comparison Run(const std::vector<std::string>& names,
                                int starts,
                                const ComparisonOptions& options = {},
-                               const PulseFitKnowledge& known = {}) const {
+                               const GivenParameters& known = {}) const {
     const VoltageSweep sweep(setup_, {{.record = &record_}});
     const PulseUnknowns unknowns = FindPulseUnknowns(setup_,
                                                      FindStartValues({&record_}),

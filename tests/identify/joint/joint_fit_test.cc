@@ -33,7 +33,7 @@ struct Bench {
   Cell truth;
   JointSetup setup;
   JointLogs logs;
-  JointKnowledge known;
+  GivenParameters known;
   JointStructure structure;
 };
 

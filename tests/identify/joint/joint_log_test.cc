@@ -74,28 +74,45 @@ TEST(JointLog, ValidationTakesNoPart) {
   EXPECT_EQ(joint.logs[0].file, "cc_3C.csv");
 }
 
-TEST(JointLog, PulsesAndPiecesAreLeftOutInTurnsAndEndsNever) {
+// Three constant currents, one of them left out whole at a time, and pulses in turns.
+TEST(JointLog, PulsesAreLeftOutInTurnsAndUnitsHoldEveryRow) {
   const auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
   const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
   EXPECT_EQ(joint.groups, 4 * 5);
+  double weight = 0.0;
   for (const JointLog& log : joint.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      EXPECT_EQ(log.group[k] == JointLog::kAlways, log.unit[k] == JointLog::kAlways);
+      if (log.group[k] != JointLog::kAlways) weight += log.weight[k];
+    }
+    if (log.kind != LogKind::kPulses) continue;
     const std::set<int> groups(log.group.begin(), log.group.end());
-    if (log.kind == LogKind::kLowRate) {
-      EXPECT_EQ(groups, std::set<int>{JointLog::kAlways});
-    } else if (log.kind == LogKind::kConstantCurrent) {
-      EXPECT_EQ(groups.size(), 6U);  // five, and the ends
-      EXPECT_EQ(log.group.front(), JointLog::kAlways);
-      EXPECT_EQ(log.group.back(), JointLog::kAlways);
-    } else {
-      EXPECT_EQ(groups.size(), 5U);
-      // A pulse and its rest stay together: the group changes where a pulse begins only.
-      for (std::size_t k = 2; k < log.size(); ++k) {
-        if (log.group[k] != log.group[k - 1]) {
-          EXPECT_EQ(log.current_A[k - 1], 0.0);
-          EXPECT_GT(log.current_A[k], 0.0);
-        }
+    EXPECT_EQ(groups.size(), 5U);
+    // A pulse and its rest stay together: the unit changes where a pulse begins only.
+    for (std::size_t k = 2; k < log.size(); ++k) {
+      EXPECT_EQ(log.group[k] != log.group[k - 1], log.unit[k] != log.unit[k - 1]);
+      if (log.unit[k] != log.unit[k - 1]) {
+        EXPECT_EQ(log.current_A[k - 1], 0.0);
+        EXPECT_GT(log.current_A[k], 0.0);
       }
     }
+  }
+  // Every row that can be left out counts in one unit.
+  EXPECT_NEAR(std::accumulate(joint.unit_weight.begin(), joint.unit_weight.end(), 0.0),
+              weight,
+              1e-12 * weight);
+}
+
+TEST(JointLog, PiecesAreLeftOutInTurnsAndEndsNever) {
+  auto logs = test::SyntheticLogs(LoadCell("gifi-600mAh-1"), 2.0);
+  logs[0].entry.kind = LogKind::kValidation;
+  const JointLogs joint = MakeJointLogs(logs, 1350.0, Flat(), {});
+  EXPECT_EQ(joint.groups, 3 * 5);
+  for (const JointLog& log : joint.logs) {
+    if (log.kind != LogKind::kConstantCurrent) continue;
+    EXPECT_EQ(std::set<int>(log.group.begin(), log.group.end()).size(), 6U);  // five, and the ends
+    EXPECT_EQ(log.group.front(), JointLog::kAlways);
+    EXPECT_EQ(log.group.back(), JointLog::kAlways);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "model/core/errors.h"
 #include "tests/support/paths.h"
 #include "tests/support/synthetic_campaign.h"
+#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
@@ -64,7 +65,7 @@ TEST(JointRun, ItsCellIsWhatWasFitted) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
   const JointResult result = Identify(logs);
   // The gauge moves alpha and the nodes together: no voltage changes.
-  const auto rows = LinearRows(result.logs,
+  const auto rows = AllRows(result.logs,
                                result.setup,
                                result.choice.best.structure,
                                result.choice.best.rates,
@@ -169,33 +170,69 @@ TEST(JointRun, AThesisBranchThatIsNotThereIsNamed) {
 
 // ---- what the user knows -----------------------------------------------------------------------
 
-std::string OptionErrorOf(const StagedGiven& given) {
-  try {
-    (void)Identify(test::SyntheticLogs(Truth(), 30.0), given);
-  } catch (const OptionError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string OptionErrorOf(const GivenParameters& parameters, int branches = 1) {
+  StagedGiven given;
+  given.parameters = parameters;
+  JointOptions options;
+  options.branches = branches;
+  const auto logs = test::SyntheticLogs(Truth(), 30.0);
+  return test::MessageOf<OptionError>([&] {
+    static_cast<void>(IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given));
+  });
 }
 
 TEST(JointRun, RefusesWhatItCannotUse) {
-  StagedGiven given;
-  given.parameters.fixed = {{"c_1", 1000.0}};
   EXPECT_EQ(
-      OptionErrorOf(given),
+      OptionErrorOf({.fixed = {{"c_1", 1000.0}}}),
       "--fix c_1: the joint method knows branches by their time constants; fix tau_1 instead");
-  given.parameters = {};
-  given.parameters.start = {{"beta", 0.3}};
-  EXPECT_EQ(OptionErrorOf(given),
+  EXPECT_EQ(OptionErrorOf({.start = {{"beta", 0.3}}}),
             "--start beta: the joint method searches a grid and needs no start");
-  given.parameters = {};
-  given.parameters.bounds = {{"r_s", {0.0, 1.0}}};
-  EXPECT_EQ(OptionErrorOf(given), "--bounds r_s: the joint method bounds beta and tau_j");
-  given.parameters = {};
-  given.parameters.fixed = {{"r_9", 0.1}};
-  EXPECT_EQ(OptionErrorOf(given),
-            "--fix r_9: the joint method holds beta, r_s, and r_j or tau_j of a branch that "
-            "--branches gives");
+  EXPECT_EQ(OptionErrorOf({.bounds = {{"r_s", {0.0, 1.0}}}}),
+            "--bounds r_s: the joint method bounds beta and tau_j");
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"tau_1", 10.0}}}, -1),
+            "--fix and --bounds of a branch need --branches: without it the joint method chooses "
+            "how many branches there are");
+}
+
+// What no cell file may hold was once accepted by this method alone.
+TEST(JointRun, RefusesWhatNoCellCanHave) {
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"r_9", 0.1}}}),
+            "--fix: no parameter 'r_9' in this fit; there are beta, r_s, r_1, tau_1, c_1");
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"tau_1x", 10.0}}}, 2),
+            "--fix: no parameter 'tau_1x' in this fit; there are beta, r_s, r_1, r_2, tau_1, "
+            "tau_2, c_1, c_2");
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"r_s", -1.0}}}),
+            "--fix r_s=-1: expected a resistance of at least 0 Ohm");
+  EXPECT_EQ(OptionErrorOf({.fixed = {{"beta", 5.0}}}), "--fix beta=5: expected a number in (0, 1]");
+  EXPECT_EQ(OptionErrorOf({.bounds = {{"tau_2", {1.0, 10.0}}}}),
+            "--bounds: no parameter 'tau_2' in this fit; there are beta, r_s, r_1, tau_1, c_1");
+  EXPECT_EQ(OptionErrorOf({.bounds = {{"tau_1", {10.0, 1.0}}}}),
+            "--bounds tau_1=10,1: expected 0 <= low <= high");
+  EXPECT_EQ(OptionErrorOf({.bounds = {{"beta", {0.1, 5.0}}}}),
+            "--bounds beta=0.1,5: expected 0 <= low <= high <= 1");
+}
+
+// The free branch is the faster one: sorted by time constants it would be the first, and the report
+// would say of the wrong one that it is held.
+TEST(JointRun, ABranchThatIsNamedKeepsItsNumber) {
+  const Cell truth = Truth();
+  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  StagedGiven given;
+  given.parameters.fixed = {{"tau_1", 100.0}, {"r_1", 0.002}};
+  JointOptions options;
+  options.branches = 2;
+  options.resistance_nodes = 1;
+  options.self_heating = options.charge_transfer = Presence::kOff;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given);
+  ASSERT_EQ(result.cell.branches.size(), 2U);
+  EXPECT_EQ(result.cell.branches[0].time_constant_s, 100.0);
+  EXPECT_NEAR(*CellParameter(result.cell, "r_1"), 0.002, 1e-15);
+  EXPECT_LT(result.cell.branches[1].time_constant_s, 60.0);
+  std::vector<std::string> reported;
+  for (const auto& quantity : AssessJoint(result).quantities) reported.push_back(quantity.name);
+  EXPECT_EQ(reported,
+            (std::vector<std::string>{
+                "alpha", "beta", "r_s", "r_2", "tau_2", "c_2", "r_total(0.5)"}));
 }
 
 TEST(JointRun, WithoutDiffusionThereIsNoBeta) {
@@ -244,6 +281,58 @@ TEST(JointRun, PredictsTheConstantCurrentsOfNissanAndTheirRepeats) {
     const Record repeat =
         ReadLog(test::LabDataPath("nissan_leaf_33ah/repeats/" + std::string(log))).record;
     EXPECT_LT(Validate(result.cell, repeat).all.mean_error_percent, 0.3) << log;
+  }
+}
+
+// Without a low-rate log the curve starts from the rests of the pulses. v_oc is fitted all the
+// same, and the truth comes back: the discharges show its shape between the rests.
+TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
+  const Cell truth = Truth();
+  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  logs.erase(logs.begin() + 3);
+  const JointResult result = Identify(logs);
+  EXPECT_TRUE(result.converged);
+  ASSERT_TRUE(result.staged.from_rests.has_value());
+  EXPECT_EQ(result.alpha_source, "cut-off");
+  for (const char* parameter : {"alpha", "beta", "r_s", "r_1", "tau_1"}) {
+    const double is = *CellParameter(truth, parameter);
+    EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.02 * is) << parameter;
+  }
+  EXPECT_LT(result.fitted.back().all.rmse, 1.2 * kNoise_V);
+}
+
+// The refitted curve stays near the rests, whose own drift is up to 9 mV, above a quarter of the
+// charge. Below, v_oc and a branch as slow as the rests cannot be told apart by logs of one current
+// (docs/joint.md, 7): there it may leave them by some ten millivolts.
+constexpr double kNearRests_V = 0.015;
+constexpr double kSteep_V = 0.1;
+constexpr double kSteepBelow_soc = 0.25;
+
+TEST(JointRun, IdentifiesNasaAtFiveAgesWithoutALowRateLog) {
+  for (const int age : {1, 2, 3, 4, 5}) {
+    const auto file =
+        test::LabDataPath("nasa_rw26_ageing/age" + std::to_string(age) + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    SCOPED_TRACE(file);
+    const Campaign campaign = ReadCampaign(file);
+    const JointResult result = IdentifyJoint(campaign, LoadCampaign(campaign));
+    EXPECT_TRUE(result.staged.converged);
+    EXPECT_TRUE(result.converged);
+    EXPECT_EQ(result.staged.alpha_source, "pulse-charge");
+    EXPECT_EQ(result.alpha_source, "cut-off");
+    ASSERT_TRUE(result.staged.from_rests.has_value());
+    const double to_C = result.staged.alpha_C;
+    for (const SettledRest& rest : result.staged.from_rests->rests) {
+      const double soc = 1.0 - (1.0 - rest.soc) * to_C / result.alpha_C;
+      const double near_V = rest.soc > kSteepBelow_soc ? kNearRests_V : kSteep_V;
+      EXPECT_NEAR(result.cell.open_circuit_voltage(soc), rest.voltage_V, near_V) << rest.soc;
+    }
+    ASSERT_EQ(result.validation.size(), 4U);
+    for (const LogErrors& log : result.validation) {
+      EXPECT_LT(log.all.mean_error_percent, 1.5) << log.file;
+    }
+    for (const LogErrors& log : result.staged.validation)
+      EXPECT_LT(log.all.mean_error_percent, 1.5) << log.file;
   }
 }
 

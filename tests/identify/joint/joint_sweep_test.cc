@@ -1,10 +1,12 @@
 #include "identify/joint/joint_sweep.h"
 
+#include <ceres/jet.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/cell_model.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -80,7 +82,7 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
     const JointSetup setup = SetupOf(e.cell);
     const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
     const auto rows =
-        LinearRows(joint, setup, e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+        AllRows(joint, setup, e.structure, e.rates, UnknownsOf(e, joint.typical_A));
     for (std::size_t l = 0; l < rows.size(); ++l) {
       ASSERT_EQ(rows[l].point.size(), logs[l].log.record.size());
       // Rounding of sums of some ten terms of 4 V.
@@ -89,13 +91,90 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
   }
 }
 
+// The cell that simulations step, in a scalar that carries its derivatives.
+using Jet = ceres::Jet<double, 5>;
+CellParameters<Jet> Differentiable(const Example& e) {
+  const CellParameters<double> p = e.cell.Parameters();
+  const auto table = [](const Resistance<double>& r) {
+    return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
+  };
+  CellParameters<Jet> jets;
+  jets.alpha_C = Jet(p.alpha_C);
+  jets.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  jets.terms = p.terms;
+  jets.tail = p.tail;
+  jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
+  for (int j = 0; j < 2; ++j)
+    jets.branches.push_back(
+        {table(p.branches[j].resistance_Ohm), Jet(p.branches[j].time_constant_s, 1 + j)});
+  jets.open_circuit_voltage = p.open_circuit_voltage;
+  jets.self_heating = SelfHeating<Jet>{Jet(p.self_heating->time_constant_s, 3),
+                                       Jet(p.self_heating->resistance_drop_Ohm_per_A2)};
+  jets.charge_transfer = ChargeTransfer<Jet>{Jet(p.charge_transfer->current_A, 4),
+                                             table(p.charge_transfer->resistance_Ohm)};
+  return jets;
+}
+
+TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
+  const Example e = Everything();
+  const RateSlots slots(e.structure);
+  ASSERT_EQ(slots.size(), 5);
+  const int of_jet[] = {slots.beta(), slots.tau(0), slots.tau(1), slots.heating(),
+                        slots.transfer()};
+  const auto logs = test::SyntheticLogs(e.cell, 5.0);
+  const JointSetup setup = SetupOf(e.cell);
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
+  const Eigen::VectorXd x = UnknownsOf(e, joint.typical_A);
+  const auto rows = AllRows(joint, setup, e.structure, e.rates, x);
+  const CellModel<Jet> model(Differentiable(e));
+  SlopeSums expected{Eigen::MatrixXd::Zero(5, 5), Eigen::VectorXd::Zero(5),
+                     Eigen::MatrixXd::Zero(5, x.size())};
+  for (std::size_t l = 0; l < rows.size(); ++l) {
+    const JointLog& log = joint.logs[l];
+    auto state = model.Relaxed(Jet(1.0 - log.delivered_C / setup.alpha_C));
+    Eigen::VectorXd size = Eigen::VectorXd::Zero(5);
+    Eigen::VectorXd off = size;
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (k > 0)
+        model.Advance(
+            state, Jet(log.step_A[k]), model.MakeStep(log.time_s[k] - log.time_s[k - 1]));
+      if (!(log.weight[k] > 0.0)) continue;
+      const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
+      const Eigen::VectorXd slope = rows[l].sensitivity.row(row).head(5).transpose();
+      for (int p = 0; p < 5; ++p) {
+        size[p] = std::max(size[p], std::abs(voltage.v[p]));
+        off[p] = std::max(off[p], std::abs(voltage.v[p] - slope[of_jet[p]]));
+      }
+      expected.of_rates += log.weight[k] * slope * slope.transpose();
+      expected.with_residual += log.weight[k] * rows[l].residual_V[row] * slope;
+      expected.with_linear +=
+          log.weight[k] * slope * rows[l].sensitivity.row(row).tail(x.size());
+      ++row;
+    }
+    // Sums of some thousand terms, each right to the last digits.
+    for (int p = 0; p < 5; ++p) EXPECT_LE(off[p], 1e-10 * size[p]) << log.file << " " << p;
+  }
+  const SlopeSums sums = SumSlopes(joint,
+                                   setup,
+                                   e.structure,
+                                   TraceSoc(joint, setup, e.rates.beta_per_sqrt_s, true),
+                                   e.rates,
+                                   x,
+                                   CurveSlope::kOfSegments);
+  EXPECT_LE((sums.of_rates - expected.of_rates).norm(), 1e-12 * expected.of_rates.norm());
+  EXPECT_LE((sums.with_residual - expected.with_residual).norm(),
+            1e-12 * expected.of_rates.norm());  // residuals are zero but for their rounding
+  EXPECT_LE((sums.with_linear - expected.with_linear).norm(), 1e-12 * expected.with_linear.norm());
+}
+
 TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const Example e = Everything();
   const auto logs = test::SyntheticLogs(e.cell, 5.0, 0.001);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.reference, {});
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(JointLayout(e.structure).size());
-  const auto rows = LinearRows(joint, setup, e.structure, e.rates, zero);
+  const auto rows = AllRows(joint, setup, e.structure, e.rates, zero);
   auto sums = SumGroups(
       joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
@@ -107,7 +186,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   for (std::size_t l = 0; l < rows.size(); ++l) {
     Eigen::VectorXd w(rows[l].residual_V.size());
     for (Eigen::Index r = 0; r < w.size(); ++r) w[r] = joint.logs[l].weight[rows[l].point[r]];
-    const auto& a = rows[l].sensitivity;
+    const Eigen::MatrixXd a = rows[l].sensitivity.rightCols(zero.size());
     matrix += a.transpose() * w.asDiagonal() * a;
     right += a.transpose() * w.asDiagonal() * rows[l].residual_V;
     square += rows[l].residual_V.dot(w.asDiagonal() * rows[l].residual_V);
@@ -123,7 +202,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   EXPECT_NEAR(sums.back().square, square, 1e-12 * square);
   const Eigen::VectorXd x = UnknownsOf(e, joint.typical_A);
   double at_x = 0.0;
-  const auto solved = LinearRows(joint, setup, e.structure, e.rates, x);
+  const auto solved = AllRows(joint, setup, e.structure, e.rates, x);
   for (std::size_t l = 0; l < solved.size(); ++l) {
     for (Eigen::Index r = 0; r < solved[l].residual_V.size(); ++r)
       at_x += joint.logs[l].weight[solved[l].point[r]] * std::pow(solved[l].residual_V[r], 2.0);
@@ -155,8 +234,18 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
                               unknowns);
   ASSERT_EQ(sums.size(), 2U);
   // The model's own error of long logs said in few points is far below a microvolt.
-  EXPECT_NEAR(sums[0], 0.01 * weight, 1e-6);
-  EXPECT_TRUE(std::isinf(sums[1]));
+  const double total = std::accumulate(sums[0].begin(), sums[0].end(), 0.0);
+  EXPECT_NEAR(total, 0.01 * weight, 1e-6);
+  // Each unit has the errors of its own rows: those of group 0 by 10 mV, all others none.
+  std::vector<double> expected(joint.unit_weight.size(), 0.0);
+  for (const JointLog& log : joint.logs) {
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == 0) expected[static_cast<std::size_t>(log.unit[k])] += 0.01 * log.weight[k];
+    }
+  }
+  ASSERT_EQ(sums[0].size(), expected.size());
+  for (std::size_t u = 0; u < expected.size(); ++u) EXPECT_NEAR(sums[0][u], expected[u], 1e-6) << u;
+  for (const double sum : sums[1]) EXPECT_TRUE(std::isinf(sum));
 }
 
 }  // namespace

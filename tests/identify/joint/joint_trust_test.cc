@@ -66,7 +66,7 @@ TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
                          &rates.heating_time_constant_s,
                          &rates.charge_transfer_A};
     *entries[which] *= factor;
-    return LinearRows(result.logs, result.setup, best.structure, rates, best.x);
+    return AllRows(result.logs, result.setup, best.structure, rates, best.x);
   };
   const double values[] = {best.rates.beta_per_sqrt_s,
                            best.rates.time_constant_s[0],

@@ -269,12 +269,13 @@ std::string SetRefusal(const std::string& kinds, const std::string& cell, bool c
   return LoadErrorOf([&] { CheckCampaign(campaign, curve_given); });
 }
 
-TEST(CheckCampaign, NeedsALowRateLogOrACurve) {
-  EXPECT_EQ(SetRefusal("p", "", false),
+TEST(CheckCampaign, NeedsALowRateLogPulsesOrACurve) {
+  EXPECT_EQ(SetRefusal("c", "cutoff_V = 3.0", false),
             "c.toml:1:1: error: expected a [[log]] of kind \"low-rate\" for the open-circuit "
-            "voltage, found none; add "
-            "one, or give the curve with --open-circuit-voltage FILE");
-  EXPECT_EQ(SetRefusal("p", "", true), "no error");
+            "voltage, or of kind \"pulses\" with rests, found neither; add one, or give the curve "
+            "with --open-circuit-voltage FILE");
+  EXPECT_EQ(SetRefusal("c", "cutoff_V = 3.0", true), "no error");
+  EXPECT_EQ(SetRefusal("p", "", false), "no error");
   EXPECT_EQ(SetRefusal("pl", "", false), "no error");
 }
 
@@ -325,9 +326,9 @@ TEST(CampaignFromArguments, RefusesByOptionAndNotByFile) {
             "--constant-current: './1c.csv' is given twice; name each log once");
   arguments.constant_current = {"1c.csv"};
   EXPECT_EQ(refusal(arguments),
-            "expected a low-rate log for the open-circuit voltage, found none; give one with "
-            "--low-rate, or the "
-            "curve with --open-circuit-voltage FILE\n"
+            "expected a low-rate log for the open-circuit voltage, or pulses with rests, found "
+            "neither; give one with --low-rate or --pulses, or the curve with "
+            "--open-circuit-voltage FILE\n"
             "expected the cut-off voltage of the constant-current logs, found none; give it with "
             "--cutoff-V");
 }

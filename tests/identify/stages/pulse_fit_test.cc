@@ -118,7 +118,7 @@ VoltageSweep SweepOf(const Truth& truth, const std::vector<const Record*>& recor
 
 PulseFitResult Fit(const VoltageSweep& sweep,
                    int branches,
-                   const PulseFitKnowledge& knowledge = {},
+                   const GivenParameters& knowledge = {},
                    std::optional<double> held_beta = std::nullopt) {
   std::vector<const Record*> records;
   for (const SweepLog& log : sweep.logs()) records.push_back(log.record);
@@ -414,7 +414,7 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
   const Truth truth = SmallCell();
   const Record record = Pulses(truth, 10.0, 10.0, Hold::kBackward, 3);
   const auto sweep = SweepOf(truth, {&record});
-  const auto message = [&](const PulseFitKnowledge& knowledge, int branches = 1) {
+  const auto message = [&](const GivenParameters& knowledge, int branches = 1) {
     return MessageOf<OptionError>([&] { static_cast<void>(Fit(sweep, branches, knowledge)); });
   };
   EXPECT_EQ(message({.fixed = {{"r_2", 0.1}}}),
@@ -424,16 +424,16 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
   EXPECT_EQ(message({.bounds = {{"R_s", {0.0, 1.0}}}}, 2),
             "--bounds: no parameter 'R_s' in this fit; there are beta, r_s, r_1, r_2, tau_1, "
             "tau_2, c_1, c_2");
-  EXPECT_EQ(message({.fixed = {{"r_s", -0.1}}}), "--fix r_s=-0.1: expected a number of at least 0");
+  EXPECT_EQ(message({.fixed = {{"r_s", -0.1}}}), "--fix r_s=-0.1: expected a resistance of at least 0 Ohm");
   EXPECT_EQ(message({.fixed = {{"r_s", std::nan("")}}}),
-            "--fix r_s=nan: expected a number of at least 0");
+            "--fix r_s=nan: expected a resistance of at least 0 Ohm");
   EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}),
-            "--fix beta=2: expected a number above 0 and at most 1");
+            "--fix beta=2: expected a number in (0, 1]");
   EXPECT_EQ(message({.start = {{"beta", 0.0}}}),
-            "--start beta=0: expected a number above 0 and at most 1");
-  EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}), "--fix tau_1=0: expected a number above 0");
+            "--start beta=0: expected a number in (0, 1]");
+  EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}), "--fix tau_1=0: expected a time constant above 0 s");
   EXPECT_EQ(message({.start = {{"tau_1", std::numeric_limits<double>::infinity()}}}),
-            "--start tau_1=inf: expected a number above 0");
+            "--start tau_1=inf: expected a time constant above 0 s");
   EXPECT_EQ(message({.bounds = {{"r_s", {0.2, 0.1}}}}),
             "--bounds r_s=0.2,0.1: expected 0 <= low <= high");
   EXPECT_EQ(message({.bounds = {{"beta", {0.1, 2.0}}}}),

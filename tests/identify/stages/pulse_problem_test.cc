@@ -80,7 +80,7 @@ struct Case {
 };
 
 template <class Check>
-void ForEveryCase(const PulseFitKnowledge& known, Check&& check) {
+void ForEveryCase(const GivenParameters& known, Check&& check) {
   const Record record = Pulses();
   const VoltageSweep sweep(SmallSetup(), {{.record = &record}});
   for (const BranchUnknown unknown : kUnknowns) {

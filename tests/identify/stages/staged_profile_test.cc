@@ -38,7 +38,7 @@ Record PulseRecord(double branch_Ohm) {
 
 // A fit, and how its parameters are profiled.
 struct Fitted {
-  explicit Fitted(double branch_Ohm, PulseFitKnowledge knowledge = {})
+  explicit Fitted(double branch_Ohm, GivenParameters knowledge = {})
       : record(PulseRecord(branch_Ohm)),
         given(std::move(knowledge)),
         sweep({.alpha_C = cell.alpha_C(), .open_circuit_voltage = cell.open_circuit_voltage},
@@ -53,7 +53,7 @@ struct Fitted {
 
   Cell cell = LoadCell("gifi-600mAh-1");
   Record record;
-  PulseFitKnowledge given;
+  GivenParameters given;
   VoltageSweep sweep;
   StartValues data;
   PulseFitResult fit;
@@ -114,7 +114,7 @@ TEST(StagedProfile, OfABranchThatWasNotFoundHasNoEnds) {
 
 // Names that were given, or follow from what was.
 TEST(StagedProfile, RefusesWhatIsHeld) {
-  const PulseFitKnowledge given{.fixed = {{"tau_1", 25.0}}};
+  const GivenParameters given{.fixed = {{"tau_1", 25.0}}};
   EXPECT_NO_THROW(CheckStagedProfile({"beta", "r_1"}, {}, given));
   for (const char* name : {"tau_1", "c_1"}) {
     try {

@@ -148,6 +148,44 @@ TEST(StagedRun, TakesTheNominalCapacityForAlphaWhenNothingElseTells) {
   EXPECT_FALSE(result.open_circuit_voltage.has_value());
 }
 
+TEST(StagedRun, TakesTheCurveAndAlphaFromPulsesWithoutALowRateLog) {
+  const Cell truth = Truth();
+  const StagedResult result = Identify({ConstantCurrent(truth, 1.0), Pulses(truth)});
+  EXPECT_TRUE(result.converged);
+  ASSERT_TRUE(result.from_rests.has_value());
+  EXPECT_FALSE(result.open_circuit_voltage.has_value());
+  EXPECT_EQ(result.alpha_source, "pulse-charge");
+  // The pulses end at the cut-off under 6C, so that nearly a quarter of the charge stays.
+  EXPECT_LT(result.alpha_C, truth.diffusion->alpha_C);
+  EXPECT_GT(result.alpha_C, 0.75 * truth.diffusion->alpha_C);
+  EXPECT_TRUE(OneSays(result.done_instead, "alpha is the charge of the pulses until cut-off"));
+  EXPECT_TRUE(OneSays(result.done_instead, "no low-rate log: v_oc(A) joins the voltages"));
+  // Every rest lies on the true curve, on the axis of the alpha that was taken.
+  for (const SettledRest& rest : result.from_rests->rests) {
+    const double soc = 1.0 - (1.0 - rest.soc) * result.alpha_C / truth.diffusion->alpha_C;
+    EXPECT_NEAR(result.cell.open_circuit_voltage(rest.soc), truth.open_circuit_voltage(soc), 1e-9);
+  }
+  const Json stage = StagedToJson(result).at("stages").at("open_circuit_voltage");
+  EXPECT_EQ(stage.at("source"), "rests");
+  EXPECT_EQ(stage.at("rest_count"), result.from_rests->rests.size());
+  EXPECT_EQ(stage.at("rests").size(), result.from_rests->rests.size());
+  for (const char* key : {"largest_drift_V", "soc_lo", "soc_hi", "guessed_to_soc", "half_gap_V"})
+    EXPECT_TRUE(stage.at(key).is_number()) << key;
+}
+
+TEST(StagedRun, ANominalCapacityServesWhereThePulsesEndAboveTheCutOff) {
+  const Cell truth = Truth();
+  LoadedLog pulses = Pulses(truth);
+  for (auto* column :
+       {&pulses.log.record.time_s, &pulses.log.record.current_A, &pulses.log.record.voltage_V}) {
+    column->resize(10000);
+  }
+  const StagedResult result = Identify({pulses});
+  EXPECT_EQ(result.alpha_source, "nominal-capacity");
+  ASSERT_TRUE(result.from_rests.has_value());
+  EXPECT_FALSE(result.from_rests->guessed_to_soc);  // the log ends with a rest
+}
+
 TEST(StagedRun, UsesConstantCurrentsWithoutPulsesAndCallsTheAnswerWeak) {
   const Cell truth = Truth();
   const StagedResult result =
@@ -222,6 +260,7 @@ TEST(StagedRun, SummaryHasTheKeysOfTheContract) {
   for (const char* key : {"file", "current_A", "measured_s", "predicted_s", "error_percent"}) {
     EXPECT_TRUE(times.at("logs")[0].contains(key)) << key;
   }
+  EXPECT_EQ(json.at("stages").at("open_circuit_voltage").at("source"), "low-rate");
   for (const char* key : {"method", "mean_error_percent", "max_error_percent", "rmse_V"}) {
     EXPECT_TRUE(json.at("stages").at("open_circuit_voltage").contains(key)) << key;
   }

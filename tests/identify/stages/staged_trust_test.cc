@@ -57,7 +57,7 @@ struct Outcome {
   PulseFitResult fit;
   TrustReport trust;
 };
-Outcome FitAndAssess(const Record& record, const PulseFitKnowledge& knowledge = {}) {
+Outcome FitAndAssess(const Record& record, const GivenParameters& knowledge = {}) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   const SweepSetup setup{.alpha_C = cell.alpha_C(),
                          .open_circuit_voltage = cell.open_circuit_voltage};

@@ -67,7 +67,7 @@ TEST(ExperimentPlan, PredictsTheSpreadOfEstimates) {
     }
     const VoltageSweep sweep(setup, {{.record = &record}});
     // From the truth: which start is used is not the matter here.
-    PulseFitKnowledge start;
+    GivenParameters start;
     for (int k = 0; k < 4; ++k) start.start[names[k]] = truth[k];
     const auto fit =
         FitPulses(sweep, {.data = FindStartValues({&record})}, {.starts = 1}, {}, start);

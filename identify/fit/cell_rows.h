@@ -1,0 +1,366 @@
+#pragma once
+
+/// @file
+/// The cell along a log as the fits see it: the state of charge, and at every point the voltage as a
+/// row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h and i_0.
+///
+/// This is the one other statement of (4.46)-(4.51) beside cell_model.h, which simulations step; the
+/// two are held against each other row by row. A step costs a row two nodes of every table and the
+/// few nodes of a branch whose share has not decayed. Nothing here knows how logs are condensed:
+/// joint_sweep.cc walks points, voltage_sweep.cc blocks whose sums are exact. Symbols:
+/// docs/joint.md, 1. Tests:
+/// tests/identify/joint/joint_sweep_test.cc, tests/identify/stages/voltage_sweep_test.cc.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "identify/fit/mode_step.h"
+#include "identify/joint/joint_model.h"
+#include "model/battery/cell_model.h"
+
+namespace lipoid {
+
+/// How the slope of v_oc between nodes is taken, where it says what beta does to a voltage.
+enum class CurveSlope {
+  kOfSegments,  ///< of the straight lines themselves: the derivative of the model
+  kSmooth,      ///< of a smooth curve through the nodes: what the straight lines stand for
+};
+
+/// The charge that has left a cell and what diffusion holds back, with slopes in beta.
+class SocState {
+ public:
+  SocState(const JointSetup& setup, double beta_per_sqrt_s, double delivered_C, bool slopes)
+      : alpha_C_(setup.alpha_C),
+        diffusion_(setup.diffusion && !std::isinf(beta_per_sqrt_s)),
+        slopes_(slopes && diffusion_),
+        beta_per_sqrt_s_(beta_per_sqrt_s),
+        delivered_C_(delivered_C),
+        unavailable_C_(Eigen::ArrayXd::Zero(diffusion_ ? setup.terms : 0)),
+        slope_C_(unavailable_C_) {
+    if (diffusion_ && setup.tail)
+      tail_s_ = 2.0 * TailSum(setup.terms) / (beta_per_sqrt_s * beta_per_sqrt_s);
+  }
+
+  /// Steps of these lengths, for Step().
+  template <class Lengths>
+  void SetSteps(const Lengths& lengths_s, ModeSteps& steps) const {
+    steps.Set(unavailable_C_.size(), lengths_s, [this](Eigen::Index m, double dt_s) {
+      return DiffusionStep(static_cast<int>(m) + 1, beta_per_sqrt_s_, dt_s);
+    });
+  }
+  /// current_A flows for dt_s, whose coefficients are column `at` of the steps.
+  void Step(const ModeSteps& steps, Eigen::Index at, double current_A, double dt_s) {
+    if (slopes_) {
+      slope_C_ = steps.decay.col(at) * slope_C_ + steps.decay_slope.col(at) * unavailable_C_ +
+                 (steps.gain_slope.col(at) * current_A + kAlive);
+    }
+    unavailable_C_ =
+        steps.decay.col(at) * unavailable_C_ + (steps.gain.col(at) * current_A + kAlive);  // (4.46)
+    delivered_C_ += dt_s * current_A;                                                      // (4.46)
+  }
+  /// A while current_A flows, and its slope in beta.
+  [[nodiscard]] double Soc(double current_A) const {
+    const double sigma_C =
+        delivered_C_ + 2.0 * unavailable_C_.sum() + tail_s_ * current_A;  // (4.47)
+    return 1.0 - sigma_C / alpha_C_;                                      // (4.48)
+  }
+  [[nodiscard]] double Slope(double current_A) const {
+    if (!slopes_) return 0.0;
+    const double tail_slope = -2.0 * tail_s_ / beta_per_sqrt_s_;
+    return -(2.0 * slope_C_.sum() + tail_slope * current_A) / alpha_C_;
+  }
+  [[nodiscard]] bool slopes() const { return slopes_; }
+
+ private:
+  double alpha_C_;
+  bool diffusion_;
+  bool slopes_;
+  double beta_per_sqrt_s_;
+  double tail_s_ = 0.0;
+  double delivered_C_;
+  Eigen::ArrayXd unavailable_C_;
+  Eigen::ArrayXd slope_C_;
+};
+
+/// One point of a log: y = sum_e value[e] x[index[e]], with rising indices; y is the measured voltage
+/// above the reference curve. Where slopes are asked for, slope[p] is that of the predicted voltage
+/// in nonlinear parameter p (RateSlots). It holds until the next point.
+struct CellRow {
+  int entries;
+  const int* index;
+  const double* value;
+  double y;
+  const double* slope;
+
+  /// Measured less predicted voltage.
+  [[nodiscard]] double Residual(const double* x) const {
+    double residual_V = y;
+    for (int e = 0; e < entries; ++e) residual_V -= value[e] * x[index[e]];
+    return residual_V;
+  }
+};
+
+namespace cell_rows_internal {
+
+// The low pass of one branch, of the current shared out to the nodes of its resistance.
+struct BranchState {
+  std::vector<double> share;  // of each node
+  int first = 0, last = -1;   // nodes whose share is not zero
+  double slope_tau = 0.0;     // of the voltage, in tau_j
+  double slope_beta = 0.0;    // and in beta, which moves the state of charge that r_j is taken at
+
+  void Reset(int nodes) {
+    share.assign(static_cast<std::size_t>(nodes), 0.0);
+    first = 0;
+    last = -1;
+    slope_tau = slope_beta = 0.0;
+  }
+  [[nodiscard]] double Voltage(const double* x) const {
+    double sum = 0.0;
+    for (int m = first; m <= last; ++m) sum += share[m] * x[m];
+    return sum;
+  }
+  // Of a constant resistance: one node, which is always there.
+  void Follow(double decay, double drive) {
+    share[0] = decay * share[0] + (drive + kAlive);
+    last = 0;
+  }
+  // Of a table.
+  void Decay(double decay) {
+    // Shares that are smaller than this, in volts per volt, are zero.
+    constexpr double kGone = 1e-13;
+    for (int m = first; m <= last; ++m) share[m] *= decay;
+    while (first <= last && std::abs(share[first]) < kGone) share[first++] = 0.0;
+    while (first <= last && std::abs(share[last]) < kGone) share[last--] = 0.0;
+  }
+  void Drive(const NodeShare& where, double drive) {
+    const int upper = where.lower + 1;
+    if (first > last) {
+      first = where.lower;
+      last = upper;
+    } else {
+      first = std::min(first, where.lower);
+      last = std::max(last, upper);
+    }
+    share[where.lower] += (1.0 - where.share) * drive;
+    share[upper] += where.share * drive;
+  }
+};
+
+// A table of resistances at a point, in the unknowns x of its nodes.
+struct TableAt {
+  double value, slope;  // slope in the state of charge; 0 beyond the ends
+};
+inline TableAt At(const double* x, const NodeShare& at, const std::vector<double>& nodes) {
+  if (nodes.size() == 1) return {x[0], 0.0};
+  const double low = x[at.lower];
+  const double high = x[at.lower + 1];
+  const bool within = at.share > 0.0 && at.share < 1.0;
+  return {(1.0 - at.share) * low + at.share * high,
+          within ? (high - low) / (nodes[at.lower + 1] - nodes[at.lower]) : 0.0};
+}
+
+}  // namespace cell_rows_internal
+
+/// Makes the rows of one log, point by point. Structure, setup and x must outlive it.
+class CellRows {
+ public:
+  /// Linear unknowns count in volts at the typical current (JointLayout). Slopes are those at the
+  /// unknowns x; none where it is null.
+  CellRows(const JointSetup& setup,
+           const JointStructure& structure,
+           const JointRates& rates,
+           double typical_A,
+           const double* x,
+           CurveSlope curve)
+      : setup_(setup),
+        structure_(structure),
+        layout_(structure),
+        slots_(structure),
+        rates_(rates),
+        x_(x),
+        per_A_(1.0 / typical_A),
+        of_voltage_(structure.voltage_soc),
+        of_resistance_(structure.resistance_soc),
+        of_start_(structure.resistance_soc),
+        branches_(static_cast<std::size_t>(structure.branches)),
+        index_(static_cast<std::size_t>(layout_.size())),
+        value_(static_cast<std::size_t>(layout_.size())),
+        slope_(static_cast<std::size_t>(slots_.size())) {
+    for (const double a : structure.voltage_soc) reference_V_.push_back(setup.reference(a));
+    for (auto& b : branches_) b.Reset(layout_.nodes());
+    if (x != nullptr) FindCurveSlopes(curve);
+  }
+
+  /// Steps of these lengths, for Step().
+  template <class Lengths>
+  void SetSteps(const Lengths& lengths_s, ModeSteps& steps) const {
+    const auto n = static_cast<Eigen::Index>(structure_.branches);
+    steps.Set(n + (structure_.self_heating ? 1 : 0), lengths_s, [&](Eigen::Index m, double dt_s) {
+      return LowPassStep(m < n ? rates_.time_constant_s[static_cast<std::size_t>(m)]
+                               : rates_.heating_time_constant_s,
+                         dt_s);
+    });
+  }
+
+  /// current_A flows for a step of column `at`; the step starts at soc_start under that current.
+  void Step(const ModeSteps& steps,
+            Eigen::Index at,
+            double current_A,
+            double soc_start,
+            double start_slope) {
+    using cell_rows_internal::At;
+    using cell_rows_internal::BranchState;
+    using cell_rows_internal::TableAt;
+    const auto decay = steps.decay.col(at);
+    const auto gain = steps.gain.col(at);
+    const auto decay_slope = steps.decay_slope.col(at);
+    const auto gain_slope = steps.gain_slope.col(at);
+    const double drive = current_A * per_A_;
+    NodeShare where;
+    if (layout_.nodes() > 1) {
+      where = of_start_(soc_start);
+      where.share = std::clamp(where.share, 0.0, 1.0);
+    }
+    for (int j = 0; j < structure_.branches; ++j) {
+      BranchState& b = branches_[static_cast<std::size_t>(j)];
+      if (x_ != nullptr) {
+        const double* x = x_ + layout_.branch(j);
+        const TableAt r = At(x, where, structure_.resistance_soc);
+        b.slope_tau = decay[j] * b.slope_tau + decay_slope[j] * b.Voltage(x) +
+                      (gain_slope[j] * drive * r.value + kAlive);
+        const double moved = setup_.diffusion ? r.slope * start_slope : 0.0;
+        b.slope_beta = decay[j] * b.slope_beta + (gain[j] * drive * moved + kAlive);
+      }
+      if (layout_.nodes() == 1) {
+        b.Follow(decay[j], gain[j] * drive);  // (4.50)
+      } else {
+        b.Decay(decay[j]);
+        if (drive != 0.0) b.Drive(where, gain[j] * drive);  // (4.50)
+      }
+    }
+    if (structure_.self_heating) {
+      const int h = structure_.branches;
+      const double square_A2 = current_A * current_A;
+      warmth_slope_ = decay[h] * warmth_slope_ + decay_slope[h] * warmth_A2_ +
+                      gain_slope[h] * square_A2;
+      warmth_A2_ = decay[h] * warmth_A2_ + gain[h] * square_A2;
+    }
+  }
+
+  /// The point at which current_A flows and voltage_V was measured.
+  CellRow MakeRow(double current_A, double voltage_V, double soc, double soc_slope) {
+    using cell_rows_internal::At;
+    using cell_rows_internal::BranchState;
+    using cell_rows_internal::TableAt;
+    int entries = 0;
+    const auto put = [&](int at, double a) {
+      index_[entries] = at;
+      value_[entries++] = a;
+    };
+    double reference_V = 0.0;
+    double slope_V = 0.0;  // of v_oc at this A
+    if (layout_.voltages() > 0) {
+      const NodeShare v = of_voltage_(soc);
+      const double low_V = reference_V_[v.lower];
+      const double high_V = reference_V_[v.lower + 1];
+      reference_V = (1.0 - v.share) * low_V + v.share * high_V;
+      if (x_ != nullptr) {
+        const auto& [low_slope_V, high_slope_V] = curve_slope_V_[v.lower];
+        slope_V = (1.0 - v.share) * low_slope_V + v.share * high_slope_V;
+      }
+      put(v.lower, 1.0 - v.share);
+      put(v.lower + 1, v.share);
+    } else {
+      const auto point = setup_.reference.Evaluate(soc);  // (4.49)
+      reference_V = point.value_V;
+      slope_V = point.slope_V;
+    }
+    const double i = current_A * per_A_;
+    NodeShare r;
+    if (i != 0.0 && layout_.nodes() > 1) {
+      r = of_resistance_(soc);
+      r.share = std::clamp(r.share, 0.0, 1.0);
+    }
+    const auto put_table = [&](int table, double drop) {
+      put(table + r.lower, -(1.0 - r.share) * drop);
+      if (layout_.nodes() > 1) put(table + r.lower + 1, -r.share * drop);
+      if (x_ == nullptr) return TableAt{0.0, 0.0};
+      const TableAt at = At(x_ + table, r, structure_.resistance_soc);
+      slope_V -= at.slope * drop;
+      return at;
+    };
+    if (i != 0.0) put_table(layout_.series(), i);
+    double slope_beta = 0.0;
+    for (int j = 0; j < structure_.branches; ++j) {
+      const BranchState& b = branches_[static_cast<std::size_t>(j)];
+      for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
+      slope_beta -= b.slope_beta;
+      slope_[slots_.tau(j)] = -b.slope_tau;
+    }
+    if (structure_.charge_transfer) {
+      slope_[slots_.transfer()] = 0.0;
+      if (i != 0.0) {
+        const double i_0 = rates_.charge_transfer_A;
+        const double ratio = current_A / i_0;
+        const TableAt at = put_table(layout_.transfer(), i_0 * std::asinh(ratio) * per_A_);
+        slope_[slots_.transfer()] =
+            -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A_;
+      }
+    }
+    if (structure_.self_heating) {
+      const double per_A3 = per_A_ * per_A_ * per_A_ * current_A;
+      put(layout_.heating(), warmth_A2_ * per_A3);
+      if (x_ != nullptr)
+        slope_[slots_.heating()] = x_[layout_.heating()] * warmth_slope_ * per_A3;
+    }
+    if (x_ != nullptr)
+      slope_[slots_.beta()] =
+          setup_.diffusion ? slope_beta + slope_V * soc_slope : 0.0;  // (4.51)
+    return {entries, index_.data(), value_.data(), voltage_V - reference_V, slope_.data()};
+  }
+
+ private:
+  // Slopes at both ends of every segment: its own, or those of parabolas through three nodes.
+  void FindCurveSlopes(CurveSlope curve) {
+    const auto& nodes = structure_.voltage_soc;
+    if (nodes.size() < 2) return;
+    const std::size_t last = nodes.size() - 1;
+    std::vector<double> of_segment;
+    for (std::size_t k = 0; k < last; ++k) {
+      const double rise_V = reference_V_[k + 1] + x_[k + 1] - reference_V_[k] - x_[k];
+      of_segment.push_back(rise_V / (nodes[k + 1] - nodes[k]));
+    }
+    for (std::size_t k = 0; k < last; ++k) curve_slope_V_.push_back({of_segment[k], of_segment[k]});
+    if (curve == CurveSlope::kOfSegments) return;
+    for (std::size_t k = 1; k < last; ++k) {
+      const double before = nodes[k] - nodes[k - 1];
+      const double after = nodes[k + 1] - nodes[k];
+      const double slope_V = (after * of_segment[k - 1] + before * of_segment[k]) / (before + after);
+      curve_slope_V_[k - 1].second = curve_slope_V_[k].first = slope_V;
+    }
+  }
+
+  const JointSetup& setup_;
+  const JointStructure& structure_;
+  JointLayout layout_;
+  RateSlots slots_;
+  const JointRates& rates_;
+  const double* x_;
+  double per_A_;
+  NodeFinder of_voltage_;
+  NodeFinder of_resistance_;
+  NodeFinder of_start_;
+  std::vector<double> reference_V_;                        // at the nodes
+  std::vector<std::pair<double, double>> curve_slope_V_;  // of v_oc at both ends of a segment
+  std::vector<cell_rows_internal::BranchState> branches_;
+  double warmth_A2_ = 0.0;
+  double warmth_slope_ = 0.0;  // in tau_h
+  std::vector<int> index_;
+  std::vector<double> value_;
+  std::vector<double> slope_;
+};
+
+}  // namespace lipoid

@@ -1,0 +1,102 @@
+#include "identify/identification.h"
+
+#include "identify/joint/joint_drawn.h"
+#include "identify/joint/joint_profile.h"
+#include "identify/joint/joint_report.h"
+#include "identify/joint/joint_trust.h"
+#include "identify/stages/staged_profile.h"
+#include "identify/stages/staged_report.h"
+#include "identify/trust/cell_uncertainty.h"
+#include "identify/trust/profile_report.h"
+
+namespace lipoid {
+namespace {
+
+void AddUncertainty(Identification& found, bool soc_follows_alpha) {
+  CellUncertainty uncertainty = UncertaintyOf(found.trust, found.cell, soc_follows_alpha);
+  found.cell.uncertainty = std::move(uncertainty.found);
+  found.not_drawn = std::move(uncertainty.unknown);
+}
+
+Identification IdentifyByStages(const Campaign& campaign,
+                                const std::vector<LoadedLog>& logs,
+                                const IdentifyOptions& options,
+                                const StageProgress& progress) {
+  Identification found;
+  found.staged = IdentifyStaged(campaign, logs, options.staged, options.given, progress);
+  found.cell = found.staged->cell;
+  found.converged = found.staged->converged;
+  found.trust = found.staged->trust;
+  AddUncertainty(found, found.staged->open_circuit_voltage.has_value());
+  if (options.profiled.empty()) return found;
+  if (progress) progress("profiles", 0.97);
+  const PulseTask task = PreparePulses(campaign, logs, options.staged, options.given);
+  found.profiles = ProfileStaged(options.profiled,
+                                 task.sweep,
+                                 task.data,
+                                 found.staged->pulses,
+                                 found.trust,
+                                 options.staged.pulses,
+                                 options.staged.solver,
+                                 options.given.parameters);
+  return found;
+}
+
+Identification IdentifyAllAtOnce(const Campaign& campaign,
+                                 const std::vector<LoadedLog>& logs,
+                                 const IdentifyOptions& options,
+                                 const StageProgress& progress) {
+  Identification found;
+  found.joint =
+      IdentifyJoint(campaign, logs, options.staged, options.joint, options.given, progress);
+  found.cell = found.joint->cell;
+  found.converged = found.joint->converged;
+  found.trust = AssessJoint(*found.joint);
+  AddUncertainty(found, SocFollowsAlpha(*found.joint));
+  if (options.profiled.empty()) return found;
+  if (progress) progress("profiles", 0.97);
+  found.profiles = ProfileJoint(
+      options.profiled, *found.joint, found.trust, options.given.parameters.bounds);
+  return found;
+}
+
+}  // namespace
+
+std::vector<LogKind> Identification::fitted_kinds() const {
+  if (staged) return {staged->fitted_kind};
+  return {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses};
+}
+
+double Identification::mean_error_percent() const {
+  if (staged) return staged->pulses.errors.mean_error_percent;
+  double sum = 0.0;
+  for (const LogErrors& log : joint->fitted) sum += log.all.mean_error_percent;
+  return sum / static_cast<double>(joint->fitted.size());
+}
+
+void CheckIdentifyOptions(const IdentifyOptions& options) {
+  if (options.method == IdentifyMethod::kJoint) {
+    CheckJointProfile(options.profiled);
+  } else {
+    CheckStagedProfile(options.profiled, options.staged.pulses, options.given.parameters);
+  }
+}
+
+Identification Identify(const Campaign& campaign,
+                        const std::vector<LoadedLog>& logs,
+                        const IdentifyOptions& options,
+                        const StageProgress& progress) {
+  CheckIdentifyOptions(options);
+  return options.method == IdentifyMethod::kJoint
+             ? IdentifyAllAtOnce(campaign, logs, options, progress)
+             : IdentifyByStages(campaign, logs, options, progress);
+}
+
+Json IdentificationToJson(const Identification& found) {
+  Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
+  json["not_drawn"] = found.not_drawn;
+  if (!found.profiles.empty()) json["profiles"] = ProfilesToJson(found.profiles);
+  return json;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,64 @@
+#pragma once
+
+/// @file
+/// From the logs of a campaign to a cell, by either method, in one call: what `lipoid identify` does
+/// for each campaign. Commands, reports and other languages only hand in data and show the result.
+///
+///   const Campaign campaign = ReadCampaign("campaign.toml");
+///   const Identification found = Identify(campaign, LoadCampaign(campaign), {});
+///
+/// Tests: tests/identify/identification_test.cc.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/joint/joint_run.h"
+#include "identify/stages/staged_run.h"
+#include "identify/trust/profile.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+enum class IdentifyMethod { kStaged, kJoint };
+constexpr std::array<std::pair<IdentifyMethod, std::string_view>, 2> OptionNames(IdentifyMethod) {
+  return {{{IdentifyMethod::kStaged, "staged"}, {IdentifyMethod::kJoint, "joint"}}};
+}
+
+struct IdentifyOptions {
+  IdentifyMethod method = IdentifyMethod::kStaged;
+  StagedOptions staged = {};  ///< the joint method starts from a staged run
+  JointOptions joint = {};
+  StagedGiven given = {};
+  std::vector<std::string> profiled = {};  ///< parameters whose profile is wanted
+};
+
+struct Identification {
+  Cell cell;  ///< with its uncertainty, from which cells can be drawn
+  bool converged = false;
+  TrustReport trust;
+  std::vector<std::string> not_drawn;  ///< parameters of which cells drawn vary only in what is known
+  std::vector<Profile> profiles;
+  std::optional<StagedResult> staged;  ///< of the staged method
+  std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
+
+  /// The kinds of logs that the last fit used.
+  [[nodiscard]] std::vector<LogKind> fitted_kinds() const;
+  /// Mean error of the pulses (staged), or the mean over all fitted logs of theirs (joint).
+  [[nodiscard]] double mean_error_percent() const;
+};
+
+/// Throws OptionError for what no campaign can change: a profile that the method does not have.
+void CheckIdentifyOptions(const IdentifyOptions& options);
+
+/// Throws LoadError for logs that are not what the campaign says they are, OptionError for options
+/// that do not fit them. `progress` is told the stage and the share of the work done.
+[[nodiscard]] Identification Identify(const Campaign& campaign,
+                                      const std::vector<LoadedLog>& logs,
+                                      const IdentifyOptions& options,
+                                      const StageProgress& progress = {});
+
+/// The keys of `lipoid identify --summary` (docs/formats.md), but for `cell` and `file`.
+[[nodiscard]] Json IdentificationToJson(const Identification& found);
+
+}  // namespace lipoid

@@ -1,0 +1,42 @@
+#pragma once
+
+/// @file
+/// What the choice of structure adds to the uncertainty of a parameter. The data chose among the
+/// structures that were tried; had the noise been another one they might have chosen another of
+/// those that predict nearly as well (Buckland, Burnham and Augustin 1997):
+///
+///   added variance = sum_m w_m (q_m - q)² + (q_fine - q)²
+///
+/// q is the estimate, q_m that of structure m and w_m its weight (joint_choice.h). The last term is
+/// the error of tables of straight lines against a smooth truth, estimated by halving them. Tests:
+/// tests/identify/joint/structure_spread_test.cc.
+
+#include <functional>
+#include <string>
+
+#include "identify/joint/joint_choice.h"
+
+namespace lipoid {
+
+/// What a solution says of a quantity of the uncertainty report, by its name there: beta, tau_j,
+/// r_s, r_j, r_ct and these at a state of charge, r_s(0.5), c_j, r_total(0.5), tau_h, i_0, rho_h.
+/// Branches are counted by rising time constant in the solution that was `taken`; in another one the
+/// branch with the nearest time constant stands for it. A constant stands for its value at every state of
+/// charge; what a table says of a constant is its mean at 0.2, 0.5 and 0.8. NaN where the solution
+/// has no such quantity.
+[[nodiscard]] double ValueIn(const JointSolution& solution,
+                             const std::string& name,
+                             double typical_A,
+                             const JointSolution& taken);
+
+/// v_oc at a state of charge; `reference` is that of the fit. NaN where the curve was given.
+[[nodiscard]] double OpenCircuitVoltageIn(const JointSolution& solution,
+                                          const OpenCircuitVoltage& reference,
+                                          double soc);
+
+/// The added variance of the quantity that `value` reads from a solution. Structures that do not
+/// have the quantity (NaN) say nothing of it.
+[[nodiscard]] double SpreadOverStructures(
+    const JointChoice& choice, const std::function<double(const JointSolution&)>& value);
+
+}  // namespace lipoid

@@ -1,0 +1,64 @@
+#include "identify/identification.h"
+
+#include <gtest/gtest.h>
+
+#include "identify/validation.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/cell_parameters.h"
+#include "model/core/errors.h"
+#include "tests/support/synthetic_campaign.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
+
+TEST(Identification, HasTheSameShapeForEitherMethod) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  const Campaign campaign = test::CampaignOf(logs);
+  for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
+    const Identification found =
+        Identify(campaign, logs, {.method = method, .profiled = {"beta"}});
+    EXPECT_TRUE(found.converged);
+    EXPECT_EQ(found.staged.has_value(), method == IdentifyMethod::kStaged);
+    EXPECT_EQ(found.joint.has_value(), method == IdentifyMethod::kJoint);
+    // The staged method takes the low-rate voltage for v_oc: some percent off.
+    EXPECT_NEAR(*CellParameter(found.cell, "beta"), 0.1924, 0.01);
+    EXPECT_EQ(found.trust.quantities.front().name, "alpha");
+    ASSERT_EQ(found.profiles.size(), 1U);
+    EXPECT_EQ(found.profiles[0].estimate, *CellParameter(found.cell, "beta"));
+    // The mean error is that of the logs it says it used.
+    double sum = 0.0;
+    int count = 0;
+    for (const LoadedLog& log : logs) {
+      const auto kinds = found.fitted_kinds();
+      if (std::find(kinds.begin(), kinds.end(), log.entry.kind) == kinds.end()) continue;
+      sum += Validate(found.cell, log).all.mean_error_percent;
+      ++count;
+    }
+    EXPECT_NEAR(found.mean_error_percent(), sum / count, 1e-9);
+    const Json json = IdentificationToJson(found);
+    for (const char* key : {"method", "converged", "alpha_C", "parameters", "trust", "stages",
+                            "validation", "constant_current", "cautions", "profiles"})
+      EXPECT_TRUE(json.contains(key)) << key;
+  }
+}
+
+TEST(Identification, RefusesAProfileBeforeItReadsAnything) {
+  EXPECT_EQ(test::MessageOf<OptionError>([] {
+              CheckIdentifyOptions({.method = IdentifyMethod::kJoint, .profiled = {"alpha"}});
+            }),
+            "option --profile: alpha is a convention of the joint method and moves no voltage; see "
+            "its interval in the report");
+  EXPECT_EQ(test::MessageOf<OptionError>([] { CheckIdentifyOptions({.profiled = {"r_9"}}); }),
+            "option --profile: no parameter 'r_9' in this fit; profiles can be had of beta, r_s, "
+            "r_1, tau_1, c_1");
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,71 @@
+#include "identify/joint/structure_spread.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lipoid {
+namespace {
+
+constexpr double kTypical_A = 2.0;
+constexpr double kRounding = 1e-15;
+
+// Resistances in ohms at the nodes, r_s first; no voltages.
+JointSolution Solution(std::vector<double> soc,
+                       std::vector<double> tau_s,
+                       std::vector<double> ohms,
+                       double beta) {
+  JointSolution solution;
+  solution.structure.branches = static_cast<int>(tau_s.size());
+  solution.structure.resistance_soc = std::move(soc);
+  solution.rates.beta_per_sqrt_s = beta;
+  solution.rates.time_constant_s = std::move(tau_s);
+  solution.x = Eigen::Map<Eigen::VectorXd>(ohms.data(), static_cast<Eigen::Index>(ohms.size())) *
+               kTypical_A;
+  return solution;
+}
+
+TEST(StructureSpread, ReadsQuantitiesByTheirNames) {
+  // The second branch is the faster one: r_1 and tau_1 are its own.
+  const JointSolution constant = Solution({0.5}, {80.0, 20.0}, {0.1, 0.03, 0.05}, 0.2);
+  EXPECT_EQ(ValueIn(constant, "beta", kTypical_A, constant), 0.2);
+  EXPECT_EQ(ValueIn(constant, "tau_1", kTypical_A, constant), 20.0);
+  EXPECT_EQ(ValueIn(constant, "tau_2", kTypical_A, constant), 80.0);
+  EXPECT_NEAR(ValueIn(constant, "r_1", kTypical_A, constant), 0.05, kRounding);
+  EXPECT_NEAR(ValueIn(constant, "r_s(0.2)", kTypical_A, constant), 0.1, kRounding);
+  EXPECT_NEAR(ValueIn(constant, "c_1", kTypical_A, constant), 400.0, 1e-12);
+  EXPECT_NEAR(ValueIn(constant, "r_total(0.5)", kTypical_A, constant), 0.18, kRounding);
+  for (const char* name : {"tau_3", "r_3", "r_ct", "rho_h", "tau_h", "i_0", "alpha"})
+    EXPECT_TRUE(std::isnan(ValueIn(constant, name, kTypical_A, constant))) << name;
+
+  const JointSolution table =
+      Solution({0.0, 0.4, 1.0}, {20.0}, {0.3, 0.1, 0.04, 0.2, 0.1, 0.1}, 0.2);
+  EXPECT_NEAR(ValueIn(table, "r_s(0.2)", kTypical_A, table), 0.2, kRounding);
+  EXPECT_NEAR(ValueIn(table, "r_s(0.5)", kTypical_A, table), 0.09, kRounding);
+  EXPECT_NEAR(ValueIn(table, "r_s", kTypical_A, table), (0.2 + 0.09 + 0.06) / 3.0, kRounding);
+}
+
+// Weights 3/4 and 1/4, betas 0.2 (taken) and 0.24, and halved tables that say 0.21:
+// 0.25 * 0.04² + 0.01².
+TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
+  JointChoice choice;
+  choice.best = Solution({0.5}, {20.0}, {0.1, 0.05}, 0.2);
+  choice.tried.push_back({.what = "taken", .solution = choice.best, .weight = 0.75, .taken = true});
+  choice.tried.push_back({.what = "another",
+                          .solution = Solution({0.5}, {20.0, 90.0}, {0.1, 0.05, 0.01}, 0.24),
+                          .weight = 0.25});
+  const auto beta = [&](const JointSolution& s) { return ValueIn(s, "beta", kTypical_A, choice.best); };
+  EXPECT_NEAR(SpreadOverStructures(choice, beta), 0.25 * 0.04 * 0.04, 1e-15);
+  choice.finer = Solution({0.5}, {20.0}, {0.1, 0.05}, 0.21);
+  EXPECT_NEAR(SpreadOverStructures(choice, beta), 0.25 * 0.04 * 0.04 + 0.01 * 0.01, 1e-15);
+  // A second branch, faster than the one taken, is not what the first is compared with.
+  choice.finer = Solution({0.5}, {3.0, 22.0}, {0.1, 0.002, 0.05}, 0.21);
+  EXPECT_EQ(ValueIn(choice.finer, "tau_1", kTypical_A, choice.best), 22.0);
+  EXPECT_NEAR(ValueIn(choice.finer, "r_1", kTypical_A, choice.best), 0.05, kRounding);
+  // A quantity that only the other structure has adds nothing.
+  const auto i_0 = [&](const JointSolution& s) { return ValueIn(s, "i_0", kTypical_A, choice.best); };
+  EXPECT_EQ(SpreadOverStructures(choice, i_0), 0.0);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,69 @@
+#include "identify/trust/paired_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace lipoid {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRounding = 1e-14;
+
+// Two units of weight 1, differences 3 and 1: mean 2, standard error sqrt(2/4 (1 + 1)) = 1.
+TEST(PairedErrors, AreTheTextbooksForEqualWeights) {
+  const PairedGain gain = CompareErrors({5.0, 4.0}, {2.0, 3.0}, {1.0, 1.0});
+  EXPECT_NEAR(gain.gain, 2.0, kRounding);
+  EXPECT_NEAR(gain.standard_error, 1.0, kRounding);
+  EXPECT_TRUE(gain.AskedFor());
+  // Two standard errors of a normal distribution.
+  EXPECT_NEAR(gain.Probability(), 0.977249868, 1e-9);
+}
+
+TEST(PairedErrors, WhatIsHardForBothModelsDropsOut) {
+  const PairedGain gain =
+      CompareErrors({5.0, 1004.0, 7.0}, {4.0, 1003.0, 6.0}, {1.0, 1.0, 1.0});
+  EXPECT_NEAR(gain.gain, 1.0, kRounding);
+  EXPECT_NEAR(gain.standard_error, 0.0, 1e-12);
+  EXPECT_TRUE(gain.AskedFor());
+}
+
+// Sums carry their weights: a unit of weight 3 counts three times as much.
+TEST(PairedErrors, UnitsCountWithTheirWeights) {
+  const PairedGain gain = CompareErrors({6.0, 1.0}, {3.0, 2.0}, {3.0, 1.0});
+  EXPECT_NEAR(gain.gain, (3.0 - 1.0) / 4.0, kRounding);
+  // Off the mean: 3 - 3/2 and -1 - 1/2.
+  EXPECT_NEAR(gain.standard_error, std::sqrt(2.0 * (2.25 + 2.25)) / 4.0, kRounding);
+  EXPECT_FALSE(gain.AskedFor());
+}
+
+TEST(PairedErrors, NothingIsAskedForByOneUnitOrByAModelThatFails) {
+  EXPECT_FALSE(CompareErrors({5.0}, {1.0}, {1.0}).AskedFor());
+  EXPECT_FALSE(CompareErrors({}, {}, {}).AskedFor());
+  EXPECT_FALSE(CompareErrors({5.0, 5.0}, {1.0, kInfinity}, {1.0, 1.0}).AskedFor());
+  EXPECT_EQ(CompareErrors({5.0, 5.0}, {1.0, kInfinity}, {1.0, 1.0}).Probability(), 0.0);
+  EXPECT_TRUE(CompareErrors({5.0, kInfinity}, {1.0, 1.0}, {1.0, 1.0}).AskedFor());
+  // A unit without weight has no say, whatever its error.
+  EXPECT_TRUE(CompareErrors({5.0, 5.1, 0.0}, {1.0, 1.0, kInfinity}, {1.0, 1.0, 0.0}).AskedFor());
+}
+
+// One standard error to one side: 15.9 % of a normal distribution lies beyond it. 27 units and
+// 4000 draws: Student's share is 0.163, its sampling error 0.006.
+TEST(PairedErrors, ChanceAloneAsksAsOftenAsOneStandardErrorSays) {
+  std::mt19937_64 engine(1);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 4000;
+  int asked = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::vector<double> simple(27);
+    for (double& e : simple) e = 10.0 + normal(engine);
+    const std::vector<double> rich(27, 10.0);
+    if (CompareErrors(simple, rich, std::vector<double>(27, 1.0)).AskedFor()) ++asked;
+  }
+  EXPECT_NEAR(static_cast<double>(asked) / kDraws, 0.163, 3.0 * 0.006);
+}
+
+}  // namespace
+}  // namespace lipoid
