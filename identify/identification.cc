@@ -12,6 +12,12 @@
 namespace lipoid {
 namespace {
 
+// Then alpha only scales the axis of what was measured over charge.
+bool AllStartFull(const std::vector<LoadedLog>& logs) {
+  return std::all_of(
+      logs.begin(), logs.end(), [](const LoadedLog& log) { return log.entry.initial_soc == 1.0; });
+}
+
 void AddUncertainty(Identification& found, bool soc_follows_alpha) {
   CellUncertainty uncertainty = UncertaintyOf(found.trust, found.cell, soc_follows_alpha);
   found.cell.uncertainty = std::move(uncertainty.found);
@@ -27,7 +33,8 @@ Identification IdentifyByStages(const Campaign& campaign,
   found.cell = found.staged->cell;
   found.converged = found.staged->converged;
   found.trust = found.staged->trust;
-  AddUncertainty(found, found.staged->open_circuit_voltage.has_value());
+  const bool curve_found = found.staged->open_circuit_voltage || found.staged->from_rests;
+  AddUncertainty(found, curve_found && AllStartFull(logs));
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
   const PulseTask task = PreparePulses(campaign, logs, options.staged, options.given);

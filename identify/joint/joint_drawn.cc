@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/joint/joint_model.h"
+#include "identify/joint/structure_spread.h"
 #include "identify/trust/cell_uncertainty.h"
 
 namespace lipoid {
@@ -30,7 +30,10 @@ class Nodes {
     for (std::size_t k = 0; k < in_cell.soc.size(); ++k) {
       Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
       of[rates_ + table + static_cast<Eigen::Index>(first + k)] = 1.0 / result_.logs.typical_A;
-      to.push_back({fmt::format("{}[{}]", name, k), std::move(of)});
+      const std::string at = fmt::format("{}({})", name, nodes[first + k]);
+      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
+                      return ValueIn(in, at, result_.logs.typical_A, result_.choice.best);
+                    })});
     }
   }
 
@@ -43,11 +46,18 @@ class Nodes {
     for (std::size_t k = 0; k < in_cell.size(); ++k) {
       Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
       of.segment(rates_, static_cast<Eigen::Index>(first + k) + 1).setOnes();
-      to.push_back({fmt::format("v_oc[{}]", k), std::move(of)});
+      to.push_back({fmt::format("v_oc[{}]", k), std::move(of), Spread([&](const auto& in) {
+                      return OpenCircuitVoltageIn(in, result_.setup.reference, nodes[first + k]);
+                    })});
     }
   }
 
  private:
+  [[nodiscard]] Eigen::VectorXd Spread(
+      const std::function<double(const JointSolution&)>& value) const {
+    return SpreadOverStructures(result_.choice, value);
+  }
+
   // The node of the fit that is the first of the cell.
   [[nodiscard]] std::size_t First(const std::vector<double>& nodes, double cell_soc) const {
     const double soc = 1.0 - (1.0 - cell_soc) * result_.alpha_C / result_.setup.alpha_C;

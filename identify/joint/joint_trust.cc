@@ -80,7 +80,7 @@ class Assessment {
   }
   void Add(TrustedQuantity q) {
     if (q.name != "alpha") {
-      q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+      q.added_spread = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
         return ValueIn(solution, q.name, result_.logs.typical_A, best_);
       });
     }
@@ -172,7 +172,7 @@ class Assessment {
       q.combination[Linear(static_cast<int>(k))] = of_upper + (k <= cutoff.lower ? of_lower : 0.0);
     }
     // A curve that lies higher there reaches the cut-off later.
-    q.added_variance = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
+    q.added_spread = SpreadOverStructures(result_.choice, [&](const JointSolution& solution) {
       return (of_lower + of_upper) *
              OpenCircuitVoltageIn(solution, result_.setup.reference, cutoff.soc);
     });

@@ -49,8 +49,9 @@ void Append(Cell::Uncertainty& to, std::string name, double variance) {
 std::vector<NamedCombination> CellParametersAmong(const std::vector<TrustedQuantity>& quantities) {
   std::vector<NamedCombination> parameters;
   for (const TrustedQuantity& q : quantities) {
-    if (q.name.starts_with("c_") || q.name.find('(') != std::string::npos) continue;
-    parameters.push_back({q.name, q.combination});
+    const auto found = FindCellParameter(q.name);
+    if (!found || found->kind->symbol == "c") continue;
+    parameters.push_back({q.name, q.combination, q.added_spread});
   }
   return parameters;
 }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "identify/trust/trust_sentence.h"
+#include "model/battery/cell_ensemble.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -113,6 +114,35 @@ Eigen::MatrixXd Gram(std::span<const FittedRows> logs) {
   });
   for (std::size_t lane = 1; lane < lanes.size(); ++lane) lanes[0] += lanes[lane];
   return lanes[0].selfadjointView<Eigen::Lower>();
+}
+
+// Adds that to the covariance of quantities or combinations that varies already: what is held stays.
+template <class Combinations>
+void AddSpread(const Combinations& of, Eigen::MatrixXd& covariance) {
+  Eigen::Index moves = 0;
+  for (const auto& one : of) moves = std::max(moves, one.added_spread.size());
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(covariance.rows(), moves);
+  for (Eigen::Index k = 0; k < spread.rows(); ++k) {
+    const Eigen::VectorXd& one = of[static_cast<std::size_t>(k)].added_spread;
+    if (one.size() > 0 && covariance(k, k) > 0.0) spread.row(k) = one.transpose();
+  }
+  if (moves > 0) covariance += spread * spread.transpose();
+}
+
+// Makes a covariance symmetric and, where rounding left a combination a variance that is negative by
+// more than a cell file lets pass, no longer negative; in units in which each own variance is 1.
+void EndRounding(Eigen::MatrixXd& covariance) {
+  covariance = 0.5 * (covariance + covariance.transpose()).eval();
+  const Eigen::VectorXd unit = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd per_unit =
+      (unit.array() > 0.0).select(unit.cwiseInverse(), 0.0 * unit).eval();
+  const Eigen::MatrixXd own = per_unit.asDiagonal() * covariance * per_unit.asDiagonal();
+  const auto one = Eigen::MatrixXd::Identity(own.rows(), own.cols());
+  if ((own + kCovarianceRounding * one).llt().info() == Eigen::Success) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
+  const Eigen::MatrixXd root = unit.asDiagonal() * eigen.eigenvectors() *
+                               eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  covariance = root * root.transpose();
 }
 
 class Assessment {
@@ -421,8 +451,7 @@ class Assessment {
     const Eigen::MatrixXd covariance = inverse * scatter * inverse;
     const Eigen::VectorXd freedom = DegreesOfFreedom(inverse);
     Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
-    for (Eigen::Index k = 0; k < all.rows(); ++k)
-      all(k, k) += quantities_[static_cast<std::size_t>(k)].added_variance;
+    AddSpread(quantities_, all);
     report_.covariance = all;
     double squares = 0.0;
     for (const FittedRows& log : logs_) squares += log.residual_V.cwiseAbs2().dot(log.weight);
@@ -442,7 +471,7 @@ class Assessment {
       const bool known_at_all = !held && known.Knows(term);
       const double variance = std::max(0.0, all(index, index));
       trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
-      trust.model_standard_error = std::sqrt(q.added_variance);
+      trust.model_standard_error = q.added_spread.norm();
       trust.relative_standard_error = trust.standard_error / Scale(q);
       const double reach = Reach(freedom[index]);
       trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);
@@ -576,25 +605,25 @@ class Assessment {
     const std::vector<NamedCombination>& drawn = options_.drawn;
     if (drawn.empty()) return;
     Require(fit_.has_value(), "a fit, not a plan, to draw cells from");
-    const Eigen::Index p = logs_[0].sensitivity.cols();
-    const auto n = static_cast<Eigen::Index>(drawn.size());
-    Eigen::MatrixXd of_free(n, Size(free_));
-    for (Eigen::Index k = 0; k < n; ++k) {
+    Eigen::MatrixXd of_free(static_cast<Eigen::Index>(drawn.size()), Size(free_));
+    for (Eigen::Index k = 0; k < of_free.rows(); ++k) {
       const NamedCombination& one = drawn[static_cast<std::size_t>(k)];
-      Require(one.combination.size() == p, "a combination of the p parameters");
+      Require(one.combination.size() == logs_[0].sensitivity.cols(),
+              "a combination of the p parameters");
       of_free.row(k) = one.combination(free_).transpose();
       report_.drawn.push_back(one.name);
     }
-    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(n, p);
-    moves(Eigen::all, free_) = of_free * fit_->inverse();
     std::vector<Eigen::MatrixXd> sums(logs_.size());
     tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
       const Eigen::MatrixXd scores =
-          moves * logs_[l].sensitivity.transpose() * logs_[l].weight.asDiagonal();
+          logs_[l].sensitivity(Eigen::all, free_).transpose() * logs_[l].weight.asDiagonal();
       sums[l] = models_[l].QuadraticSum(scores, variances_[l]);
     });
-    report_.drawn_covariance.setZero(n, n);
-    for (const Eigen::MatrixXd& sum : sums) report_.drawn_covariance += sum;
+    for (std::size_t l = 1; l < sums.size(); ++l) sums[0] += sums[l];
+    const Eigen::MatrixXd moves = of_free * fit_->inverse();
+    report_.drawn_covariance = moves * sums[0] * moves.transpose();
+    AddSpread(drawn, report_.drawn_covariance);
+    EndRounding(report_.drawn_covariance);
   }
 
   static double Scale(const TrustedQuantity& q) {

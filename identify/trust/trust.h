@@ -54,9 +54,10 @@ struct TrustedQuantity {
   bool at_bound = false;             ///< the parameters of the combination are held
   Eigen::VectorXd combination = {};  ///< length p; for one parameter a unit vector
   double scale = 0.0;                ///< a change that is of note; 0: |value|
-  /// What is not in the scatter of the rows, as a variance: the choice among models, the error of
-  /// the model's own tables.
-  double added_variance = 0.0;
+  /// What is not in the scatter of the rows, the choice among models and the error of the model's
+  /// own tables: independent moves, the same for all quantities, whose squares add to the variance
+  /// and whose products to a covariance. Empty: none.
+  Eigen::VectorXd added_spread = {};
 };
 
 enum class Verdict { kIdentified, kWeak, kAtBound, kOnlyInCombination };
@@ -83,6 +84,7 @@ inline constexpr double kNoInformation = 1e-11;
 struct NamedCombination {
   std::string name = {};
   Eigen::VectorXd combination = {};
+  Eigen::VectorXd added_spread = {};  ///< as that of a quantity
 };
 
 struct TrustOptions {

@@ -45,6 +45,12 @@ struct Eigensystem {
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
 };
 
+// The kind of a parameter, or of the resistance that a node belongs to; null for a node of v_oc.
+const CellParameterKind* KindOf(std::string_view name) {
+  const auto found = FindCellParameter(name.substr(0, name.find('[')));
+  return found ? found->kind : nullptr;
+}
+
 // The range, as a . x >= least for each of these rows.
 struct Range {
   Eigen::MatrixXd a;
@@ -72,6 +78,7 @@ class Drawing {
       const auto value = CellParameter(cell, Name(k));
       Require(value.has_value(), "an uncertainty of parameters that the cell has");
       estimate_[k] = *value;
+      kinds_.push_back(KindOf(Name(k)));
       if (Name(k) != "beta") continue;
       estimate_[k] = std::log(*value);
       covariance_.row(k) /= *value;
@@ -105,21 +112,20 @@ class Drawing {
     return names_[static_cast<std::size_t>(k)];
   }
 
-  static bool IsResistance(std::string_view name) {
-    return name.starts_with("r_") || name == "rho_h";
+  [[nodiscard]] const CellParameterKind* Kind(Eigen::Index k) const {
+    return kinds_[static_cast<std::size_t>(k)];
   }
 
   void FindRange() {
     const Eigen::Index n = estimate_.size();
     for (Eigen::Index k = 0; k < n; ++k) {
+      if (Kind(k) == nullptr) continue;
       const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, k);
       if (Name(k) == "beta") {
         range_.Add(unit, estimate_[k] + std::log(kLeastBeta));
-        range_.Add(-unit, 0.0);  // the logarithm of 1
-      } else if (IsResistance(Name(k))) {
-        range_.Add(unit, 0.0);
-      } else if (!Name(k).starts_with("v_oc")) {
-        range_.Add(unit, kLeastPositive * estimate_[k]);
+        range_.Add(-unit, -std::log(Kind(k)->upper));
+      } else {
+        range_.Add(unit, Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k]);
       }
     }
     const auto& voltage_V = base_.open_circuit_voltage.voltage_V();
@@ -181,15 +187,13 @@ class Drawing {
   [[nodiscard]] Cell At(const Eigen::VectorXd& x) const {
     Cell cell = base_;
     for (Eigen::Index k = 0; k < x.size(); ++k) {
-      if (Name(k).starts_with("v_oc")) continue;
+      if (Kind(k) == nullptr) continue;
       double value = x[k];
       if (Name(k) == "beta") {
-        value = std::min(1.0, std::exp(value));
-      } else if (IsResistance(Name(k))) {
-        value = std::max(0.0, value);
+        value = std::min(Kind(k)->upper, std::exp(value));
       } else {
-        value = std::max(kLeastPositive * estimate_[k], value);
-        if (value == 0.0) continue;  // a branch without inertia stays one
+        value = std::max(Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k], value);
+        if (!Kind(k)->Holds(value)) continue;  // a branch without inertia stays one
       }
       SetCellParameter(cell, Name(k), value);
     }
@@ -265,6 +269,7 @@ class Drawing {
 
   Cell base_;
   std::vector<std::string> names_;
+  std::vector<const CellParameterKind*> kinds_;  // of each
   double freedom_ = 0.0;
   bool soc_follows_alpha_ = false;
   Eigen::VectorXd estimate_;    // ln beta for beta

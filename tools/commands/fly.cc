@@ -152,6 +152,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       "runs empty.",
       "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
   line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
+  line.Example("lipoid fly hover --cell cell.json --ensemble 200");
   line.Argument("MANEUVER", maneuver_name, fmt::format("one of: {}", fmt::join(names, ", ")));
   line.Option("battery",
               battery,

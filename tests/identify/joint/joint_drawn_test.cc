@@ -46,7 +46,7 @@ TEST(JointDrawn, CombinationsGiveTheParametersOfTheCell) {
   const auto drawn = DrawnOfJoint(result, {}, kRates);
   const Eigen::VectorXd x = Unknowns(result, kRates);
   std::vector<std::string> names;
-  for (const auto& [name, combination] : drawn) {
+  for (const auto& [name, combination, spread] : drawn) {
     names.push_back(name);
     const auto value = CellParameter(result.cell, name);
     ASSERT_TRUE(value.has_value()) << name;
@@ -76,6 +76,38 @@ TEST(JointDrawn, TheWholeUncertaintyIsOneThatAFileHolds) {
     const auto k = static_cast<std::size_t>(at - names.begin());
     EXPECT_NEAR(std::sqrt(uncertainty.found->covariance[k][k]) / q.standard_error, 1.0, 1e-4)
         << q.name;
+  }
+}
+
+// A structure of weight 1/4 that has a milliohm more in r_s and as much less in r_1 moves both so,
+// at every node, and nothing else: its square counts, and their sum stays as well known as it was.
+TEST(JointDrawn, WhatAnotherStructureMovesTogetherVariesTogether) {
+  JointResult result = WithTables();
+  const TrustReport before = AssessJoint(result);
+  JointSolution other = result.choice.best;
+  const JointLayout layout(other.structure);
+  const double more = 1e-3 * result.logs.typical_A;
+  other.x.segment(layout.series(), layout.nodes()).array() += more;
+  other.x.segment(layout.branch(0), layout.nodes()).array() -= more;
+  result.choice.tried.push_back({.what = "another", .solution = other, .weight = 0.25});
+  const TrustReport after = AssessJoint(result);
+  ASSERT_EQ(after.drawn, before.drawn);
+  const auto moved = [](const std::string& name) {
+    return name.starts_with("r_s[") ? 1e-3 : name.starts_with("r_1[") ? -1e-3 : 0.0;
+  };
+  for (Eigen::Index i = 0; i < before.drawn_covariance.rows(); ++i) {
+    for (Eigen::Index j = 0; j < before.drawn_covariance.rows(); ++j) {
+      const std::string& one = after.drawn[static_cast<std::size_t>(i)];
+      const std::string& two = after.drawn[static_cast<std::size_t>(j)];
+      const double is = before.drawn_covariance(i, j);
+      const bool vary = before.drawn_covariance(i, i) > 0.0 && before.drawn_covariance(j, j) > 0.0;
+      const double added = vary ? 0.25 * moved(one) * moved(two) : 0.0;
+      EXPECT_NEAR(after.drawn_covariance(i, j) - is, added, 1e-12 * (1.0 + std::abs(is)))
+          << one << " " << two;
+    }
+  }
+  for (const QuantityTrust& q : after.quantities) {
+    if (q.name == "r_s(0.5)") EXPECT_GT(q.model_standard_error, 0.5e-3 * (1.0 - 1e-9));
   }
 }
 

@@ -127,7 +127,7 @@ TEST(Trust, AgreesWithTheTextbookForWhiteNoise) {
 }
 
 // The same covariance by another way: all parameters at once, instead of those asked for with the
-// others profiled out.
+// others profiled out. What models add, the same moves of all, is added to both.
 TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
   const PulseDesign pulses;
   const Index rows = pulses.sensitivity.rows();
@@ -142,11 +142,18 @@ TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
   value.head(4) = pulses.truth;
   auto quantities = Parameters({"beta", "r_s", "r_1", "tau_1", "", "", "", "", "", ""}, value);
   quantities.resize(4);
+  const auto scattered = AssessTrust({&fit.rows, 1}, {}, quantities).covariance;
+  MatrixXd spread(4, 2);  // two other models: of r_s, r_1 and tau_1, and of beta and r_s
+  spread << 0.0, 0.02, 0.004, -0.001, -0.004, 0.0, 3.0, 0.0;
   TrustOptions options;
-  for (const auto& q : quantities) options.drawn.push_back({q.name, q.combination});
+  for (Index k = 0; k < 4; ++k) {
+    auto& q = quantities[static_cast<std::size_t>(k)];
+    q.added_spread = spread.row(k);
+    options.drawn.push_back({q.name, q.combination, q.added_spread});
+  }
   VectorXd total = VectorXd::Zero(10);
   total[1] = total[2] = 1.0;
-  options.drawn.push_back({"r_s + r_1", total});
+  options.drawn.push_back({"r_s + r_1", total, spread.row(1) + spread.row(2)});
   const auto report = AssessTrust({&fit.rows, 1}, {}, quantities, options);
   ASSERT_EQ(report.drawn,
             (std::vector<std::string>{"beta", "r_s", "r_1", "tau_1", "r_s + r_1"}));
@@ -155,7 +162,12 @@ TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
     for (Index j = 0; j < 4; ++j) {
       const double size = std::sqrt(report.covariance(i, i) * report.covariance(j, j));
       EXPECT_NEAR(drawn(i, j), report.covariance(i, j), kRounding * size) << i << " " << j;
+      EXPECT_NEAR(report.covariance(i, j), scattered(i, j) + spread.row(i).dot(spread.row(j)),
+                  kRounding * size);
     }
+    const auto& q = report.quantities[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(q.standard_error / std::sqrt(drawn(i, i)), 1.0, kRounding) << q.name;
+    EXPECT_NEAR(q.model_standard_error, spread.row(i).norm(), kRounding) << q.name;
   }
   const double sum = drawn(1, 1) + 2.0 * drawn(1, 2) + drawn(2, 2);
   EXPECT_NEAR(drawn(4, 4), sum, kRounding * drawn(1, 1));
@@ -178,6 +190,8 @@ TEST(Trust, WhatIsHeldOrNotInTheRowsDoesNotVary) {
   quantities[0].at_bound = true;
   TrustOptions options;
   for (const auto& q : quantities) options.drawn.push_back({q.name, q.combination});
+  // Other models that move what is held, or unknown, move nothing.
+  for (const std::size_t k : {0, 5}) options.drawn[k].added_spread = VectorXd::Ones(3);
   const auto report = AssessTrust({&rows, 1}, {}, quantities, options);
   const MatrixXd& drawn = report.drawn_covariance;
   EXPECT_TRUE(drawn.row(0).isZero(0.0));
