@@ -107,7 +107,9 @@ TEST(JointDrawn, WhatAnotherStructureMovesTogetherVariesTogether) {
     }
   }
   for (const QuantityTrust& q : after.quantities) {
-    if (q.name == "r_s(0.5)") EXPECT_GT(q.model_standard_error, 0.5e-3 * (1.0 - 1e-9));
+    if (q.name == "r_s(0.5)") {
+      EXPECT_GT(q.model_standard_error, 0.5e-3 * (1.0 - 1e-9));
+    }
   }
 }
 
