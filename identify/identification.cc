@@ -1,14 +1,38 @@
 #include "identify/identification.h"
 
+#include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_trust.h"
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
+#include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/profile_report.h"
+#include "identify/trust/trust_report.h"
 
 namespace lipoid {
 namespace {
+
+// Then alpha only scales the axis of what was measured over charge.
+bool AllStartFull(const std::vector<LoadedLog>& logs) {
+  return std::all_of(
+      logs.begin(), logs.end(), [](const LoadedLog& log) { return log.entry.initial_soc == 1.0; });
+}
+
+void AddUncertainty(Identification& found, bool soc_follows_alpha) {
+  CellUncertainty uncertainty = UncertaintyOf(found.trust, found.cell, soc_follows_alpha);
+  found.cell.uncertainty = std::move(uncertainty.found);
+  found.not_drawn = std::move(uncertainty.unknown);
+}
+
+// By rows left out of the logs that a solution was fitted to, with what was given held.
+ExpectedError ExpectErrorOf(const JointLogs& logs,
+                            const JointSetup& setup,
+                            const GivenParameters& given,
+                            const JointSolution& solution) {
+  const JointObservations seen(logs, setup);
+  return ExpectError(JointFit(seen, given), logs, solution);
+}
 
 Identification IdentifyByStages(const Campaign& campaign,
                                 const std::vector<LoadedLog>& logs,
@@ -19,6 +43,24 @@ Identification IdentifyByStages(const Campaign& campaign,
   found.cell = found.staged->cell;
   found.converged = found.staged->converged;
   found.trust = found.staged->trust;
+  {
+    std::vector<const LoadedLog*> fitted;
+    for (const LoadedLog& log : logs) {
+      if (log.entry.kind == found.staged->fitted_kind) fitted.push_back(&log);
+    }
+    const JointSetup setup{.alpha_C = found.staged->alpha_C,
+                           .diffusion = options.staged.pulses.diffusion,
+                           .terms = options.staged.pulses.terms,
+                           .tail = options.staged.pulses.tail,
+                           .open_circuit_voltage = found.cell.open_circuit_voltage};
+    const JointLogs points =
+        MakeJointLogs(fitted, setup.alpha_C, setup.open_circuit_voltage, {.charge_uncertainty = 0.0});
+    JointSolution solution = found.staged->pulses.solution;
+    solution.x *= points.typical_A;
+    found.expected_error = ExpectErrorOf(points, setup, options.given.parameters, solution);
+  }
+  const bool curve_found = found.staged->open_circuit_voltage || found.staged->from_rests;
+  AddUncertainty(found, curve_found && AllStartFull(logs));
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
   const PulseTask task = PreparePulses(campaign, logs, options.staged, options.given);
@@ -43,6 +85,11 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   found.cell = found.joint->cell;
   found.converged = found.joint->converged;
   found.trust = AssessJoint(*found.joint);
+  found.expected_error = ExpectErrorOf(found.joint->logs,
+                                       found.joint->setup,
+                                       options.given.parameters,
+                                       found.joint->choice.best);
+  AddUncertainty(found, SocFollowsAlpha(*found.joint));
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
   found.profiles = ProfileJoint(
@@ -86,6 +133,11 @@ Identification Identify(const Campaign& campaign,
 
 Json IdentificationToJson(const Identification& found) {
   Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
+  json["not_drawn"] = found.not_drawn;
+  json["expected_error_percent"] = NumberOrNull(found.expected_error.percent);
+  json["expected_error_interval_95"] = {NumberOrNull(found.expected_error.low_percent),
+                                        NumberOrNull(found.expected_error.high_percent)};
+  json["resistance"] = PulseResistancesToJson(found.trust);
   if (!found.profiles.empty()) json["profiles"] = ProfilesToJson(found.profiles);
   if (!found.log_notes.empty()) json["log_notes"] = found.log_notes;
   return json;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "identify/joint/joint_run.h"
+#include "identify/joint/leave_out.h"
 #include "identify/stages/staged_run.h"
 #include "identify/trust/profile.h"
 #include "model/core/json.h"
@@ -34,10 +35,12 @@ struct IdentifyOptions {
 };
 
 struct Identification {
-  Cell cell;
+  Cell cell;  ///< with its uncertainty, from which cells can be drawn
   bool converged = false;
   TrustReport trust;
+  std::vector<std::string> not_drawn;  ///< parameters of which cells drawn vary only in what is known
   std::vector<Profile> profiles;
+  ExpectedError expected_error;  ///< of a new log of the fitted kinds, from rows left out
   std::optional<StagedResult> staged;  ///< of the staged method
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
   std::vector<std::string> log_notes;  ///< NotesOnLogs()

@@ -114,8 +114,8 @@ class Quantities {
     const bool r_held = known_.Fixed(fmt::format("r_{}", j + 1)).has_value();
     if (layout_.nodes() != 1 || !(r > 0.0) || known_.Fixed(name) || (at < 0 && r_held)) return;
     TrustedQuantity q = fit_.Quantity(name, "F", tau_s / r);
-    q.at_bound = AtBound(rate) || Follows(j);
-    if (!Follows(j)) {
+    q.at_bound = Follows(j);
+    if (!q.at_bound) {
       if (at >= 0) q.combination[at] = 1.0 / r;
       q.combination[fit_.Linear(layout_.branch(j))] = -tau_s / (r * r) / typical_A_;
     }
@@ -141,37 +141,43 @@ TrustedQuantity LinearizedFit::Quantity(std::string name, std::string unit, doub
   return q;
 }
 
+Eigen::MatrixXd LinearizedFit::Project(Eigen::MatrixXd sensitivity,
+                                       const JointSolution& solution) const {
+  const JointLayout layout(solution.structure);
+  const RateSlots all(solution.structure);
+  for (int j = 0; j < solution.structure.branches; ++j) {
+    if (!solution.follows[static_cast<std::size_t>(j)]) continue;
+    // r_j moves with tau_j.
+    const int r = layout.branch(j);
+    const double rise = solution.x[r] / solution.rates.time_constant_s[j];
+    sensitivity.col(all.tau(j)) += rise * sensitivity.col(all.size() + r);
+  }
+  Eigen::MatrixXd projected(sensitivity.rows(), Linear(layout.size()));
+  projected.leftCols(Linear(0)) = sensitivity(Eigen::all, slots);
+  projected.rightCols(layout.size()) = sensitivity.rightCols(layout.size());
+  ToRises(projected.rightCols(layout.size()), layout.voltages());
+  return projected;
+}
+
 LinearizedFit Linearize(const Observations& seen,
                         const JointSolution& solution,
                         const GivenParameters& known) {
   const JointLayout layout(solution.structure);
-  const RateSlots slots(solution.structure);
   const JointFit fit(seen, known);
   LinearizedFit all;
-  std::vector<int> columns;
   for (const auto& rate : fit.Rates(solution.structure)) {
     all.rates.push_back(rate.name);
-    columns.push_back(rate.slot);
+    all.slots.push_back(rate.slot);
     const auto& names = solution.at_bound;
     if (std::find(names.begin(), names.end(), rate.name) != names.end())
-      all.held.push_back(static_cast<Eigen::Index>(columns.size()) - 1);
+      all.held.push_back(all.Linear(0) - 1);
   }
   for (int k = 0; k < layout.size(); ++k) {
-    columns.push_back(slots.size() + k);
     if (solution.active[static_cast<std::size_t>(k)]) all.held.push_back(all.Linear(k));
   }
   all.logs = seen.Rows(solution.structure, solution.rates, solution.x);
-  for (FittedRows& log : all.logs) {
-    for (int j = 0; j < solution.structure.branches; ++j) {
-      if (!solution.follows[static_cast<std::size_t>(j)]) continue;
-      // r_j moves with tau_j.
-      const int r = layout.branch(j);
-      const double rise = solution.x[r] / solution.rates.time_constant_s[j];
-      log.sensitivity.col(slots.tau(j)) += rise * log.sensitivity.col(slots.size() + r);
-    }
-    log.sensitivity = log.sensitivity(Eigen::all, columns).eval();
-    ToRises(log.sensitivity.rightCols(layout.size()), layout.voltages());
-  }
+  for (FittedRows& log : all.logs)
+    log.sensitivity = all.Project(std::move(log.sensitivity), solution);
   Eigen::MatrixXd nodes = fit.Penalty(solution.structure, solution.smoothness);
   ToRises(nodes, layout.voltages());
   nodes.transposeInPlace();

@@ -19,12 +19,16 @@ namespace lipoid {
 /// of v_oc for its nodes.
 struct LinearizedFit {
   std::vector<std::string> rates;
+  std::vector<int> slots;  ///< of the rates, in RateSlots
   std::vector<FittedRows> logs;
   Eigen::MatrixXd penalty;
   std::vector<Eigen::Index> held;
   /// beta, r_s, r_j, tau_j, c_j, r_ct, i_0, rho_h, tau_h, but for what was given.
   std::vector<TrustedQuantity> quantities;
 
+  /// Sensitivities to these parameters, from those to all nonlinear and linear ones (Observations).
+  [[nodiscard]] Eigen::MatrixXd Project(Eigen::MatrixXd sensitivity,
+                                        const JointSolution& solution) const;
   /// A quantity that is a combination of linear unknowns.
   [[nodiscard]] TrustedQuantity Quantity(std::string name, std::string unit, double value) const;
   [[nodiscard]] Eigen::Index Linear(int unknown) const {

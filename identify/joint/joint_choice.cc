@@ -19,9 +19,12 @@ constexpr int kFewNodes = 13;
 constexpr int kManyNodes = 34;
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
-// overtaken by following the noise.
-bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, double noise_V) {
-  if (simple.fitted_V <= kAtTheNoise * noise_V) return false;
+// overtaken by following the noise. Discharges that are left out whole are an experiment of their own:
+// the richer structure is asked for where it predicts them better by more than chance. Pieces share
+// what disturbed their log with their neighbours, and the thresholds above decide.
+bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
+  if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
+  if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
   if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
   return rich.expected_V < simple.expected_V &&
          rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
@@ -183,7 +186,7 @@ class Choosing {
                          logs_.unit_weight);
   }
   [[nodiscard]] bool IsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) const {
-    return Better(rich, simple, logs_.noise_mean_V);
+    return Better(rich, simple, logs_);
   }
 
   // A structure tried, and taken where it is better than what was taken before.

@@ -88,7 +88,8 @@ void FindIntervals(JointLog& log) {
 JointLog MakeJointLog(const LoadedLog& loaded,
                       double alpha_C,
                       const OpenCircuitVoltage& curve,
-                      const JointWeights& weights) {
+                      const JointWeights& weights,
+                      bool whole) {
   const Record& record = loaded.log.record;
   JointLog log;
   log.file = loaded.entry.file;
@@ -110,7 +111,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
       const double share = (record.time_s[row] - from_s) / length_s;
       const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
       if (piece == 0 || piece >= kPieces - 2) return {JointLog::kAlways, JointLog::kAlways};
-      return {piece % kGroups, piece / kPiecesOfUnit};
+      return {whole ? 0 : piece % kGroups, piece / kPiecesOfUnit};
     }
     const auto after = std::upper_bound(starts.begin(), starts.end(), row);
     const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);
@@ -199,18 +200,51 @@ void NumberGroups(JointLogs& all) {
 
 }  // namespace
 
+namespace {
+
+// Constant currents that differ by more than their scatter.
+int DifferentCurrents(const std::vector<const LoadedLog*>& logs) {
+  constexpr double kSame = 0.05;
+  std::vector<double> currents_A;
+  for (const LoadedLog* log : logs) {
+    if (log->entry.kind == LogKind::kConstantCurrent)
+      currents_A.push_back(Median(log->log.record.current_A));
+  }
+  std::sort(currents_A.begin(), currents_A.end());
+  int different = 0;
+  double last_A = 0.0;
+  for (const double current_A : currents_A) {
+    if (different > 0 && current_A - last_A <= kSame * std::abs(current_A)) continue;
+    ++different;
+    last_A = current_A;
+  }
+  return different;
+}
+
+}  // namespace
+
 JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
                         double alpha_C,
                         const OpenCircuitVoltage& curve,
                         const JointWeights& weights) {
+  std::vector<const LoadedLog*> all;
+  for (const LoadedLog& log : logs) all.push_back(&log);
+  return MakeJointLogs(all, alpha_C, curve, weights);
+}
+
+JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
+                        double alpha_C,
+                        const OpenCircuitVoltage& curve,
+                        const JointWeights& weights) {
   std::vector<const LoadedLog*> used;
-  for (const LoadedLog& log : logs) {
-    if (log.entry.kind != LogKind::kValidation && log.log.record.size() > 1) used.push_back(&log);
+  for (const LoadedLog* log : logs) {
+    if (log->entry.kind != LogKind::kValidation && log->log.record.size() > 1) used.push_back(log);
   }
   JointLogs all;
   all.logs.resize(used.size());
+  all.whole = DifferentCurrents(used) >= kWholeCurrents;
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t l) {
-    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights);
+    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights, all.whole);
   });
   double squares = 0.0;
   double loaded = 0.0;

@@ -13,8 +13,11 @@
 /// in the campaign says, whatever the number of its rows.
 ///
 /// Every fifth pulse with the rest behind it, and every fifth of sixty pieces of a discharge, are
-/// left out together. Errors of what is left out are compared unit by unit (paired_errors.h): a
-/// pulse with its rest, or five neighbouring pieces of a discharge.
+/// left out together. Where there are discharges at kWholeCurrents currents each is left out whole,
+/// but for its ends: what disturbed a log for minutes is then not learned from its neighbouring
+/// pieces, and the others still tell how the voltage goes with the current. Errors of what is left
+/// out are compared unit by unit (paired_errors.h): a pulse with its rest, or five neighbouring
+/// pieces of a discharge.
 /// Tests: tests/identify/joint/joint_log_test.cc.
 
 #include <cstddef>
@@ -63,9 +66,13 @@ struct JointLog {
   [[nodiscard]] std::size_t size() const { return time_s.size(); }
 };
 
+/// Different constant currents from which on discharges are left out whole.
+inline constexpr int kWholeCurrents = 4;
+
 struct JointLogs {
   std::vector<JointLog> logs;
   int groups = 0;           ///< that can be left out
+  bool whole = false;       ///< discharges are left out whole
   /// Weight of each unit.
   std::vector<double> unit_weight;
   double weight_sum = 0.0;  ///< over all logs
@@ -76,6 +83,10 @@ struct JointLogs {
 };
 
 /// Logs of kind validation do not enter. Weights use the slope of `curve` at 1 - charge/alpha.
+[[nodiscard]] JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
+                                      double alpha_C,
+                                      const OpenCircuitVoltage& curve,
+                                      const JointWeights& weights);
 [[nodiscard]] JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
                                       double alpha_C,
                                       const OpenCircuitVoltage& curve,

@@ -160,7 +160,8 @@ std::vector<std::vector<double>> SumErrors(
     const JointStructure& structure,
     const SocTrace& soc,
     const JointRates& rates,
-    const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
+    const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
+    ErrorSize size) {
   std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
   VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l,
@@ -169,10 +170,13 @@ std::vector<std::vector<double>> SumErrors(
     const JointLog& log = logs.logs[l];
     if (log.group[k] == JointLog::kAlways) return;
     const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
+    const double factor = size == ErrorSize::kWeighted_V
+                              ? log.weight[k]
+                              : 100.0 * log.count[k] / log.voltage_V[k];
     for (std::size_t s = 0; s < sums.size(); ++s) {
       const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
                                                      : row.Residual(candidates[s].data());
-      sums[s][static_cast<std::size_t>(log.unit[k])] += log.weight[k] * std::abs(error);
+      sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
     }
   });
   return sums;

@@ -42,7 +42,11 @@ struct SocTrace {
                                                      const JointStructure& structure,
                                                      const SocTrace& soc,
                                                      const JointRates& rates);
-/// Weighted sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
+/// What of an error counts: its size times the weight of its row, or its size in percent of the
+/// voltage, of every row the same.
+enum class ErrorSize { kWeighted_V, kPercentOfRows };
+
+/// Sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
 /// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
 /// infinitely wrong.
 [[nodiscard]] std::vector<std::vector<double>> SumErrors(
@@ -51,7 +55,8 @@ struct SocTrace {
     const JointStructure& structure,
     const SocTrace& soc,
     const JointRates& rates,
-    const std::vector<std::vector<Eigen::VectorXd>>& unknowns);
+    const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
+    ErrorSize size = ErrorSize::kWeighted_V);
 
 /// All logs of a campaign at their points.
 class JointObservations : public Observations {

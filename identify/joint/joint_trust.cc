@@ -1,6 +1,7 @@
 #include "identify/joint/joint_trust.h"
 
-#include "identify/fit/linearized_fit.h"
+#include "identify/fit/pulse_resistance.h"
+#include "identify/joint/joint_drawn.h"
 #include "identify/joint/structure_spread.h"
 
 namespace lipoid {
@@ -18,7 +19,7 @@ TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
         of_upper + (k <= cutoff.lower ? of_lower : 0.0);
   }
   // A curve that lies higher there reaches the cut-off later.
-  q.added_variance = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
+  q.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
     return (of_lower + of_upper) *
            OpenCircuitVoltageIn(solution, result.setup.open_circuit_voltage, cutoff.soc);
   });
@@ -52,14 +53,30 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   std::vector<TrustedQuantity> quantities = fit.quantities;
   if (JointLayout(best.structure).tables() > 1) quantities.push_back(Total(result, fit));
   for (TrustedQuantity& q : quantities) {
-    q.added_variance = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
+    q.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
       return ValueIn(solution, q.name, result.logs.typical_A, best);
     });
   }
   if (result.cutoff.found) quantities.insert(quantities.begin(), Alpha(result, fit));
   TrustOptions with_held = options;
   with_held.held.insert(with_held.held.end(), fit.held.begin(), fit.held.end());
-  return AssessTrust(fit.logs, fit.penalty, quantities, with_held);
+  with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
+
+  // Half charge on the axis of the fit, and 1C.
+  const PulseQuestion question{.soc = 1.0 - 0.5 * result.alpha_C / result.setup.alpha_C,
+                               .current_A = result.alpha_C / 3600.0};
+  const auto resistances = [&](const JointSolution& solution) {
+    return PulseResistancesOf(solution, result.setup, result.logs.typical_A, question);
+  };
+  auto pulses = PulseResistancesIn(fit, best, result.setup, result.logs.typical_A, question);
+  for (std::size_t k = 0; k < pulses.size(); ++k) {
+    pulses[k].added_spread =
+        SpreadOverStructures(result.choice, [&](const auto& in) { return resistances(in)[k]; });
+  }
+  with_held.drawn.insert(with_held.drawn.end(), pulses.begin(), pulses.end());
+  TrustReport report = AssessTrust(fit.logs, fit.penalty, quantities, with_held);
+  TakePulseResistances(resistances(best), question, report);
+  return report;
 }
 
 }  // namespace lipoid

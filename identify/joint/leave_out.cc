@@ -3,9 +3,55 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "identify/trust/trust.h"
+
 namespace lipoid {
+
+namespace {
+
+constexpr double kFitted = 0.368;  // e^-1: the share of rows that a bootstrap leaves out
+
+// The unknowns at these rates for every smoothness: of all rows, and without each group.
+struct Held {
+  std::vector<Eigen::VectorXd> whole;
+  std::vector<std::vector<Eigen::VectorXd>> without;  // [group][smoothness]
+  double weight = 0.0;                                // of what is in a group
+};
+
+Held SolveWithoutEach(const JointFit& fit,
+                      const JointLogs& logs,
+                      const SocTrace& soc,
+                      const JointStructure& structure,
+                      const JointRates& rates,
+                      const std::vector<double>& ladder) {
+  const auto sums = SumGroups(logs, fit.seen().setup(), structure, soc, rates);
+  Held held;
+  NormalEquations total = sums.back();
+  for (int g = 0; g < logs.groups; ++g) {
+    total.Add(sums[g]);
+    held.weight += sums[g].weight;
+  }
+  std::vector<std::vector<char>> guess;  // what holds with all rows mostly holds without some
+  for (const double smoothness : ladder) {
+    JointSolution solution = fit.SolveSums(
+        structure, rates, smoothness, total, guess.empty() ? std::vector<char>{} : guess.back());
+    held.whole.push_back(std::move(solution.x));
+    guess.push_back(std::move(solution.active));
+  }
+  held.without.resize(static_cast<std::size_t>(logs.groups));
+  tbb::parallel_for(std::size_t{0}, held.without.size(), [&](std::size_t g) {
+    NormalEquations rest = total;
+    rest.Add(sums[g], -1.0);
+    for (std::size_t s = 0; s < ladder.size(); ++s)
+      held.without[g].push_back(fit.SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
+  });
+  return held;
+}
+
+}  // namespace
 
 LeftOutErrors LeaveOut(const JointFit& fit,
                        const JointLogs& logs,
@@ -17,30 +63,8 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   if (logs.groups < 2) return best;
   const JointSetup& setup = fit.seen().setup();
   const SocTrace soc = TraceSoc(logs, setup, rates.beta_per_sqrt_s);
-  const auto sums = SumGroups(logs, setup, structure, soc, rates);
-  NormalEquations total = sums.back();
-  double weight = 0.0;
-  for (int g = 0; g < logs.groups; ++g) {
-    total.Add(sums[g]);
-    weight += sums[g].weight;
-  }
-  const auto groups = static_cast<std::size_t>(logs.groups);
-  std::vector<Eigen::VectorXd> whole;
-  std::vector<std::vector<char>> guess;  // what holds with all rows mostly holds without some
-  for (const double smoothness : ladder) {
-    JointSolution solution = fit.SolveSums(
-        structure, rates, smoothness, total, guess.empty() ? std::vector<char>{} : guess.back());
-    whole.push_back(std::move(solution.x));
-    guess.push_back(std::move(solution.active));
-  }
-  // without[g][s]: the unknowns that the other groups give.
-  std::vector<std::vector<Eigen::VectorXd>> without(groups);
-  tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t g) {
-    NormalEquations rest = total;
-    rest.Add(sums[g], -1.0);
-    for (std::size_t s = 0; s < ladder.size(); ++s)
-      without[g].push_back(fit.SolveSums(structure, rates, ladder[s], rest, guess[s]).x);
-  });
+  const Held held = SolveWithoutEach(fit, logs, soc, structure, rates, ladder);
+  const double weight = held.weight;
   const auto total_of = [&](const std::vector<double>& units) {
     return std::accumulate(units.begin(), units.end(), 0.0) / weight;
   };
@@ -49,9 +73,8 @@ LeftOutErrors LeaveOut(const JointFit& fit,
                                 structure,
                                 soc,
                                 rates,
-                                std::vector<std::vector<Eigen::VectorXd>>(groups, whole));
-  const auto errors = SumErrors(logs, setup, structure, soc, rates, without);
-  constexpr double kFitted = 0.368;  // e^-1: the share of rows that a bootstrap leaves out
+                                std::vector(held.without.size(), held.whole));
+  const auto errors = SumErrors(logs, setup, structure, soc, rates, held.without);
   std::vector<LeftOutErrors> all;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
     LeftOutErrors& one = all.emplace_back();
@@ -68,6 +91,62 @@ LeftOutErrors LeaveOut(const JointFit& fit,
     if (one.expected_V <= (1.0 + kSmoothnessLoss) * least_V) return one;
   }
   return best;
+}
+
+ExpectedError ExpectError(const JointFit& fit,
+                          const JointLogs& logs,
+                          const JointSolution& solution) {
+  ExpectedError expected;
+  if (logs.groups < 2 || solution.x.size() == 0) return expected;
+  const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates.beta_per_sqrt_s);
+  const Held held = SolveWithoutEach(
+      fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
+  const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
+    return SumErrors(logs,
+                     fit.seen().setup(),
+                     solution.structure,
+                     soc,
+                     solution.rates,
+                     unknowns,
+                     ErrorSize::kPercentOfRows)[0];
+  };
+  const std::vector<double> fitted = percent(std::vector(held.without.size(), held.whole));
+  const std::vector<double> left_out = percent(held.without);
+
+  // Every log counts the same, and within it every row.
+  std::vector<double> share(logs.unit_weight.size(), 0.0);
+  std::vector<double> mean(logs.unit_weight.size(), 0.0);
+  double seen = 0.0;
+  for (const JointLog& log : logs.logs) {
+    double rows = 0.0;
+    for (std::size_t k = 0; k < log.size(); ++k)
+      rows += log.group[k] == JointLog::kAlways ? 0.0 : log.count[k];
+    if (rows <= 0.0) continue;
+    seen += 1.0;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] == JointLog::kAlways) continue;
+      const auto u = static_cast<std::size_t>(log.unit[k]);
+      share[u] += log.count[k] / rows;
+      mean[u] += log.count[k];
+    }
+  }
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t u = 0; u < share.size(); ++u) {
+    if (share[u] <= 0.0) continue;
+    share[u] /= seen;
+    mean[u] = (kFitted * fitted[u] + (1.0 - kFitted) * left_out[u]) / mean[u];
+    sum += share[u] * mean[u];
+    count += 1.0;
+  }
+  double squares = 0.0;
+  for (std::size_t u = 0; u < share.size(); ++u) squares += std::pow(share[u] * (mean[u] - sum), 2);
+  expected.percent = sum;
+  if (count < 2.0) return expected;
+  const double reach = Reach95(count - 1.0) * std::sqrt(squares * count / (count - 1.0));
+  expected.low_percent = std::max(sum - reach, 0.0);
+  expected.high_percent = sum + reach;
+  return expected;
 }
 
 }  // namespace lipoid

@@ -37,4 +37,18 @@ inline constexpr double kSmoothnessLoss = 0.02;
                                      const JointRates& rates,
                                      const std::vector<double>& ladder);
 
+/// The mean error (4.57) that a new log of the kinds of these is to be expected to have, by the same
+/// rule, in percent of the voltage: every log counts the same. The 95 % interval is that of the mean
+/// over such logs, from the scatter of the units; one log scatters more. NaN without two groups.
+struct ExpectedError {
+  double percent = std::numeric_limits<double>::quiet_NaN();
+  double low_percent = std::numeric_limits<double>::quiet_NaN();
+  double high_percent = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// The rates of the solution stay, all else is found anew without each group.
+[[nodiscard]] ExpectedError ExpectError(const JointFit& fit,
+                                        const JointLogs& logs,
+                                        const JointSolution& solution);
+
 }  // namespace lipoid

@@ -25,15 +25,6 @@ double TableMean(const JointSolution& solution, int table) {
   return sum;
 }
 
-// The branch that has this place by rising time constant; -1: there is none.
-int BranchAt(const JointSolution& solution, int place) {
-  const auto& tau_s = solution.rates.time_constant_s;
-  std::vector<int> order;
-  for (int j = 0; j < solution.structure.branches; ++j) order.push_back(j);
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return tau_s[a] < tau_s[b]; });
-  return place >= 1 && place <= static_cast<int>(order.size()) ? order[place - 1] : -1;
-}
-
 // The branch whose time constant is nearest to one of another solution; -1: there is none.
 int BranchNear(const JointSolution& solution, double tau_s) {
   const auto& taus_s = solution.rates.time_constant_s;
@@ -81,8 +72,8 @@ double ValueIn(const JointSolution& solution,
   if (what == "r_ct") return solution.structure.charge_transfer ? ohms(layout.transfer()) : kNaN;
   const std::size_t line = what.find('_');
   if (line == std::string::npos) return kNaN;
-  const int of_taken = BranchAt(taken, std::atoi(what.c_str() + line + 1));
-  if (of_taken < 0) return kNaN;
+  const int of_taken = std::atoi(what.c_str() + line + 1) - 1;
+  if (of_taken < 0 || of_taken >= taken.structure.branches) return kNaN;
   const int j =
       BranchNear(solution, taken.rates.time_constant_s[static_cast<std::size_t>(of_taken)]);
   if (j < 0) return kNaN;
@@ -105,16 +96,20 @@ double OpenCircuitVoltageIn(const JointSolution& solution,
   return (1.0 - at.share) * voltage_V(at.lower) + at.share * voltage_V(at.lower + 1);
 }
 
-double SpreadOverStructures(const JointChoice& choice,
-                            const std::function<double(const JointSolution&)>& value) {
+Eigen::VectorXd SpreadOverStructures(const JointChoice& choice,
+                                     const std::function<double(const JointSolution&)>& value) {
   const double estimate = value(choice.best);
-  const auto square_from = [&](const JointSolution& other) {
-    const double off = value(other) - estimate;
-    return std::isfinite(off) ? off * off : 0.0;
+  const auto off = [&](const JointSolution& other, double weight) {
+    const double by = std::sqrt(weight) * (value(other) - estimate);
+    return std::isfinite(by) ? by : 0.0;
   };
-  double sum = square_from(choice.finer);
-  for (const TriedStructure& row : choice.tried) sum += row.weight * square_from(row.solution);
-  return sum;
+  Eigen::VectorXd spread(static_cast<Eigen::Index>(choice.tried.size()) + 1);
+  spread[0] = off(choice.finer, 1.0);
+  for (std::size_t m = 0; m < choice.tried.size(); ++m) {
+    const TriedStructure& row = choice.tried[m];
+    spread[static_cast<Eigen::Index>(m) + 1] = off(row.solution, row.weight);
+  }
+  return spread;
 }
 
 }  // namespace lipoid

@@ -8,9 +8,11 @@
 ///   added variance = sum_m w_m (q_m - q)² + (q_fine - q)²
 ///
 /// q is the estimate, q_m that of structure m and w_m its weight (joint_choice.h). The last term is
-/// the error of tables of straight lines against a smooth truth, estimated by halving them. Tests:
-/// tests/identify/joint/structure_spread_test.cc.
+/// the error of tables of straight lines against a smooth truth, estimated by halving them. Two
+/// quantities that differ together have the covariance that products give in place of the squares.
+/// Tests: tests/identify/joint/structure_spread_test.cc.
 
+#include <Eigen/Core>
 #include <functional>
 #include <string>
 
@@ -20,8 +22,8 @@ namespace lipoid {
 
 /// What a solution says of a quantity of the uncertainty report, by its name there: beta, tau_j,
 /// r_s, r_j, r_ct and these at a state of charge, r_s(0.5), c_j, r_total(0.5), tau_h, i_0, rho_h.
-/// Branches are counted by rising time constant in the solution that was `taken`; in another one the
-/// branch with the nearest time constant stands for it. A constant stands for its value at every state of
+/// Branches are counted as in the solution that was `taken`; in another one the branch with the
+/// nearest time constant stands for it. A constant stands for its value at every state of
 /// charge; what a table says of a constant is its mean at 0.2, 0.5 and 0.8. NaN where the solution
 /// has no such quantity.
 [[nodiscard]] double ValueIn(const JointSolution& solution,
@@ -34,9 +36,10 @@ namespace lipoid {
                                           const OpenCircuitVoltage& reference,
                                           double soc);
 
-/// The added variance of the quantity that `value` reads from a solution. Structures that do not
-/// have the quantity (NaN) say nothing of it.
-[[nodiscard]] double SpreadOverStructures(
+/// The roots of these terms with their signs, of the quantity that `value` reads from a solution:
+/// the added variance is the sum of their squares. Structures that do not have the quantity (NaN)
+/// say nothing of it.
+[[nodiscard]] Eigen::VectorXd SpreadOverStructures(
     const JointChoice& choice, const std::function<double(const JointSolution&)>& value);
 
 }  // namespace lipoid

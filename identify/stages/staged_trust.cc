@@ -1,6 +1,7 @@
 #include "identify/stages/staged_trust.h"
 
-#include "identify/fit/linearized_fit.h"
+#include "identify/fit/pulse_resistance.h"
+#include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/trust_sentence.h"
 
 namespace lipoid {
@@ -13,7 +14,15 @@ TrustReport AssessStaged(const VoltageSweep& sweep,
   const LinearizedFit at = Linearize(sweep, fit.solution, known);
   TrustOptions options = how;
   options.held.insert(options.held.end(), at.held.begin(), at.held.end());
+  const JointSetup& setup = sweep.setup();
+  const PulseQuestion question{.soc = 0.5, .current_A = setup.alpha_C / 3600.0};
+  if (!how.assumed) {
+    options.drawn = CellParametersAmong(at.quantities);
+    for (auto& one : PulseResistancesIn(at, fit.solution, setup, 1.0, question))
+      options.drawn.push_back(std::move(one));
+  }
   TrustReport report = AssessTrust(at.logs, at.penalty, at.quantities, options);
+  TakePulseResistances(PulseResistancesOf(fit.solution, setup, 1.0, question), question, report);
 
   if (times) {
     constexpr double kUnknowns = 2.0;  // alpha and the lag of (4.53)

@@ -1,5 +1,6 @@
 #include "identify/trust/paired_errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,33 @@ double PairedGain::Probability() const {
   return 0.5 * std::erfc(-gain / (standard_error * std::sqrt(2.0)));
 }
 
+namespace {
+
+// z of the signed ranks of these differences; equal sizes share their ranks.
+double SignedRanks(std::vector<double> differences) {
+  std::sort(differences.begin(), differences.end(), [](double a, double b) {
+    return std::abs(a) < std::abs(b);
+  });
+  double sum = 0.0;
+  double squares = 0.0;
+  for (std::size_t first = 0; first < differences.size();) {
+    std::size_t end = first;
+    while (end < differences.size() &&
+           std::abs(differences[end]) == std::abs(differences[first])) {
+      ++end;
+    }
+    const double rank = 0.5 * static_cast<double>(first + 1 + end);
+    for (; first < end; ++first) {
+      if (differences[first] == 0.0) continue;
+      sum += differences[first] > 0.0 ? rank : -rank;
+      squares += rank * rank;
+    }
+  }
+  return squares > 0.0 ? sum / std::sqrt(squares) : 0.0;
+}
+
+}  // namespace
+
 PairedGain CompareErrors(const std::vector<double>& simple,
                          const std::vector<double>& rich,
                          const std::vector<double>& weight) {
@@ -21,16 +49,19 @@ PairedGain CompareErrors(const std::vector<double>& simple,
   double total = 0.0;
   double difference = 0.0;
   int units = 0;
+  std::vector<double> differences;
   for (std::size_t u = 0; u < weight.size(); ++u) {
     if (!(weight[u] > 0.0)) continue;
-    if (!std::isfinite(rich[u])) return {.gain = -kInfinity};
-    if (!std::isfinite(simple[u])) return {.gain = kInfinity};
+    if (!std::isfinite(rich[u])) return {.gain = -kInfinity, .ranks = -kInfinity};
+    if (!std::isfinite(simple[u])) return {.gain = kInfinity, .ranks = kInfinity};
     ++units;
     total += weight[u];
     difference += simple[u] - rich[u];
+    differences.push_back((simple[u] - rich[u]) / weight[u]);
   }
   if (units == 0) return {.standard_error = kInfinity};
-  PairedGain paired{.gain = difference / total, .standard_error = kInfinity};
+  PairedGain paired{.gain = difference / total, .standard_error = kInfinity,
+                    .ranks = SignedRanks(std::move(differences))};
   if (units < 2) return paired;
   double squares = 0.0;
   for (std::size_t u = 0; u < weight.size(); ++u) {

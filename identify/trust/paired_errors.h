@@ -10,10 +10,16 @@
 ///   d_u  = e_u(simple) - e_u(rich),   gain = sum_u W_u d_u / sum_u W_u
 ///   s²   = n/(n-1) sum_u W_u² (d_u - gain)² / (sum_u W_u)²
 ///
-/// with e_u the mean error of the unit, W_u its weight and s the standard error of the gain. The
-/// rich model is asked for where gain > kStandardErrors s: the one-standard-error rule of Breiman,
-/// Friedman, Olshen and Stone (1984), with paired differences. Tests:
-/// tests/identify/trust/paired_errors_test.cc.
+/// with e_u the mean error of the unit, W_u its weight and s the standard error of the gain. A few
+/// units at the end of a discharge may outweigh all others in the mean, so that the question whether
+/// the rich model is asked for goes to the ranks R_u of |d_u| (Wilcoxon 1945), with which every unit
+/// has its say:
+///
+///   z = sum_u sign(d_u) R_u / sqrt(sum_u R_u²)
+///
+/// It is where gain > 0 and z > kStandardErrors: z is a standard normal number where neither model
+/// is better, and this the one-standard-error rule of Breiman, Friedman, Olshen and Stone (1984).
+/// Tests: tests/identify/trust/paired_errors_test.cc.
 
 #include <vector>
 
@@ -24,8 +30,9 @@ inline constexpr double kStandardErrors = 1.0;
 struct PairedGain {
   double gain = 0.0;            ///< positive: the rich model predicts better
   double standard_error = 0.0;  ///< infinite with fewer than two units
+  double ranks = 0.0;           ///< z of the signed ranks
 
-  [[nodiscard]] bool AskedFor() const { return gain > kStandardErrors * standard_error; }
+  [[nodiscard]] bool AskedFor() const { return gain > 0.0 && ranks > kStandardErrors; }
   /// How probable it is that the rich model predicts better, if gains are normal.
   [[nodiscard]] double Probability() const;
 };

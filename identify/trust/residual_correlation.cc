@@ -241,6 +241,29 @@ Eigen::MatrixXd CorrelationModel::QuadraticSum(const Eigen::MatrixXd& scores,
   return sum;
 }
 
+Eigen::MatrixXd CorrelationModel::QuadraticSum(const Eigen::MatrixXd& scores,
+                                               const Eigen::VectorXd& variances) const {
+  Require(scores.cols() == Rows() && variances.size() == components(),
+          "as many scores as rows, and a variance for each component");
+  // Half of each row's own square, and all of those before it: one product for all components.
+  const double slow = variances.tail(TimeConstants()).sum();
+  const Eigen::VectorXd own =
+      0.5 * (variances[0] * averaged_.cwiseInverse().array() + slow).matrix();
+  Eigen::MatrixXd half = scores * own.asDiagonal();
+  Eigen::VectorXd before(scores.rows());
+  for (Eigen::Index m = 0; m < TimeConstants(); ++m) {
+    if (!(variances[1 + m] > 0.0)) continue;
+    Decay decay(time_constant_s_[static_cast<std::size_t>(m)]);
+    before.setZero();
+    for (Eigen::Index k = 1; k < Rows(); ++k) {
+      before = decay(step_s_[k]) * (before + scores.col(k - 1));
+      half.col(k) += variances[1 + m] * before;
+    }
+  }
+  const Eigen::MatrixXd sum = scores * half.transpose();
+  return sum + sum.transpose();
+}
+
 ResidualCorrelation CorrelationModel::Describe(const Eigen::VectorXd& variances) const {
   ResidualCorrelation correlation;
   correlation.white_V = std::sqrt(variances[0]);

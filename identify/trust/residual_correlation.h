@@ -63,6 +63,10 @@ class CorrelationModel {
   [[nodiscard]] Eigen::MatrixXd QuadraticSum(const Eigen::MatrixXd& scores,
                                              Eigen::Index component) const;
 
+  /// The same for all components at these variances.
+  [[nodiscard]] Eigen::MatrixXd QuadraticSum(const Eigen::MatrixXd& scores,
+                                             const Eigen::VectorXd& variances) const;
+
   [[nodiscard]] ResidualCorrelation Describe(const Eigen::VectorXd& variances) const;
 
  private:

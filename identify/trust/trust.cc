@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "identify/trust/trust_sentence.h"
+#include "model/battery/cell_ensemble.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -22,6 +23,7 @@ constexpr double kConfidence = 0.95;
 constexpr double kHasPart = 1e-4;
 // Series that tell what the fit leaves of a component of the noise.
 constexpr Eigen::Index kSeriesPerComponent = 4;
+constexpr Eigen::Index kComponentsPerBatch = 4;
 // A component of which less is left cannot be seen in the residuals at all.
 constexpr double kSwallowed = 0.05;
 // With fewer degrees of freedom Student's quantile is a statement about its own tails.
@@ -68,12 +70,6 @@ class Information {
   Eigen::MatrixXd inverse_;
 };
 
-// A 95 % interval reaches so many standard errors to either side.
-double Reach(double degrees_of_freedom) {
-  return boost::math::quantile(boost::math::students_t(degrees_of_freedom),
-                               0.5 + 0.5 * kConfidence);
-}
-
 // Of the noise of a log: each purpose its own.
 std::uint32_t Stream(std::size_t log, std::uint32_t purpose) {
   return 2U * static_cast<std::uint32_t>(log) + purpose;
@@ -114,6 +110,35 @@ Eigen::MatrixXd Gram(std::span<const FittedRows> logs) {
   return lanes[0].selfadjointView<Eigen::Lower>();
 }
 
+// Adds that to the covariance of quantities or combinations that varies already: what is held stays.
+template <class Combinations>
+void AddSpread(const Combinations& of, Eigen::MatrixXd& covariance) {
+  Eigen::Index moves = 0;
+  for (const auto& one : of) moves = std::max(moves, one.added_spread.size());
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(covariance.rows(), moves);
+  for (Eigen::Index k = 0; k < spread.rows(); ++k) {
+    const Eigen::VectorXd& one = of[static_cast<std::size_t>(k)].added_spread;
+    if (one.size() > 0 && covariance(k, k) > 0.0) spread.row(k) = one.transpose();
+  }
+  if (moves > 0) covariance += spread * spread.transpose();
+}
+
+// Makes a covariance symmetric and, where rounding left a combination a variance that is negative by
+// more than a cell file lets pass, no longer negative; in units in which each own variance is 1.
+void EndRounding(Eigen::MatrixXd& covariance) {
+  covariance = 0.5 * (covariance + covariance.transpose()).eval();
+  const Eigen::VectorXd unit = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd per_unit =
+      (unit.array() > 0.0).select(unit.cwiseInverse(), 0.0 * unit).eval();
+  const Eigen::MatrixXd own = per_unit.asDiagonal() * covariance * per_unit.asDiagonal();
+  const auto one = Eigen::MatrixXd::Identity(own.rows(), own.cols());
+  if ((own + kCovarianceRounding * one).llt().info() == Eigen::Success) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
+  const Eigen::MatrixXd root = unit.asDiagonal() * eigen.eigenvectors() *
+                               eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  covariance = root * root.transpose();
+}
+
 class Assessment {
  public:
   Assessment(std::span<const FittedRows> logs,
@@ -141,6 +166,7 @@ class Assessment {
     SumScores();
     Judge();
     FindCombinations();
+    FindDrawn();
     report_.sentence = TrustSentence(report_);
     return std::move(report_);
   }
@@ -281,27 +307,54 @@ class Assessment {
     return parts;
   }
 
-  // The variogram that noise of one component has left when the fit has followed it: from what it
-  // was without a fit, in place.
-  void FindDesignOfResiduals(const Part& part, Eigen::Ref<Eigen::VectorXd> design) const {
-    const CorrelationModel& model = models_[part.log];
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), part.component);
-    std::vector<Eigen::MatrixXd> all(logs_.size());
-    Eigen::MatrixXd& noise = all[part.log];
-    noise = model.Simulate(unit, kSeriesPerComponent, options_.seed, Stream(part.log, 1));
-    const Eigen::VectorXd before = model.Variogram(noise).rowwise().sum();
-    Project(all);
-    const Eigen::VectorXd after = model.Variogram(noise).rowwise().sum();
-    const Eigen::Index last = design.size() - 1;
-    if (!(before[last] > 0.0)) return;
-    const double largest = design.maxCoeff();
-    const double mean_square = design[last];
-    // The part that is left, so that the chance of the noise drops out.
-    for (Eigen::Index k = 0; k <= last; ++k) {
-      design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
-                                  : mean_square * after[k] / before[last];
+  // Components of the noise of one log that go through the fit together: the products have few rows
+  // on one side and all those of the log on the other, and cost little more for some more of the
+  // few.
+  struct Batch {
+    std::size_t log;
+    Eigen::Index first, components;
+  };
+  [[nodiscard]] std::vector<Batch> Batches() const {
+    std::vector<Batch> batches;
+    for (std::size_t l = 0; l < models_.size(); ++l) {
+      const Eigen::Index all = models_[l].components();
+      for (Eigen::Index m = 0; m < all; m += kComponentsPerBatch)
+        batches.push_back({l, m, std::min(kComponentsPerBatch, all - m)});
     }
-    if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
+    return batches;
+  }
+
+  // The variograms that noise of each component has left when the fit has followed it: from what
+  // they were without a fit, in place.
+  void FindDesignsOfResiduals(const Batch& batch, Eigen::MatrixXd& designs) const {
+    constexpr Eigen::Index kSeries = kSeriesPerComponent;
+    const CorrelationModel& model = models_[batch.log];
+    std::vector<Eigen::MatrixXd> all(logs_.size());
+    Eigen::MatrixXd& noise = all[batch.log];
+    noise.resize(batch.components * kSeries, logs_[batch.log].residual_V.size());
+    for (Eigen::Index m = 0; m < batch.components; ++m) {
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.components(), batch.first + m);
+      noise.middleRows(m * kSeries, kSeries) =
+          model.Simulate(unit, kSeries, options_.seed, Stream(batch.log, 1));
+    }
+    const Eigen::MatrixXd before_each = model.Variogram(noise);
+    Project(all);
+    const Eigen::MatrixXd after_each = model.Variogram(noise);
+    for (Eigen::Index m = 0; m < batch.components; ++m) {
+      auto design = designs.col(batch.first + m);
+      const Eigen::VectorXd before = before_each.middleCols(m * kSeries, kSeries).rowwise().sum();
+      const Eigen::VectorXd after = after_each.middleCols(m * kSeries, kSeries).rowwise().sum();
+      const Eigen::Index last = design.size() - 1;
+      if (!(before[last] > 0.0)) continue;
+      const double largest = design.maxCoeff();
+      const double mean_square = design[last];
+      // The part that is left, so that the chance of the noise drops out.
+      for (Eigen::Index k = 0; k <= last; ++k) {
+        design[k] = before[k] > 0.0 ? design[k] * after[k] / before[k]
+                                    : mean_square * after[k] / before[last];
+      }
+      if (!(design.maxCoeff() > kSwallowed * largest)) design.setZero();
+    }
   }
 
   // White first, then the one time constant; nothing is to be found, and nothing is uncertain.
@@ -320,9 +373,9 @@ class Assessment {
       models_.emplace_back(log.time_s, log.averaged);
       designs.push_back(models_.back().design());
     }
-    const std::vector<Part> parts = Parts();
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
-      FindDesignOfResiduals(parts[k], designs[parts[k].log].col(parts[k].component));
+    const std::vector<Batch> batches = Batches();
+    tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t k) {
+      FindDesignsOfResiduals(batches[k], designs[batches[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());
@@ -392,8 +445,7 @@ class Assessment {
     const Eigen::MatrixXd covariance = inverse * scatter * inverse;
     const Eigen::VectorXd freedom = DegreesOfFreedom(inverse);
     Eigen::MatrixXd all = terms_ * covariance * terms_.transpose();
-    for (Eigen::Index k = 0; k < all.rows(); ++k)
-      all(k, k) += quantities_[static_cast<std::size_t>(k)].added_variance;
+    AddSpread(quantities_, all);
     report_.covariance = all;
     double squares = 0.0;
     for (const FittedRows& log : logs_) squares += log.residual_V.cwiseAbs2().dot(log.weight);
@@ -413,9 +465,9 @@ class Assessment {
       const bool known_at_all = !held && known.Knows(term);
       const double variance = std::max(0.0, all(index, index));
       trust.standard_error = held ? kNaN : known_at_all ? std::sqrt(variance) : kInfinity;
-      trust.model_standard_error = std::sqrt(q.added_variance);
+      trust.model_standard_error = q.added_spread.norm();
       trust.relative_standard_error = trust.standard_error / Scale(q);
-      const double reach = Reach(freedom[index]);
+      const double reach = Reach95(freedom[index]);
       trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);
       trust.high = std::clamp(q.value + reach * trust.standard_error, q.lower, q.upper);
       const double spread = term.dot(inverse * term);
@@ -475,7 +527,7 @@ class Assessment {
     const auto place = std::find(primary_.begin(), primary_.end(), quantity);
     if (place == primary_.end()) return;
     const TrustedQuantity& q = quantities_[static_cast<std::size_t>(quantity)];
-    const double reach = Reach(trust.degrees_of_freedom);
+    const double reach = Reach95(trust.degrees_of_freedom);
     std::vector<Eigen::Index> free;
     for (Eigen::Index k = 0; k < Size(primary_); ++k) free.push_back(k);
     const auto self = place - primary_.begin();
@@ -542,6 +594,32 @@ class Assessment {
     }
   }
 
+  // H^{-1} J'W Sigma W J H^{-1} of the combinations that cells are drawn from.
+  void FindDrawn() {
+    const std::vector<NamedCombination>& drawn = options_.drawn;
+    if (drawn.empty()) return;
+    Require(fit_.has_value(), "a fit, not a plan, to draw cells from");
+    Eigen::MatrixXd of_free(static_cast<Eigen::Index>(drawn.size()), Size(free_));
+    for (Eigen::Index k = 0; k < of_free.rows(); ++k) {
+      const NamedCombination& one = drawn[static_cast<std::size_t>(k)];
+      Require(one.combination.size() == logs_[0].sensitivity.cols(),
+              "a combination of the p parameters");
+      of_free.row(k) = one.combination(free_).transpose();
+      report_.drawn.push_back(one.name);
+    }
+    std::vector<Eigen::MatrixXd> sums(logs_.size());
+    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+      const Eigen::MatrixXd scores =
+          logs_[l].sensitivity(Eigen::all, free_).transpose() * logs_[l].weight.asDiagonal();
+      sums[l] = models_[l].QuadraticSum(scores, variances_[l]);
+    });
+    for (std::size_t l = 1; l < sums.size(); ++l) sums[0] += sums[l];
+    const Eigen::MatrixXd moves = of_free * fit_->inverse();
+    report_.drawn_covariance = moves * sums[0] * moves.transpose();
+    AddSpread(drawn, report_.drawn_covariance);
+    EndRounding(report_.drawn_covariance);
+  }
+
   static double Scale(const TrustedQuantity& q) {
     if (q.scale > 0.0) return q.scale;
     return q.value != 0.0 ? std::abs(q.value) : 1.0;
@@ -569,6 +647,11 @@ class Assessment {
 
 }  // namespace
 
+double Reach95(double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::students_t(degrees_of_freedom),
+                               0.5 + 0.5 * kConfidence);
+}
+
 TrustReport AssessTrust(std::span<const FittedRows> logs,
                         const Eigen::MatrixXd& penalty,
                         const std::vector<TrustedQuantity>& quantities,
@@ -589,7 +672,7 @@ QuantityTrust TrustOfEstimate(std::string name,
   trust.degrees_of_freedom = std::max(0.0, degrees_of_freedom);
   trust.standard_error = trust.white_standard_error = known ? standard_error : kInfinity;
   trust.relative_standard_error = trust.standard_error / std::abs(estimate);
-  const double reach = known ? Reach(degrees_of_freedom) : 1.0;
+  const double reach = known ? Reach95(degrees_of_freedom) : 1.0;
   trust.low = std::max(0.0, estimate - reach * trust.standard_error);
   trust.high = estimate + reach * trust.standard_error;
   trust.objective_rise_95 = kNaN;

@@ -54,9 +54,10 @@ struct TrustedQuantity {
   bool at_bound = false;             ///< the parameters of the combination are held
   Eigen::VectorXd combination = {};  ///< length p; for one parameter a unit vector
   double scale = 0.0;                ///< a change that is of note; 0: |value|
-  /// What is not in the scatter of the rows, as a variance: the choice among models, the error of
-  /// the model's own tables.
-  double added_variance = 0.0;
+  /// What is not in the scatter of the rows, the choice among models and the error of the model's
+  /// own tables: independent moves, the same for all quantities, whose squares add to the variance
+  /// and whose products to a covariance. Empty: none.
+  Eigen::VectorXd added_spread = {};
 };
 
 enum class Verdict { kIdentified, kWeak, kAtBound, kOnlyInCombination };
@@ -79,12 +80,21 @@ inline constexpr int kMostPartners = 3;
 /// in the data at all: what is left of them is rounding.
 inline constexpr double kNoInformation = 1e-11;
 
+/// A linear combination of the p parameters by its name.
+struct NamedCombination {
+  std::string name = {};
+  Eigen::VectorXd combination = {};
+  Eigen::VectorXd added_spread = {};  ///< as that of a quantity
+};
+
 struct TrustOptions {
   std::vector<Eigen::Index> held;  ///< parameters at an active bound beside those of quantities
   int simulations = 12;  ///< of noise like the residuals', for the degrees of freedom; > 1
   std::uint64_t seed = 1;
   /// Noise that is assumed, for an experiment that is only planned; else the residuals tell.
   std::optional<ResidualCorrelation> assumed = std::nullopt;
+  /// What cells are to be drawn from: their covariance is found too, and nobody is told of them.
+  std::vector<NamedCombination> drawn = {};
 };
 
 struct QuantityTrust {
@@ -107,6 +117,16 @@ struct QuantityTrust {
   double objective_rise_95 = 0.0;
 };
 
+/// What a pulse test would measure from rest: (v_b(0) - v_b(t))/i (identify/fit/pulse_resistance.h).
+struct PulseResistance {
+  double soc = 0.5;
+  double after_s = 0.0;
+  double current_A = 0.0;
+  double resistance_Ohm = 0.0;
+  double low_Ohm = 0.0;  ///< 95 %
+  double high_Ohm = 0.0; ///< infinite where the error is not known
+};
+
 /// A combination of the quantities, each over its scale.
 struct CarriedCombination {
   double singular_value_V = 0.0;  ///< rms change of the predictions if it moves by one
@@ -119,10 +139,18 @@ struct TrustReport {
   /// Worst carried first. Those of quantities at a bound or that follow from others are left out.
   std::vector<CarriedCombination> combinations;
   std::vector<ResidualCorrelation> residual_correlation;  ///< of each log
+  /// Of TrustOptions::drawn, in its order. Parameters that are held, and directions of which the
+  /// rows know nothing, do not vary in it.
+  Eigen::MatrixXd drawn_covariance;
+  std::vector<std::string> drawn;  ///< their names
+  std::vector<PulseResistance> resistance;  ///< often known where its parts are not
   double sampling_s = 0.0;                                ///< the shortest usual step of the logs
   double span_s = 0.0;                                    ///< the longest log
   std::string sentence;                                   ///< the one that a user needs
 };
+
+/// A 95 % interval reaches so many standard errors to either side.
+[[nodiscard]] double Reach95(double degrees_of_freedom);
 
 /// `penalty` is P, p x p, or empty. Weights, residuals and sensitivities are finite.
 [[nodiscard]] TrustReport AssessTrust(std::span<const FittedRows> logs,

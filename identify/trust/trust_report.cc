@@ -57,4 +57,16 @@ Json TrustToJson(const TrustReport& report) {
           {"covariance", {{"names", std::move(names)}, {"rows", std::move(covariance)}}}};
 }
 
+Json PulseResistancesToJson(const TrustReport& report) {
+  Json resistances = Json::array();
+  for (const auto& r : report.resistance) {
+    resistances.push_back({{"soc", r.soc},
+                           {"after_s", r.after_s},
+                           {"current_A", r.current_A},
+                           {"resistance_Ohm", NumberOrNull(r.resistance_Ohm)},
+                           {"interval_95", {NumberOrNull(r.low_Ohm), NumberOrNull(r.high_Ohm)}}});
+  }
+  return resistances;
+}
+
 }  // namespace lipoid

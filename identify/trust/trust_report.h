@@ -15,4 +15,7 @@ namespace lipoid {
 /// The object `trust`: sentence, singular_values, combinations, residual_correlation, covariance.
 [[nodiscard]] Json TrustToJson(const TrustReport& report);
 
+/// The array `resistance`: soc, after_s, current_A, resistance_Ohm, interval_95.
+[[nodiscard]] Json PulseResistancesToJson(const TrustReport& report);
+
 }  // namespace lipoid

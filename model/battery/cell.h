@@ -32,6 +32,17 @@ struct Cell {
   };
   using SelfHeating = lipoid::SelfHeating<double>;
   using ChargeTransfer = lipoid::ChargeTransfer<double>;
+  /// How far the estimates may be off: what cells are drawn from (cell_ensemble.h). The estimates
+  /// less the truth have Student's distribution with this scale matrix, which is the covariance of
+  /// the estimates, and these degrees of freedom.
+  struct Uncertainty {
+    std::vector<std::string> parameters;          ///< names of cell_parameters.h
+    std::vector<std::vector<double>> covariance;  ///< rows, in SI units
+    double degrees_of_freedom = 0.0;              ///< at least 1; large: normal
+    /// The curves over the state of charge were measured over charge: where alpha is another, their
+    /// nodes keep their charge (1 - A) alpha.
+    bool soc_follows_alpha = false;
+  };
 
   std::string name;
   int series = 1;
@@ -45,6 +56,7 @@ struct Cell {
   std::vector<Branch> branches;
   std::optional<SelfHeating> self_heating;        ///< none: r_s does not know the current's past
   std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
+  std::optional<Uncertainty> uncertainty;         ///< none: nothing is known of it
   Json run = Json::object();                      ///< how it was made; see RunRecord
 
   /// Charge from A = 1 to A = 0 at vanishing rate.

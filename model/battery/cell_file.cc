@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "generated/shipped_cells.h"
+#include "model/battery/cell_ensemble.h"
+#include "model/battery/cell_parameters.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 
@@ -146,6 +149,74 @@ Cell::ChargeTransfer ReadChargeTransfer(const JsonReader& json) {
           .resistance_Ohm = ReadResistance(json.At("resistance_Ohm"))};
 }
 
+// Names of parameters of the cell, each once, and no c_j beside tau_j, which says the same.
+std::vector<std::string> ReadParameters(const JsonReader& list, const Cell& cell) {
+  std::vector<std::string> names;
+  const auto named = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (std::size_t k = 0; k < list.Size(); ++k) {
+    const JsonReader item = list.Item(k);
+    const std::string name = item.Text();
+    if (!CellParameter(cell, name)) {
+      item.Fail(fmt::format("a parameter of this cell ({}) or a node of one of its tables, counted "
+                            "from 0 (r_s[0], v_oc[0])",
+                            fmt::join(CellParameterNames(cell), ", ")));
+    }
+    if (named(name)) item.Fail("every parameter once");
+    for (const auto& [symbol, other] : {std::pair{"c_", "tau_"}, std::pair{"tau_", "c_"}}) {
+      if (!name.starts_with(symbol)) continue;
+      const std::string twin = other + name.substr(std::string_view(symbol).size());
+      if (named(twin)) item.Fail(fmt::format("no {} beside {}", name, twin));
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+// Rows of a covariance: square, symmetric and without negative variances, but for rounding.
+std::vector<std::vector<double>> ReadCovariance(const JsonReader& json, std::size_t size) {
+  if (json.Size() != size) json.Fail(fmt::format("{} rows, one for each parameter", size));
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < size; ++i) {
+    const JsonReader row = json.Item(i);
+    rows.push_back(row.Numbers(-kInfinity, kInfinity));
+    if (rows[i].size() != size) row.Fail(fmt::format("{} numbers, as there are rows", size));
+    if (rows[i][i] < 0.0) row.Item(i).Fail("a variance of at least 0");
+    for (std::size_t j = 0; j < i; ++j) {
+      const double largest = std::sqrt(rows[i][i]) * std::sqrt(rows[j][j]);
+      if (!(std::abs(rows[i][j] - rows[j][i]) <= kCovarianceRounding * largest)) {
+        row.Item(j).Fail(
+            fmt::format("a symmetric matrix, {} as in row {} and column {}", rows[j][i], j, i));
+      }
+      if (!(std::abs(rows[i][j]) <= (1.0 + kCovarianceRounding) * largest)) {
+        row.Item(j).Fail(fmt::format(
+            "a covariance of at most {} in size, the root of both variances' product", largest));
+      }
+    }
+  }
+  const double least = LeastEigenvalue(rows);
+  if (least < -kCovarianceRounding * static_cast<double>(size)) {
+    json.FailWith(fmt::format(
+        "expected a covariance, which gives no combination of parameters a negative variance, "
+        "found one of correlations with the eigenvalue {:.3g}",
+        least));
+  }
+  return rows;
+}
+
+// Of a cell that is read but for this.
+Cell::Uncertainty ReadUncertainty(const JsonReader& json, const Cell& cell) {
+  json.OnlyKeys({"parameters", "covariance", "degrees_of_freedom", "soc_follows_alpha"});
+  Cell::Uncertainty uncertainty;
+  uncertainty.parameters = ReadParameters(json.At("parameters"), cell);
+  uncertainty.covariance = ReadCovariance(json.At("covariance"), uncertainty.parameters.size());
+  uncertainty.degrees_of_freedom = json.At("degrees_of_freedom").Number(1.0, kInfinity);
+  if (const auto follows = json.Find("soc_follows_alpha"))
+    uncertainty.soc_follows_alpha = follows->Boolean();
+  return uncertainty;
+}
+
 void RequireFinite(const Resistance<double>& resistance, std::string_view rule) {
   for (const double r : resistance.resistance_Ohm) {
     Require(std::isfinite(r), rule, {{"resistance_Ohm", r}});
@@ -172,7 +243,8 @@ Cell ParseCell(const std::string& text, const std::string& file) {
                  "branches",
                  "self_heating",
                  "charge_transfer",
-                 "run"});
+                 "run",
+                 "uncertainty"});
   Cell cell;
   cell.name = json.At("name").Text();
   if (const auto series = json.Find("series")) cell.series = series->Integer(1, 100000);
@@ -202,6 +274,8 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     if (!run->IsObject()) run->Fail("an object");
     cell.run = document.at("run");
   }
+  if (const auto uncertainty = json.Find("uncertainty"))
+    cell.uncertainty = ReadUncertainty(*uncertainty, cell);
   return cell;
 }
 
@@ -246,6 +320,12 @@ Json CellToJson(const Cell& cell) {
                                {"resistance_Ohm", ResistanceToJson(term->resistance_Ohm)}};
   }
   json["run"] = cell.run;
+  if (const auto& uncertainty = cell.uncertainty) {  // last: long, and not for people
+    json["uncertainty"] = {{"parameters", uncertainty->parameters},
+                           {"covariance", uncertainty->covariance},
+                           {"degrees_of_freedom", uncertainty->degrees_of_freedom}};
+    if (uncertainty->soc_follows_alpha) json["uncertainty"]["soc_follows_alpha"] = true;
+  }
   return json;
 }
 
@@ -275,6 +355,13 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
             "a finite current of charge transfer",
             {{"current_A", term->current_A}});
     RequireFinite(term->resistance_Ohm, "a finite resistance of charge transfer");
+  }
+  if (const auto& uncertainty = cell.uncertainty) {
+    Require(std::isfinite(uncertainty->degrees_of_freedom), "finite degrees of freedom");
+    for (const auto& row : uncertainty->covariance) {
+      for (const double entry : row)
+        Require(std::isfinite(entry), "a finite covariance", {{"covariance", entry}});
+    }
   }
   WriteFileAtomically(file, CellToJson(cell).dump(2) + "\n");
 }

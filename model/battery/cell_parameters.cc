@@ -132,6 +132,13 @@ const std::array kRows{
         }},
 };
 
+std::optional<std::size_t> ParseNumber(std::string_view digits) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
 struct Found {
   const Row* row = nullptr;
   std::size_t branch = 0;
@@ -143,18 +150,80 @@ Found Find(std::string_view name) {
   }
   const auto bar = name.find('_');
   if (bar == std::string_view::npos) return {};
-  const auto digits = name.substr(bar + 1);
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc{} || end != digits.data() + digits.size() || number < 1) return {};
+  const auto number = ParseNumber(name.substr(bar + 1));
+  if (!number || *number < 1) return {};
   for (const Row& row : kRows) {
-    if (row.kind.of_branch && row.kind.symbol == name.substr(0, bar)) return {&row, number - 1};
+    if (row.kind.of_branch && row.kind.symbol == name.substr(0, bar)) return {&row, *number - 1};
   }
   return {};
 }
 
+// "r_s[3]" is {"r_s", 3}.
+struct NodeName {
+  std::string_view table;
+  std::size_t index = 0;
+};
+
+std::optional<NodeName> ParseNodeName(std::string_view name) {
+  const auto bracket = name.find('[');
+  if (bracket == std::string_view::npos || !name.ends_with(']')) return std::nullopt;
+  const auto index = ParseNumber(name.substr(bracket + 1, name.size() - bracket - 2));
+  if (!index) return std::nullopt;
+  return NodeName{name.substr(0, bracket), *index};
+}
+
+// The resistance that may be a table: r_s, r_1, ..., r_ct; null where the cell has none of that
+// name.
+template <class AnyCell>
+auto* FindResistance(AnyCell& cell, std::string_view name) {
+  decltype(&cell.series_resistance_Ohm) found = nullptr;
+  const auto [row, branch] = Find(name);
+  if (name == "r_s") {
+    found = &cell.series_resistance_Ohm;
+  } else if (name == "r_ct" && cell.charge_transfer) {
+    found = &cell.charge_transfer->resistance_Ohm;
+  } else if (row != nullptr && row->kind.symbol == "r" && branch < cell.branches.size()) {
+    found = &cell.branches[branch].resistance_Ohm;
+  }
+  return found;
+}
+
+// Nodes of a table of this name: none where the cell has no such table.
+std::size_t CountNodes(const Cell& cell, std::string_view table) {
+  if (table == "v_oc") return cell.open_circuit_voltage.voltage_V().size();
+  const auto* resistance = FindResistance(cell, table);
+  return resistance && !resistance->constant() ? resistance->resistance_Ohm.size() : 0;
+}
+
 void Check(bool holds, std::string_view name, std::string_view expected, double value) {
   if (!holds) throw OptionError(fmt::format("{}: expected {}, found {}", name, expected, value));
+}
+
+void SetNode(Cell& cell, std::string_view name, const NodeName& node, double value) {
+  const std::size_t nodes = CountNodes(cell, node.table);
+  if (node.index >= nodes) {
+    throw OptionError(
+        nodes == 0
+            ? fmt::format("'{}' is no parameter of this cell: it has no table {}", name, node.table)
+            : fmt::format("'{}' is no parameter of this cell: the nodes of {} are 0 to {}",
+                          name,
+                          node.table,
+                          nodes - 1));
+  }
+  if (node.table != "v_oc") {
+    const CellParameterKind& kind = Find(node.table).row->kind;
+    Check(kind.Holds(value), name, kind.expected, value);
+    FindResistance(cell, node.table)->resistance_Ohm[node.index] = value;
+    return;
+  }
+  Check(std::isfinite(value), name, "a finite voltage", value);
+  const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
+  auto voltage_V = curve.voltage_V();
+  voltage_V[node.index] = value;
+  cell.open_circuit_voltage =
+      curve.method() == OcvMethod::kLinear
+          ? OpenCircuitVoltage::Linear(curve.soc(), std::move(voltage_V))
+          : OpenCircuitVoltage::MonotoneCubic(curve.soc(), std::move(voltage_V));
 }
 
 }  // namespace
@@ -189,7 +258,24 @@ std::vector<std::string> CellParameterNames(const Cell& cell) {
   return names;
 }
 
+std::vector<std::string> CellNodeNames(const Cell& cell) {
+  std::vector<std::string> tables{"r_s"};
+  for (std::size_t j = 1; j <= cell.branches.size(); ++j) tables.push_back(fmt::format("r_{}", j));
+  tables.insert(tables.end(), {"r_ct", "v_oc"});
+  std::vector<std::string> names;
+  for (const auto& table : tables) {
+    for (std::size_t k = 0; k < CountNodes(cell, table); ++k)
+      names.push_back(fmt::format("{}[{}]", table, k));
+  }
+  return names;
+}
+
 std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
+  if (const auto node = ParseNodeName(name)) {
+    if (node->index >= CountNodes(cell, node->table)) return std::nullopt;
+    if (node->table == "v_oc") return cell.open_circuit_voltage.voltage_V()[node->index];
+    return FindResistance(cell, node->table)->resistance_Ohm[node->index];
+  }
   const Found found = Find(name);
   if (found.row == nullptr) return std::nullopt;
   if (found.row->kind.of_branch && found.branch >= cell.branches.size()) return std::nullopt;
@@ -197,6 +283,7 @@ std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
 }
 
 void SetCellParameter(Cell& cell, std::string_view name, double value) {
+  if (const auto node = ParseNodeName(name)) return SetNode(cell, name, *node, value);
   const Found found = Find(name);
   const bool of_diffusion = name == "alpha" || name == "beta";
   if (found.row == nullptr || (of_diffusion && !cell.diffusion)) {
@@ -252,7 +339,9 @@ std::optional<std::string> MissingCellParameter(const Cell& cell) {
 }
 
 std::string_view CellParameterUnit(std::string_view name) {
-  const Found found = Find(name);
+  const auto node = ParseNodeName(name);
+  if (node && node->table == "v_oc") return "V";
+  const Found found = Find(node ? node->table : name);
   Require(found.row != nullptr, "the name of a parameter");
   return found.row->kind.unit;
 }

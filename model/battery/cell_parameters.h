@@ -43,20 +43,26 @@ struct CellParameterName {
 /// branch there is only tau_j.
 [[nodiscard]] std::vector<std::string> CellParameterNames(const Cell& cell);
 
-/// The value, or none where the cell has no such parameter.
+/// The names of the nodes of its tables, counted from 0 as the lists of the cell file: r_s[0],
+/// r_s[1], ..., r_1[0], ..., r_ct[0], ... and, where v_oc(A) is linear or monotone-cubic, v_oc[0],
+/// ... They are parameters as the others are (V for v_oc), where it says so below.
+[[nodiscard]] std::vector<std::string> CellNodeNames(const Cell& cell);
+
+/// The value, or none where the cell has no such parameter or node.
 [[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
 
 /// Changes one parameter; r_j of the branch after the last adds a branch, to be completed by c_j or
 /// tau_j; tau_h or rho_h, i_0 or r_ct add their term, to be completed by the other of the two. With
 /// r_j given, a branch keeps what it was written with: its capacitance or its time constant.
-/// OptionError names the parameters there are, or the range.
+/// A node changes its table alone: OptionError where there is none. OptionError names the
+/// parameters there are, or the range.
 void SetCellParameter(Cell& cell, std::string_view name, double value);
 
 /// What SetCellParameter() began and did not complete, "r_2 needs c_2 or tau_2 beside it"; none
 /// where the cell is whole.
 [[nodiscard]] std::optional<std::string> MissingCellParameter(const Cell& cell);
 
-/// "C", "s^-1/2", "Ohm", ... of a name above.
+/// "C", "s^-1/2", "Ohm", ... of a name above, or of a node's.
 [[nodiscard]] std::string_view CellParameterUnit(std::string_view name);
 
 }  // namespace lipoid

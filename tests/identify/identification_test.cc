@@ -31,6 +31,9 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
     // The staged method takes the low-rate voltage for v_oc: some percent off.
     EXPECT_NEAR(*CellParameter(found.cell, "beta"), 0.1924, 0.01);
     EXPECT_EQ(found.trust.quantities.front().name, "alpha");
+    ASSERT_TRUE(found.cell.uncertainty.has_value());
+    EXPECT_TRUE(found.cell.uncertainty->soc_follows_alpha);
+    EXPECT_NO_THROW((void)ParseCell(CellToJson(found.cell).dump(), "cell.json"));
     ASSERT_EQ(found.profiles.size(), 1U);
     EXPECT_EQ(found.profiles[0].estimate, *CellParameter(found.cell, "beta"));
     // The mean error is that of the logs it says it used.
@@ -45,7 +48,7 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
     EXPECT_NEAR(found.mean_error_percent(), sum / count, 1e-9);
     const Json json = IdentificationToJson(found);
     for (const char* key : {"method", "converged", "alpha_C", "parameters", "trust", "stages",
-                            "validation", "constant_current", "cautions", "profiles"})
+                            "validation", "constant_current", "cautions", "profiles", "not_drawn"})
       EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json.at("log_notes").size(), 1U);
   }

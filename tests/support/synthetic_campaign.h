@@ -103,4 +103,24 @@ inline Campaign CampaignOf(const std::vector<LoadedLog>& logs, double capacity_A
   return campaign;
 }
 
+/// White noise, and noise that takes half a minute to forget.
+inline void AddColouredNoise(std::vector<LoadedLog>& logs,
+                             double white_V,
+                             double slow_V,
+                             std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (auto& log : logs) {
+    Record& record = log.log.record;
+    double slow = slow_V * normal(engine);
+    for (std::size_t k = 0; k < record.size(); ++k) {
+      if (k > 0) {
+        const double keep = std::exp(-(record.time_s[k] - record.time_s[k - 1]) / 30.0);
+        slow = keep * slow + slow_V * std::sqrt(1.0 - keep * keep) * normal(engine);
+      }
+      record.voltage_V[k] += slow + white_V * normal(engine);
+    }
+  }
+}
+
 }  // namespace lipoid::test

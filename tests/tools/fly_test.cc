@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "model/battery/cell_file.h"
 #include "tests/support/run_lipoid.h"
 
 namespace lipoid::test {
@@ -77,6 +78,71 @@ TEST(Fly, EnduranceEndsOnlyWithTheBattery) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
   EXPECT_GT(ReadJson(folder, "s.json").at("simulated_s"), 30000.0);
+}
+
+// cell.json with an uncertain r_s and beta.
+std::string FolderWithUncertainCell() {
+  auto folder = TestFolder();
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.uncertainty = Cell::Uncertainty{.parameters = {"r_s", "beta"},
+                                       .covariance = {{4e-4, 0.0}, {0.0, 1e-4}},
+                                       .degrees_of_freedom = 20.0};
+  WriteCellFile(cell, folder + "/cell.json");
+  return folder;
+}
+
+TEST(Fly, AnEnsembleSaysHowFarTheOutcomeIsKnown) {
+  const auto folder = FolderWithUncertainCell();
+  const auto fly = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{
+        "fly", "hover", "--cell", "cell.json", "--duration", "5", "--summary", "s.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunLipoid(folder, arguments);
+  };
+  ASSERT_EQ(fly({}).exit_code, 0);
+  const auto alone = ReadJson(folder, "s.json");
+  EXPECT_FALSE(alone.contains("ensemble"));
+  const auto run = fly({"--ensemble", "40", "--seed", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  // The estimate itself is flown as ever.
+  EXPECT_EQ(summary.at("minimum_voltage_V"), alone.at("minimum_voltage_V"));
+  const auto ensemble = summary.at("ensemble");
+  EXPECT_EQ(ensemble.at("cells"), 40);
+  EXPECT_EQ(ensemble.at("seed"), 2);
+  EXPECT_EQ(ensemble.at("completed"), 40);
+  EXPECT_EQ(ensemble.at("crashed"), 0);
+  EXPECT_EQ(ensemble.at("battery_empty"), 0);
+  for (const char* key :
+       {"final_soc", "minimum_voltage_V", "simulated_s", "mse_altitude_m2", "charge_C"}) {
+    const auto interval = ensemble.at("interval_95").at(key);
+    ASSERT_EQ(interval.size(), 2U) << key;
+    EXPECT_LE(interval[0].get<double>(), interval[1].get<double>()) << key;
+  }
+  const auto& volts = ensemble.at("interval_95").at("minimum_voltage_V");
+  EXPECT_LT(volts[0].get<double>(), alone.at("minimum_voltage_V").get<double>());
+  EXPECT_GT(volts[1].get<double>(), alone.at("minimum_voltage_V").get<double>());
+  // 20 mOhm at a few amperes, twice to either side.
+  EXPECT_GT(volts[1].get<double>() - volts[0].get<double>(), 0.05);
+  EXPECT_NE(run.out.find("40 cells drawn"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("completed 40, crashed 0, battery empty 0"), std::string::npos) << run.out;
+  // The same on one thread.
+  ASSERT_EQ(fly({"--ensemble", "40", "--seed", "2", "--threads", "1"}).exit_code, 0);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("ensemble"), ensemble);
+}
+
+TEST(Fly, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
+  const auto folder = TestFolder();
+  auto run = RunLipoid(folder, {"fly", "hover", "--ensemble", "10"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(FirstLine(run.err),
+            "gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
+            "identify the cell again with this version of lipoid, or leave --ensemble out\n");
+  run = RunLipoid(folder, {"fly", "hover", "--xi", "1", "--ensemble", "10"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(FirstLine(run.err),
+            "lipoid fly: error: option --ensemble is for a cell; an ideal source has no "
+            "uncertainty\n");
 }
 
 TEST(Fly, SaysWhatDoesNotGoTogether) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -143,6 +144,36 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
     again.run = cell.run;
     EXPECT_EQ(CellToJson(again).dump(), CellToJson(cell).dump()) << threads << " threads";
   }
+  // What cells can be drawn from: the parameters of the report and the nodes of v_oc.
+  ASSERT_TRUE(cell.uncertainty.has_value());
+  for (const Json& parameter : summary.at("parameters")) {
+    const auto& names = cell.uncertainty->parameters;
+    const auto at = std::find(names.begin(), names.end(), parameter.at("name"));
+    if (parameter.at("name") == "c_1" || parameter.at("name") == "r_total(0.5)") continue;
+    ASSERT_NE(at, names.end()) << parameter.at("name");
+    const auto k = static_cast<std::size_t>(at - names.begin());
+    const double error = std::sqrt(cell.uncertainty->covariance[k][k]);
+    // Two ways to the same covariance, through inverses of a badly conditioned matrix.
+    EXPECT_NEAR(error / parameter.at("standard_error").get<double>(), 1.0, 1e-3) << *at;
+  }
+  EXPECT_TRUE(summary.at("not_drawn").empty());
+  const auto simulate = RunLipoid(folder,
+                                  {"simulate",
+                                   "cell.json",
+                                   "--current",
+                                   "logs/cc_3C.csv",
+                                   "--ensemble",
+                                   "100",
+                                   "--summary",
+                                   "band.json",
+                                   "-o",
+                                   "band.csv"});
+  ASSERT_EQ(simulate.exit_code, 0) << simulate.err;
+  // 0.2 mV of noise in some ten thousand rows: the band is narrow, and there is one.
+  const Json ensemble = ReadJson(folder, "band.json").at("ensemble");
+  const double band_V = ensemble.at("band_mean_V").get<double>();
+  EXPECT_GT(band_V, 1e-6);
+  EXPECT_LT(band_V, 1e-3);
   // The cell file is one like any other.
   const auto validate = RunLipoid(folder, {"validate", "cell.json", "logs/pulses.csv"});
   EXPECT_EQ(validate.exit_code, 0) << validate.err;

@@ -123,7 +123,8 @@ TEST(Simulate, RefusesWhatItCannotUseAndWritesNothing) {
     EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"i.csv"});
   };
   refused({},
-          "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc");
+          "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc; "
+          "with --ensemble voltage_low_V and voltage_high_V");
   refused({"-o", "p.csv", "--initial-soc", "1", "--initial-voltage-V", "4"},
           "options --initial-soc and --initial-voltage-V: give one of them");
   refused({"-o", "p.csv", "--initial-voltage-V", "5"},
@@ -143,6 +144,126 @@ TEST(Simulate, RefusesWhatItCannotUseAndWritesNothing) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_EQ(ReadJson(folder, "p.csv").at("error").at("message"),
             "options -o, --output and --summary: 'p.csv' is named twice; name two files");
+}
+
+// cell.json, whose r_s alone is uncertain, by 4 mOhm, and i.csv: half an hour of rests and pulses.
+std::string FolderWithUncertainCell() {
+  auto folder = TestFolder();
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.uncertainty = Cell::Uncertainty{
+      .parameters = {"r_s"}, .covariance = {{1.6e-5}}, .degrees_of_freedom = 10.0};
+  WriteCellFile(cell, folder + "/cell.json");
+  std::string text = "time_s,current_A\n";
+  for (int k = 0; k < 360; ++k) text += fmt::format("{},{}\n", 5 * k, k % 3 == 0 ? 0.0 : 0.6);
+  WriteFileAtomically(folder + "/i.csv", text);
+  return folder;
+}
+
+TEST(Simulate, AnEnsembleAddsTheBandOfEachRow) {
+  const auto folder = FolderWithUncertainCell();
+  const auto simulate = [&](const std::string& output, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"simulate",
+                                       "cell.json",
+                                       "--current",
+                                       "i.csv",
+                                       "--summary",
+                                       "s.json",
+                                       "--initial-soc",
+                                       "0.9",
+                                       "-o",
+                                       output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunLipoid(folder, arguments);
+  };
+  auto run = simulate("band.csv", {"--ensemble", "400", "--seed", "3"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto text = ReadTextFile(folder + "/band.csv");
+  EXPECT_EQ(text.substr(0, text.find('\n')),
+            "time_s,current_A,voltage_V,open_circuit_V,soc,voltage_low_V,voltage_high_V");
+  // The quantile of Student's t with 10 degrees of freedom, and the chance of one out of 400
+  // numbers: sqrt(p (1 - p)/N)/0.0297 = 0.26 standard errors, four of them.
+  constexpr double kError_V = 0.004 * 0.6;
+  double sum_V = 0.0;
+  double most_V = 0.0;
+  const auto rows = Numbers(text);
+  ASSERT_EQ(rows.size(), 360U);
+  for (const auto& row : rows) {
+    const double drop_V = row[1] > 0.0 ? kError_V : 0.0;
+    ASSERT_NEAR(row[5], row[2] - 2.2281 * drop_V, 1.05 * drop_V + 1e-12);
+    ASSERT_NEAR(row[6], row[2] + 2.2281 * drop_V, 1.05 * drop_V + 1e-12);
+    sum_V += row[6] - row[5];
+    most_V = std::max(most_V, row[6] - row[5]);
+  }
+  const auto ensemble = ReadJson(folder, "s.json").at("ensemble");
+  EXPECT_EQ(ensemble.at("cells"), 400);
+  EXPECT_EQ(ensemble.at("seed"), 3);
+  EXPECT_EQ(ensemble.at("moved"), 0);
+  EXPECT_NEAR(ensemble.at("band_mean_V").get<double>(), sum_V / 360.0, 1e-12);
+  EXPECT_NEAR(ensemble.at("band_max_V").get<double>(), most_V, 1e-12);
+  EXPECT_NE(run.err.find("95 % of 400 cells lie within a band of"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(run.err.find("quantiles take"), std::string::npos) << run.err;
+
+  // The same seed, the same band, whatever the threads; without the option nothing is added.
+  ASSERT_EQ(simulate("again.csv", {"--ensemble", "400", "--seed", "3", "--threads", "1"}).exit_code,
+            0);
+  EXPECT_EQ(ReadTextFile(folder + "/again.csv"), text);
+  ASSERT_EQ(simulate("plain.csv", {}).exit_code, 0);
+  EXPECT_FALSE(ReadJson(folder, "s.json").contains("ensemble"));
+  const auto plain = Numbers(ReadTextFile(folder + "/plain.csv"));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    ASSERT_EQ(plain[k].size(), 5U);
+    ASSERT_EQ(plain[k][2], rows[k][2]);
+  }
+
+  run = simulate("few.csv", {"--ensemble", "10"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("of 10 cells the interval is that from the lowest to the highest: "
+                         "quantiles take 39"),
+            std::string::npos)
+      << run.err;
+}
+
+// v_oc is known: each cell that is drawn starts where its own curve has the voltage.
+TEST(Simulate, AnEnsembleStartsAtTheVoltageThatWasMeasured) {
+  const auto folder = TestFolder();
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.uncertainty = Cell::Uncertainty{
+      .parameters = {"v_oc[7]"}, .covariance = {{1e-4}}, .degrees_of_freedom = 1e7};
+  WriteCellFile(cell, folder + "/cell.json");
+  WriteFileAtomically(folder + "/i.csv", "time_s,current_A\n0,0\n10,0\n");
+  const auto run = RunLipoid(folder,
+                             {"simulate",
+                              "cell.json",
+                              "--current",
+                              "i.csv",
+                              "--initial-voltage-V",
+                              "3.82",
+                              "--ensemble",
+                              "50",
+                              "-o",
+                              "p.csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const auto& row : Numbers(ReadTextFile(folder + "/p.csv"))) {
+    EXPECT_NEAR(row[5], 3.82, 1e-9);
+    EXPECT_NEAR(row[6], 3.82, 1e-9);
+  }
+}
+
+TEST(Simulate, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/i.csv", "time_s,current_A\n0,0\n10,0\n");
+  const auto error = [&](const std::string& count) {
+    const auto run = RunLipoid(
+        folder,
+        {"simulate", "gifi-600mAh-1", "--current", "i.csv", "--ensemble", count, "-o", "p.csv"});
+    return std::to_string(run.exit_code) + " " + run.err.substr(0, run.err.find('\n'));
+  };
+  EXPECT_EQ(error("100"),
+            "3 gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
+            "identify the cell again with this version of lipoid, or leave --ensemble out");
+  EXPECT_EQ(error("-1").substr(0, 2), "2 ");
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"i.csv"});
 }
 
 TEST(Validate, FindsNoErrorInLogsOfTheSameCell) {

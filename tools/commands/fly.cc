@@ -6,11 +6,13 @@
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
+#include "model/flight/flight_ensemble.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/ensemble_option.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
 
@@ -77,6 +79,53 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   line.Print("{}", table.Text());
 }
 
+struct FlightNumber {
+  std::string_view key;
+  std::string_view what;
+  double FlightResult::*of;
+};
+
+// What an ensemble gives intervals of.
+constexpr FlightNumber kFlightNumbers[] = {
+    {"final_soc", "soc at the end", &FlightResult::final_soc},
+    {"minimum_voltage_V", "lowest voltage / V", &FlightResult::minimum_voltage_V},
+    {"simulated_s", "flown / s", &FlightResult::simulated_s},
+    {"mse_altitude_m2", "altitude error / m^2", &FlightResult::mse_altitude_m2},
+    {"charge_C", "charge / C", &FlightResult::charge_C}};
+
+Json EnsembleSummary(const std::vector<FlightResult>& flights) {
+  Json intervals = Json::object();
+  for (const FlightNumber& number : kFlightNumbers) {
+    const auto [low, high] = IntervalOf(flights, number.of);
+    intervals[std::string(number.key)] = {NumberOrNull(low), NumberOrNull(high)};
+  }
+  return {{"completed", CountOf(flights, Outcome::kCompleted)},
+          {"crashed", CountOf(flights, Outcome::kCrashed)},
+          {"battery_empty", CountOf(flights, Outcome::kBatteryEmpty)},
+          {"interval_95", std::move(intervals)}};
+}
+
+void PrintEnsemble(cli::CommandLine& line,
+                   const FlightResult& flight,
+                   const std::vector<FlightResult>& flights) {
+  cli::TextTable table({{fmt::format("{} cells drawn", flights.size()), Align::kLeft},
+                        {"estimate"},
+                        {"95 % from"},
+                        {"to"}});
+  for (const FlightNumber& number : kFlightNumbers) {
+    const auto [low, high] = IntervalOf(flights, number.of);
+    table.Row({std::string(number.what),
+               Significant(flight.*number.of),
+               Significant(low),
+               Significant(high)});
+  }
+  line.Print("\n{}completed {}, crashed {}, battery empty {}\n",
+             table.Text(),
+             CountOf(flights, Outcome::kCompleted),
+             CountOf(flights, Outcome::kCrashed),
+             CountOf(flights, Outcome::kBatteryEmpty));
+}
+
 }  // namespace
 
 cli::ExitCode FlyCommand(cli::CommandLine& line) {
@@ -89,6 +138,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   ManeuverRequest request;
   FlightSetup setup;
   StartOptions start;
+  EnsembleOption ensemble;
   std::optional<Battery> battery;
   std::optional<double> xi;
   std::optional<double> duration_s;
@@ -102,6 +152,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       "runs empty.",
       "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
   line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
+  line.Example("lipoid fly hover --cell cell.json --ensemble 200");
   line.Argument("MANEUVER", maneuver_name, fmt::format("one of: {}", fmt::join(names, ", ")));
   line.Option("battery",
               battery,
@@ -141,6 +192,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.Option(
       "log-step-s", log_step_s, Range{kControlStep_s, 1e4}, "between rows of the flight log");
   start.AddTo(line);
+  ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
   line.OutputOption("output,o",
                     output,
                     "CSV",
@@ -172,8 +224,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     throw OptionError(
         "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
   }
+  if (source == Battery::kIdeal && ensemble.asked()) {
+    throw OptionError("option --ensemble is for a cell; an ideal source has no uncertainty");
+  }
   if (source == Battery::kCell) {
-    setup.cell = LoadCell(cell_name.empty() ? "gifi-600mAh-1" : cell_name);
+    if (cell_name.empty()) cell_name = "gifi-600mAh-1";
+    setup.cell = LoadCell(cell_name);
     setup.initial_soc = start.Soc(*setup.cell);
   }
   setup.xi = xi.value_or(1.0);
@@ -191,6 +247,9 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   FlightPlan plan = maneuver.plan(request);
   if (duration_s) plan.duration_s = *duration_s;
 
+  EnsembleOption::Drawn drawn;
+  if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
+
   std::vector<FlightSample> samples;
   FlightRecorder recorder;
   if (!output.empty()) {
@@ -201,6 +260,10 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   }
   const FlightResult flight = Fly(
       setup, plan, recorder, [&](double fraction) { line.progress().Update(fraction, "flying"); });
+  const std::vector<FlightResult> flights =
+      FlyOnEach(setup, plan, drawn.cells, drawn.initial_soc, [&](double fraction) {
+        line.progress().Update(fraction, "flying the cells drawn");
+      });
   line.progress().Wipe();
   if (!output.empty()) WriteFlightLog(samples, output);
 
@@ -211,6 +274,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
   line.summary()["gains"] = setup.gains.name;
   PrintFlight(line, maneuver.name, flight);
+  if (ensemble.asked()) {
+    line.summary()["ensemble"] = std::move(drawn.json);
+    line.summary()["ensemble"].update(EnsembleSummary(flights));
+    PrintEnsemble(line, flight, flights);
+  }
   line.Message("{} on {}, {} gains{}",
                setup.vehicle.name,
                setup.cell ? setup.cell->name

@@ -1,4 +1,5 @@
 // lipoid identify CAMPAIGN... -o CELL: from logs to a cell file.
+#include <fmt/ranges.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -19,14 +20,22 @@
 #include "tools/commands/profile_text.h"
 #include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
+#include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"
 
 namespace lipoid {
 namespace {
 
 std::string IdentificationText(const Campaign& campaign, const Identification& found) {
-  std::string text = found.joint ? JointReport(campaign, *found.joint, found.trust)
-                                 : IdentifyReport(campaign, *found.staged);
+  std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
+  text += KnownText(found) + "\n";
+  text += found.joint ? JointReport(*found.joint, found.trust) : IdentifyReport(*found.staged);
+  if (!found.not_drawn.empty()) {
+    text += fmt::format(
+        "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction "
+        "of the logs depends on the rest\n",
+        fmt::join(found.not_drawn, ", "));
+  }
   if (!found.profiles.empty()) text += "\n" + ProfilesText(found.profiles);
   return text;
 }

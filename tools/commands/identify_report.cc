@@ -193,9 +193,8 @@ std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) 
   return "\n" + table.Text();
 }
 
-std::string IdentifyReport(const Campaign& campaign, const StagedResult& result) {
-  std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
-  text += DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
+std::string IdentifyReport(const StagedResult& result) {
+  std::string text = DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
           PulsesText(result) + "\n" + TrustText(result.trust, "alpha and v_oc(A)");
   text += ConstantCurrentText(result.constant_current) + ValidationText(result.validation);
   if (!result.done_instead.empty()) text += "\n" + Bullets("Done instead", result.done_instead);

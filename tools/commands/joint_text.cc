@@ -115,11 +115,8 @@ std::string ErrorsText(const JointResult& result) {
 
 }  // namespace
 
-std::string JointReport(const Campaign& campaign,
-                        const JointResult& result,
-                        const TrustReport& trust) {
-  std::string text = campaign.name.empty() ? "" : campaign.name + "\n\n";
-  text += TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) +
+std::string JointReport(const JointResult& result, const TrustReport& trust) {
+  std::string text = TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) +
           ConstantCurrentText(result.constant_current) + "\n" + TrustText(trust);
   if (!result.staged.done_instead.empty())
     text += "\n" + cli::Bullets("Done instead", result.staged.done_instead);

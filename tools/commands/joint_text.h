@@ -12,8 +12,6 @@ namespace lipoid {
 
 /// What was tried, what was found and how far to believe it, how well each log is predicted, what
 /// to know.
-[[nodiscard]] std::string JointReport(const Campaign& campaign,
-                                      const JointResult& result,
-                                      const TrustReport& trust);
+[[nodiscard]] std::string JointReport(const JointResult& result, const TrustReport& trust);
 
 }  // namespace lipoid

@@ -2,13 +2,31 @@
 // current.
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
+#include "model/battery/prediction_band.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"
+#include "tools/commands/ensemble_option.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
 
 namespace lipoid {
+namespace {
+
+// The width of a band, on the average and at most.
+Json WidthOf(const PredictionBand& band) {
+  double sum_V = 0.0;
+  double most_V = 0.0;
+  for (std::size_t k = 0; k < band.voltage_low_V.size(); ++k) {
+    const double width_V = band.voltage_high_V[k] - band.voltage_low_V[k];
+    sum_V += width_V;
+    most_V = std::max(most_V, width_V);
+  }
+  return {{"band_mean_V", sum_V / static_cast<double>(band.voltage_low_V.size())},
+          {"band_max_V", most_V}};
+}
+
+}  // namespace
 
 cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   std::string cell_name;
@@ -16,15 +34,21 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   std::string output;
   LogOptions log_options;
   StartOptions start;
+  EnsembleOption ensemble;
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
       "under the "
       "current of a log, row by row. The log's own voltage is not used and may be absent.",
       "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
+  line.Example("lipoid simulate cell.json --current flight.csv --ensemble 200 -o predicted.csv");
   line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.RequiredInput(
       "current", current_file, "LOG", "the log whose current flows; time_s,current_A is enough");
-  line.Output(output, "CSV", "time_s, current_A, voltage_V, open_circuit_V, soc");
+  line.Output(output,
+              "CSV",
+              "time_s, current_A, voltage_V, open_circuit_V, soc; with --ensemble voltage_low_V "
+              "and voltage_high_V");
+  ensemble.AddTo(line, "between which voltages 95 % of them lie in each row");
   start.AddTo(line);
   log_options.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
@@ -36,13 +60,35 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   const Record record = ReadLog(current_file, read).record;
   const auto prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
 
-  CsvWriter csv(output, "time_s,current_A,voltage_V,open_circuit_V,soc");
+  PredictionBand band;
+  if (ensemble.asked()) {
+    auto drawn = ensemble.Draw(line, cell, cell_name, start);
+    band = PredictBand(
+        drawn.cells, drawn.initial_soc, record.time_s, record.current_A, record.hold);
+    line.summary()["ensemble"] = std::move(drawn.json);
+    line.summary()["ensemble"].update(WidthOf(band));
+  }
+
+  CsvWriter csv(output,
+                ensemble.asked()
+                    ? "time_s,current_A,voltage_V,open_circuit_V,soc,voltage_low_V,voltage_high_V"
+                    : "time_s,current_A,voltage_V,open_circuit_V,soc");
   for (std::size_t k = 0; k < record.size(); ++k) {
-    csv.Row(record.time_s[k],
-            record.current_A[k],
-            prediction.voltage_V[k],
-            prediction.open_circuit_V[k],
-            prediction.soc[k]);
+    if (ensemble.asked()) {
+      csv.Row(record.time_s[k],
+              record.current_A[k],
+              prediction.voltage_V[k],
+              prediction.open_circuit_V[k],
+              prediction.soc[k],
+              band.voltage_low_V[k],
+              band.voltage_high_V[k]);
+    } else {
+      csv.Row(record.time_s[k],
+              record.current_A[k],
+              prediction.voltage_V[k],
+              prediction.open_circuit_V[k],
+              prediction.soc[k]);
+    }
   }
   csv.Commit();
 
@@ -62,6 +108,13 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                initial_soc,
                prediction.soc.back(),
                lowest);
+  if (ensemble.asked()) {
+    const Json& of = line.summary()["ensemble"];
+    line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
+                 ensemble.count,
+                 of["band_mean_V"].get<double>(),
+                 of["band_max_V"].get<double>());
+  }
   if (prediction.rows_outside_curve > 0) {
     line.Message(
         "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "

@@ -24,4 +24,10 @@ double StartOptions::Soc(const Cell& cell) const {
   return initial_soc.value_or(1.0);
 }
 
+double StartOptions::SocOfDrawn(const Cell& cell) const {
+  return initial_voltage_V
+             ? cell.open_circuit_voltage.SocAtVoltage(*initial_voltage_V / cell.series)
+             : initial_soc.value_or(1.0);
+}
+
 }  // namespace lipoid

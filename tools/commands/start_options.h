@@ -18,6 +18,9 @@ struct StartOptions {
   /// The state of charge of the first row; 1 where nothing was said. OptionError where both were,
   /// or where the cell never rests at that voltage.
   [[nodiscard]] double Soc(const Cell& cell) const;
+  /// The same of a cell drawn from one for which Soc() was right: where its v_oc ends before the
+  /// voltage, the end.
+  [[nodiscard]] double SocOfDrawn(const Cell& cell) const;
 };
 
 }  // namespace lipoid

@@ -66,6 +66,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   }
   if (series) cell.series = *series;
   if (parallel) cell.parallel = *parallel;
+  cell.uncertainty.reset();  // it is the truth now
   RunRecord run;
   run.command = line.CommandText();
   run.options = OptionsToJson<Json>(options);

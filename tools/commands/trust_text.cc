@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/core/options.h"
 #include "tools/cli/text_table.h"
@@ -19,6 +20,48 @@ std::string VerdictText(const QuantityTrust& quantity) {
   std::string names;
   for (const auto& name : quantity.with) names += (names.empty() ? "" : ", ") + name;
   return "only with " + names;
+}
+
+std::string KnownText(const Identification& found) {
+  cli::TextTable table({{"what the logs know", Align::kLeft},
+                        {"value"},
+                        {"95 % from"},
+                        {"to"},
+                        {"unit", Align::kLeft}});
+  const auto end = [](double value) {
+    return std::isfinite(value) ? Significant(value, 3) : std::string("unknown");
+  };
+  const double per_Ah = 1.0 / 3600.0;
+  const double alpha_C = found.joint ? found.joint->alpha_C : found.staged->alpha_C;
+  double low_C = std::numeric_limits<double>::quiet_NaN();
+  double high_C = low_C;
+  for (const QuantityTrust& q : found.trust.quantities) {
+    if (q.name != "alpha") continue;
+    low_C = q.low;
+    high_C = q.high;
+  }
+  const auto charge = [&](double value_C) {
+    return std::isfinite(value_C) ? Significant(value_C * per_Ah, 4) : std::string("-");
+  };
+  table.Row({"   charge alpha", charge(alpha_C), charge(low_C), charge(high_C), "Ah"});
+  for (const PulseResistance& r : found.trust.resistance) {
+    table.Row({fmt::format("   resistance at half charge after {} s of {} A",
+                           fmt::format("{:g}", r.after_s),
+                           Significant(r.current_A, 3)),
+               Significant(1e3 * r.resistance_Ohm, 4),
+               end(1e3 * r.low_Ohm),
+               end(1e3 * r.high_Ohm),
+               "mOhm"});
+  }
+  const ExpectedError& error = found.expected_error;
+  if (std::isfinite(error.percent)) {
+    table.Row({"   mean error to expect of new logs of these kinds",
+               Significant(error.percent, 2),
+               end(error.low_percent),
+               end(error.high_percent),
+               "%"});
+  }
+  return table.Text();
 }
 
 std::string TrustText(const TrustReport& report, const std::string& exact) {

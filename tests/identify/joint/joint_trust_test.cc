@@ -28,24 +28,7 @@ constexpr JointOptions kPlain{.branches = 1,
                               .charge_transfer = Presence::kOff,
                               .smoothness = 1e-4};
 
-// White noise, and noise that takes half a minute to forget.
-void AddNoise(std::vector<LoadedLog>& logs, double white_V, double slow_V, std::uint64_t seed) {
-  std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal(0.0, 1.0);
-  for (auto& log : logs) {
-    Record& record = log.log.record;
-    double slow = slow_V * normal(engine);
-    for (std::size_t k = 0; k < record.size(); ++k) {
-      if (k > 0) {
-        const double keep = std::exp(-(record.time_s[k] - record.time_s[k - 1]) / 30.0);
-        slow = keep * slow + slow_V * std::sqrt(1.0 - keep * keep) * normal(engine);
-      }
-      record.voltage_V[k] += slow + white_V * normal(engine);
-    }
-  }
-}
-
-// Rates by automatic differentiation against differences of the rows themselves.
+// Exact slopes against differences of the rows themselves.
 TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0005);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs),
@@ -102,7 +85,7 @@ TEST(JointTrust, IntervalsCoverTheTruth) {
   std::map<std::string, int> covered;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     auto logs = clean;
-    AddNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
+    test::AddColouredNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
     const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
     for (const QuantityTrust& q : AssessJoint(result).quantities) {
       const auto is = CellParameter(truth, q.name);

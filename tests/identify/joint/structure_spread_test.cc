@@ -26,14 +26,14 @@ JointSolution Solution(std::vector<double> soc,
 }
 
 TEST(StructureSpread, ReadsQuantitiesByTheirNames) {
-  // The second branch is the faster one: r_1 and tau_1 are its own.
+  // Named branches keep their order, though the second is the faster one.
   const JointSolution constant = Solution({0.5}, {80.0, 20.0}, {0.1, 0.03, 0.05}, 0.2);
   EXPECT_EQ(ValueIn(constant, "beta", kTypical_A, constant), 0.2);
-  EXPECT_EQ(ValueIn(constant, "tau_1", kTypical_A, constant), 20.0);
-  EXPECT_EQ(ValueIn(constant, "tau_2", kTypical_A, constant), 80.0);
-  EXPECT_NEAR(ValueIn(constant, "r_1", kTypical_A, constant), 0.05, kRounding);
+  EXPECT_EQ(ValueIn(constant, "tau_1", kTypical_A, constant), 80.0);
+  EXPECT_EQ(ValueIn(constant, "tau_2", kTypical_A, constant), 20.0);
+  EXPECT_NEAR(ValueIn(constant, "r_1", kTypical_A, constant), 0.03, kRounding);
   EXPECT_NEAR(ValueIn(constant, "r_s(0.2)", kTypical_A, constant), 0.1, kRounding);
-  EXPECT_NEAR(ValueIn(constant, "c_1", kTypical_A, constant), 400.0, 1e-12);
+  EXPECT_NEAR(ValueIn(constant, "c_1", kTypical_A, constant), 80.0 / 0.03, 1e-11);
   EXPECT_NEAR(ValueIn(constant, "r_total(0.5)", kTypical_A, constant), 0.18, kRounding);
   for (const char* name : {"tau_3", "r_3", "r_ct", "rho_h", "tau_h", "i_0", "alpha"})
     EXPECT_TRUE(std::isnan(ValueIn(constant, name, kTypical_A, constant))) << name;
@@ -55,16 +55,16 @@ TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
                           .solution = Solution({0.5}, {20.0, 90.0}, {0.1, 0.05, 0.01}, 0.24),
                           .weight = 0.25});
   const auto beta = [&](const JointSolution& s) { return ValueIn(s, "beta", kTypical_A, choice.best); };
-  EXPECT_NEAR(SpreadOverStructures(choice, beta), 0.25 * 0.04 * 0.04, 1e-15);
+  EXPECT_NEAR(SpreadOverStructures(choice, beta).squaredNorm(), 0.25 * 0.04 * 0.04, 1e-15);
   choice.finer = Solution({0.5}, {20.0}, {0.1, 0.05}, 0.21);
-  EXPECT_NEAR(SpreadOverStructures(choice, beta), 0.25 * 0.04 * 0.04 + 0.01 * 0.01, 1e-15);
+  EXPECT_NEAR(SpreadOverStructures(choice, beta).squaredNorm(), 0.25 * 0.04 * 0.04 + 0.01 * 0.01, 1e-15);
   // A second branch, faster than the one taken, is not what the first is compared with.
   choice.finer = Solution({0.5}, {3.0, 22.0}, {0.1, 0.002, 0.05}, 0.21);
   EXPECT_EQ(ValueIn(choice.finer, "tau_1", kTypical_A, choice.best), 22.0);
   EXPECT_NEAR(ValueIn(choice.finer, "r_1", kTypical_A, choice.best), 0.05, kRounding);
   // A quantity that only the other structure has adds nothing.
   const auto i_0 = [&](const JointSolution& s) { return ValueIn(s, "i_0", kTypical_A, choice.best); };
-  EXPECT_EQ(SpreadOverStructures(choice, i_0), 0.0);
+  EXPECT_TRUE(SpreadOverStructures(choice, i_0).isZero(0.0));
 }
 
 }  // namespace

@@ -39,6 +39,22 @@ TEST(PairedErrors, UnitsCountWithTheirWeights) {
   EXPECT_FALSE(gain.AskedFor());
 }
 
+// One unit that is predicted much worse does not outvote six that are predicted better, nor the other
+// way round: the mean goes with the first, the ranks with the six.
+TEST(PairedErrors, EveryUnitHasItsSay) {
+  const std::vector<double> weight(7, 1.0);
+  std::vector<double> few{2.0, 2.1, 2.2, 2.3, 2.4, 2.5, 30.0};
+  std::vector<double> many{1.9, 1.9, 1.9, 1.9, 1.9, 1.9, 29.0};
+  // Ranks 1 to 7, all on one side.
+  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 28.0 / std::sqrt(140.0), kRounding);
+  few.back() = 28.0;  // rank 7 on the other
+  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 14.0 / std::sqrt(140.0), kRounding);
+  EXPECT_GT(CompareErrors(few, many, weight).gain, 0.0);
+  EXPECT_TRUE(CompareErrors(few, many, weight).AskedFor());
+  few.back() = 20.0;
+  EXPECT_FALSE(CompareErrors(few, many, weight).AskedFor());
+}
+
 TEST(PairedErrors, NothingIsAskedForByOneUnitOrByAModelThatFails) {
   EXPECT_FALSE(CompareErrors({5.0}, {1.0}, {1.0}).AskedFor());
   EXPECT_FALSE(CompareErrors({}, {}, {}).AskedFor());

@@ -52,6 +52,15 @@ TEST(ResidualCorrelation, RecurrenceEqualsTheDoubleSum) {
     constexpr double kRounding = 1e-12;  // of sums of 15 000 terms
     EXPECT_LT((model.QuadraticSum(scores, m) - sum).norm(), kRounding * sum.norm()) << m;
   }
+  // Several at once: each times its variance.
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(model.components());
+  variances[0] = 0.3;
+  variances[2] = 2.0;
+  variances[variances.size() - 1] = 0.7;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, 3);
+  for (Eigen::Index m = 0; m < model.components(); ++m)
+    sum += variances[m] * model.QuadraticSum(scores, m);
+  EXPECT_LT((model.QuadraticSum(scores, variances) - sum).norm(), 1e-12 * sum.norm());
 }
 
 // By a generator of its own: x(k+1) = a x(k) + sqrt(1 - a²) z.

@@ -126,6 +126,83 @@ TEST(Trust, AgreesWithTheTextbookForWhiteNoise) {
   EXPECT_NEAR(report.residual_correlation[0].white_V, 0.5, 0.02);
 }
 
+// The same covariance by another way: all parameters at once, instead of those asked for with the
+// others profiled out. What models add, the same moves of all, is added to both.
+TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
+  const PulseDesign pulses;
+  const Index rows = pulses.sensitivity.rows();
+  MatrixXd design(rows, 10);
+  design.leftCols(4) = pulses.sensitivity;
+  for (Index k = 4; k < 10; ++k) {  // slow waves that nobody asks about
+    for (Index row = 0; row < rows; ++row)
+      design(row, k) = std::cos(double(row) / double(rows) * 3.0 * double(k - 3));
+  }
+  const Fit fit = FitNoise(design, Noise(rows, 1e-4, 5e-4, 60.0, 3));
+  VectorXd value = VectorXd::Ones(10);
+  value.head(4) = pulses.truth;
+  auto quantities = Parameters({"beta", "r_s", "r_1", "tau_1", "", "", "", "", "", ""}, value);
+  quantities.resize(4);
+  const auto scattered = AssessTrust({&fit.rows, 1}, {}, quantities).covariance;
+  MatrixXd spread(4, 2);  // two other models: of r_s, r_1 and tau_1, and of beta and r_s
+  spread << 0.0, 0.02, 0.004, -0.001, -0.004, 0.0, 3.0, 0.0;
+  TrustOptions options;
+  for (Index k = 0; k < 4; ++k) {
+    auto& q = quantities[static_cast<std::size_t>(k)];
+    q.added_spread = spread.row(k);
+    options.drawn.push_back({q.name, q.combination, q.added_spread});
+  }
+  VectorXd total = VectorXd::Zero(10);
+  total[1] = total[2] = 1.0;
+  options.drawn.push_back({"r_s + r_1", total, spread.row(1) + spread.row(2)});
+  const auto report = AssessTrust({&fit.rows, 1}, {}, quantities, options);
+  ASSERT_EQ(report.drawn,
+            (std::vector<std::string>{"beta", "r_s", "r_1", "tau_1", "r_s + r_1"}));
+  const MatrixXd& drawn = report.drawn_covariance;
+  for (Index i = 0; i < 4; ++i) {
+    for (Index j = 0; j < 4; ++j) {
+      const double size = std::sqrt(report.covariance(i, i) * report.covariance(j, j));
+      EXPECT_NEAR(drawn(i, j), report.covariance(i, j), kRounding * size) << i << " " << j;
+      EXPECT_NEAR(report.covariance(i, j), scattered(i, j) + spread.row(i).dot(spread.row(j)),
+                  kRounding * size);
+    }
+    const auto& q = report.quantities[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(q.standard_error / std::sqrt(drawn(i, i)), 1.0, kRounding) << q.name;
+    EXPECT_NEAR(q.model_standard_error, spread.row(i).norm(), kRounding) << q.name;
+  }
+  const double sum = drawn(1, 1) + 2.0 * drawn(1, 2) + drawn(2, 2);
+  EXPECT_NEAR(drawn(4, 4), sum, kRounding * drawn(1, 1));
+  // Nobody is told of it, and it changes nothing else.
+  const auto without = AssessTrust({&fit.rows, 1}, {}, quantities);
+  EXPECT_EQ(without.drawn_covariance.size(), 0);
+  EXPECT_EQ(without.covariance, report.covariance);
+}
+
+TEST(Trust, WhatIsHeldOrNotInTheRowsDoesNotVary) {
+  const PulseDesign pulses;
+  MatrixXd design(pulses.sensitivity.rows(), 6);
+  design.leftCols(4) = pulses.sensitivity;
+  design.col(4) = pulses.sensitivity.col(1);  // only the sum of this and r_s is in the rows
+  design.col(5).setZero();                    // and nothing of this one
+  FittedRows rows = FitNoise(pulses.sensitivity, Noise(design.rows(), 2e-4, 0.0, 1.0, 3)).rows;
+  rows.sensitivity = design;
+  auto quantities = Parameters({"beta", "r_s", "r_1", "tau_1", "twin", "nothing"},
+                               VectorXd{{0.1, 0.06, 0.03, 20.0, 1.0, 1.0}});
+  quantities[0].at_bound = true;
+  TrustOptions options;
+  for (const auto& q : quantities) options.drawn.push_back({q.name, q.combination});
+  // Other models that move what is held, or unknown, move nothing.
+  for (const std::size_t k : {0, 5}) options.drawn[k].added_spread = VectorXd::Ones(3);
+  const auto report = AssessTrust({&rows, 1}, {}, quantities, options);
+  const MatrixXd& drawn = report.drawn_covariance;
+  EXPECT_TRUE(drawn.row(0).isZero(0.0));
+  EXPECT_TRUE(drawn.row(5).isZero(0.0));
+  EXPECT_TRUE(std::isinf(report.quantities[1].standard_error));
+  // r_s and its twin move together, as far as their sum is uncertain.
+  EXPECT_GT(drawn(1, 1), 0.0);
+  EXPECT_NEAR(drawn(1, 1), drawn(4, 4), kRounding * drawn(1, 1));
+  EXPECT_NEAR(drawn(1, 4), drawn(1, 1), kRounding * drawn(1, 1));
+}
+
 // The promise: 95 % intervals cover 90 to 99 %, whatever the colour of the noise.
 TEST(Trust, IntervalsCoverTheTruthUnderColouredNoise) {
   struct Case {

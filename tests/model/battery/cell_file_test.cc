@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -295,7 +296,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "3:3: error: /title: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, run, found 'title'"},
+       "charge_transfer, run, uncertainty, found 'title'"},
       {"\"series\": 6",
        "\"series\": 0",
        "4:13: error: /series: expected a whole number from 1 to 100000, found 0"},
@@ -421,7 +422,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, run, found 'run2'"},
+       "charge_transfer, run, uncertainty, found 'run2'"},
       {"{\n    \"seed\": 7\n  }",
        "[]",
        "37:10: error: /run: expected an object, found a list of 0"}};
@@ -462,6 +463,133 @@ TEST(CellFile, TheTwoTermsAreReadAndWrittenBack) {
   Json number = json;
   number["charge_transfer"]["resistance_Ohm"] = 0.07;
   EXPECT_EQ(CellToJson(ParseCell(number.dump(), "x.json")).dump(2), number.dump(2));
+}
+
+// The full cell with what its estimates may be off by: a rate, a constant, nodes of two tables.
+Json WithUncertainty() {
+  Json json = Json::parse(kFull);
+  json["uncertainty"] = {{"parameters", {"beta", "r_1", "r_s[1]", "v_oc[0]"}},
+                         {"covariance",
+                          {{1e-4, 0.0, 1.0 / 3e6, 0.0},
+                           {0.0, 0.0, 0.0, 0.0},
+                           {1.0 / 3e6, 0.0, 1e-6, -1e-6},
+                           {0.0, 0.0, -1e-6, 4e-6}}},
+                         {"degrees_of_freedom", 12.5}};
+  return json;
+}
+
+TEST(CellFile, UncertaintyIsReadAndWrittenBack) {
+  EXPECT_FALSE(ParseCell(kFull, "full.json").uncertainty.has_value());
+  Json json = WithUncertainty();
+  const Cell cell = ParseCell(json.dump(2), "x.json");
+  ASSERT_TRUE(cell.uncertainty.has_value());
+  EXPECT_EQ(cell.uncertainty->parameters,
+            (std::vector<std::string>{"beta", "r_1", "r_s[1]", "v_oc[0]"}));
+  EXPECT_EQ(cell.uncertainty->covariance[2], (std::vector<double>{1.0 / 3e6, 0.0, 1e-6, -1e-6}));
+  EXPECT_EQ(cell.uncertainty->degrees_of_freedom, 12.5);
+  EXPECT_FALSE(cell.uncertainty->soc_follows_alpha);
+  EXPECT_EQ(CellToJson(cell).dump(2), json.dump(2));
+  json["uncertainty"]["soc_follows_alpha"] = true;
+  EXPECT_TRUE(ParseCell(json.dump(), "x.json").uncertainty->soc_follows_alpha);
+  EXPECT_EQ(CellToJson(ParseCell(json.dump(), "x.json")).dump(2), json.dump(2));
+  const std::string file = test::FreshFolder("cell_uncertainty") + "/cell.json";
+  WriteCellFile(cell, file);
+  EXPECT_EQ(CellToJson(ReadCellFile(file)), CellToJson(cell));
+  Cell wrong = cell;
+  wrong.uncertainty->covariance[0][0] = std::nan("");
+  EXPECT_THROW(WriteCellFile(wrong, file), PreconditionError);
+}
+
+TEST(CellFile, EveryBadUncertaintyIsRefusedWhereItStands) {
+  struct {
+    const char* pointer;
+    Json value;
+    const char* message;
+  } const all[] = {
+      {"/uncertainty", 3, "/uncertainty: expected an object, found 3"},
+      {"/uncertainty/sigma",
+       1,
+       "/uncertainty/sigma: expected one of the keys parameters, covariance, degrees_of_freedom, "
+       "soc_follows_alpha, found 'sigma'"},
+      {"/uncertainty/parameters/1",
+       "r_2",
+       "/uncertainty/parameters/1: expected a parameter of this cell (alpha, beta, r_1, c_1, "
+       "tau_1, tau_2) or a node of one of its tables, counted from 0 (r_s[0], v_oc[0]), found "
+       "\"r_2\""},
+      {"/uncertainty/parameters/2",
+       "r_s[2]",
+       "/uncertainty/parameters/2: expected a parameter of this cell (alpha, beta, r_1, c_1, "
+       "tau_1, tau_2) or a node of one of its tables, counted from 0 (r_s[0], v_oc[0]), found "
+       "\"r_s[2]\""},
+      {"/uncertainty/parameters/3",
+       "beta",
+       "/uncertainty/parameters/3: expected every parameter once, found \"beta\""},
+      {"/uncertainty/parameters/3",
+       7,
+       "/uncertainty/parameters/3: expected a text, found 7"},
+      {"/uncertainty/parameters",
+       {"c_1", "tau_1", "r_1", "beta"},
+       "/uncertainty/parameters/1: expected no tau_1 beside c_1, found \"tau_1\""},
+      {"/uncertainty/parameters",
+       {"tau_1", "c_1", "r_1", "beta"},
+       "/uncertainty/parameters/1: expected no c_1 beside tau_1, found \"c_1\""},
+      {"/uncertainty/covariance",
+       {{1.0}},
+       "/uncertainty/covariance: expected 4 rows, one for each parameter, found a list of 1"},
+      {"/uncertainty/covariance/1",
+       {0, 0, 0},
+       "/uncertainty/covariance/1: expected 4 numbers, as there are rows, found a list of 3"},
+      {"/uncertainty/covariance/1/1",
+       -1e-9,
+       "/uncertainty/covariance/1/1: expected a variance of at least 0, found -1e-09"},
+      {"/uncertainty/covariance/3/3",
+       nullptr,
+       "/uncertainty/covariance/3/3: expected a number, found null"},
+      {"/uncertainty/covariance/3/2",
+       1e-6,
+       "/uncertainty/covariance/3/2: expected a symmetric matrix, -1e-06 as in row 2 and column "
+       "3, found 1e-06"},
+      // A variance of zero allows no covariance.
+      {"/uncertainty/covariance/1/0",
+       1e-9,
+       "/uncertainty/covariance/1/0: expected a symmetric matrix, 0 as in row 0 and column 1, "
+       "found 1e-09"},
+      {"/uncertainty/covariance",
+       {{1, 0, 2, 0}, {0, 1, 0, 0}, {2, 0, 1, 0}, {0, 0, 0, 1}},
+       "/uncertainty/covariance/2/0: expected a covariance of at most 1 in size, the root of both "
+       "variances' product, found 2"},
+      // Correlations of -0.9 of each of three with each other cannot be.
+      {"/uncertainty/covariance",
+       {{1, -0.9, -0.9, 0}, {-0.9, 1, -0.9, 0}, {-0.9, -0.9, 1, 0}, {0, 0, 0, 1}},
+       "/uncertainty/covariance: expected a covariance, which gives no combination of parameters "
+       "a negative variance, found one of correlations with the eigenvalue -0.8"},
+      {"/uncertainty/degrees_of_freedom",
+       0.5,
+       "/uncertainty/degrees_of_freedom: expected a number of at least 1, found 0.5"},
+      {"/uncertainty/soc_follows_alpha",
+       1,
+       "/uncertainty/soc_follows_alpha: expected true or false, found 1"}};
+  for (const auto& bad : all) {
+    Json json = WithUncertainty();
+    json[Json::json_pointer(bad.pointer)] = bad.value;
+    const std::string message = Refusal(json.dump());
+    EXPECT_EQ(message.substr(message.find("error: ") + 7), bad.message);
+  }
+  for (const char* key : {"parameters", "covariance", "degrees_of_freedom"}) {
+    Json json = WithUncertainty();
+    json["uncertainty"].erase(key);
+    const std::string expected = "/uncertainty: expected an object with the key '";
+    EXPECT_NE(Refusal(json.dump()).find(expected + key + "'"), std::string::npos) << key;
+  }
+}
+
+// What a fit leaves of a direction is rounding: half a part in a hundred million is let pass.
+TEST(CellFile, RoundingOfACovarianceIsNoMistake) {
+  Json json = WithUncertainty();
+  json["uncertainty"]["parameters"] = {"beta", "r_1", "tau_1"};
+  const double off = 1.0 + 5e-9;
+  json["uncertainty"]["covariance"] = {{1, off, 1}, {1, 1, 1}, {1, 1, off}};
+  EXPECT_NO_THROW((void)ParseCell(json.dump(), "x.json"));
 }
 
 TEST(CellFile, ATermThatIsAbsentIsNotWritten) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 
@@ -103,6 +105,77 @@ TEST(CellParameters, ATableHasNoName) {
             (std::vector<std::string>{"alpha", "beta", "r_1", "c_1", "tau_1", "i_0"}));
 }
 
+// A cell of which everything that can be a table is one.
+Cell WithTables() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 0.4, 1.0}, {3.0, 3.7, 4.2});
+  cell.series_resistance_Ohm = Resistance<double>({0.0, 0.5, 1.0}, {0.3, 0.2, 0.1});
+  cell.branches = {{.resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.06, 0.05}),
+                    .time_constant_s = 40.0,
+                    .capacitance_F = {}}};
+  cell.charge_transfer = {0.5, Resistance<double>({0.5}, {0.01})};
+  return cell;
+}
+
+TEST(CellParameters, NodesAreCountedFromZero) {
+  const Cell cell = WithTables();
+  EXPECT_EQ(CellNodeNames(cell),
+            (std::vector<std::string>{"r_s[0]",
+                                      "r_s[1]",
+                                      "r_s[2]",
+                                      "r_1[0]",
+                                      "r_1[1]",
+                                      "r_ct[0]",
+                                      "v_oc[0]",
+                                      "v_oc[1]",
+                                      "v_oc[2]"}));
+  EXPECT_EQ(CellParameter(cell, "r_s[0]"), 0.3);
+  EXPECT_EQ(CellParameter(cell, "r_s[2]"), 0.1);
+  EXPECT_EQ(CellParameter(cell, "r_1[1]"), 0.05);
+  EXPECT_EQ(CellParameter(cell, "r_ct[0]"), 0.01);
+  EXPECT_EQ(CellParameter(cell, "v_oc[1]"), 3.7);
+  for (const char* name : {"r_s[3]", "r_2[0]", "r_s[", "r_s[]", "r_s[-1]", "r_s[1]x", "beta[0]"})
+    EXPECT_EQ(CellParameter(cell, name), std::nullopt) << name;
+  // A constant is a parameter, not a table of one node; series have no nodes.
+  EXPECT_EQ(CellParameter(LoadCell("gifi-600mAh-1"), "r_s[0]"), std::nullopt);
+  Cell series = cell;
+  series.open_circuit_voltage = OpenCircuitVoltage::Polynomial(0.0, 1.0, {3.6, 0.6});
+  EXPECT_EQ(CellParameter(series, "v_oc[0]"), std::nullopt);
+}
+
+TEST(CellParameters, ANodeChangesAlone) {
+  const Cell before = WithTables();
+  for (const auto& name : CellNodeNames(before)) {
+    Cell cell = before;
+    SetCellParameter(cell, name, 0.02);
+    for (const auto& other : CellNodeNames(before))
+      EXPECT_EQ(CellParameter(cell, other), other == name ? 0.02 : *CellParameter(before, other));
+    EXPECT_EQ(cell.series_resistance_Ohm.soc, before.series_resistance_Ohm.soc);
+    EXPECT_EQ(cell.branches[0].time_constant_s, 40.0);
+  }
+  Cell cell = before;
+  SetCellParameter(cell, "v_oc[1]", 3.6);
+  EXPECT_DOUBLE_EQ(cell.open_circuit_voltage(0.2), 3.3);  // halfway from 3.0 V to 3.6 V
+  Cell smooth = before;
+  smooth.open_circuit_voltage =
+      OpenCircuitVoltage::MonotoneCubic({0.0, 0.3, 0.6, 1.0}, {3.0, 3.6, 3.8, 4.2});
+  SetCellParameter(smooth, "v_oc[3]", 4.1);
+  EXPECT_EQ(smooth.open_circuit_voltage.method(), OcvMethod::kMonotoneCubic);
+  EXPECT_EQ(smooth.open_circuit_voltage(1.0), 4.1);
+}
+
+TEST(CellParameters, NodesThatAreNotThereAreRefused) {
+  const Cell cell = WithTables();
+  EXPECT_EQ(OptionErrorOf(cell, "r_s[3]", 0.1),
+            "'r_s[3]' is no parameter of this cell: the nodes of r_s are 0 to 2");
+  EXPECT_EQ(OptionErrorOf(cell, "r_2[0]", 0.1),
+            "'r_2[0]' is no parameter of this cell: it has no table r_2");
+  EXPECT_EQ(OptionErrorOf(cell, "r_1[1]", -0.1),
+            "r_1[1]: expected a resistance of at least 0 Ohm, found -0.1");
+  EXPECT_EQ(OptionErrorOf(cell, "v_oc[0]", std::nan("")),
+            "v_oc[0]: expected a finite voltage, found nan");
+}
+
 TEST(CellParameters, EachHasItsUnit) {
   const std::pair<const char*, const char*> all[] = {{"alpha", "C"},
                                                      {"beta", "s^-1/2"},
@@ -113,7 +186,10 @@ TEST(CellParameters, EachHasItsUnit) {
                                                      {"tau_h", "s"},
                                                      {"rho_h", "Ohm/A^2"},
                                                      {"i_0", "A"},
-                                                     {"r_ct", "Ohm"}};
+                                                     {"r_ct", "Ohm"},
+                                                     {"r_s[3]", "Ohm"},
+                                                     {"r_1[0]", "Ohm"},
+                                                     {"v_oc[7]", "V"}};
   for (const auto& [name, unit] : all) EXPECT_EQ(CellParameterUnit(name), unit) << name;
 }
 

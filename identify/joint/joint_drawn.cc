@@ -1,0 +1,107 @@
+#include "identify/joint/joint_drawn.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/joint/structure_spread.h"
+#include "identify/trust/cell_uncertainty.h"
+
+namespace lipoid {
+namespace {
+
+class Nodes {
+ public:
+  Nodes(const JointResult& result, Eigen::Index rates)
+      : result_(result),
+        layout_(result.choice.best.structure),
+        rates_(rates),
+        size_(rates + layout_.size()) {}
+
+  // The cell has the nodes that rows reached, on an axis of its own alpha.
+  void AddTable(const std::string& name,
+                const Resistance<double>& in_cell,
+                int table,
+                std::vector<NamedCombination>& to) const {
+    const auto& nodes = result_.choice.best.structure.resistance_soc;
+    if (in_cell.constant() || nodes.size() == 1) return;  // among the quantities
+    const std::size_t first = First(nodes, in_cell.soc.front());
+    for (std::size_t k = 0; k < in_cell.soc.size(); ++k) {
+      Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
+      of[rates_ + table + static_cast<Eigen::Index>(first + k)] = 1.0 / result_.logs.typical_A;
+      const std::string at = fmt::format("{}({})", name, nodes[first + k]);
+      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
+                      return ValueIn(in, at, result_.logs.typical_A, result_.choice.best);
+                    })});
+    }
+  }
+
+  // The unknowns are rises: a node is the sum of those up to it.
+  void AddVoltages(std::vector<NamedCombination>& to) const {
+    const auto& nodes = result_.choice.best.structure.voltage_soc;
+    if (nodes.empty()) return;  // given
+    const auto& in_cell = result_.cell.open_circuit_voltage.soc();
+    const std::size_t first = First(nodes, in_cell.front());
+    for (std::size_t k = 0; k < in_cell.size(); ++k) {
+      Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
+      of.segment(rates_, static_cast<Eigen::Index>(first + k) + 1).setOnes();
+      to.push_back({fmt::format("v_oc[{}]", k), std::move(of), Spread([&](const auto& in) {
+                      return OpenCircuitVoltageIn(in, result_.setup.open_circuit_voltage, nodes[first + k]);
+                    })});
+    }
+  }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd Spread(
+      const std::function<double(const JointSolution&)>& value) const {
+    return SpreadOverStructures(result_.choice, value);
+  }
+
+  // The node of the fit that is the first of the cell.
+  [[nodiscard]] std::size_t First(const std::vector<double>& nodes, double cell_soc) const {
+    const double soc = 1.0 - (1.0 - cell_soc) * result_.alpha_C / result_.setup.alpha_C;
+    const auto nearer = [soc](double a, double b) { return std::abs(a - soc) < std::abs(b - soc); };
+    return static_cast<std::size_t>(std::min_element(nodes.begin(), nodes.end(), nearer) -
+                                    nodes.begin());
+  }
+
+  const JointResult& result_;
+  JointLayout layout_;
+  Eigen::Index rates_;
+  Eigen::Index size_;
+};
+
+}  // namespace
+
+std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
+                                           const std::vector<TrustedQuantity>& quantities,
+                                           Eigen::Index rates) {
+  const JointSolution& best = result.choice.best;
+  const JointLayout layout(best.structure);
+  const Nodes nodes(result, rates);
+  std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
+  if (!SocFollowsAlpha(result))
+    std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
+  nodes.AddTable("r_s", result.cell.series_resistance_Ohm, layout.series(), drawn);
+  for (int j = 0; j < best.structure.branches; ++j) {
+    nodes.AddTable(fmt::format("r_{}", j + 1),
+                   result.cell.branches[static_cast<std::size_t>(j)].resistance_Ohm,
+                   layout.branch(j),
+                   drawn);
+  }
+  if (result.cell.charge_transfer) {
+    nodes.AddTable("r_ct", result.cell.charge_transfer->resistance_Ohm, layout.transfer(), drawn);
+  }
+  nodes.AddVoltages(drawn);
+  return drawn;
+}
+
+bool SocFollowsAlpha(const JointResult& result) {
+  return !result.choice.best.structure.voltage_soc.empty() &&
+         std::all_of(result.logs.logs.begin(), result.logs.logs.end(), [](const JointLog& log) {
+           return log.delivered_C == 0.0;
+         });
+}
+
+}  // namespace lipoid

@@ -1,0 +1,88 @@
+#include "identify/fit/pulse_resistance.h"
+
+#include <gtest/gtest.h>
+
+#include "identify/identification.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
+
+// What the cell file itself says when it is simulated: rest, then a current for so long.
+double Simulated(const Cell& cell, const PulseResistance& asked) {
+  const std::vector<double> time_s{0.0, asked.after_s};
+  const std::vector<double> current_A{0.0, asked.current_A};
+  const auto voltage_V =
+      Predict(cell, time_s, current_A, Hold::kBackward, asked.soc).voltage_V;
+  return (voltage_V[0] - voltage_V[1]) / asked.current_A;
+}
+
+TEST(PulseResistance, IsThatOfTheCellFileByEitherMethod) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  const Campaign campaign = test::CampaignOf(logs);
+  for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
+    const Identification found = Identify(campaign, logs, {.method = method});
+    ASSERT_EQ(found.trust.resistance.size(), 3U);
+    double before_Ohm = 0.0;
+    for (const PulseResistance& r : found.trust.resistance) {
+      EXPECT_EQ(r.soc, 0.5);
+      // The last word on alpha moves the nodes by less than a part in a hundred thousand.
+      EXPECT_NEAR(r.resistance_Ohm, Simulated(found.cell, r), 1e-4 * r.resistance_Ohm);
+      EXPECT_GT(r.resistance_Ohm, before_Ohm);
+      before_Ohm = r.resistance_Ohm;
+      EXPECT_LT(r.low_Ohm, r.resistance_Ohm);
+      EXPECT_LT(r.high_Ohm, 1.1 * r.resistance_Ohm);
+    }
+  }
+}
+
+// Each coloured noise its own: 40 campaigns, three intervals each, those of one campaign alike.
+TEST(PulseResistance, IntervalsHoldTheTruth) {
+  const Cell truth = Truth();
+  const auto clean = test::SyntheticLogs(truth, 10.0);
+  constexpr int kSeeds = 40;
+  int held = 0;
+  double widest = 0.0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    auto logs = clean;
+    test::AddColouredNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
+    const Identification found = Identify(
+        test::CampaignOf(logs),
+        logs,
+        {.method = IdentifyMethod::kJoint,
+         .joint = {.branches = 1,
+                   .resistance_nodes = 1,
+                   .self_heating = Presence::kOff,
+                   .charge_transfer = Presence::kOff}});
+    for (const PulseResistance& r : found.trust.resistance) {
+      const double is_Ohm = Simulated(truth, r);
+      held += r.low_Ohm <= is_Ohm && is_Ohm <= r.high_Ohm ? 1 : 0;
+      widest = std::max(widest, (r.high_Ohm - r.low_Ohm) / is_Ohm);
+    }
+  }
+  EXPECT_GE(held, 0.86 * 3 * kSeeds);  // 95 %, less three standard deviations of 40 campaigns
+  EXPECT_LT(widest, 0.1);              // and they say something
+}
+
+TEST(ExpectedError, IsThatOfALogThatTookNoPart) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
+  for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
+    const Identification found = Identify(test::CampaignOf(logs), logs, {.method = method});
+    // Few unknowns and many rows: a new log is hardly harder than those that were fitted. The
+    // low-rate log is never left out, and the ends of discharges are not.
+    EXPECT_NEAR(found.expected_error.percent / found.mean_error_percent(), 1.0, 0.2);
+    EXPECT_LT(found.expected_error.low_percent, found.expected_error.percent);
+    EXPECT_GT(found.expected_error.high_percent, found.expected_error.percent);
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
