@@ -149,6 +149,7 @@ class Choosing {
       TryTerms(structure);
       if (given == 0) TryNodes();
       TryBranches();
+      if (logs_.whole) DropTerms();
       TryVoltageNodes();
     } else {
       choice_.reason =
@@ -252,6 +253,21 @@ class Choosing {
       JointStructure richer = best();
       ++richer.branches;
       if (Search(richer) != taken_) return;
+    }
+  }
+
+  // A term that was asked for beside other tables must be asked for beside these too.
+  void DropTerms() {
+    for (bool JointStructure::* term :
+         {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
+      const Presence wish = term == &JointStructure::self_heating ? options_.self_heating
+                                                                   : options_.charge_transfer;
+      if (!(best().*term) || wish != Presence::kAuto) continue;
+      JointStructure simpler = best();
+      simpler.*term = false;
+      const LeftOutErrors with = choice_.errors;
+      const std::size_t without = Search(simpler);
+      if (!IsBetter(with, choice_.tried[without].errors)) Take(without);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -66,6 +67,11 @@ const GivenParameters& Checked(const GivenParameters& given, int branches, bool 
   }
   return given;
 }
+
+// The alpha that fits best lies within so much of the charge of the low-rate log, as a logarithm.
+constexpr double kAlphaReach = 0.4;
+// A fit by another alpha is better, and not only by what smoothness and nodes make of it.
+constexpr double kClearlyBetter = 0.9;
 
 class JointRun {
  public:
@@ -189,12 +195,11 @@ class JointRun {
     }
     result_.alpha_source = "cut-off";
     // Twice: the nodes move with the gauge, and where they lie matters a little.
+    const double charge_C = alpha_C;
     JointSolution rough;
-    for (int pass = 0; pass < 2; ++pass) {
-      Tell("alpha", 0.2 + 0.05 * pass);
+    const auto search = [&] {
       Prepare(alpha_C);
       const JointObservations seen(result_.logs, result_.setup);
-      const JointFit fit(seen, known_);
       JointStructure structure;
       structure.branches = options_.branches >= 0 ? options_.branches : 1;
       structure.resistance_soc =
@@ -203,7 +208,12 @@ class JointRun {
                                                                : 1),
                  LowestSoc(alpha_C));
       structure.voltage_soc = CurveNodes();
-      rough = fit.Search(structure, 1e-3, pass == 0 ? nullptr : &rough);
+      rough = JointFit(seen, known_).Search(structure, 1e-3, rough.x.size() > 0 ? &rough : nullptr);
+      return std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
+    };
+    for (int pass = 0; pass < 2; ++pass) {
+      Tell("alpha", 0.2 + 0.05 * pass);
+      search();
       if (rough.x.size() == 0) return;
       const double next_C = alpha_C * (1.0 - Cutoff(rough).soc);
       if (!(next_C > 0.5 * alpha_C && next_C < 2.0 * alpha_C)) return;
@@ -211,7 +221,34 @@ class JointRun {
       alpha_C = next_C;
       if (change < 1e-5) break;
     }
+    // Where logs say at which state of charge they start, alpha is no gauge: it moves them against
+    // one another, and one that fits clearly better is taken.
+    if (!AllStartFull()) {
+      const double cutoff_C = alpha_C;
+      const double rmse_of_cutoff_V = search();
+      const auto rmse_at = [&](double log_ratio) {
+        alpha_C = charge_C * std::exp(log_ratio);
+        const double rmse_V = search();
+        return rough.x.size() > 0 ? rmse_V : std::numeric_limits<double>::max();
+      };
+      constexpr int kBits = 9;  // of the ratio: the cost is flat at its least
+      std::uintmax_t most = 20;
+      const auto [log_ratio, rmse_V] = boost::math::tools::brent_find_minima(
+          rmse_at, -kAlphaReach, kAlphaReach, kBits, most);
+      if (rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
+        alpha_C = charge_C * std::exp(log_ratio);
+        result_.alpha_source = "least-squares";
+      } else {
+        alpha_C = cutoff_C;
+      }
+    }
     Prepare(alpha_C);
+  }
+
+  [[nodiscard]] bool AllStartFull() const {
+    return std::all_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
+      return log.entry.initial_soc == 1.0;
+    });
   }
 
   // Where the solution's v_oc reaches the cut-off.
@@ -343,10 +380,7 @@ class JointRun {
       result_.cutoff = Cutoff(best);
       alpha_C *= 1.0 - result_.cutoff.soc;
     }
-    const bool all_full = std::all_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
-      return log.entry.initial_soc == 1.0;
-    });
-    if (all_full && alpha_C != setup.alpha_C) {
+    if (AllStartFull() && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
         for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
         return at;

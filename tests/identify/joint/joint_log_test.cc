@@ -116,5 +116,30 @@ TEST(JointLog, PiecesAreLeftOutInTurnsAndEndsNever) {
   }
 }
 
+// Four currents: each discharge is one group but for its ends, and has as many units as in pieces.
+TEST(JointLog, DischargesAtManyCurrentsAreLeftOutWhole) {
+  const Cell cell = LoadCell("gifi-600mAh-1");
+  auto logs = test::SyntheticLogs(cell, 2.0);
+  const JointLogs pieces = MakeJointLogs(logs, 1350.0, Flat(), {});
+  EXPECT_FALSE(pieces.whole);
+  logs.push_back(test::AsLog(LogKind::kConstantCurrent,
+                             test::SimulateLog(
+                                 cell, 2.0, 7200.0, [](double) { return 1.2; }, "cc_2C.csv")));
+  const JointLogs whole = MakeJointLogs(logs, 1350.0, Flat(), {});
+  EXPECT_TRUE(whole.whole);
+  EXPECT_EQ(whole.groups, 4 + 5);
+  for (std::size_t l = 0; l < whole.logs.size(); ++l) {
+    const JointLog& log = whole.logs[l];
+    if (log.kind != LogKind::kConstantCurrent) continue;
+    EXPECT_EQ(std::set<int>(log.group.begin(), log.group.end()).size(), 2U);
+    EXPECT_EQ(std::set<int>(log.unit.begin(), log.unit.end()).size(), 13U);  // twelve, and the ends
+    EXPECT_EQ(log.group.front(), JointLog::kAlways);
+    EXPECT_EQ(log.group.back(), JointLog::kAlways);
+  }
+  // The same current again is no fourth one.
+  logs.back() = logs.front();
+  EXPECT_FALSE(MakeJointLogs(logs, 1350.0, Flat(), {}).whole);
+}
+
 }  // namespace
 }  // namespace lipoid

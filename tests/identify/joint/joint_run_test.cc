@@ -282,6 +282,26 @@ TEST(JointRun, PredictsTheConstantCurrentsOfNissanAndTheirRepeats) {
   }
 }
 
+// v_oc is seen far above the cut-off only, and each pulse starts where its file says: A = 0 where a
+// straight line reaches the cut-off would make it a cell of 6.6 Ah, of which nothing fits. The
+// resistance after 10 s is that of the edges (the data's README).
+TEST(JointRun, FindsTheChargeThatBringsLogsOfManyStartsTogether) {
+  const std::tuple<const char*, double, double> cases[] = {
+      {"t00", 4.8, 0.0502}, {"t25", 4.8, 0.0362}, {"t45", 4.9, 0.0343}};
+  for (const auto& [folder, charge_Ah, after_10_s_Ohm] : cases) {
+    const auto file =
+        test::LabDataPath(std::string("lg_m50_temperatures/") + folder + "/campaign.toml");
+    LIPOID_SKIP_WITHOUT(file);
+    const Campaign campaign = ReadCampaign(file);
+    const JointResult result = IdentifyJoint(campaign, LoadCampaign(campaign));
+    EXPECT_EQ(result.alpha_source, "least-squares") << folder;
+    EXPECT_NEAR(result.alpha_C / 3600.0, charge_Ah, 0.05 * charge_Ah) << folder;
+    const TrustReport trust = AssessJoint(result);
+    EXPECT_NEAR(trust.resistance[1].resistance_Ohm, after_10_s_Ohm, 0.25 * after_10_s_Ohm)
+        << folder;
+  }
+}
+
 // Without a low-rate log the curve starts from the rests of the pulses. v_oc is fitted all the
 // same, and the truth comes back: the discharges show its shape between the rests.
 TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
