@@ -16,12 +16,14 @@ class Quantities {
   Quantities(LinearizedFit& fit,
              const JointSolution& solution,
              const GivenParameters& known,
-             double typical_A)
+             double typical_A,
+             double alpha_ratio)
       : fit_(fit),
         solution_(solution),
         known_(known),
         layout_(solution.structure),
-        typical_A_(typical_A) {}
+        typical_A_(typical_A),
+        alpha_ratio_(alpha_ratio) {}
 
   void Fill() {
     AddRate("beta", solution_.rates.beta_per_sqrt_s);
@@ -90,8 +92,9 @@ class Quantities {
     }
     NodeFinder find(nodes);
     for (const double soc : {0.2, 0.5, 0.8}) {
-      if (soc < nodes.front() || soc > nodes.back()) continue;
-      const NodeShare at = find(soc);
+      const double on_axis = 1.0 - (1.0 - soc) * alpha_ratio_;
+      if (on_axis < nodes.front() || on_axis > nodes.back()) continue;
+      const NodeShare at = find(on_axis);
       const double low = solution_.x[table + at.lower];
       const double high = solution_.x[table + at.lower + 1];
       TrustedQuantity q = fit_.Quantity(fmt::format("{}({:.1f})", name, soc),
@@ -127,6 +130,7 @@ class Quantities {
   const GivenParameters& known_;
   JointLayout layout_;
   double typical_A_;
+  double alpha_ratio_;
 };
 
 }  // namespace
@@ -161,7 +165,8 @@ Eigen::MatrixXd LinearizedFit::Project(Eigen::MatrixXd sensitivity,
 
 LinearizedFit Linearize(const Observations& seen,
                         const JointSolution& solution,
-                        const GivenParameters& known) {
+                        const GivenParameters& known,
+                        double alpha_ratio) {
   const JointLayout layout(solution.structure);
   const JointFit fit(seen, known);
   LinearizedFit all;
@@ -184,7 +189,7 @@ LinearizedFit Linearize(const Observations& seen,
   ToRises(nodes, layout.voltages());
   all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
-  Quantities(all, solution, known, seen.scales().typical_A).Fill();
+  Quantities(all, solution, known, seen.scales().typical_A, alpha_ratio).Fill();
   return all;
 }
 

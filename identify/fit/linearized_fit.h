@@ -36,8 +36,10 @@ struct LinearizedFit {
   }
 };
 
+/// Tables are asked at states of charge of a cell whose alpha is so many times that of the fit.
 [[nodiscard]] LinearizedFit Linearize(const Observations& seen,
                                       const JointSolution& solution,
-                                      const GivenParameters& known);
+                                      const GivenParameters& known,
+                                      double alpha_ratio = 1.0);
 
 }  // namespace lipoid

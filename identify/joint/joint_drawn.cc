@@ -7,6 +7,7 @@
 
 #include "identify/joint/structure_spread.h"
 #include "identify/trust/cell_uncertainty.h"
+#include "model/battery/cell_parameters.h"
 
 namespace lipoid {
 namespace {
@@ -83,16 +84,9 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
   if (!SocFollowsAlpha(result))
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
-  nodes.AddTable("r_s", result.cell.series_resistance_Ohm, layout.series(), drawn);
-  for (int j = 0; j < best.structure.branches; ++j) {
-    nodes.AddTable(fmt::format("r_{}", j + 1),
-                   result.cell.branches[static_cast<std::size_t>(j)].resistance_Ohm,
-                   layout.branch(j),
-                   drawn);
-  }
-  if (result.cell.charge_transfer) {
-    nodes.AddTable("r_ct", result.cell.charge_transfer->resistance_Ohm, layout.transfer(), drawn);
-  }
+  int t = 0;  // tables stand in the order in which a cell names its resistances
+  for (const std::string& name : CellResistanceNames(result.cell))
+    nodes.AddTable(name, *CellResistance(result.cell, name), layout.table(t++), drawn);
   nodes.AddVoltages(drawn);
   return drawn;
 }

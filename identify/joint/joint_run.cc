@@ -10,6 +10,7 @@
 #include <cmath>
 #include <exception>
 
+#include "identify/fit/cell_of_solution.h"
 #include "identify/validation.h"
 #include "model/core/errors.h"
 
@@ -255,37 +256,14 @@ class JointRun {
   [[nodiscard]] CutoffPoint Cutoff(const JointSolution& solution) const {
     const auto& nodes = solution.structure.voltage_soc;
     const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
-    const std::size_t first = Reached(nodes, soc, 2).first;
-    const OpenCircuitVoltage curve = Curve(solution, soc);
+    const ReachedSoc reached{soc.lowest, soc.highest};
+    const std::size_t first = reached.Of(nodes, 2).first;
+    const OpenCircuitVoltage curve =
+        CurveOf(solution, result_.setup.open_circuit_voltage, reached);
     CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), *campaign_.cutoff_V);
     point.lower += first;
     point.upper += first;
     return point;
-  }
-
-  // The nodes that rows reached, and one on either side.
-  [[nodiscard]] OpenCircuitVoltage Curve(const JointSolution& solution,
-                                         const SocTrace& soc) const {
-    const auto& nodes = solution.structure.voltage_soc;
-    const auto [first, last] = Reached(nodes, soc, 2);
-    std::vector<double> at;
-    std::vector<double> voltage_V;
-    for (std::size_t k = first; k <= last; ++k) {
-      at.push_back(nodes[k]);
-      voltage_V.push_back(result_.setup.open_circuit_voltage(nodes[k]) +
-                          solution.x[static_cast<Eigen::Index>(k)]);
-    }
-    return OpenCircuitVoltage::Linear(std::move(at), std::move(voltage_V));
-  }
-
-  static std::pair<std::size_t, std::size_t> Reached(const std::vector<double>& nodes,
-                                                     const SocTrace& soc,
-                                                     std::size_t least) {
-    std::size_t first = 0;
-    std::size_t last = nodes.size() - 1;
-    while (first + least <= last && nodes[first + 1] <= soc.lowest) ++first;
-    while (first + least <= last && nodes[last - 1] >= soc.highest) --last;
-    return {first, last};
   }
 
   void Fit() {
@@ -328,52 +306,16 @@ class JointRun {
     if (again.x.size() > 0) best = std::move(again);
   }
 
-  Resistance<double> Table(const JointSolution& solution, int table, const SocTrace& soc) const {
-    const auto& nodes = solution.structure.resistance_soc;
-    const double per_A = 1.0 / result_.logs.typical_A;
-    if (nodes.size() == 1) return {solution.x[table] * per_A};
-    const auto [first, last] = Reached(nodes, soc, 1);
-    std::vector<double> at;
-    std::vector<double> resistance_Ohm;
-    for (std::size_t k = first; k <= last; ++k) {
-      at.push_back(nodes[k]);
-      resistance_Ohm.push_back(solution.x[table + static_cast<int>(k)] * per_A);
-    }
-    return {std::move(at), std::move(resistance_Ohm)};
-  }
-
   void MakeCell() {
     const JointSolution& best = result_.choice.best;
-    const JointLayout layout(best.structure);
     const JointSetup& setup = result_.setup;
     const SocTrace soc = TraceSoc(result_.logs, setup, best.rates.beta_per_sqrt_s);
+    const ReachedSoc reached{soc.lowest, soc.highest};
     Cell& cell = result_.cell;
     cell = result_.staged.cell;  // name, pack, cut-off
-    cell.branches.clear();
-    if (!curve_given_) {
-      cell.open_circuit_voltage = Curve(best, soc);
-    }
-    cell.series_resistance_Ohm = Table(best, layout.series(), soc);
-    for (int j = 0; j < best.structure.branches; ++j) {
-      Cell::Branch branch;
-      branch.resistance_Ohm = Table(best, layout.branch(j), soc);
-      branch.time_constant_s = best.rates.time_constant_s[j];
-      const double r = branch.resistance_Ohm.resistance_Ohm[0];
-      if (branch.resistance_Ohm.constant() && r > 0.0)
-        branch.capacitance_F = branch.time_constant_s / r;
-      cell.branches.push_back(std::move(branch));
-    }
-    const double per_A = 1.0 / result_.logs.typical_A;
-    if (best.structure.charge_transfer) {
-      cell.charge_transfer =
-          Cell::ChargeTransfer{.current_A = best.rates.charge_transfer_A,
-                               .resistance_Ohm = Table(best, layout.transfer(), soc)};
-    }
-    if (best.structure.self_heating) {
-      cell.self_heating = Cell::SelfHeating{
-          .time_constant_s = best.rates.heating_time_constant_s,
-          .resistance_drop_Ohm_per_A2 = best.x[layout.heating()] * per_A * per_A * per_A};
-    }
+    if (!curve_given_)
+      cell.open_circuit_voltage = CurveOf(best, setup.open_circuit_voltage, reached);
+    PutInto(cell, best, result_.logs.typical_A, reached);
     // Every log that starts full is the same in any gauge: the last word on alpha costs nothing.
     double alpha_C = setup.alpha_C;
     if (result_.alpha_source == "cut-off") {

@@ -1,29 +1,19 @@
 #include "identify/joint/structure_spread.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
+#include "identify/fit/cell_of_solution.h"
+#include "model/battery/cell_parameters.h"
+
 namespace lipoid {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-double TableAt(const JointSolution& solution, int table, double soc) {
-  const auto& nodes = solution.structure.resistance_soc;
-  if (nodes.size() == 1) return solution.x[table];
-  NodeShare at = NodeFinder(nodes)(soc);
-  at.share = std::clamp(at.share, 0.0, 1.0);
-  return (1.0 - at.share) * solution.x[table + at.lower] +
-         at.share * solution.x[table + at.lower + 1];
-}
-
-double TableMean(const JointSolution& solution, int table) {
-  double sum = 0.0;
-  for (const double soc : {0.2, 0.5, 0.8}) sum += TableAt(solution, table, soc) / 3.0;
-  return sum;
-}
 
 // The branch whose time constant is nearest to one of another solution; -1: there is none.
 int BranchNear(const JointSolution& solution, double tau_s) {
@@ -44,44 +34,41 @@ int BranchNear(const JointSolution& solution, double tau_s) {
 double ValueIn(const JointSolution& solution,
                const std::string& name,
                double typical_A,
-               const JointSolution& taken) {
+               const JointSolution& taken,
+               double alpha_ratio) {
   if (solution.x.size() == 0) return kNaN;
-  const JointLayout layout(solution.structure);
-  const JointRates& rates = solution.rates;
-  if (name == "beta") return rates.beta_per_sqrt_s;
-  if (name == "tau_h") return rates.heating_time_constant_s;
-  if (name == "i_0") return rates.charge_transfer_A;
-  if (name == "rho_h") {
-    return solution.structure.self_heating ? solution.x[layout.heating()] / std::pow(typical_A, 3)
-                                           : kNaN;
-  }
+  Cell cell;
+  cell.diffusion = Cell::Diffusion{};
+  PutInto(cell, solution, typical_A);
   const std::size_t bracket = name.find('(');
-  const std::string what = name.substr(0, bracket);
-  const double soc =
-      bracket == std::string::npos ? kNaN : std::strtod(name.c_str() + bracket + 1, nullptr);
-  const auto ohms = [&](int table) {
-    return (std::isnan(soc) ? TableMean(solution, table) : TableAt(solution, table, soc)) /
-           typical_A;
+  std::string what = name.substr(0, bracket);
+  if (what == "alpha") return kNaN;
+  if (const auto known = FindCellParameter(what); known && known->kind->of_branch) {
+    if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
+    const int j = BranchNear(solution, taken.rates.time_constant_s[known->branch]);
+    if (j < 0) return kNaN;
+    what = fmt::format("{}_{}", known->kind->symbol, j + 1);
+  }
+  // A table where one number is asked for: its mean.
+  std::vector<double> soc{0.2, 0.5, 0.8};
+  if (bracket != std::string::npos) {
+    soc = {1.0 - (1.0 - std::strtod(name.c_str() + bracket + 1, nullptr)) * alpha_ratio};
+  }
+  const auto mean = [&](const Resistance<double>& r) {
+    double sum = 0.0;
+    for (const double a : soc) sum += r(a) / static_cast<double>(soc.size());
+    return sum;
   };
   if (what == "r_total") {
     double sum = 0.0;
-    for (int t = 0; t < layout.tables(); ++t) sum += ohms(layout.table(t));
+    for (const std::string& one : CellResistanceNames(cell)) sum += mean(*CellResistance(cell, one));
     return sum;
   }
-  if (what == "r_s") return ohms(layout.series());
-  if (what == "r_ct") return solution.structure.charge_transfer ? ohms(layout.transfer()) : kNaN;
-  const std::size_t line = what.find('_');
-  if (line == std::string::npos) return kNaN;
-  const int of_taken = std::atoi(what.c_str() + line + 1) - 1;
-  if (of_taken < 0 || of_taken >= taken.structure.branches) return kNaN;
-  const int j =
-      BranchNear(solution, taken.rates.time_constant_s[static_cast<std::size_t>(of_taken)]);
-  if (j < 0) return kNaN;
-  const double tau_s = rates.time_constant_s[static_cast<std::size_t>(j)];
-  if (what.rfind("tau_", 0) == 0) return tau_s;
-  if (what.rfind("r_", 0) == 0) return ohms(layout.branch(j));
-  if (what.rfind("c_", 0) == 0) return tau_s / ohms(layout.branch(j));
-  return kNaN;
+  if (const Resistance<double>* r = CellResistance(cell, what)) return mean(*r);
+  if (const auto value = CellParameter(cell, what)) return *value;
+  if (!what.starts_with("c_")) return kNaN;
+  const std::string number = what.substr(2);
+  return *CellParameter(cell, "tau_" + number) / mean(*CellResistance(cell, "r_" + number));
 }
 
 double OpenCircuitVoltageIn(const JointSolution& solution,

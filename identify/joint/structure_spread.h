@@ -25,11 +25,13 @@ namespace lipoid {
 /// Branches are counted as in the solution that was `taken`; in another one the branch with the
 /// nearest time constant stands for it. A constant stands for its value at every state of
 /// charge; what a table says of a constant is its mean at 0.2, 0.5 and 0.8. NaN where the solution
-/// has no such quantity.
+/// has no such quantity. States of charge are those of a cell whose alpha is so many times that of the
+/// fit.
 [[nodiscard]] double ValueIn(const JointSolution& solution,
                              const std::string& name,
                              double typical_A,
-                             const JointSolution& taken);
+                             const JointSolution& taken,
+                             double alpha_ratio = 1.0);
 
 /// v_oc at a state of charge; `reference` is that of the fit. NaN where the curve was given.
 [[nodiscard]] double OpenCircuitVoltageIn(const JointSolution& solution,

@@ -232,6 +232,17 @@ bool CellParameterKind::Holds(double value) const {
   return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value <= upper;
 }
 
+std::vector<std::string> CellResistanceNames(const Cell& cell) {
+  std::vector<std::string> names{"r_s"};
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) names.push_back(fmt::format("r_{}", j + 1));
+  if (cell.charge_transfer) names.emplace_back("r_ct");
+  return names;
+}
+
+const Resistance<double>* CellResistance(const Cell& cell, std::string_view name) {
+  return FindResistance(cell, name);
+}
+
 std::optional<CellParameterName> FindCellParameter(std::string_view name) {
   const Found found = Find(name);
   if (found.row == nullptr) return std::nullopt;

@@ -48,6 +48,12 @@ struct CellParameterName {
 /// ... They are parameters as the others are (V for v_oc), where it says so below.
 [[nodiscard]] std::vector<std::string> CellNodeNames(const Cell& cell);
 
+/// The resistances this cell has, constant or not: r_s, r_1, ..., r_ct.
+[[nodiscard]] std::vector<std::string> CellResistanceNames(const Cell& cell);
+
+/// The resistance of that name; null where the cell has none.
+[[nodiscard]] const Resistance<double>* CellResistance(const Cell& cell, std::string_view name);
+
 /// The value, or none where the cell has no such parameter or node.
 [[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
 

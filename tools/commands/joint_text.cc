@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/battery/cell_parameters.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/trust_text.h"
@@ -64,19 +65,12 @@ std::string FoundText(const JointResult& result) {
                   Significant(result.alpha_C, 6),
                   result.alpha_source == "cut-off" ? "A = 0 where v_oc is the cut-off"
                                                    : result.alpha_source));
-  if (cell.diffusion) row("beta / s^-1/2", Significant(cell.diffusion->beta_per_sqrt_s, 5));
-  row("r_s / Ohm", RangeText(cell.series_resistance_Ohm));
-  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
-    row(fmt::format("r_{} / Ohm", j + 1), RangeText(cell.branches[j].resistance_Ohm));
-    row(fmt::format("tau_{} / s", j + 1), Significant(cell.branches[j].time_constant_s, 5));
-  }
-  if (cell.charge_transfer) {
-    row("r_ct / Ohm", RangeText(cell.charge_transfer->resistance_Ohm));
-    row("i_0 / A", Significant(cell.charge_transfer->current_A, 4));
-  }
-  if (cell.self_heating) {
-    row("rho_h / Ohm A^-2", Significant(cell.self_heating->resistance_drop_Ohm_per_A2, 4));
-    row("tau_h / s", Significant(cell.self_heating->time_constant_s, 4));
+  for (const std::string& name : CellResistanceNames(cell))
+    row(name + " / Ohm", RangeText(*CellResistance(cell, name)));
+  for (const std::string& name : CellParameterNames(cell)) {
+    if (name == "alpha" || name.starts_with("c_") || CellResistance(cell, name) != nullptr) continue;
+    row(fmt::format("{} / {}", name, CellParameterUnit(name)),
+        Significant(*CellParameter(cell, name), 5));
   }
   row("v_oc(A)",
       fmt::format("{} nodes, {} .. {} V",
