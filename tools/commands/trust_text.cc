@@ -22,16 +22,41 @@ std::string VerdictText(const QuantityTrust& quantity) {
   return "only with " + names;
 }
 
+namespace {
+
+// Down to a tenth of the error: the ends of a narrow interval must not look alike.
+int Digits(double estimate, double error) {
+  const double share = std::abs(estimate) / error;
+  if (!std::isfinite(share)) return 5;
+  return std::clamp(static_cast<int>(std::log10(std::max(share, 1.0))) + 2, 4, 9);
+}
+
+// An end that is nowhere is said as such, not as a missing number.
+std::string End(double value, int digits) {
+  return std::isinf(value) ? std::string("unknown") : Significant(value, digits);
+}
+
+}  // namespace
+
 std::string KnownText(const Identification& found) {
   cli::TextTable table({{"what the logs know", Align::kLeft},
                         {"value"},
                         {"95 % from"},
                         {"to"},
                         {"unit", Align::kLeft}});
-  const auto end = [](double value) {
-    return std::isfinite(value) ? Significant(value, 3) : std::string("unknown");
+  const auto row = [&](const std::string& what,
+                       double value,
+                       double low,
+                       double high,
+                       const std::string& unit) {
+    const int digits = Digits(value, 0.5 * std::max(high - value, value - low));
+    table.Row({"   " + what,
+               Significant(value, std::min(digits, 6)),
+               std::isnan(low) ? "-" : End(low, digits),
+               std::isnan(high) ? "-" : End(high, digits),
+               unit});
   };
-  const double per_Ah = 1.0 / 3600.0;
+  constexpr double kAhPerC = 1.0 / 3600.0;
   const double alpha_C = found.joint ? found.joint->alpha_C : found.staged->alpha_C;
   double low_C = std::numeric_limits<double>::quiet_NaN();
   double high_C = low_C;
@@ -40,26 +65,23 @@ std::string KnownText(const Identification& found) {
     low_C = q.low;
     high_C = q.high;
   }
-  const auto charge = [&](double value_C) {
-    return std::isfinite(value_C) ? Significant(value_C * per_Ah, 4) : std::string("-");
-  };
-  table.Row({"   charge alpha", charge(alpha_C), charge(low_C), charge(high_C), "Ah"});
+  row("charge alpha", kAhPerC * alpha_C, kAhPerC * low_C, kAhPerC * high_C, "Ah");
   for (const PulseResistance& r : found.trust.resistance) {
-    table.Row({fmt::format("   resistance at half charge after {} s of {} A",
-                           fmt::format("{:g}", r.after_s),
-                           Significant(r.current_A, 3)),
-               Significant(1e3 * r.resistance_Ohm, 4),
-               end(1e3 * r.low_Ohm),
-               end(1e3 * r.high_Ohm),
-               "mOhm"});
+    row(fmt::format("resistance at half charge after {:g} s of {} A",
+                    r.after_s,
+                    Significant(r.current_A, 3)),
+        1e3 * r.resistance_Ohm,
+        1e3 * r.low_Ohm,
+        1e3 * r.high_Ohm,
+        "mOhm");
   }
   const ExpectedError& error = found.expected_error;
   if (std::isfinite(error.percent)) {
-    table.Row({"   mean error to expect of new logs of these kinds",
-               Significant(error.percent, 2),
-               end(error.low_percent),
-               end(error.high_percent),
-               "%"});
+    row("mean error to expect of new logs of these kinds",
+        error.percent,
+        error.low_percent,
+        error.high_percent,
+        "%");
   }
   return table.Text();
 }
@@ -73,20 +95,13 @@ std::string TrustText(const TrustReport& report, const std::string& exact) {
                         {"to"},
                         {"unit", Align::kLeft},
                         {"verdict", Align::kLeft}});
-  // An end that is nowhere is said as such, not as a missing number.
-  const auto end = [](double value, int digits) {
-    return std::isinf(value) ? std::string("unknown") : Significant(value, digits);
-  };
   for (const auto& q : report.quantities) {
-    // Down to a tenth of the standard error: the ends of a narrow interval must not look alike.
-    int digits = 5;
-    if (const double share = std::abs(q.estimate) / q.standard_error; std::isfinite(share))
-      digits = std::clamp(static_cast<int>(std::log10(std::max(share, 1.0))) + 2, 4, 9);
+    const int digits = Digits(q.estimate, q.standard_error);
     table.Row({"   " + q.name,
                Significant(q.estimate, digits),
                std::isinf(q.standard_error) ? "unknown" : Significant(q.standard_error, 2),
-               end(q.low, digits),
-               end(q.high, digits),
+               End(q.low, digits),
+               End(q.high, digits),
                q.unit,
                VerdictText(q)});
   }
