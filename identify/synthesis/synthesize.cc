@@ -13,6 +13,7 @@
 
 #include "identify/synthesis/decimal_step.h"
 #include "model/battery/cell_file.h"
+#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
@@ -217,7 +218,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
     written.push_back({name, 0, text.size()});
   };
   add("campaign.toml", CampaignToToml(CampaignOf(cell, plans, options.hold)));
-  add("truth.json", CellToJson(truth).dump(2) + "\n");
+  add("truth.json", JsonText(CellToJson(truth)));
   for (const auto& log : logs) log->Commit();
   for (const auto& other : others) other->Commit();
   made.Keep();

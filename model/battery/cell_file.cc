@@ -10,6 +10,7 @@
 #include "generated/shipped_cells.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_parameters.h"
+#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 
@@ -363,7 +364,7 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
         Require(std::isfinite(entry), "a finite covariance", {{"covariance", entry}});
     }
   }
-  WriteFileAtomically(file, CellToJson(cell).dump(2) + "\n");
+  WriteFileAtomically(file, JsonText(CellToJson(cell)));
 }
 
 std::vector<std::string> ShippedCellNames() {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
@@ -73,7 +74,7 @@ std::string SummaryText(const std::string& command,
     json.update(results);
   }
   // Names of files may be anything but UTF-8: JSON must not.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return JsonText(json);
 }
 
 // Data reach standard output whole. A reader who left early had enough; a full disk is an error.

@@ -1,6 +1,7 @@
 // lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
 #include "identify/gains/gain_design.h"
 #include "model/control/gains.h"
+#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
@@ -212,7 +213,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     Gains gains = start;
     gains.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
     (altitude ? gains.altitude : gains.attitude) = result.gains;
-    WriteFileAtomically(output, GainsToJson(gains).dump(2) + "\n");
+    WriteFileAtomically(output, JsonText(GainsToJson(gains)));
   }
   return result.optimization.usable() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
