@@ -52,6 +52,19 @@ Json Summary(const FlightResult& flight) {
   return summary;
 }
 
+// Above the voltage at rest it would land before it took off.
+void CheckLandingVoltage(const FlightSetup& setup) {
+  const double full_V =
+      setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
+                 : setup.xi * setup.vehicle.nominal_voltage_V;
+  if (setup.land_below_V < full_V) return;
+  throw OptionError(fmt::format(
+      "option --land-below-V: {:g} V is not below the {:.4g} V that the battery has at rest when it "
+      "takes off; give less",
+      setup.land_below_V,
+      full_V));
+}
+
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
   cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}});
   const auto row = [&](std::string what, std::string value, std::string unit) {
@@ -170,6 +183,10 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
             "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
             "mambo-thesis on an ideal source)");
   line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Text("controller",
+            setup.controller.law,
+            "NAME",
+            "inversion, or another of `lipoid list controllers` (default inversion)");
   line.Flag("compensate", setup.controller.compensate, "commands use the measured voltage (5.52)");
   line.Flag("estimate",
             setup.estimate,
@@ -235,6 +252,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.xi = xi.value_or(1.0);
   if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
   setup.vehicle = LoadVehicle(vehicle_name);
+  CheckLandingVoltage(setup);
+  (void)FindControlLaw(setup.controller.law);  // before anything is computed
   setup.gains = LoadGains(gains_name);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);

@@ -26,10 +26,14 @@
 namespace lipoid {
 namespace {
 
-std::string IdentificationText(const Campaign& campaign, const Identification& found) {
-  std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
+std::string IdentificationText(const Campaign& campaign,
+                               const Identification& found,
+                               bool verbose) {
+  std::string text = fmt::format(
+      "{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.quality.Sentence());
   text += KnownText(found) + "\n";
-  text += found.joint ? JointReport(*found.joint, found.trust) : IdentifyReport(*found.staged);
+  text += found.joint ? JointReport(*found.joint, found.trust, verbose)
+                      : IdentifyReport(*found.staged, verbose);
   if (!found.not_drawn.empty()) {
     text += fmt::format(
         "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction "
@@ -121,25 +125,27 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::string residuals;
   std::string truth_file;
   std::vector<std::string> profile_texts;
+  bool verbose = false;
 
   line.Describe(
-      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. "
-      "Staged, the thesis' method: discharge times give alpha and beta, a low-rate discharge "
-      "v_oc(A), pulses beta again with r_s and the branches. Joint: one fit of all logs, with "
-      "resistances over the state of charge where the data ask for them. What is missing is done "
-      "otherwise, and said. Several campaigns give one cell file each, in a folder, and a table of "
-      "their spread.",
+      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. The "
+      "joint method, the default, is one fit of all logs, with resistances over the state of charge "
+      "where the data ask for them. The staged method is that of the thesis: discharge times give "
+      "alpha and beta, a low-rate discharge gives v_oc(A), and pulses give beta again with r_s and "
+      "the branches. Where a kind of log is missing, the report says what was done instead. The "
+      "first line says how well the cell predicts its own logs; a cell that does not describe them "
+      "ends with exit code 1. Several campaigns give one cell file each, in a folder, and a table "
+      "of their spread.",
       "lipoid identify campaign.toml -o cell.json");
   line.Example(
       "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
-      "--cutoff-V 3.0 -o "
-      "cell.json");
-  line.Example("lipoid identify campaign.toml --method joint -o cell.json");
+      "--cutoff-V 3.0 -o cell.json");
+  line.Example("lipoid identify campaign.toml --method staged -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
   line.Arguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option("method", options.method, Names{}, "stage by stage, or all logs at once");
+  line.Option("method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
   staged.AddTo(line);
   line.OutputOption("residuals",
                     residuals,
@@ -150,6 +156,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
              profile_texts,
              "NAME,...",
              "hold each of these at values around its estimate, refit the others, show the errors");
+  line.Flag("verbose",
+            verbose,
+            "print also the structures that were tried, or each stage, and what they found");
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
   line.Group("joint", options.joint);
@@ -190,6 +199,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (!truth_file.empty()) truth = LoadCell(truth_file);
 
   bool converged = true;
+  bool usable = true;
   Json cells = Json::array();
   std::vector<Cell> found;
   std::vector<double> mean_errors;
@@ -207,6 +217,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };
     Identification result = Identify(campaign, logs, options, tell);
+    for (std::size_t n = NotesOnLogs(logs).size(); n < result.log_notes.size(); ++n)
+      line.Message("{}", result.log_notes[n]);
     const Json report = IdentificationToJson(result);
     line.progress().Update(share(0.95), "writing");
     RunRecord run;
@@ -224,13 +236,14 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
+    usable = usable && result.usable();
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
     entry.update(report);
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
-    line.Print("{}", IdentificationText(campaign, result));
+    line.Print("{}", IdentificationText(campaign, result, verbose));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
       line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
@@ -253,7 +266,12 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   }
   if (!converged)
     line.Message("not converged: the cell file says so; see `message` in its metrics");
-  return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+  if (!usable && converged) {
+    line.Message(
+        "the cell does not describe its own logs (first line); look at the cut-off, the capacity, "
+        "the kinds and where each log starts, then run it again");
+  }
+  return usable ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

@@ -1,6 +1,8 @@
 // lipoid plan CELL: what an experiment would tell, before the lab is booked.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "identify/trust/experiment_plan.h"
 #include "identify/trust/trust_report.h"
 #include "model/battery/cell_file.h"
@@ -60,6 +62,8 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   const auto rates = rate_C.empty() ? std::vector<double>{HighestSuitableRate(cell)}
                                     : ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
   const auto samplings = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
+  const double shortest_s = *std::min_element(samplings.begin(), samplings.end());
+  const Cell seen = AsSampled(cell, shortest_s);
   const std::size_t variations = pulses.size() * rests.size() * rates.size() * samplings.size();
   if (variations > kMostVariations) {
     throw OptionError(fmt::format(
@@ -81,7 +85,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
           options.pulse_s = pulse;
           options.rest_s = rest;
           options.sampling_s = sampling;
-          const PlannedExperiment plan = PlanExperiment(cell, options, noise);
+          const PlannedExperiment plan = PlanExperiment(seen, options, noise);
           std::vector<std::string> cells{cli::Significant(rate, 3),
                                          cli::Significant(pulse, 3),
                                          cli::Significant(rest, 4),
@@ -117,7 +121,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       }
     }
   }
-  const auto left_out = LeftOutOfPlan(cell);
+  const auto left_out = LeftOutOfPlan(cell, shortest_s);
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
              table->Text());
   if (variations == 1) line.Print("{}\n\n", advice);

@@ -83,7 +83,8 @@ std::vector<Campaign> StagedArguments::Campaigns(const cli::CommandLine& line,
               "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
   }
   if (!by_options) {
-    for (const char* option : {"cutoff-V",
+    for (const char* option : {"columns",
+                               "cutoff-V",
                                "capacity-Ah",
                                "name",
                                "series",
