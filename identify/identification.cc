@@ -1,5 +1,7 @@
 #include "identify/identification.h"
 
+#include <nlohmann/json.hpp>
+
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"

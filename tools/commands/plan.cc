@@ -1,6 +1,8 @@
 // lipoid plan CELL: what an experiment would tell, before the lab is booked.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "identify/trust/experiment_plan.h"
 #include "identify/trust/trust_report.h"
 #include "model/battery/cell_file.h"

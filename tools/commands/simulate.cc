@@ -1,5 +1,7 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
+#include <nlohmann/json.hpp>
+
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
