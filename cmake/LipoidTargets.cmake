@@ -51,6 +51,6 @@ function(lipoid_library name)
   install(
     TARGETS lipoid_${name}
     EXPORT lipoid-targets
-    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-    FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lipoid")
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development
+    FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lipoid" COMPONENT development)
 endfunction()
