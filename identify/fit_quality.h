@@ -16,6 +16,7 @@
 #include "identify/constant_current_validation.h"
 #include "identify/validation.h"
 #include "model/battery/cell.h"
+#include "model/core/json.h"
 
 namespace lipoid {
 

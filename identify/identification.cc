@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"

@@ -1,5 +1,7 @@
 #include "identify/joint/joint_report.h"
 
+#include <nlohmann/json.hpp>
+
 #include "identify/stages/staged_report.h"
 #include "identify/trust/trust_report.h"
 

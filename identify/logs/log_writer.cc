@@ -1,6 +1,8 @@
 #include "identify/logs/log_writer.h"
 
 #include <cstddef>
+#include <string>
+#include <string_view>
 
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
@@ -14,8 +16,9 @@ void WriteLog(const Record& record, const std::string& file, LogFileFormat forma
           "columns of equal length");
   std::string header = format == LogFileFormat::kBdf ? "Test Time / s,Current / A,Voltage / V"
                                                      : "time_s,current_A,voltage_V";
-  if (has_temperature)
-    header += format == LogFileFormat::kBdf ? ",Temperature T1 / degC" : ",temperature_degC";
+  const std::string_view temperature =
+      format == LogFileFormat::kBdf ? ",Temperature T1 / degC" : ",temperature_degC";
+  if (has_temperature) header += temperature;
   CsvWriter csv(file, header);
   for (std::size_t k = 0; k < record.size(); ++k) {
     const double i_A =

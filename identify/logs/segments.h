@@ -10,9 +10,10 @@
 /// segment together; the few rows of a slow edge belong to the level they lead to.
 ///
 ///   rest              no current
-///   pulse             a level next to a rest, short against the record and moving a part of its
-///   charge constant-current  any other level that is held varying           no level is held, or
-///   one step in a row of steps without rests
+///   pulse             a level next to a rest, short against the record and moving a part of
+///                     its charge
+///   constant-current  any other level that is held
+///   varying           no level is held, or one step in a row of steps without rests
 ///
 /// Linear in the number of rows. Tests: tests/identify/logs/segments_test.cc.
 

@@ -5,6 +5,7 @@
 /// studies.h; each is a file of its own. Tests: tests/identify/studies/.
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>

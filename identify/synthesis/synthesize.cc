@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "identify/synthesis/decimal_step.h"
@@ -209,8 +210,9 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
       tbb::simple_partitioner{});
 
   Cell truth = cell;
-  truth.run = run.ToJson();
-  truth.run["protocol"] = protocol.name;
+  Json origin = run.ToJson();
+  origin["protocol"] = protocol.name;
+  truth.run = std::make_shared<const Json>(std::move(origin));
   std::vector<std::unique_ptr<AtomicFile>> others;
   const auto add = [&](const std::string& name, const std::string& text) {
     others.push_back(std::make_unique<AtomicFile>(path(name)));

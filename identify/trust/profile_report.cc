@@ -1,5 +1,7 @@
 #include "identify/trust/profile_report.h"
 
+#include <nlohmann/json.hpp>
+
 namespace lipoid {
 
 Json ProfilesToJson(const std::vector<Profile>& profiles) {

@@ -1,5 +1,7 @@
 #include "identify/trust/trust_report.h"
 
+#include <nlohmann/json.hpp>
+
 #include "model/core/options.h"
 
 namespace lipoid {

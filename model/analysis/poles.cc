@@ -21,9 +21,9 @@ constexpr double kHeight_m = 10.0;  // clear of the ground
 template <class T>
 using ClosedLoopState = std::array<T, kClosedLoopStates>;
 
-template <class Matrix>
-Poles SortedEigenvalues(const Matrix& matrix) {
-  const Eigen::EigenSolver<Matrix> solver(matrix, /*computeEigenvectors=*/false);
+// One solver for matrices of all sizes: it takes long to compile.
+Poles SortedEigenvalues(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, /*computeEigenvectors=*/false);
   Poles poles(solver.eigenvalues().begin(), solver.eigenvalues().end());
   std::sort(poles.begin(), poles.end(), [](const auto& a, const auto& b) {
     return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();

@@ -6,6 +6,7 @@
 /// The numbers are those of one cell; series and parallel say how many make the pack that is used.
 /// Tests: tests/model/battery/cell_file_test.cc.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,7 +58,8 @@ struct Cell {
   std::optional<SelfHeating> self_heating;        ///< none: r_s does not know the current's past
   std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
   std::optional<Uncertainty> uncertainty;         ///< none: nothing is known of it
-  Json run = Json::object();                      ///< how it was made; see RunRecord
+  /// How it was made, an object (see RunRecord); copies of the cell share it. None: it is not known.
+  std::shared_ptr<const Json> run;
 
   /// Charge from A = 1 to A = 0 at vanishing rate.
   [[nodiscard]] double alpha_C() const {

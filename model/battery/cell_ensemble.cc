@@ -70,7 +70,7 @@ class Drawing {
     const Cell::Uncertainty& uncertainty = *cell.uncertainty;
     freedom_ = uncertainty.degrees_of_freedom;
     soc_follows_alpha_ = uncertainty.soc_follows_alpha;
-    base_.run = Json::object();
+    base_.run.reset();
     base_.uncertainty.reset();
     covariance_ = AsMatrix(uncertainty.covariance);
     estimate_.resize(covariance_.rows());

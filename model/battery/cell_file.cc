@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "generated/shipped_cells.h"
 #include "model/battery/cell_ensemble.h"
@@ -273,7 +274,7 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     cell.charge_transfer = ReadChargeTransfer(*term);
   if (const auto run = json.Find("run")) {
     if (!run->IsObject()) run->Fail("an object");
-    cell.run = document.at("run");
+    cell.run = std::make_shared<const Json>(document.at("run"));
   }
   if (const auto uncertainty = json.Find("uncertainty"))
     cell.uncertainty = ReadUncertainty(*uncertainty, cell);
@@ -320,7 +321,7 @@ Json CellToJson(const Cell& cell) {
     json["charge_transfer"] = {{"current_A", term->current_A},
                                {"resistance_Ohm", ResistanceToJson(term->resistance_Ohm)}};
   }
-  json["run"] = cell.run;
+  json["run"] = cell.run ? *cell.run : Json::object();
   if (const auto& uncertainty = cell.uncertainty) {  // last: long, and not for people
     json["uncertainty"] = {{"parameters", uncertainty->parameters},
                            {"covariance", uncertainty->covariance},

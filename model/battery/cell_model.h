@@ -26,7 +26,6 @@
 /// takes r_j at the A with which it starts. Symbols: docs/notation.md. Tests:
 /// tests/model/battery/cell_model_test.cc.
 
-#include <boost/math/special_functions/trigamma.hpp>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -40,7 +39,7 @@
 namespace lipoid {
 
 /// sum_{m > terms} 1/m², the share of pi²/6 that M terms leave out (4.41).
-inline double TailSum(int terms) { return boost::math::trigamma(terms + 1.0); }
+[[nodiscard]] double TailSum(int terms);
 
 template <class T>
 struct CellParameters {

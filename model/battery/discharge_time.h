@@ -3,9 +3,9 @@
 /// @file
 /// How long a full cell lasts at constant current by the diffusion model.
 ///
-///   alpha = I [L + U(L)],  U(L) = 2 sum_k (1 - e^{-beta² k² L})/(beta² k²)    (4.37) at constant
-///   current alpha = I [L + pi²/(3 beta²)]                                             (4.40), its
-///   limit for beta² L >> 1
+///   alpha = I [L + U(L)],  U(L) = 2 sum_k (1 - e^{-beta² k² L})/(beta² k²)
+///                                          (4.37) at constant current
+///   alpha = I [L + pi²/(3 beta²)]          (4.40), its limit for beta² L >> 1
 ///
 /// Tests: tests/model/battery/discharge_time_test.cc.
 

@@ -3,8 +3,9 @@
 /// @file
 /// Walks a cell along the rows of a log, whatever their sampling.
 ///
-///   backward   the current of row k flowed over (t[k-1], t[k]], as cyclers log; row 0 moves no
-///   charge forward    the current of row k flows until row k+1, the thesis' (4.46)
+///   backward   the current of row k flowed over (t[k-1], t[k]], as cyclers log;
+///              row 0 moves no charge
+///   forward    the current of row k flows until row k+1, the thesis' (4.46)
 ///
 /// The state after row k is that at t[k]; the voltage of row k is the one at t[k] with the current
 /// of row k. Rows may come in any number of pieces: the stepper remembers the last one. Tests:

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -203,6 +204,10 @@ std::size_t JsonReader::Size() const {
   if (!value_->is_array()) Fail("a list");
   return value_->size();
 }
+
+bool JsonReader::IsNull() const { return value_->is_null(); }
+bool JsonReader::IsObject() const { return value_->is_object(); }
+bool JsonReader::IsNumber() const { return value_->is_number(); }
 
 double JsonReader::Number(double lo, double hi) const {
   if (!value_->is_number()) Fail("a number");

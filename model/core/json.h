@@ -4,10 +4,11 @@
 /// JSON, strictly: a syntax error or a repeated key has a line and a column, a value of the wrong
 /// type has its pointer (/diffusion/beta_per_sqrt_s), an unknown key is an error that lists the
 /// known ones. nlohmann alone reads 2.7 into an int, true into a double, and keeps the last of two
-/// equal keys. Tests: tests/model/core/json_test.cc.
+/// equal keys. Who only hands JSON on needs no more than this header, which is cheap to compile; who
+/// builds or looks into it includes <nlohmann/json.hpp> too. Tests: tests/model/core/json_test.cc.
 
 #include <initializer_list>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -42,9 +43,9 @@ class JsonReader {
   [[nodiscard]] std::optional<JsonReader> Find(std::string_view key) const;  ///< optional member
   [[nodiscard]] JsonReader Item(std::size_t index) const;
   [[nodiscard]] std::size_t Size() const;  ///< of an array
-  [[nodiscard]] bool IsNull() const { return value_->is_null(); }
-  [[nodiscard]] bool IsObject() const { return value_->is_object(); }
-  [[nodiscard]] bool IsNumber() const { return value_->is_number(); }
+  [[nodiscard]] bool IsNull() const;
+  [[nodiscard]] bool IsObject() const;
+  [[nodiscard]] bool IsNumber() const;
 
   /// A finite number in [lo, hi].
   [[nodiscard]] double Number(double lo, double hi) const;

@@ -1,6 +1,7 @@
 #include "model/core/json_text.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace lipoid {
 namespace {

@@ -5,6 +5,7 @@
 /// inputs. Tests: tests/model/core/run_record_test.cc.
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -2,31 +2,24 @@
 
 /// @file
 /// Where tests find files: the project's own, the lab logs beside the project, and a folder to
-/// write to.
+/// write to. The places are compiled into paths.cc alone, so that a compiler cache serves every
+/// other test in any clone.
 
-#include <filesystem>
 #include <string>
 
 namespace lipoid::test {
 
 /// A file of the project, "fixtures/cells/x.json".
-inline std::string SourcePath(const std::string& relative) {
-  return std::string(LIPOID_SOURCE_DIR) + "/" + relative;
-}
+std::string SourcePath(const std::string& relative);
 
 /// A real lab log beside the project, or "" where that folder is absent: then skip and say so.
-inline std::string LabDataPath(const std::string& relative) {
-  const auto path = std::filesystem::path(LIPOID_SOURCE_DIR) / ".." / "shared" / "data" / relative;
-  return std::filesystem::exists(path) ? path.lexically_normal().string() : std::string();
-}
+std::string LabDataPath(const std::string& relative);
+
+/// A file or folder that tests may write to, in the build folder; it need not be there.
+std::string ScratchPath(const std::string& relative);
 
 /// An empty folder for one test, made anew at each call.
-inline std::string FreshFolder(const std::string& name) {
-  const auto path = std::filesystem::path(LIPOID_BINARY_DIR) / "scratch" / name;
-  std::filesystem::remove_all(path);
-  std::filesystem::create_directories(path);
-  return path.string();
-}
+std::string FreshFolder(const std::string& name);
 
 }  // namespace lipoid::test
 

@@ -231,6 +231,15 @@ class ReportTest(unittest.TestCase):
                               (float("nan"), "-")):
             self.assertEqual(report.number(value), wanted)
 
+    def test_build_times_are_minutes_beside_their_goals(self):
+        figures = {"command": "cmake --build x", "processor_s": 330.0, "wall_s": 180.0}
+        text = report.builds({"configure": "cmake --preset dev", "cores": 2, "changed_file": "a.h",
+                              "lipoid": figures, "tests": {**figures, "processor_s": 90.0},
+                              "changed": figures, "load_average_after": 2.1})
+        self.assertIn("| the program, from nothing (`tools/demo`) | 7 | 5.50 | 3.00 |", text)
+        self.assertIn("(`tools/test`) | 7 | 1.50 | 3.00 |", text)
+        self.assertIn("| all again after a change of `a.h` | 4 | 5.50 | 3.00 |", text)
+
     def test_the_joint_method_has_a_row_for_every_campaign(self):
         text = report.joint(joint_result()["stages"]["joint"], None)
         self.assertIn("| nissan | 0.400 | 0.300 | 4.00 | 3.90 | 10.00 | 10,000 | 100 |", text)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "model/core/errors.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "model/battery/cell_file.h"
@@ -59,9 +60,9 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   EXPECT_NE(run.out.find("Cell file: cell.json"), std::string::npos);
 
   // The run record says what it was made from.
-  EXPECT_TRUE(cell.run.at("converged").get<bool>());
-  ASSERT_EQ(cell.run.at("inputs")[0].at("file"), "logs/campaign.toml");
-  EXPECT_EQ(cell.run.at("inputs")[0].at("sha256").get<std::string>().size(), 64U);
+  EXPECT_TRUE(cell.run->at("converged").get<bool>());
+  ASSERT_EQ(cell.run->at("inputs")[0].at("file"), "logs/campaign.toml");
+  EXPECT_EQ(cell.run->at("inputs")[0].at("sha256").get<std::string>().size(), 64U);
   const Json summary = ReadJson(folder, "s.json");
   for (const char* key : {"cell", "stages", "validation", "constant_current", "wall_s"})
     EXPECT_TRUE(summary.contains(key)) << key;
@@ -122,7 +123,7 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
     EXPECT_TRUE(found) << name;
   }
   const Cell cell = ReadCellFile(folder + "/cell.json");
-  EXPECT_EQ(cell.run.at("options").at("method"), "joint");
+  EXPECT_EQ(cell.run->at("options").at("method"), "joint");
   EXPECT_NE(run.out.find("constant resistances, 1 branch"), std::string::npos);
   // Every row of every log that took part, and a header.
   std::size_t rows = 1;
@@ -233,7 +234,7 @@ TEST(Identify, ProfilesParametersOnRequest) {
     EXPECT_LE(text.size(), 60U) << text;
   }
   EXPECT_GE(bars, 20U);
-  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run.at("options").at("profile").size(), 3U);
+  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run->at("options").at("profile").size(), 3U);
 
   const auto joint = RunLipoid(folder,
                                {"identify",

@@ -2,6 +2,7 @@
 // tests/identify/trust/.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "model/core/run_record.h"

@@ -66,10 +66,10 @@ TEST(Synthesize, TheTruthIsACellFileWithProtocolSeedAndNoise) {
   EXPECT_EQ(truth.branches.at(0).resistance_Ohm.resistance_Ohm[0], 0.03);
   EXPECT_EQ(truth.branches.at(0).capacitance_F, 1500.0);
   EXPECT_EQ(truth.branches.at(0).time_constant_s, 45.0);
-  EXPECT_EQ(truth.run.at("protocol"), "thesis");
-  EXPECT_EQ(truth.run.at("seed"), 42);
-  EXPECT_EQ(truth.run.at("options").at("voltage_noise_V"), 0.001);
-  EXPECT_EQ(truth.run.at("options").at("current_noise_A"), 0.01);
+  EXPECT_EQ(truth.run->at("protocol"), "thesis");
+  EXPECT_EQ(truth.run->at("seed"), 42);
+  EXPECT_EQ(truth.run->at("options").at("voltage_noise_V"), 0.001);
+  EXPECT_EQ(truth.run->at("options").at("current_noise_A"), 0.01);
 }
 
 TEST(Synthesize, TermsAreAddedByTheirParametersInAnyOrder) {

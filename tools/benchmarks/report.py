@@ -2,7 +2,7 @@
 
 import math
 
-from . import figure
+from . import build_times, figure
 from .goals import PEER_DIGITS_V
 
 
@@ -40,6 +40,8 @@ def write(result, figure_name):
             parts.append(section(stages[name], stages))
     if "limits" in stages:
         parts.append(limits(result))
+    if "build_times" in result:
+        parts.append(builds(result["build_times"]))
     svg = None
     if "growth" in stages:
         parts.append(growth(stages["growth"], figure_name))
@@ -321,6 +323,18 @@ def growth(stage, figure_name):
             [[f"{point[series['unit']]:,}", number(1e3 * point["wall_s"]),
               number(point["rows_per_s"] / 1e6)] for point in series["points"]])
     return text
+
+
+def builds(facts):
+    lines = [[what, f"{goal:g}", number(processor_min, 3), number(wall_min, 3)]
+             for what, goal, processor_min, wall_min in build_times.rows(facts)]
+    commands = [facts["configure"], *(facts[key]["command"] for key in ("lipoid", "tests"))]
+    return ("## Build times\n\nMeasured by `tools/build-times --out docs/benchmarks.json`, without the "
+            "compiler cache, in a folder that is new:\n\n" + "".join(code(c) for c in commands)
+            + "\n" + table(["", "goal / CPU minutes", "CPU minutes", "minutes by the clock"], lines)
+            + f"\nOn {facts['cores']} cores; the load average at the end was "
+            f"{facts['load_average_after']}, which is {facts['cores']} or less on a machine that "
+            "does nothing else.\n")
 
 
 def pybop(stage, _):

@@ -11,6 +11,7 @@
 
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
+#include "tools/cli/command_description.h"
 #include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 
@@ -424,6 +425,41 @@ std::string CommandLine::Help() const {
     }
   }
   return text;
+}
+
+CommandDescription CommandLine::Description() const {
+  CommandDescription description{.name = std::string(command_.name),
+                                 .summary = std::string(command_.summary),
+                                 .what = what_,
+                                 .examples = examples_,
+                                 .arguments = {},
+                                 .options = {},
+                                 .settings = {}};
+  for (const auto& positional : positionals_) {
+    description.arguments.push_back({.name = positional.name,
+                                     .help = positional.help,
+                                     .several = positional.rest != nullptr,
+                                     .required = positional.at_least > 0});
+  }
+  for (const auto& option : options_) {
+    description.options.push_back({.name = option->name,
+                                   .letter = option->letter,
+                                   .value = option->word,
+                                   .default_text = option->default_text,
+                                   .help = option->help,
+                                   .several = option->several,
+                                   .required = option->required,
+                                   .common = option->common});
+  }
+  for (const auto& group : groups_) {
+    for (const auto& option : group.options) {
+      description.settings.push_back({.name = group.FullName(option),
+                                      .help = option.help,
+                                      .valid = option.valid,
+                                      .default_text = option.default_text});
+    }
+  }
+  return description;
 }
 
 void CheckWritable(const std::string& file) {

@@ -7,11 +7,11 @@
 ///   ExitCode Validate(CommandLine& line) {
 ///     std::string cell;
 ///     double initial_soc = 1.0;
-///     line.Describe("Predicts the voltage of logs and compares.", "lipoid validate gifi-600mAh-1
-///     cc_1C.csv"); line.Argument("CELL", cell, "a cell file, or the name of a shipped cell");
-///     line.Option("initial-soc", initial_soc, Range{-0.1, 1.1}, "state of charge of the first
-///     row"); line.Group("pulses", pulse_options);  // --set pulses.branches=2, all of them in
-///     --help if (!line.Parse()) return ExitCode::kDone;  // --help was printed
+///     line.Describe("Predicts the voltage of logs.", "lipoid validate gifi-600mAh-1 cc_1C.csv");
+///     line.Argument("CELL", cell, "a cell file, or the name of a shipped cell");
+///     line.Option("initial-soc", initial_soc, Range{-0.1, 1.1}, "state of charge at the start");
+///     line.Group("pulses", pulse_options);       // --set pulses.branches=2, all of them in --help
+///     if (!line.Parse()) return ExitCode::kDone;  // --help was printed
 ///     ...
 ///     line.summary()["logs"] = ...;
 ///     line.Print("{}", table.Text());
@@ -28,6 +28,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,6 +49,7 @@ enum class ExitCode {
 };
 
 class CommandLine;
+struct CommandDescription;
 
 struct Command {
   std::string_view name;
@@ -164,7 +166,10 @@ class CommandLine {
   /// Whether the option was given ("initial-soc").
   [[nodiscard]] bool Given(std::string_view name) const;
 
-  /// Results for --summary; the keys of design.md.
+  /// What was declared (command_description.h).
+  [[nodiscard]] CommandDescription Description() const;
+
+  /// Results for --summary, with the keys of docs/formats.md.
   [[nodiscard]] Json& summary() { return summary_; }
 
   /// Data for standard output. Kept until the command is done: a command that fails prints nothing.

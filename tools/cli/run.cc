@@ -5,13 +5,17 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
+#include "model/battery/cell_schema.h"
 #include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "tools/cli/completion.h"
+#include "tools/cli/manual_page.h"
 #include "tools/cli/suggest.h"
 
 namespace lipoid::cli {
@@ -114,11 +118,12 @@ std::string ProgramHelp(std::span<const Command> commands) {
   for (const auto& command : commands)
     text += fmt::format("  {:<12} {}\n", command.name, command.summary);
   text +=
-      "\nlipoid COMMAND --help explains a command; lipoid --version says which lipoid this is.\n\n"
+      "\nlipoid COMMAND --help explains a command; lipoid --version (-V) says which lipoid this is.\n"
+      "lipoid --manual prints the manual page, lipoid --completion SHELL what bash, zsh or fish need\n"
+      "to complete commands and options, lipoid --schema the JSON Schema of the cell file.\n\n"
       "Example:\n"
-      "  lipoid list cells\n\n"
-      "Exit codes: 0 done, 1 not converged or not completed, 2 usage, 3 bad input.\n";
-  return text;
+      "  lipoid list cells\n\n";
+  return text + fmt::format("Exit codes: {}\n", kExitCodes);
 }
 
 // The command of that name; OptionError names the nearest.
@@ -129,7 +134,7 @@ const Command& Find(std::span<const Command> commands, const std::string& name) 
     known.emplace_back(command.name);
   }
   const bool option = name.starts_with('-');
-  if (option) known = {"--help", "--version"};
+  if (option) known = {"--completion", "--help", "--manual", "--schema", "--version"};
   throw OptionError(UnknownName(option ? "option" : "command", name, known));
 }
 
@@ -151,7 +156,15 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     if (name == "--help" || name == "-h" || name == "help") {
       return WriteStandardOutput(ProgramHelp(commands));
     }
-    if (name == "--version") {
+    if (name == "--manual") {
+      return WriteStandardOutput(ManualPage(DescribeCommands(commands)));
+    }
+    if (name == "--schema") return WriteStandardOutput(JsonText(CellSchema()));
+    if (name == "--completion") {
+      if (arguments.size() != 2) throw OptionError("option --completion: expected bash, zsh or fish");
+      return WriteStandardOutput(CompletionScript(arguments[1], DescribeCommands(commands)));
+    }
+    if (name == "--version" || name == "-V") {
       return WriteStandardOutput(fmt::format("lipoid {} ({})\n", Version(), GitCommit()));
     }
     const Command& command = Find(commands, name);

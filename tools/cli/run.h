@@ -6,11 +6,16 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/cli/command_line.h"
 
 namespace lipoid::cli {
+
+/// The exit codes, for help and manual page.
+inline constexpr std::string_view kExitCodes =
+    "0 done, 1 not converged or not completed, 2 usage, 3 bad input.";
 
 /// The exit code of `lipoid arguments...`. Never throws.
 [[nodiscard]] int Run(std::span<const Command> commands,

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "identify/comparison/compare_optimizers.h"
 #include "identify/comparison/comparison_report.h"

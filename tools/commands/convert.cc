@@ -1,6 +1,7 @@
 // lipoid convert LOG -o CSV: a log of any known format as plain CSV or Battery Data Format.
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"

@@ -1,4 +1,6 @@
 // lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
+#include <nlohmann/json.hpp>
+
 #include "identify/gains/gain_design.h"
 #include "model/control/gains.h"
 #include "model/core/json_text.h"

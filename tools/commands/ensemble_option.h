@@ -4,6 +4,7 @@
 /// --ensemble N, common to the commands that predict: cells drawn from the uncertainty of the one
 /// that is given.
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "identify/identification.h"
 #include "identify/logs/campaign.h"
@@ -231,8 +232,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     run.seed = line.seed();
     run.metrics = report;
     hashing.AddTo(run);
-    result.cell.run = run.ToJson();
-    result.cell.run["converged"] = result.converged;
+    Json made = run.ToJson();
+    made["converged"] = result.converged;
+    result.cell.run = std::make_shared<const Json>(std::move(made));
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;

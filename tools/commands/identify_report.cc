@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"

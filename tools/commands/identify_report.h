@@ -3,6 +3,7 @@
 /// @file
 /// What `lipoid identify` shows to people, and the tables it can add.
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

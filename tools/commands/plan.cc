@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "identify/trust/experiment_plan.h"
 #include "identify/trust/trust_report.h"

@@ -2,6 +2,7 @@
 #include "model/analysis/poles.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "model/control/gains.h"
 #include "model/core/csv_writer.h"

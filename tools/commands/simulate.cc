@@ -1,6 +1,7 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "identify/logs/discharge.h"
 #include "model/battery/cell_file.h"

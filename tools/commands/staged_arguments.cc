@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "model/core/errors.h"
 #include "tools/commands/assignments.h"

@@ -1,6 +1,8 @@
 // lipoid study WHAT CAMPAIGN: one stage done in several ways, as a table.
 #include <fmt/ranges.h>
 
+#include <nlohmann/json.hpp>
+
 #include "identify/logs/campaign.h"
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "identify/studies/studies.h"

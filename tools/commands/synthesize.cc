@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"

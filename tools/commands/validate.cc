@@ -1,4 +1,6 @@
 // lipoid validate CELL LOG...: prediction against measurement.
+#include <nlohmann/json.hpp>
+
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"

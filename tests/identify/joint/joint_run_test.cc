@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_trust.h"

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "model/core/errors.h"
 #include "tests/identify/studies/study_logs.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "identify/trust/profile_report.h"
 #include "model/core/errors.h"

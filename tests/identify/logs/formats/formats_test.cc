@@ -13,6 +13,7 @@
 #include "identify/logs/formats/header.h"
 #include "model/core/errors.h"
 #include "tests/support/load_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid {

@@ -1,0 +1,127 @@
+#include "model/battery/cell_schema.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/battery/cell_file.h"
+
+namespace lipoid {
+namespace {
+
+Json AtLeast(double least) { return {{"type", "number"}, {"minimum", least}}; }
+Json Above(double bound) { return {{"type", "number"}, {"exclusiveMinimum", bound}}; }
+Json Whole(int least, int most) {
+  return {{"type", "integer"}, {"minimum", least}, {"maximum", most}};
+}
+Json Boolean() { return {{"type", "boolean"}}; }
+Json ListOf(Json item, int least = 0) {
+  Json list = {{"type", "array"}, {"items", std::move(item)}};
+  if (least > 0) list["minItems"] = least;
+  return list;
+}
+Json Numbers(int least = 0) { return ListOf({{"type", "number"}}, least); }
+Json Constant(const char* text) { return {{"const", text}}; }
+
+// An object with these keys and no others; `optional` may be left out.
+Json Strict(Json properties, const std::vector<std::string>& optional = {}) {
+  Json required = Json::array();
+  for (const auto& [key, value] : properties.items()) {
+    if (std::find(optional.begin(), optional.end(), key) == optional.end()) required.push_back(key);
+  }
+  return {{"type", "object"},
+          {"properties", std::move(properties)},
+          {"required", std::move(required)},
+          {"additionalProperties", false}};
+}
+
+Json Described(Json schema, const char* description) {
+  schema["description"] = description;
+  return schema;
+}
+
+Json ResistanceSchema() {
+  return {{"oneOf",
+           {AtLeast(0.0),
+            Strict({{"soc", Numbers(1)}, {"resistance_Ohm", ListOf(AtLeast(0.0), 1)}})}}};
+}
+
+Json Curve() {
+  Json forms = Json::array();
+  const Json range = {{"type", "array"},
+                      {"items", {{"type", "number"}}},
+                      {"minItems", 2},
+                      {"maxItems", 2}};
+  for (const auto& [method, least] : {std::pair{"linear", 2}, std::pair{"monotone-cubic", 4}}) {
+    forms.push_back(Strict({{"method", Constant(method)},
+                            {"assumed", Boolean()},
+                            {"soc", Numbers(least)},
+                            {"voltage_V", Numbers(least)}},
+                           {"assumed"}));
+  }
+  forms.push_back(Strict({{"method", Constant("polynomial")},
+                          {"assumed", Boolean()},
+                          {"soc_range", range},
+                          {"basis", Constant("chebyshev")},
+                          {"coefficients_V", Numbers(1)}},
+                         {"assumed"}));
+  forms.push_back(Strict({{"method", Constant("fourier")},
+                          {"assumed", Boolean()},
+                          {"soc_range", range},
+                          {"frequency_rad", AtLeast(0.0)},
+                          {"cosine_V", Numbers(1)},
+                          {"sine_V", Numbers()}},
+                         {"assumed"}));
+  return {{"oneOf", std::move(forms)}};
+}
+
+}  // namespace
+
+Json CellSchema() {
+  const Json resistance = {{"$ref", "#/$defs/resistance"}};
+  Json branch = Strict({{"resistance_Ohm", resistance},
+                        {"capacitance_F", AtLeast(0.0)},
+                        {"time_constant_s", AtLeast(0.0)}},
+                       {"capacitance_F", "time_constant_s"});
+  branch["oneOf"] = {{{"required", {"capacitance_F"}},
+                      {"properties", {{"resistance_Ohm", {{"type", "number"}}}}}},
+                     {{"required", {"time_constant_s"}}}};
+  Json diffusion = Strict({{"alpha_C", Above(0.0)},
+                           {"beta_per_sqrt_s",
+                            {{"type", "number"}, {"exclusiveMinimum", 0.0}, {"maximum", 1.0}}},
+                           {"terms", Whole(0, 1000)},
+                           {"tail", Boolean()}});
+  diffusion["type"] = {"object", "null"};
+  Json properties = {
+      {"schema", Constant(kCellSchema)},
+      {"name", {{"type", "string"}}},
+      {"series", Described(Whole(1, 100000), "cells in series; 1 where it is not given")},
+      {"parallel", Described(Whole(1, 100000), "cells in parallel; 1 where it is not given")},
+      {"capacity_Ah", Described(Above(0.0), "nominal capacity of one cell")},
+      {"cutoff_V", Described(AtLeast(0.0), "end of discharge of one cell")},
+      {"diffusion", Described(std::move(diffusion), "null: the state of charge follows the charge")},
+      {"open_circuit_voltage", Curve()},
+      {"series_resistance_Ohm", resistance},
+      {"branches", ListOf(std::move(branch))},
+      {"self_heating",
+       Strict({{"time_constant_s", Above(0.0)}, {"resistance_drop_Ohm_per_A2", AtLeast(0.0)}})},
+      {"charge_transfer", Strict({{"current_A", Above(0.0)}, {"resistance_Ohm", resistance}})},
+      {"run", Described({{"type", "object"}}, "how the cell was made")},
+      {"uncertainty",
+       Strict({{"parameters", ListOf({{"type", "string"}})},
+               {"covariance", ListOf(Numbers())},
+               {"degrees_of_freedom", AtLeast(1.0)},
+               {"soc_follows_alpha", Boolean()}},
+              {"soc_follows_alpha"})}};
+  Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                 {"$id", "urn:lipoid:cell:1"},
+                 {"title", "A lithium-polymer cell as lipoid identifies it"}};
+  schema.update(Strict(std::move(properties),
+                       {"series", "parallel", "self_heating", "charge_transfer", "run", "uncertainty"}));
+  schema["$defs"] = {{"resistance", ResistanceSchema()}};
+  return schema;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,27 @@
+#include "tests/support/paths.h"
+
+#include <filesystem>
+
+namespace lipoid::test {
+
+std::string SourcePath(const std::string& relative) {
+  return std::string(LIPOID_SOURCE_DIR) + "/" + relative;
+}
+
+std::string LabDataPath(const std::string& relative) {
+  const auto path = std::filesystem::path(LIPOID_SOURCE_DIR) / ".." / "shared" / "data" / relative;
+  return std::filesystem::exists(path) ? path.lexically_normal().string() : std::string();
+}
+
+std::string ScratchPath(const std::string& relative) {
+  return std::string(LIPOID_BINARY_DIR) + "/scratch/" + relative;
+}
+
+std::string FreshFolder(const std::string& name) {
+  const std::filesystem::path path = ScratchPath(name);
+  std::filesystem::remove_all(path);
+  std::filesystem::create_directories(path);
+  return path.string();
+}
+
+}  // namespace lipoid::test

@@ -1,0 +1,56 @@
+#pragma once
+
+/// @file
+/// What a command declared of itself, as data: the manual page and the completions of shells are
+/// made from it, so that they hold every command and option. Tests: tests/tools/cli_test.cc.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/cli/command_line.h"
+
+namespace lipoid::cli {
+
+struct DescribedOption {
+  std::string name;  ///< without dashes
+  char letter = '\0';
+  std::string value;  ///< "FILE", "0 .. 5", "staged | joint"; empty: the option takes none
+  std::string default_text;
+  std::string help;
+  bool several = false;
+  bool required = false;
+  bool common = false;  ///< to all commands
+
+  [[nodiscard]] bool TakesFile() const;
+  /// "staged", "joint" of "staged | joint"; none where the value is no choice.
+  [[nodiscard]] std::vector<std::string> Choices() const;
+};
+
+struct CommandDescription {
+  struct Argument {
+    std::string name;
+    std::string help;
+    bool several = false;
+    bool required = true;
+  };
+  struct Setting {
+    std::string name;  ///< as after --set
+    std::string help;
+    std::string valid;
+    std::string default_text;
+  };
+
+  std::string name;
+  std::string summary;  ///< one line
+  std::string what;     ///< sentences
+  std::vector<std::string> examples;
+  std::vector<Argument> arguments;
+  std::vector<DescribedOption> options;
+  std::vector<Setting> settings;
+};
+
+/// Asks every command of the table: each is run as far as its own --help.
+[[nodiscard]] std::vector<CommandDescription> DescribeCommands(std::span<const Command> commands);
+
+}  // namespace lipoid::cli
