@@ -79,8 +79,8 @@ bool BetterLowRate(const Candidate& a, const Candidate& b) {
 }  // namespace
 
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
-  constexpr std::array<std::string_view, 8> kNoLogs = {
-      ".cff", ".json", ".md", ".pdf", ".png", ".py", ".toml", ".yaml"};
+  constexpr std::array<std::string_view, 9> kNoLogs = {
+      ".cff", ".json", ".md", ".pdf", ".png", ".py", ".tmp", ".toml", ".yaml"};
   std::vector<std::string> files;
   std::error_code trouble;
   for (fs::directory_iterator each(folder, trouble), end; !trouble && each != end;
@@ -88,7 +88,7 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
     const std::string name = each->path().filename().string();
     const std::string extension = each->path().extension().string();
     const bool no_log = std::find(kNoLogs.begin(), kNoLogs.end(), extension) != kNoLogs.end();
-    if (each->is_regular_file() && name[0] != '.' && !no_log)
+    if (std::error_code none; each->is_regular_file(none) && name[0] != '.' && !no_log)
       files.push_back(each->path().string());
   }
   if (trouble)

@@ -19,6 +19,8 @@ constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 // One cell, from a half cell at rest to a lithium cell under fast charge.
 constexpr double kMostCell_V = 6.0;
 constexpr double kLeastCell_V = 0.02;
+// A button cell of 1 mAh that is emptied in 100 hours.
+constexpr double kLeastCell_A = 1e-5;
 // Charge between the fullest and the emptiest moment of a log, in capacities; and C-rate.
 constexpr double kMostCapacities = 5.0;
 constexpr double kMostRate_per_h = 500.0;
@@ -133,8 +135,15 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             "that says mV, or is `series` too large?",
             most_V));
   }
-  if (!(capacity_Ah > 0.0)) return;
   const double most_A = LargestMagnitude(record.current_A);
+  if (most_A > 0.0 && most_A < kLeastCell_A) {
+    throw LoadError(
+        {record.file},
+        fmt::format("expected the current of one cell, found {:.3g} A at most; are these A under a "
+                    "header that says mA, or is `parallel` too large?",
+                    most_A));
+  }
+  if (!(capacity_Ah > 0.0)) return;
   if (most_A > kMostRate_per_h * capacity_Ah) {
     throw LoadError(
         {record.file},

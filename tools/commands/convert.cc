@@ -101,7 +101,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
       "Plain CSV counts discharging as positive, Battery Data Format charging.",
       "lipoid convert cycler_export.txt -o discharge.csv");
   line.Example("lipoid convert cycler_export.txt --steps 7 -o discharge.bdf.csv");
-  line.Argument("LOG", file, "the log to read");
+  line.InputArgument("LOG", file, "the log to read");
   line.Output(output,
               "CSV",
               "the file to write; as Battery Data Format where its name ends in .bdf or .bdf.csv");

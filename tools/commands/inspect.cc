@@ -9,6 +9,8 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "model/core/json.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
@@ -303,7 +305,8 @@ Json ToJson(const Inspection& log) {
 std::vector<std::string> Expand(const std::vector<std::string>& words) {
   std::vector<std::string> files;
   for (const auto& word : words) {
-    if (!std::filesystem::is_directory(word)) {
+    std::error_code none;
+    if (!std::filesystem::is_directory(word, none)) {
       files.push_back(word);
       continue;
     }
@@ -315,7 +318,7 @@ std::vector<std::string> Expand(const std::vector<std::string>& words) {
 // A name for the cell: that of the folder.
 std::string FolderName(const std::string& word) {
   auto path = std::filesystem::absolute(word).lexically_normal();
-  if (!std::filesystem::is_directory(path)) path = path.parent_path();
+  if (std::error_code none; !std::filesystem::is_directory(path, none)) path = path.parent_path();
   if (path.filename().empty()) path = path.parent_path();
   return path.filename().string();
 }
@@ -331,8 +334,29 @@ void WriteDraft(cli::CommandLine& line,
     throw OptionError(
         "option --write-campaign: none of the logs is of a kind that a campaign takes");
   }
-  WriteFileAtomically(campaign_file, DraftToToml(draft));
+  const std::string text = DraftToToml(draft);
+  if (!draft.campaign.logs.empty()) {
+    try {
+      (void)ParseCampaign(text, campaign_file);
+    } catch (const LoadError& error) {
+      throw OptionError(
+          fmt::format("option --write-campaign: these logs make no campaign that "
+                      "identify reads, and none is written: {}",
+                      error.diagnostics().front().message));
+    }
+  }
+  // A person may have edited the campaign of an earlier run.
+  std::string kept;
+  std::error_code none;
+  if (a_file && std::filesystem::is_regular_file(campaign_file, none) &&
+      ReadTextFile(campaign_file) != text) {
+    kept = KeepCopy(campaign_file);
+  }
+  WriteFileAtomically(campaign_file, text);
   if (!a_file) return;
+  if (!kept.empty()) {
+    line.Message("{} held another campaign, perhaps edited: it is kept as {}", campaign_file, kept);
+  }
   line.Message("{}: {}, {} left out, {} not used",
                campaign_file,
                Count(draft.campaign.logs.size(), "log"),
@@ -362,7 +386,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
       "test that each looks like.",
       "lipoid inspect cc_1C.csv pulses.csv");
   line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
-  line.Arguments("LOG", words, "logs, or folders of logs");
+  line.InputArguments("LOG", words, "logs, or folders of logs");
   line.OutputOption(
       "write-campaign", campaign_file, "FILE", "draft a campaign of these logs, to be read over");
   line.Flag("all", all_segments, "print every segment, however many there are");
@@ -372,7 +396,9 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
 
   ReadOptions read = log_options.ToReadOptions();
   read.labels = true;
-  const auto files = InspectLogs(Expand(words), read);
+  const auto named = Expand(words);
+  line.AddInputs(named);
+  const auto files = InspectLogs(named, read);
   std::vector<Diagnostic> problems;  // the first of each bad file
   Json rows = Json::array();
   for (const auto& file : files) {

@@ -65,6 +65,14 @@ void PackOptions::ApplyTo(int& series_of, int& parallel_of) const {
   if (parallel) parallel_of = *parallel;
 }
 
+std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns) {
+  std::vector<std::string> files;
+  for (const Campaign& campaign : campaigns) {
+    for (const CampaignLog& log : campaign.logs) files.push_back(log.path);
+  }
+  return files;
+}
+
 std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
   std::vector<LoadedLog> logs = LoadCampaign(campaign);
   for (const std::string& note : NotesOnLogs(logs)) line.Message("{}", note);

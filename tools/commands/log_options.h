@@ -35,6 +35,9 @@ struct PackOptions {
   void ApplyTo(int& series_of, int& parallel_of) const;
 };
 
+/// The files of all their logs.
+[[nodiscard]] std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns);
+
 /// LoadCampaign(), with a message for each of NotesOnLogs().
 [[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);
 

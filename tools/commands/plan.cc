@@ -47,7 +47,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       "(10,30,60) and ranges (10:10:60) are combined with one another, one row each.",
       "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
   line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
-  line.Argument("CELL", cell_name, "a cell file or the name of a shipped cell");
+  line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
   line.Text("pulse-s", pulse_s, "LIST", "length of a pulse");
   line.Text("rest-s", rest_s, "LIST", "rest after each pulse");
   line.Text("rate-C", rate_C, "LIST", "rate of the pulses; not given: what suits the cell");

@@ -61,7 +61,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
       "not used and may be absent.",
       "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
   line.Example("lipoid simulate cell.json --current flight.csv --ensemble 200 -o predicted.csv");
-  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.RequiredInput(
       "current", current_file, "LOG", "the log whose current flows; time_s,current_A is enough");
   line.Output(output,

@@ -25,8 +25,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       "over those "
       "above 10 % state of charge.",
       "lipoid validate cell.json pulses.csv flight.csv");
-  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
-  line.Arguments("LOG", files, "logs of any known format");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.InputArguments("LOG", files, "logs of any known format");
   start.AddTo(line);
   log_options.AddTo(line);
   pack.AddTo(line);
