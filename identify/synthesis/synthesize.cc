@@ -210,9 +210,9 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
       tbb::simple_partitioner{});
 
   Cell truth = cell;
-  Json made = run.ToJson();
-  made["protocol"] = protocol.name;
-  truth.run = std::make_shared<const Json>(std::move(made));
+  Json origin = run.ToJson();
+  origin["protocol"] = protocol.name;
+  truth.run = std::make_shared<const Json>(std::move(origin));
   std::vector<std::unique_ptr<AtomicFile>> others;
   const auto add = [&](const std::string& name, const std::string& text) {
     others.push_back(std::make_unique<AtomicFile>(path(name)));

@@ -42,7 +42,7 @@ Json Described(Json schema, const char* description) {
   return schema;
 }
 
-Json Resistance() {
+Json ResistanceSchema() {
   return {{"oneOf",
            {AtLeast(0.0),
             Strict({{"soc", Numbers(1)}, {"resistance_Ohm", ListOf(AtLeast(0.0), 1)}})}}};
@@ -120,7 +120,7 @@ Json CellSchema() {
                  {"title", "A lithium-polymer cell as lipoid identifies it"}};
   schema.update(Strict(std::move(properties),
                        {"series", "parallel", "self_heating", "charge_transfer", "run", "uncertainty"}));
-  schema["$defs"] = {{"resistance", Resistance()}};
+  schema["$defs"] = {{"resistance", ResistanceSchema()}};
   return schema;
 }
 

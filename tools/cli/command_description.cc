@@ -1,15 +1,16 @@
 #include "tools/cli/command_description.h"
 
 #include <algorithm>
-#include <cctype>
+#include <array>
+#include <string_view>
 
 namespace lipoid::cli {
 
 bool DescribedOption::TakesFile() const {
-  // The values that are no file are written as choices, ranges or words in lower case.
-  return !value.empty() && std::all_of(value.begin(), value.end(), [](unsigned char c) {
-    return std::isupper(c) != 0 || c == '_' || c == '.';
-  });
+  // CELL, GAINS and VEHICLE may be names too.
+  constexpr std::array<std::string_view, 8> kFiles{
+      "CELL", "CSV", "DIR", "FILE", "GAINS", "JSON", "LOG", "VEHICLE"};
+  return std::find(kFiles.begin(), kFiles.end(), value) != kFiles.end();
 }
 
 std::vector<std::string> DescribedOption::Choices() const {
