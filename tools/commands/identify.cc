@@ -133,8 +133,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       "lipoid identify campaign.toml -o cell.json");
   line.Example(
       "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
-      "--cutoff-V 3.0 -o "
-      "cell.json");
+      "--cutoff-V 3.0 -o cell.json");
   line.Example("lipoid identify campaign.toml --method joint -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
   line.Arguments(
