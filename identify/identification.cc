@@ -1,11 +1,15 @@
 #include "identify/identification.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_trust.h"
+#include "identify/logs/columns.h"
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
 #include "identify/trust/cell_uncertainty.h"
@@ -99,6 +103,29 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   return found;
 }
 
+FitQuality QualityOf(const Identification& found,
+                     const Campaign& campaign,
+                     const std::vector<LoadedLog>& logs) {
+  double moved_C = 0.0;
+  for (const LoadedLog& log : logs) {
+    const Record& record = log.log.record;
+    const double started_C = (1.0 - log.entry.initial_soc) * found.cell.alpha_C();
+    moved_C = std::max(moved_C, started_C + CountCharge(record, 0, record.size() - 1).most_C);
+  }
+  if (found.joint) {
+    return JudgeFit(found.cell,
+                    found.joint->fitted,
+                    found.joint->constant_current,
+                    moved_C,
+                    campaign.capacity_Ah);
+  }
+  return JudgeFit(found.cell,
+                  {LogErrors{"", found.staged->pulses.errors, {}, 0}},
+                  found.staged->constant_current,
+                  moved_C,
+                  campaign.capacity_Ah);
+}
+
 }  // namespace
 
 std::vector<LogKind> Identification::fitted_kinds() const {
@@ -130,11 +157,18 @@ Identification Identify(const Campaign& campaign,
                              ? IdentifyAllAtOnce(campaign, logs, options, progress)
                              : IdentifyByStages(campaign, logs, options, progress);
   found.log_notes = NotesOnLogs(logs);
+  for (const LoadedLog& log : logs) {
+    const std::string doubt = DoubtAboutStart(
+        found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
+    if (!doubt.empty()) found.log_notes.push_back(fmt::format("{} {}", log.entry.file, doubt));
+  }
+  found.quality = QualityOf(found, campaign, logs);
   return found;
 }
 
 Json IdentificationToJson(const Identification& found) {
   Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
+  json["verdict"] = FitQualityToJson(found.quality);
   json["not_drawn"] = found.not_drawn;
   json["expected_error_percent"] = NumberOrNull(found.expected_error.percent);
   json["expected_error_interval_95"] = {NumberOrNull(found.expected_error.low_percent),

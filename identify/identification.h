@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/fit_quality.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/leave_out.h"
 #include "identify/stages/staged_run.h"
@@ -27,7 +28,7 @@ constexpr std::array<std::pair<IdentifyMethod, std::string_view>, 2> OptionNames
 }
 
 struct IdentifyOptions {
-  IdentifyMethod method = IdentifyMethod::kStaged;
+  IdentifyMethod method = IdentifyMethod::kJoint;
   StagedOptions staged = {};  ///< the joint method starts from a staged run
   JointOptions joint = {};
   StagedGiven given = {};
@@ -37,6 +38,7 @@ struct IdentifyOptions {
 struct Identification {
   Cell cell;  ///< with its uncertainty, from which cells can be drawn
   bool converged = false;
+  FitQuality quality;  ///< the verdict on the whole
   TrustReport trust;
   std::vector<std::string> not_drawn;  ///< parameters of which cells drawn vary only in what is known
   std::vector<Profile> profiles;
@@ -45,6 +47,8 @@ struct Identification {
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
   std::vector<std::string> log_notes;  ///< NotesOnLogs()
 
+  /// Whether the cell can be used: the search converged and the cell describes its logs.
+  [[nodiscard]] bool usable() const { return converged && quality.grade != FitGrade::kPoor; }
   /// The kinds of logs that the last fit used.
   [[nodiscard]] std::vector<LogKind> fitted_kinds() const;
   /// Mean error of the pulses (staged), or the mean over all fitted logs of theirs (joint).

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identify/logs/segments.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
 
@@ -29,6 +30,29 @@ LogErrors Validate(const Cell& cell, const LoadedLog& log) {
   LogErrors errors = Validate(one, log.log.record, log.entry.initial_soc);
   errors.file = log.entry.file;
   return errors;
+}
+
+std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
+                            const Record& record,
+                            double initial_soc) {
+  constexpr double kSoc = 0.03;
+  constexpr double kVoltage_V = 0.02;
+  if (record.size() < 2 || record.voltage_V.empty()) return "";
+  const double rest_A = RestThreshold(record);
+  std::size_t rows = 0;
+  while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
+  if (rows == 0 || rows == record.size()) return "";
+  const double rest_V = record.voltage_V[rows - 1];
+  const double soc = curve.SocAtVoltage(rest_V);
+  if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
+    return "";
+  return fmt::format(
+      "rests at {:.4g} V before its first load, where v_oc(A) has a state of charge of {:.2f}, not "
+      "{:g}; if it had rested long enough, say initial_soc {:.2f}",
+      rest_V,
+      soc,
+      initial_soc,
+      soc);
 }
 
 double SocAtRestVoltage(const Cell& cell, double voltage_V) {

@@ -31,6 +31,13 @@ struct LogErrors {
 /// campaign gives it.
 [[nodiscard]] LogErrors Validate(const Cell& cell, const LoadedLog& log);
 
+/// A log that begins with a rest shows where it starts. Where the curve, that of the cell, puts that
+/// voltage elsewhere than `initial_soc`, one sentence says both; "" where it agrees within 0.03 of
+/// the charge and 20 mV, or cannot be seen. The record is that of one cell.
+[[nodiscard]] std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
+                                          const Record& record,
+                                          double initial_soc);
+
 /// The state of charge at which the pack rests with this voltage. OptionError where v_oc(A) never
 /// has it.
 [[nodiscard]] double SocAtRestVoltage(const Cell& cell, double voltage_V);

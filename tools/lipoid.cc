@@ -6,5 +6,7 @@
 
 int main(int argc, char** argv) {
   lipoid::cli::CleanUpWhenEnded();
-  return lipoid::cli::Run(lipoid::kCommands, std::vector<std::string>(argv + 1, argv + argc));
+  return lipoid::cli::OnLargeStack([&] {
+    return lipoid::cli::Run(lipoid::kCommands, std::vector<std::string>(argv + 1, argv + argc));
+  });
 }

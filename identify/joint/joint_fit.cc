@@ -19,6 +19,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A branch without resistance follows the current at once: so does one of a nanosecond.
 constexpr double kInstant_s = 1e-9;
+// A step of the current shows r_s and what the branches and the charge transfer add within one row.
+// Where rows cannot tell these apart, a table of r_s would go to zero at one state of charge and far
+// beyond any step at another: it stays within these parts of the median step.
+constexpr double kLeastOfEdge = 0.15;
+constexpr double kMostOfEdge = 2.0;
 // A quadratic of node voltages as one of their rises.
 void TurnToRises(NormalEquations& sum, int voltages) {
   sum.matrix.triangularView<Eigen::StrictlyUpper>() = sum.matrix.transpose();
@@ -296,6 +301,13 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
     }
   };
   bound("r_s", layout.series(), scales_.typical_A);
+  if (structure.nodes() > 1 && !known_.Range("r_s") && std::isfinite(setup_.edge_resistance_Ohm)) {
+    const double edge = setup_.edge_resistance_Ohm * scales_.typical_A;
+    for (int k = layout.series(); k < layout.series() + layout.nodes(); ++k) {
+      lower[k] = kLeastOfEdge * edge;
+      upper[k] = kMostOfEdge * edge;
+    }
+  }
   for (int j = 0; j < structure.branches; ++j) {
     const int table = layout.branch(j);
     bound(fmt::format("r_{}", j + 1), table, scales_.typical_A);

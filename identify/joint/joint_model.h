@@ -30,6 +30,8 @@ struct JointSetup {
   bool tail = true;
   /// The curve itself where it is given; else what the nodes of v_oc(A) are counted from.
   OpenCircuitVoltage open_circuit_voltage;
+  /// What steps of the current show between two rows: r_s and a part of the rest. NaN: no step.
+  double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Which terms there are.

@@ -153,6 +153,7 @@ class JointRun {
     setup.diffusion = staged_options_.pulses.diffusion;
     setup.terms = staged_options_.pulses.terms;
     setup.tail = staged_options_.pulses.tail;
+    setup.edge_resistance_Ohm = staged.start.series_resistance_Ohm;
     setup.open_circuit_voltage = staged.cell.open_circuit_voltage;
     if (!curve_given_) {
       setup.open_circuit_voltage = AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),

@@ -17,6 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostCells = 100000;
+// A row counts as often as this: beyond it the sums over rows know nothing of the other logs.
+constexpr double kLeastWeight = 1e-6;
+constexpr double kMostWeight = 1e6;
 constexpr std::array<std::string_view, 4> kColumns = {
     "time_s", "current_A", "voltage_V", "temperature_degC"};
 
@@ -138,7 +141,7 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                 1000.0,
                 "a resistance from 0 to 1000 Ohm",
                 log.read.lead_resistance_Ohm);
-  reader.Number("weight", TomlReader::kAboveZero, most, "a number above 0", log.weight);
+  reader.Number("weight", kLeastWeight, kMostWeight, "a number from 1e-6 to 1e6", log.weight);
   return log;
 }
 

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <filesystem>
-#include <limits>
+#include <map>
 
 #include "identify/median.h"
 
@@ -20,7 +21,17 @@ constexpr double kCutoffStep_V = 0.05;
 // Rates closer than this are the same test twice.
 constexpr double kSameRate = 0.1;
 
+// Below the highest voltage at rest before a load by more than this, a log does not start full.
+constexpr double kFull_V = 0.04;
+// Lithium cells, but for iron phosphate ones, rest above this when they are full and never below the
+// other when they are not damaged.
+constexpr double kFullRest_V = 3.9;
+constexpr double kIronPhosphateRest_V = 3.45;
+constexpr double kLowestCutoff_V = 1.5;
+constexpr double kTypicalCutoff_V = 3.0;
+
 double RoundToDigits(double value, int digits) {
+  if (!(value > 0.0) || !std::isnormal(value)) return 0.0;
   const double step = std::pow(10.0, std::floor(std::log10(value)) + 1 - digits);
   // Through decimal text, so that 33.1 does not become 33.100000000000001.
   return std::stod(fmt::format("{:.12g}", std::round(value / step) * step));
@@ -68,8 +79,8 @@ bool BetterLowRate(const Candidate& a, const Candidate& b) {
 }  // namespace
 
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
-  constexpr std::array<std::string_view, 8> kNoLogs = {
-      ".cff", ".json", ".md", ".pdf", ".png", ".py", ".toml", ".yaml"};
+  constexpr std::array<std::string_view, 9> kNoLogs = {
+      ".cff", ".json", ".md", ".pdf", ".png", ".py", ".tmp", ".toml", ".yaml"};
   std::vector<std::string> files;
   std::error_code trouble;
   for (fs::directory_iterator each(folder, trouble), end; !trouble && each != end;
@@ -77,7 +88,7 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
     const std::string name = each->path().filename().string();
     const std::string extension = each->path().extension().string();
     const bool no_log = std::find(kNoLogs.begin(), kNoLogs.end(), extension) != kNoLogs.end();
-    if (each->is_regular_file() && name[0] != '.' && !no_log)
+    if (std::error_code none; each->is_regular_file(none) && name[0] != '.' && !no_log)
       files.push_back(each->path().string());
   }
   if (trouble)
@@ -89,81 +100,261 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
   return files;
 }
 
-CampaignDraft DraftCampaign(const std::vector<InspectedFile>& files,
-                            const std::string& name,
-                            const std::string& campaign_file,
-                            const ReadOptions& read) {
-  CampaignDraft draft;
-  draft.campaign.name = name;
-  const fs::path base = fs::absolute(campaign_file).parent_path();
-  const auto relative = [&](const std::string& file) {
-    const fs::path path =
-        fs::absolute(file).lexically_normal().lexically_relative(base.lexically_normal());
-    return path.empty() ? fs::absolute(file).string() : path.generic_string();
-  };
-  draft.entries.reserve(files.size());  // candidates point into it
-  std::vector<Candidate> fast;
-  std::vector<Candidate> slow;
-  const Inspection* slowest = nullptr;
-  for (const InspectedFile& file : files) {
-    if (!file.inspection) {
-      const auto& problem = file.problems.front();
-      draft.unused.emplace_back(relative(file.file), problem.message);
-      continue;
+int CellsInSeries(double highest_V) {
+  constexpr double kFull_V_of_a_cell = 4.2;
+  constexpr double kMost_V_of_a_cell = 4.45;
+  constexpr double kOneCell_V = 5.0;
+  constexpr double kMost_V = 2000.0;
+  if (!(highest_V > kOneCell_V) || highest_V > kMost_V) return 1;
+  const double least = std::ceil(highest_V / kMost_V_of_a_cell);
+  return static_cast<int>(std::max(least, std::round(highest_V / kFull_V_of_a_cell)));
+}
+
+namespace {
+
+// The inspected tests of all files, as those of one cell.
+struct Test {
+  const InspectedFile* file = nullptr;
+  Inspection inspection;
+  int series = 1;  // by its voltage
+};
+
+void MakeOneCell(Inspection& test, int series, int parallel) {
+  test.start_voltage_V /= series;
+  test.edge_resistance_Ohm *= static_cast<double>(parallel) / series;
+  for (auto& [share, voltage_V] : test.discharge_curve) voltage_V /= series;
+  if (!test.discharge) return;
+  test.discharge->end_voltage_V /= series;
+  test.discharge->voltage_noise_V /= series;
+  test.discharge->current_A /= parallel;
+  test.discharge->charge_C /= parallel;
+}
+
+class Drafting {
+ public:
+  Drafting(const std::string& campaign_file, const DraftOptions& options)
+      : options_(options), base_(fs::absolute(campaign_file).parent_path()) {}
+
+  CampaignDraft Draft(const std::vector<InspectedFile>& files, const std::string& name) {
+    draft_.campaign.name = name;
+    CollectTests(files);
+    FindPack();
+    draft_.entries.reserve(tests_.size());  // candidates point into it
+    for (Test& test : tests_) AddEntry(test);
+    FindCapacityAndCutoff();
+    ChooseLowRate();
+    FindStarts();
+    for (const auto& entry : draft_.entries) {
+      if (entry.left_out.empty()) draft_.campaign.logs.push_back(entry.log);
     }
-    const Inspection& inspection = *file.inspection;
+    return std::move(draft_);
+  }
+
+ private:
+  [[nodiscard]] std::string Relative(const std::string& file) const {
+    const fs::path path =
+        fs::absolute(file).lexically_normal().lexically_relative(base_.lexically_normal());
+    return path.empty() ? fs::absolute(file).string() : path.generic_string();
+  }
+
+  void CollectTests(const std::vector<InspectedFile>& files) {
+    for (const InspectedFile& file : files) {
+      if (!file.inspection) {
+        draft_.unused.emplace_back(Relative(file.file), file.problems.front().message);
+        continue;
+      }
+      const int series = CellsInSeries(file.inspection->voltage_V.largest);
+      if (file.inspection->parts.empty()) tests_.push_back({&file, *file.inspection, series});
+      for (const Inspection& part : file.inspection->parts)
+        tests_.push_back({&file, part, series});
+    }
+  }
+
+  // The pack that most of the tests show.
+  void FindPack() {
+    int& series = draft_.campaign.series;
+    draft_.campaign.parallel = options_.parallel;
+    if (options_.series) {
+      series = *options_.series;
+    } else {
+      std::map<int, std::size_t> votes;
+      for (const Test& test : tests_) ++votes[test.series];
+      for (const auto& [cells, count] : votes) {
+        if (count > votes[series]) series = cells;
+      }
+      if (series > 1) {
+        draft_.remarks.push_back(fmt::format(
+            "The voltages are those of {} cells in series; say `parallel` where several stand side "
+            "by side.",
+            series));
+      }
+    }
+    for (Test& test : tests_) MakeOneCell(test.inspection, series, options_.parallel);
+  }
+
+  void AddEntry(const Test& test) {
+    const Inspection& inspection = test.inspection;
+    std::string file = Relative(test.file->file);
     if (!inspection.suggestion.kind) {
-      draft.unused.emplace_back(relative(file.file), inspection.suggestion.reason);
-      continue;
+      draft_.unused.emplace_back(std::move(file), inspection.suggestion.reason);
+      return;
     }
     CampaignDraft::Entry entry;
     entry.log.kind = *inspection.suggestion.kind;
-    entry.log.file = relative(file.file);
-    entry.log.path = file.file;
-    entry.log.read = read;
+    entry.log.file = std::move(file);
+    entry.log.path = test.file->file;
+    entry.log.read = options_.read;
     // The log that settled this one may not be in the campaign.
     if (inspection.report.current_sign_is_of_others) {
       entry.log.read.current_sign = inspection.report.current_sign;
     }
     entry.reason = inspection.suggestion.reason;
-    draft.entries.push_back(std::move(entry));
-    const Candidate candidate{&inspection, &draft.entries.back()};
-    if (draft.entries.back().log.kind == LogKind::kConstantCurrent) fast.push_back(candidate);
-    if (draft.entries.back().log.kind == LogKind::kLowRate) slow.push_back(candidate);
-    if (!inspection.discharge) continue;
-    if (slowest == nullptr || inspection.discharge->current_A < slowest->discharge->current_A)
-      slowest = &inspection;
+    entry.remarks = inspection.report.warnings;
+    if (inspection.part) {
+      entry.log.read.start_s = inspection.part_start_s;
+      entry.log.read.end_s = inspection.part_end_s;
+      entry.remarks.push_back("One of several tests of its file: the rows between two recharges or "
+                              "gaps.");
+      if (inspection.part->after_gap && std::isnan(inspection.start_voltage_V)) {
+        entry.left_out = "begins under load after a gap, so that its state of charge is not known";
+      }
+    }
+    if (!options_.series && test.series != draft_.campaign.series) {
+      entry.left_out = fmt::format("its voltage is that of {} in series", test.series);
+    }
+    const bool takes_part = entry.left_out.empty();
+    draft_.entries.push_back(std::move(entry));
+    if (!takes_part) return;
+    const Candidate candidate{&inspection, &draft_.entries.back()};
+    all_.push_back(candidate);
+    if (draft_.entries.back().log.kind == LogKind::kConstantCurrent) fast_.push_back(candidate);
+    if (draft_.entries.back().log.kind == LogKind::kLowRate) slow_.push_back(candidate);
   }
-  if (slowest != nullptr) {
-    draft.campaign.capacity_Ah = RoundToDigits(slowest->discharge->charge_C / 3600.0, 3);
+
+  void FindCapacityAndCutoff() {
+    const Inspection* slowest = nullptr;
+    for (const Candidate& each : all_) {
+      if (!each.inspection->discharge) continue;
+      if (slowest == nullptr ||
+          each.inspection->discharge->current_A < slowest->discharge->current_A)
+        slowest = each.inspection;
+    }
+    if (slowest != nullptr)
+      draft_.campaign.capacity_Ah = RoundToDigits(slowest->discharge->charge_C / 3600.0, 3);
+    const std::vector<Candidate>& discharges = fast_.empty() ? slow_ : fast_;
+    if (discharges.empty()) return;
+    double cutoff_V = FindCutoff(discharges);
+    if (!(cutoff_V >= kLowestCutoff_V)) {
+      draft_.remarks.push_back(fmt::format(
+          "The discharges end at {:.3g} V, below what any cell may be used to; {} V is typical, look "
+          "it up.",
+          std::max(cutoff_V, 0.0),
+          kTypicalCutoff_V));
+      cutoff_V = kTypicalCutoff_V;
+    }
+    draft_.campaign.cutoff_V = cutoff_V;
+    for (const Candidate& each : fast_) {
+      const Discharge& discharge = *each.inspection->discharge;
+      if (discharge.end_voltage_V <= cutoff_V + Tolerance(discharge)) continue;
+      each.entry->left_out =
+          fmt::format("ends at {:.4g} V, above the cut-off", discharge.end_voltage_V);
+    }
   }
-  if (!fast.empty() || !slow.empty())
-    draft.campaign.cutoff_V = FindCutoff(fast.empty() ? slow : fast);
-  for (const Candidate& each : fast) {
-    const Discharge& discharge = *each.inspection->discharge;
-    if (discharge.end_voltage_V <= *draft.campaign.cutoff_V + Tolerance(discharge)) continue;
-    each.entry->left_out =
-        fmt::format("ends at {:.4g} V, above the cut-off", discharge.end_voltage_V);
-  }
-  if (!slow.empty()) {
-    const Candidate best = *std::min_element(slow.begin(), slow.end(), &BetterLowRate);
-    for (const Candidate& each : slow) {
-      if (each.entry == best.entry) continue;
-      const bool slower = best.inspection->discharge->current_A <
+
+  void ChooseLowRate() {
+    if (slow_.empty()) return;
+    low_rate_ = *std::min_element(slow_.begin(), slow_.end(), &BetterLowRate);
+    for (const Candidate& each : slow_) {
+      if (each.entry == low_rate_.entry) continue;
+      const bool slower = low_rate_.inspection->discharge->current_A <
                           (1.0 - kSameRate) * each.inspection->discharge->current_A;
       each.entry->left_out =
-          slower ? fmt::format("{} is slower", best.entry->log.file)
+          slower ? fmt::format("{} is slower", low_rate_.entry->log.file)
                  : fmt::format(
                        "as slow as {}, whose first edge shows {:.3g} Ohm instead of {:.3g} Ohm",
-                       best.entry->log.file,
-                       best.inspection->edge_resistance_Ohm,
+                       low_rate_.entry->log.file,
+                       low_rate_.inspection->edge_resistance_Ohm,
                        each.inspection->edge_resistance_Ohm);
     }
   }
-  for (const auto& entry : draft.entries) {
-    if (entry.left_out.empty()) draft.campaign.logs.push_back(entry.log);
+
+  // The state of charge of each log that rests before its first load at less than the others.
+  void FindStarts() {
+    const Candidate* fullest = nullptr;
+    for (const Candidate& each : all_) {
+      const double voltage_V = each.inspection->start_voltage_V;
+      if (std::isnan(voltage_V)) continue;
+      if (fullest == nullptr || voltage_V > fullest->inspection->start_voltage_V) fullest = &each;
+    }
+    if (fullest == nullptr) return;
+    const double full_V = fullest->inspection->start_voltage_V;
+    if (full_V < kFullRest_V && full_V > kIronPhosphateRest_V) {
+      draft_.remarks.push_back(fmt::format(
+          "No log rests above {:.4g} V before its first load: if the cell is not full there, say "
+          "`initial_soc` of each log.",
+          full_V));
+    }
+    const bool reference = low_rate_.inspection != nullptr &&
+                           low_rate_.inspection->start_voltage_V >= full_V - kFull_V;
+    for (const Candidate& each : all_) {
+      const double voltage_V = each.inspection->start_voltage_V;
+      if (!(voltage_V < full_V - kFull_V)) continue;
+      if (!reference) {
+        each.entry->remarks.push_back(
+            fmt::format("Rests at {:.4g} V before its first load, {} at {:.4g} V: if it does not "
+                        "start full, say its `initial_soc`.",
+                        voltage_V,
+                        fullest->entry->log.file,
+                        full_V));
+        continue;
+      }
+      const double soc = RoundToDigits(SocAt(*low_rate_.inspection, voltage_V), 3);
+      each.entry->log.initial_soc = soc;
+      each.entry->remarks.push_back(
+          fmt::format("Does not start full: it rests at {:.4g} V before its first load, which {} "
+                      "passes at {:.3g} of its charge.",
+                      voltage_V,
+                      low_rate_.entry->log.file,
+                      soc));
+    }
   }
-  return draft;
+
+  // Where the slow discharge, corrected for the drop that its first edge shows, has this voltage.
+  static double SocAt(const Inspection& slow, double voltage_V) {
+    const double drop_V = std::isnan(slow.edge_resistance_Ohm)
+                              ? 0.0
+                              : slow.edge_resistance_Ohm * slow.discharge->current_A;
+    double above_soc = 1.0;
+    double above_V = slow.start_voltage_V;
+    for (const auto& [soc, under_load_V] : slow.discharge_curve) {
+      const double rest_V = under_load_V + drop_V;
+      if (rest_V <= voltage_V) {
+        const double share = above_V > rest_V ? (voltage_V - rest_V) / (above_V - rest_V) : 0.0;
+        return soc + share * (above_soc - soc);
+      }
+      above_soc = soc;
+      above_V = rest_V;
+    }
+    return 0.0;
+  }
+
+  const DraftOptions& options_;
+  fs::path base_;
+  CampaignDraft draft_;
+  std::deque<Test> tests_;
+  std::vector<Candidate> all_;
+  std::vector<Candidate> fast_;
+  std::vector<Candidate> slow_;
+  Candidate low_rate_;
+};
+
+}  // namespace
+
+CampaignDraft DraftCampaign(const std::vector<InspectedFile>& files,
+                            const std::string& name,
+                            const std::string& campaign_file,
+                            const DraftOptions& options) {
+  return Drafting(campaign_file, options).Draft(files, name);
 }
 
 std::string DraftToToml(const CampaignDraft& draft) {
@@ -171,9 +362,11 @@ std::string DraftToToml(const CampaignDraft& draft) {
   head.logs.clear();
   std::string text =
       "# Drafted by lipoid inspect: read it over, most of all capacity, cut-off and kinds.\n";
+  for (const auto& remark : draft.remarks) text += Comment(remark);
   text += CampaignToToml(head);
   for (const auto& entry : draft.entries) {
     text += "\n" + Comment(entry.reason);
+    for (const auto& remark : entry.remarks) text += Comment(remark);
     const std::string lines = CampaignLogToToml(entry.log);
     if (entry.left_out.empty()) {
       text += lines;

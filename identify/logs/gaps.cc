@@ -1,43 +1,127 @@
 #include "identify/logs/gaps.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+
+#include "identify/logs/columns.h"
+#include "identify/logs/segments.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kLonger = 10.0;
 constexpr std::size_t kNeighbours = 5;
+// Intervals that differ by more than this among neighbours are those of a logger that writes a row
+// when something changes.
+constexpr double kIrregular = 3.0;
 
-// Median of the up to kNeighbours intervals that end at rows first .. last; 0 where there are none.
-double MedianInterval(const std::vector<double>& time_s, std::size_t first, std::size_t last) {
-  std::array<double, kNeighbours> intervals{};
+// The differences of neighbouring rows that end at rows first .. last, without row `gap`.
+struct Neighbours {
+  std::array<double, 2 * kNeighbours> values{};
   std::size_t count = 0;
-  for (std::size_t k = first; k <= last && k < time_s.size() && count < kNeighbours; ++k) {
-    intervals[count++] = time_s[k] - time_s[k - 1];
+
+  void Add(const std::vector<double>& column, std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k <= last && k < column.size() && count < values.size(); ++k)
+      values[count++] = std::abs(column[k] - column[k - 1]);
   }
-  if (count == 0) return 0.0;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(
-      intervals.begin(), middle, intervals.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle;
+  [[nodiscard]] double Median() {
+    if (count == 0) return 0.0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(values.begin(), middle, values.begin() + static_cast<std::ptrdiff_t>(count));
+    return *middle;
+  }
+  [[nodiscard]] double Largest() const {
+    return count == 0 ? 0.0 : *std::max_element(values.begin(), values.begin() + count);
+  }
+  [[nodiscard]] double Least() const {
+    return count == 0 ? 0.0 : *std::min_element(values.begin(), values.begin() + count);
+  }
+};
+
+std::size_t FirstBefore(std::size_t row) { return row > kNeighbours ? row - kNeighbours : 1; }
+
+// The rows that end up to five intervals before and after the one that ends at `row`.
+Neighbours Around(const std::vector<double>& column, std::size_t row) {
+  Neighbours around;
+  around.Add(column, FirstBefore(row), row - 1);
+  around.Add(column, row + 1, row + kNeighbours);
+  return around;
+}
+
+bool OutOfProportion(const std::vector<double>& time_s, std::size_t row) {
+  Neighbours before;
+  before.Add(time_s, FirstBefore(row), row - 1);
+  Neighbours after;
+  after.Add(time_s, row + 1, row + kNeighbours);
+  return time_s[row] - time_s[row - 1] > kLonger * std::max(before.Median(), after.Median());
+}
+
+// A logger that writes a row when something changes had nothing to write.
+bool NothingChanged(const Record& record, std::size_t row) {
+  const Neighbours intervals = Around(record.time_s, row);
+  if (!(intervals.Largest() > kIrregular * intervals.Least())) return false;
+  const auto moved_no_more = [row](const std::vector<double>& column) {
+    return column.empty() ||
+           std::abs(column[row] - column[row - 1]) <= Around(column, row).Largest();
+  };
+  return moved_no_more(record.current_A) && moved_no_more(record.voltage_V);
 }
 
 }  // namespace
 
-std::vector<Gap> FindGaps(const std::vector<double>& time_s) {
+std::vector<Gap> FindGaps(const Record& record) {
   std::vector<Gap> gaps;
+  const std::vector<double>& time_s = record.time_s;
+  double rest_A = -1.0;  // not known before it is needed: most logs have no long interval
   for (std::size_t k = 2; k < time_s.size(); ++k) {
     const double length_s = time_s[k] - time_s[k - 1];
     if (length_s <= kLonger * (time_s[k - 1] - time_s[k - 2])) continue;  // most rows end here
-    const double before_s = MedianInterval(time_s, k > kNeighbours ? k - kNeighbours : 1, k - 1);
-    const double after_s = MedianInterval(time_s, k + 1, k + kNeighbours);
-    if (length_s > kLonger * std::max(before_s, after_s)) {
-      gaps.push_back({.row = k, .start_s = time_s[k - 1], .length_s = length_s});
-    }
+    if (!OutOfProportion(time_s, k)) continue;
+    if (rest_A < 0.0) rest_A = RestThreshold(record);
+    const bool at_rest =
+        std::abs(record.current_A[k - 1]) <= rest_A && std::abs(record.current_A[k]) <= rest_A;
+    if (at_rest || NothingChanged(record, k)) continue;
+    const double most_A =
+        std::max(std::abs(record.current_A[k - 1]), std::abs(record.current_A[k]));
+    gaps.push_back({.row = k,
+                    .start_s = time_s[k - 1],
+                    .length_s = length_s,
+                    .unknown_C = length_s * most_A});
   }
   return gaps;
+}
+
+void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, double capacity_Ah) {
+  if (gaps.empty() || record.voltage_V.empty()) return;
+  double unknown_C = 0.0;
+  const Gap* most = nullptr;
+  for (const Gap& gap : gaps) {
+    unknown_C += gap.unknown_C;
+    if (most == nullptr || gap.unknown_C > most->unknown_C) most = &gap;
+  }
+  double capacity_C = 3600.0 * capacity_Ah;
+  if (!(capacity_C > 0.0)) {
+    const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
+    capacity_C = moved.most_C - moved.least_C;
+  }
+  if (unknown_C <= kMostUnknownCharge * capacity_C) return;
+  throw LoadError(
+      {record.file},
+      fmt::format("expected rows wherever a current flows, found {} of {:.4g} s after {:.10g} s, in "
+                  "which up to {:.3g} Ah may have flowed: the state of charge after it is not "
+                  "known; read the part before it (end_s = {:.10g}), or the part after it "
+                  "(start_s = {:.10g}) with its own initial_soc",
+                  gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
+                  most->length_s,
+                  most->start_s,
+                  unknown_C / 3600.0,
+                  most->start_s,
+                  most->start_s + most->length_s));
 }
 
 }  // namespace lipoid

@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// Stretches of time without rows. Tests: tests/identify/logs/gaps_test.cc.
+/// Stretches of time without rows in which a current may have flowed: the charge that left in them
+/// is not known. Tests: tests/identify/logs/gaps_test.cc.
 
 #include <vector>
 
@@ -9,8 +10,20 @@
 
 namespace lipoid {
 
-/// Intervals longer than ten times the usual one on either side. A logger that changes its rate at
-/// a new step leaves none: the interval fits one of its sides.
-[[nodiscard]] std::vector<Gap> FindGaps(const std::vector<double>& time_s);
+/// The charge that is not known may be this part of the capacity; more makes the state of charge
+/// after the gap a guess.
+inline constexpr double kMostUnknownCharge = 2e-3;
+
+/// Intervals longer than ten times the usual one on either side, with a load at one end or both.
+///
+/// None of these is a gap: a long interval between two rows at rest; the change of a logger to
+/// another rate at a new step, where the interval fits one of its sides; and, in a log that keeps a
+/// row when something changes, a long interval over which nothing changed. Rows without a voltage
+/// count too.
+[[nodiscard]] std::vector<Gap> FindGaps(const Record& record);
+
+/// LoadError where the gaps of a record may hold more than kMostUnknownCharge of
+/// capacity_Ah, that of all cells in parallel (0: of the charge that the record moves). It says which part can be read instead.
+void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, double capacity_Ah);
 
 }  // namespace lipoid

@@ -20,9 +20,22 @@ Spread SpreadOf(std::vector<double> values) {
   return spread;
 }
 
-}  // namespace
+// Some points of a discharge: enough to read a state of charge from a voltage.
+std::vector<std::pair<double, double>> CurveOf(const Record& record, const Discharge& discharge) {
+  constexpr std::size_t kPoints = 200;
+  std::vector<std::pair<double, double>> curve;
+  if (record.voltage_V.empty()) return curve;
+  const std::vector<double> charge_C = DeliveredCharge(record);
+  const double before_C = discharge.first > 0 ? charge_C[discharge.first - 1] : 0.0;
+  const std::size_t rows = discharge.last - discharge.first + 1;
+  const std::size_t step = std::max<std::size_t>(1, rows / kPoints);
+  for (std::size_t k = discharge.first; k <= discharge.last; k += step) {
+    curve.emplace_back(1.0 - (charge_C[k] - before_C) / discharge.charge_C, record.voltage_V[k]);
+  }
+  return curve;
+}
 
-Inspection InspectRecord(const Record& record, const LogReport& report) {
+Inspection InspectRows(const Record& record, const LogReport& report) {
   Inspection inspection;
   inspection.file = record.file;
   inspection.report = report;
@@ -47,7 +60,27 @@ Inspection InspectRecord(const Record& record, const LogReport& report) {
     inspection.edge_resistance_Ohm = (record.voltage_V[k - 1] - record.voltage_V[k]) /
                                      (record.current_A[k] - record.current_A[k - 1]);
   }
+  if (inspection.discharge) inspection.discharge_curve = CurveOf(record, *inspection.discharge);
+  if (!inspection.segments.empty() && inspection.segments[0].kind == SegmentKind::kRest &&
+      inspection.segments.size() > 1 && !record.voltage_V.empty()) {
+    inspection.start_voltage_V = record.voltage_V[inspection.segments[0].last];
+  }
   inspection.suggestion = SuggestKind(inspection.segments, inspection.discharge);
+  return inspection;
+}
+
+}  // namespace
+
+Inspection InspectRecord(const Record& record, const LogReport& report) {
+  Inspection inspection = InspectRows(record, report);
+  for (const LogPart& part : FindParts(record, inspection.segments, report.gaps)) {
+    Inspection one = InspectRows(RowsOf(record, part), report);
+    one.part = part;
+    one.report.gaps.clear();
+    one.part_start_s = record.time_s[part.first];
+    one.part_end_s = record.time_s[part.last];
+    inspection.parts.push_back(std::move(one));
+  }
   return inspection;
 }
 

@@ -5,12 +5,15 @@
 /// like. Tests: tests/identify/logs/inspection_test.cc.
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/logs/discharge.h"
 #include "identify/logs/log.h"
+#include "identify/logs/parts.h"
 #include "identify/logs/suggest.h"
 #include "model/core/errors.h"
 
@@ -36,9 +39,17 @@ struct Inspection {
   double charge_in_C = 0.0;   ///< by charging, positive
   std::vector<Segment> segments;
   std::optional<Discharge> discharge;  ///< WholeDischarge()
+  /// The voltage before the first load, of a log that begins with a rest; else NaN.
+  double start_voltage_V = std::numeric_limits<double>::quiet_NaN();
+  /// Of `discharge`: the share of its charge that is still to come, from 1 to 0, and the voltage.
+  std::vector<std::pair<double, double>> discharge_curve;
   double edge_resistance_Ohm =
       0.0;  ///< voltage step over current at its switch-on; NaN where not seen
   Suggestion suggestion;
+  std::optional<LogPart> part;    ///< which rows of the file this is about; none: all
+  double part_start_s = 0.0;      ///< in the time of the file
+  double part_end_s = 0.0;
+  std::vector<Inspection> parts;  ///< the tests within, where there are several (FindParts)
 };
 
 [[nodiscard]] Inspection InspectRecord(const Record& record, const LogReport& report);

@@ -8,11 +8,53 @@
 #include <string>
 #include <utility>
 
+#include "identify/logs/columns.h"
+#include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
+
+namespace {
+
+// A full discharge may hold less than its nominal capacity, in the cold or at a high rate, but not
+// this much less; and no test is made of pulses that move less than this.
+constexpr double kLeastOfFullDischarge = 0.2;
+constexpr double kLeastOfAnyLog = 0.01;
+
+// A capacity in mAh, or times in minutes under a header of seconds, are off by a factor of 60 or
+// 1000.
+void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  if (!(campaign.capacity_Ah > 0.0)) return;
+  double full_Ah = 0.0;
+  double any_Ah = 0.0;
+  bool fits = false;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kValidation) continue;
+    const Record& record = log.log.record;
+    const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
+    const double range_Ah = (moved.most_C - moved.least_C) / 3600.0;
+    any_Ah = std::max(any_Ah, range_Ah);
+    fits = true;
+    const bool discharge =
+        log.entry.kind == LogKind::kConstantCurrent || log.entry.kind == LogKind::kLowRate;
+    if (discharge && log.entry.initial_soc >= 0.9) full_Ah = std::max(full_Ah, range_Ah);
+  }
+  const bool too_little =
+      full_Ah > 0.0 ? full_Ah < kLeastOfFullDischarge * campaign.capacity_Ah
+                    : fits && any_Ah < kLeastOfAnyLog * campaign.capacity_Ah;
+  if (!too_little) return;
+  const std::string message = fmt::format(
+      "expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at most; is the "
+      "capacity in mAh, or are times in minutes or currents in another unit than their headers say?",
+      campaign.capacity_Ah,
+      full_Ah > 0.0 ? full_Ah : any_Ah);
+  if (campaign.file.empty()) throw OptionError("option --capacity-Ah: " + message);
+  throw LoadError({campaign.file}, "capacity_Ah: " + message);
+}
+
+}  // namespace
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   std::vector<LoadedLog> logs(campaign.logs.size());
@@ -20,6 +62,7 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   files.reserve(campaign.logs.size());
   for (const CampaignLog& entry : campaign.logs) files.push_back({entry.path, entry.read});
   const auto problems = ReadLogs(files, [&](std::size_t k, Log log) {
+    RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
     DivideByPack(log.record, campaign.series, campaign.parallel);
     CheckPlausible(log.record, campaign.capacity_Ah);
     logs[k] = {campaign.logs[k], std::move(log)};
@@ -35,6 +78,7 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
     all.insert(all.end(), problems[k].begin(), problems[k].end());
   }
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
+  CheckCapacity(campaign, logs);
   return logs;
 }
 
@@ -47,6 +91,8 @@ std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
   std::map<std::pair<std::string, std::string>, const LoadedLog*> first;  // by format and column
   for (const LoadedLog& loaded : logs) {
     const LogReport& report = loaded.log.report;
+    for (const std::string& warning : report.warnings)
+      add(fmt::format("{}: {}", loaded.entry.file, warning));
     if (report.current_sign_is_of_others)
       add(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
     if (report.current_sign == "unsigned") continue;

@@ -18,6 +18,7 @@
 #include "identify/logs/formats/formats.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
+#include "identify/logs/spikes.h"
 
 namespace lipoid {
 namespace {
@@ -87,6 +88,7 @@ class Collector {
     log_.record.file = source.file();
     log_.record.hold = options.hold;
     selects_rows_ = !options.steps.empty() || !options.cycles.empty();
+    has_labels_ = options.labels && (plan.Of(Quantity::kStep) || plan.Of(Quantity::kCycle));
     selects_times_ = std::isfinite(options.start_s) || std::isfinite(options.end_s);
   }
 
@@ -103,7 +105,7 @@ class Collector {
       if (first_s > kUnixClock_s) unix_start_s_ = first_s;
     }
     Reserve(block);
-    if (selects_rows_ || selects_times_ || plan_.clock_restarts_with_step || unix_start_s_ != 0.0 ||
+    if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step || unix_start_s_ != 0.0 ||
         !Increases(block)) {
       TakeRowByRow(block);
     } else {
@@ -213,6 +215,7 @@ class Collector {
         ++log_.report.dropped_repeated_times;
         continue;
       }
+      if (has_labels_) Label(record.size(), step ? step[k] : 0.0, cycle ? cycle[k] : 0.0);
       record.time_s.push_back(t_s);
       record.current_A.push_back(current_A[k]);
       if (voltage_V) record.voltage_V.push_back(voltage_V[k]);
@@ -222,6 +225,12 @@ class Collector {
       }
       if (state) directions_.push_back(static_cast<std::int8_t>(state[k]));
     }
+  }
+
+  void Label(std::size_t row, double step, double cycle) {
+    auto& labels = log_.report.labels;
+    if (!labels.empty() && labels.back().step == step && labels.back().cycle == cycle) return;
+    labels.push_back({.row = row, .step = step, .cycle = cycle});
   }
 
   // The clock of the test, from one that starts anew with each step: a step begins where the one
@@ -296,6 +305,7 @@ class Collector {
   std::size_t rows_seen_ = 0;
   bool selects_rows_ = false;
   bool selects_times_ = false;
+  bool has_labels_ = false;
   bool clock_is_set_ = false;
   bool drops_temperature_ = false;
   double unix_start_s_ = 0.0;
@@ -409,6 +419,48 @@ void SettleSign(Log& log,
   report.current_sign_reason = found.reason;
 }
 
+// A reading that failed would be fitted like any other.
+void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
+  const std::vector<std::size_t> spikes = FindSpikes(log.record);
+  if (spikes.empty()) return;
+  Record& record = log.record;
+  const double largest_V = record.voltage_V[*std::max_element(
+      spikes.begin(), spikes.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(record.voltage_V[a]) < std::abs(record.voltage_V[b]);
+      })];
+  log.report.warnings.push_back(
+      spikes.size() == 1
+          ? fmt::format("1 row dropped: a voltage of {:.4g} V at {:.10g} s, alone between rows that "
+                        "know nothing of it",
+                        largest_V,
+                        record.time_s[spikes[0]])
+          : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
+                        "alone between rows that know nothing of it",
+                        spikes.size(),
+                        largest_V,
+                        record.time_s[spikes[0]]));
+  const auto drop = [&](auto& column) {
+    if (column.empty()) return;
+    std::size_t next = 0;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      if (next < spikes.size() && spikes[next] == k) {
+        ++next;
+      } else {
+        column[kept++] = column[k];
+      }
+    }
+    column.resize(kept);
+  };
+  drop(record.time_s);
+  drop(record.current_A);
+  drop(record.voltage_V);
+  drop(record.temperature_degC);
+  drop(directions);
+  log.report.dropped_spikes = spikes.size();
+  log.report.rows = record.size();
+}
+
 void AddNotes(const TextSource& source,
               const LogPlan& plan,
               const TableReader& reader,
@@ -465,13 +517,17 @@ Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOth
   CheckReadable(
       log.record,
       {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
+  DropSpikes(log, collector.directions());
   SettleSign(log, collector.directions(), options, others, position(Quantity::kCurrent));
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
     }
   }
-  log.report.gaps = FindGaps(log.record.time_s);
+  log.report.gaps = FindGaps(log.record);
+  if (auto doubt = DoubtAboutTime(log.record); !doubt.empty()) {
+    log.report.warnings.push_back(std::move(doubt));
+  }
   return log;
 }
 

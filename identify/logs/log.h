@@ -41,15 +41,26 @@ struct ReadOptions {
   /// or current_sign say otherwise, discharge counts as positive. For currents that drive a
   /// simulation.
   bool voltage_optional = false;
+  /// Report which step and cycle of the cycler's program each row belongs to (LogReport::labels).
+  bool labels = false;
   /// Added drop of the leads: v_true = v + R i.
   double lead_resistance_Ohm = 0.0;
 };
 
-/// A stretch of time without rows that is far longer than the sampling around it.
+/// A stretch of time without rows, far longer than the sampling around it, in which a current may
+/// have flowed.
 struct Gap {
   std::size_t row = 0;  ///< the row that ends the gap
   double start_s = 0.0;
   double length_s = 0.0;
+  double unknown_C = 0.0;  ///< what the larger of the two currents at its ends would have moved
+};
+
+/// From this row on, the rows belong to this step and this cycle of the cycler's program.
+struct RowLabel {
+  std::size_t row = 0;
+  double step = 0.0;
+  double cycle = 0.0;
 };
 
 /// What reading found and did; shown by `lipoid inspect`.
@@ -60,14 +71,19 @@ struct LogReport {
   std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
+  std::size_t dropped_spikes = 0;          ///< rows whose voltage cannot be (spikes.h)
   std::string current_sign;         ///< "discharge-positive", "discharge-negative", "unsigned"
   std::string current_sign_reason;  ///< one sentence
   bool current_sign_is_of_others = false;  ///< see SignOfOthers
   std::vector<Gap> gaps;
+  std::vector<RowLabel> labels;  ///< where asked for; empty where the file has neither
   std::vector<std::string> notes;  ///< byte order mark, trailing comma, decimal comma, ...
+  /// What a person should look at before believing the log, one sentence each: spikes that were
+  /// dropped, times that look like minutes. Every command that reads the log shows them.
+  std::vector<std::string> warnings;
 
   [[nodiscard]] std::size_t dropped_rows() const {
-    return dropped_repeated_times + dropped_unselected + dropped_cut_last_line;
+    return dropped_repeated_times + dropped_unselected + dropped_cut_last_line + dropped_spikes;
   }
 };
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "identify/logs/columns.h"
 
 namespace lipoid {
@@ -15,13 +19,67 @@ constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 // One cell, from a half cell at rest to a lithium cell under fast charge.
 constexpr double kMostCell_V = 6.0;
 constexpr double kLeastCell_V = 0.02;
+// A button cell of 1 mAh that is emptied in 100 hours.
+constexpr double kLeastCell_A = 1e-5;
 // Charge between the fullest and the emptiest moment of a log, in capacities; and C-rate.
 constexpr double kMostCapacities = 5.0;
 constexpr double kMostRate_per_h = 500.0;
 
+// A cell's voltage is positive and stays within this factor; its current does not. Read under the
+// wrong names, the "current" looks like a voltage and the "voltage" does not.
+constexpr double kMostVoltageRatio = 2.5;
+constexpr double kLeastVoltage_V = 1.5;
+constexpr double kLeastVoltageSpread = 0.03;
+
+bool LooksExchanged(const Record& record) {
+  if (record.size() < 3 || record.voltage_V.empty()) return false;
+  const Extent current = FindExtent(record.current_A);
+  const Extent voltage = FindExtent(record.voltage_V);
+  const bool current_is_a_voltage =
+      current.least > kLeastVoltage_V && current.most < kMostVoltageRatio * current.least &&
+      current.most - current.least > kLeastVoltageSpread * current.most;
+  const bool voltage_is_none =
+      voltage.least <= 0.02 * voltage.most || voltage.most - voltage.least < 0.01 * voltage.most;
+  return current_is_a_voltage && voltage_is_none;
+}
+
 }  // namespace
 
+std::string DoubtAboutTime(const Record& record) {
+  constexpr std::size_t kFewest = 20;
+  constexpr double kRounding = 2e-3;  // of a step: four digits behind the point
+  if (record.size() < kFewest) return "";
+  for (const auto& [per_unit, unit] : {std::pair(60.0, "min"), std::pair(3600.0, "h")}) {
+    std::size_t whole = 0;
+    std::size_t decimal = 0;
+    for (std::size_t k = 1; k < kFewest; ++k) {
+      const double step = record.time_s[k] - record.time_s[k - 1];
+      const double steps = step * per_unit;
+      if (steps > 0.5 && std::abs(steps - std::round(steps)) < kRounding * steps) ++whole;
+      const double thousandths = 1e3 * step;
+      if (std::abs(thousandths - std::round(thousandths)) < 0.25 * kRounding * thousandths) ++decimal;
+    }
+    if (whole == kFewest - 1 && decimal < kFewest / 2) {
+      return fmt::format(
+          "rows are 1/{:.0f} s apart, as whole seconds are on a clock in {}; if the times are in "
+          "{}, say `units` (--units {},A,V)",
+          per_unit / std::max(1.0, std::round((record.time_s[1] - record.time_s[0]) * per_unit)),
+          unit,
+          unit,
+          unit);
+    }
+  }
+  return "";
+}
+
 void CheckReadable(const Record& record, const ColumnPositions& positions) {
+  if (LooksExchanged(record)) {
+    throw LoadError(
+        positions.voltage,
+        "expected a voltage, found what looks like a current, and a voltage in the column of the "
+        "current; if the two are exchanged, say which is which: columns = {current_A = \"...\", "
+        "voltage_V = \"...\"} (--columns)");
+  }
   if (const double most_V = LargestMagnitude(record.voltage_V); most_V > kMostPack_V) {
     throw LoadError(
         positions.voltage,
@@ -60,6 +118,15 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             "pack (say `series`)?",
             mean_V));
   }
+  if (const auto highest = std::max_element(record.voltage_V.begin(), record.voltage_V.end());
+      *highest > kMostCell_V) {
+    throw LoadError(
+        {record.file},
+        fmt::format("expected the voltage of one cell, found {:.4g} V at {:.10g} s; remove the rows "
+                    "that were read wrongly, or read a part without them (start_s, end_s)",
+                    *highest,
+                    record.time_s[static_cast<std::size_t>(highest - record.voltage_V.begin())]));
+  }
   if (const double most_V = LargestMagnitude(record.voltage_V); most_V < kLeastCell_V) {
     throw LoadError(
         {record.file},
@@ -68,8 +135,15 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             "that says mV, or is `series` too large?",
             most_V));
   }
-  if (!(capacity_Ah > 0.0)) return;
   const double most_A = LargestMagnitude(record.current_A);
+  if (most_A > 0.0 && most_A < kLeastCell_A) {
+    throw LoadError(
+        {record.file},
+        fmt::format("expected the current of one cell, found {:.3g} A at most; are these A under a "
+                    "header that says mA, or is `parallel` too large?",
+                    most_A));
+  }
+  if (!(capacity_Ah > 0.0)) return;
   if (most_A > kMostRate_per_h * capacity_Ah) {
     throw LoadError(
         {record.file},

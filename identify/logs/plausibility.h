@@ -21,6 +21,10 @@ struct ColumnPositions {
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
 void CheckReadable(const Record& record, const ColumnPositions& positions);
 
+/// What makes the times of a record doubtful, in one sentence; "" where nothing does: rows 1/60 s or
+/// 1/3600 s apart, which are whole seconds of a clock in minutes or hours.
+[[nodiscard]] std::string DoubtAboutTime(const Record& record);
+
 /// For a record of one cell, after DivideByPack(). capacity_Ah is the cell's nominal one, 0 where
 /// it is not known. LoadError with advice.
 void CheckPlausible(const Record& record, double capacity_Ah);

@@ -10,6 +10,7 @@
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
+#include "model/core/structured_text.h"
 
 namespace lipoid {
 namespace {
@@ -94,6 +95,7 @@ OpenCircuitVoltage ParseTable(const std::string& text, const std::string& file) 
 
 OpenCircuitVoltage ReadOpenCircuitVoltageFile(const std::string& file) {
   const std::string text = ReadTextFile(file);
+  structured_text::CheckText(text, file);
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos)
     throw LoadError({file}, "expected soc,voltage_V rows or a cell file, found nothing");

@@ -168,7 +168,19 @@ Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold h
   return campaign;
 }
 
+constexpr const char* kCampaignName = "campaign.toml";
+constexpr const char* kTruthName = "truth.json";
+
 }  // namespace
+
+std::vector<std::string> SynthesizedNames(const Cell& cell,
+                                          const Protocol& protocol,
+                                          const SynthesisOptions& options) {
+  std::vector<std::string> names;
+  for (const auto& plan : protocol.plan(cell, options)) names.push_back(plan.file);
+  names.insert(names.end(), {kCampaignName, kTruthName});
+  return names;
+}
 
 std::vector<SynthesizedFile> Synthesize(const Cell& cell,
                                         const Protocol& protocol,
@@ -192,6 +204,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
   const Signals signals{cell, options, *sampling, resolution, run.seed};
 
   NewFolder made(folder);
+  FileSet together;
   const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
   std::vector<std::unique_ptr<CsvWriter>> logs;
   logs.reserve(plans.size());
@@ -219,11 +232,12 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
     others.back()->Write(text);
     written.push_back({name, 0, text.size()});
   };
-  add("campaign.toml", CampaignToToml(CampaignOf(cell, plans, options.hold)));
-  add("truth.json", JsonText(CellToJson(truth)));
+  add(kCampaignName, CampaignToToml(CampaignOf(cell, plans, options.hold)));
+  add(kTruthName, JsonText(CellToJson(truth)));
   for (const auto& log : logs) log->Commit();
   for (const auto& other : others) other->Commit();
   made.Keep();
+  together.Commit();
   return written;
 }
 

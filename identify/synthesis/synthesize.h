@@ -27,6 +27,11 @@ struct SynthesizedFile {
   std::size_t bytes = 0;
 };
 
+/// The files that Synthesize() writes, within the folder.
+[[nodiscard]] std::vector<std::string> SynthesizedNames(const Cell& cell,
+                                                        const Protocol& protocol,
+                                                        const SynthesisOptions& options);
+
 /// Writes the logs, campaign.toml and truth.json into the folder, which is made where it is
 /// missing; all or none. `run` becomes part of truth.json. `progress` is called with a fraction,
 /// from any thread. OptionError where an option does not suit the cell or a file cannot be written.

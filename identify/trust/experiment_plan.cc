@@ -16,6 +16,10 @@ namespace {
 constexpr std::size_t kMostRows = 40'000'000;
 constexpr double kTypicalSoc = 0.5;
 
+bool IsTooFast(const Cell::Branch& branch, double sampling_s) {
+  return branch.time_constant_s < 0.5 * sampling_s;
+}
+
 // The cell with constants only: what stage 3 fits.
 CellParameters<double> Constants(const Cell& cell) {
   CellParameters<double> p;
@@ -109,9 +113,34 @@ PlannedExperiment PlanExperiment(const Cell& cell,
           .trust = AssessStaged(sweep, fit, std::nullopt, assume)};
 }
 
-std::vector<std::string> LeftOutOfPlan(const Cell& cell) {
+Cell AsSampled(const Cell& cell, double sampling_s) {
+  Cell seen = cell;
+  std::erase_if(seen.branches, [&](const Cell::Branch& branch) {
+    if (!IsTooFast(branch, sampling_s)) return false;
+    for (std::size_t k = 0; k < seen.series_resistance_Ohm.resistance_Ohm.size(); ++k) {
+      seen.series_resistance_Ohm.resistance_Ohm[k] += branch.resistance_Ohm(
+          seen.series_resistance_Ohm.constant() ? kTypicalSoc : seen.series_resistance_Ohm.soc[k]);
+    }
+    return true;
+  });
+  return seen;
+}
+
+std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s) {
   std::vector<std::string> left_out{
       "alpha and v_oc(A) are taken as known, as the staged fit takes them"};
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+    const Cell::Branch& branch = cell.branches[j];
+    if (!IsTooFast(branch, sampling_s)) continue;
+    left_out.push_back(
+        fmt::format("branch {} is too fast to be seen in rows every {:g} s (tau_{} = {:.3g} s): its "
+                    "{:.3g} Ohm count with r_s",
+                    j + 1,
+                    sampling_s,
+                    j + 1,
+                    branch.time_constant_s,
+                    branch.resistance_Ohm(kTypicalSoc)));
+  }
   bool tables = !cell.series_resistance_Ohm.constant();
   for (const auto& branch : cell.branches) tables = tables || !branch.resistance_Ohm.constant();
   if (tables) {

@@ -35,7 +35,11 @@ struct PlannedExperiment {
                                                const SynthesisOptions& options,
                                                const PlannedNoise& noise);
 
-/// What of the cell the plan leaves out, in words.
-[[nodiscard]] std::vector<std::string> LeftOutOfPlan(const Cell& cell);
+/// The cell as rows every sampling_s can see it: the resistance of a branch whose time constant is
+/// below half of that counts with r_s.
+[[nodiscard]] Cell AsSampled(const Cell& cell, double sampling_s);
+
+/// What of the cell a plan with rows every sampling_s leaves out, in words.
+[[nodiscard]] std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s);
 
 }  // namespace lipoid

@@ -50,16 +50,15 @@ struct InnerLoopOutput {
   PerMotor<T> speed_squared;  ///< omega_C²; negative where no motor can follow
 };
 
+/// Errors and pseudo-controls of the four loops, which all control laws share. `angle_rates` are what
+/// the law takes for the rates of the angles.
 template <class T>
-InnerLoopOutput<T> InnerLoops(const Vehicle& vehicle,
-                              const Gains& gains,
+InnerLoopOutput<T> LoopErrors(const Gains& gains,
                               const InnerLoopState<T>& state,
+                              const Triple<T>& angle_rates,
                               const InnerLoopReferences<T>& reference,
                               const ErrorIntegrals<T>& integrals) {
   InnerLoopOutput<T> out;
-  const Attitude<T> attitude(state.angles_rad);
-  const Triple<T> angle_rates = attitude.AngleRates(state.body_rates);
-
   out.down_error = reference.down.value - state.down_m;  // (3.62)
   out.pseudo_control_down = PseudoControl(gains.altitude,
                                           reference.down.acceleration,
@@ -75,6 +74,19 @@ InnerLoopOutput<T> InnerLoops(const Vehicle& vehicle,
                                                  out.angle_errors[k],
                                                  T(wanted.rate - angle_rates[k]));
   }
+  return out;
+}
+
+/// The thesis' law: dynamic inversion.
+template <class T>
+InnerLoopOutput<T> InnerLoops(const Vehicle& vehicle,
+                              const Gains& gains,
+                              const InnerLoopState<T>& state,
+                              const InnerLoopReferences<T>& reference,
+                              const ErrorIntegrals<T>& integrals) {
+  const Attitude<T> attitude(state.angles_rad);
+  InnerLoopOutput<T> out =
+      LoopErrors(gains, state, attitude.AngleRates(state.body_rates), reference, integrals);
   out.wrench.torque_N_m =
       InvertAttitude(vehicle, attitude, state.body_rates, out.pseudo_control_angles);
   out.wrench.thrust_N = InvertAltitude(vehicle, attitude, out.pseudo_control_down);

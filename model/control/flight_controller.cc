@@ -51,6 +51,7 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
     : vehicle_(std::move(vehicle)),
       gains_(std::move(gains)),
       options_(options),
+      law_(&FindControlLaw(options.law)),
       down_(options.altitude_omega_rad_per_s, options.altitude_damping, kControlStep_s),
       angles_{AngleReference(options, 0, kNoLimit),
               AngleReference(options, 1, kNoLimit),
@@ -123,7 +124,7 @@ PerMotor<double> FlightController::Step(const FlightCommand& command, const Meas
                         Reference(angles_[2].Step(command.yaw_rad))};
   const InnerLoopState<double> inner{
       state.position_m[2], state.velocity_m_per_s[2], state.angles_rad, state.body_rates_rad_per_s};
-  output_ = InnerLoops(vehicle_, gains_, inner, references_, integrals_);
+  output_ = law_->inner_loops(vehicle_, gains_, inner, references_, integrals_);
   // Yaw last: pitching while rolled asks for a yaw torque of which the motors have little, and
   // motors that are pulled apart by pitch and yaw at once roll the vehicle, their thrust being no
   // linear function of the command.

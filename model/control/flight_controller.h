@@ -6,8 +6,9 @@
 /// Tests: tests/model/control/flight_controller_test.cc.
 
 #include <limits>
+#include <string>
 
-#include "model/control/control_law.h"
+#include "model/control/laws/control_laws.h"
 #include "model/control/reference_model.h"
 #include "model/core/options.h"
 
@@ -27,6 +28,7 @@ struct FlightCommand {
 };
 
 struct ControllerOptions {
+  std::string law = "inversion";  ///< a name of ControlLaws()
   double altitude_omega_rad_per_s = 5.0;
   double altitude_damping = 1.0;
   double attitude_omega_rad_per_s = 100.0;
@@ -43,6 +45,7 @@ struct ControllerOptions {
   static void Visit(Self& self, Visitor&& v) {
     const Range omega{0.01, 1e4};
     const Range damping{0.01, 100.0};
+    v("law", self.law, Names(), "how the inner loops turn errors into torques: list controllers");
     v("altitude_omega_rad_per_s",
       self.altitude_omega_rad_per_s,
       omega,
@@ -90,6 +93,7 @@ struct MeasuredState {
 
 class FlightController {
  public:
+  /// OptionError where there is no such control law.
   FlightController(Vehicle vehicle, Gains gains, const ControllerOptions& options);
 
   /// At rest at a state and a heading, hovering with duty cycles that commanded speeds of
@@ -113,6 +117,7 @@ class FlightController {
   Vehicle vehicle_;
   Gains gains_;
   ControllerOptions options_;
+  const ControlLaw* law_;
   ReferenceModel down_;
   std::array<ReferenceModel, 3> angles_;
   std::array<ReferenceModel, 2> position_;

@@ -7,81 +7,184 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <utility>
 
 #include "model/core/errors.h"
+#include "model/core/json.h"
 
 namespace lipoid {
 namespace {
 
-// What has to go if the program ends now, in the order in which it came.
-std::mutex uncommitted_mutex;
+namespace fs = std::filesystem;
+
+// What has to go if the program ends now, in the order in which it came; and who commits.
+std::mutex mutex;
 std::vector<std::string> uncommitted;
+FileSet* innermost = nullptr;
 
 void Forget(const std::string& path) {
   const auto found = std::find(uncommitted.begin(), uncommitted.end(), path);
   if (found != uncommitted.end()) uncommitted.erase(found);
 }
 
+void Remove(const std::string& path) {
+  ::unlink(path.c_str());
+  Forget(path);
+}
+
+void RemoveFolders(std::vector<std::string>& folders) {
+  for (auto path = folders.rbegin(); path != folders.rend(); ++path) {
+    ::rmdir(path->c_str());  // fails where someone else put something into it: then it stays
+    Forget(*path);
+  }
+  folders.clear();
+}
+
+// A hidden name in the folder of `target` that nobody is likely to have: hidden, so that no list of
+// logs takes it for one, and short, so that it fits wherever the target's name does.
+std::string TemporaryName(const std::string& target) {
+  static std::uint64_t count = 0;
+  std::uint64_t x =
+      static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  x += (static_cast<std::uint64_t>(::getpid()) << 40U) + ++count * 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
+  return (fs::path(target).parent_path() / fmt::format(".lipoid-{:016x}.tmp", x ^ (x >> 31U)))
+      .string();
+}
+
+// make(name) until the name was free. False with errno where something else is in the way.
+template <class Make>
+bool WithFreeName(const std::string& target, std::string& name, Make&& make) {
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    name = TemporaryName(target);
+    if (make(name.c_str())) return true;
+    if (errno != EEXIST) return false;
+  }
+  return false;
+}
+
+// The descriptor that /dev/stdout or /dev/fd/3 stands for; -1 for other names.
+int OpenedAlready(std::string_view path) {
+  if (path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (!path.starts_with(folder)) continue;
+    const std::string_view number = path.substr(folder.size());
+    int descriptor = -1;
+    const auto [end, error] =
+        std::from_chars(number.data(), number.data() + number.size(), descriptor);
+    if (error == std::errc{} && end == number.data() + number.size()) return descriptor;
+  }
+  return -1;
+}
+
+// As the file that is replaced. The owner first: changing it takes the set-user bits away.
+void TakeOver(int descriptor, const struct stat& old) {
+  struct stat now {};
+  mode_t mode = old.st_mode & 07777U;
+  const bool owned =
+      ::fstat(descriptor, &now) == 0 && ((now.st_uid == old.st_uid && now.st_gid == old.st_gid) ||
+                                         ::fchown(descriptor, old.st_uid, old.st_gid) == 0);
+  if (!owned) mode &= 01777U;
+  (void)::fchmod(descriptor, mode);
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
-  if (path_ == "/dev/stdout") {
-    // By its descriptor: where it leads to a regular file, that file is the shell's and is not
-    // replaced.
-    const int descriptor = ::dup(STDOUT_FILENO);
+std::string BehindLinks(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  fs::path at = path;
+  std::error_code none;
+  for (int link = 0; link < kMostLinks && fs::is_symlink(fs::symlink_status(at, none)); ++link) {
+    const fs::path next = fs::read_symlink(at, none);
+    if (none) break;
+    at = next.is_absolute() ? next : at.parent_path() / next;
+  }
+  return at.string();
+}
+
+AtomicFile::AtomicFile(std::string path, const std::string& model) : path_(std::move(path)) {
+  errno = 0;
+  Open(model.empty() ? path_ : model);
+  if (file_ == nullptr) Fail(std::strerror(errno));
+}
+
+void AtomicFile::Open(const std::string& model) {
+  if (const int opened = OpenedAlready(path_); opened >= 0) {
+    // Where it leads to a regular file, that file is the shell's and is not replaced; and to open a
+    // pipe anew would wait for a reader who may have left.
+    const int descriptor = ::dup(opened);
     if (descriptor >= 0) file_ = ::fdopen(descriptor, "wb");
-    if (file_ == nullptr) Fail(std::strerror(errno));
     return;
   }
-  // A link stays a link; what it points to is replaced.
-  std::error_code dangling;
-  if (const auto target = std::filesystem::canonical(path_, dangling); !dangling)
-    path_ = target.string();
-  struct stat status {};
-  const bool exists = ::stat(path_.c_str(), &status) == 0;
-  if (path_.empty() || (exists && S_ISDIR(status.st_mode))) {
+  struct stat old {};
+  const bool exists = ::stat(path_.c_str(), &old) == 0;
+  const bool named_as_folder = path_.empty() || path_.back() == '/';
+  if (named_as_folder || (exists && S_ISDIR(old.st_mode))) {
     throw OptionError(fmt::format("cannot write '{}': expected the name of a file", path_));
   }
-  if (exists && !S_ISREG(status.st_mode)) {
+  if (!exists && errno != ENOENT) return;  // a loop of links, a name too long, a file as a folder
+  if (exists && !S_ISREG(old.st_mode)) {
     file_ = std::fopen(path_.c_str(), "wb");
-  } else {
-    const std::scoped_lock lock(uncommitted_mutex);
-    const auto temporary = fmt::format("{}.{}.tmp", path_, ::getpid());
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0) {
-      temporary_ = temporary;
-      uncommitted.push_back(temporary_);
-      file_ = ::fdopen(descriptor, "wb");
-    }
+    return;
   }
-  if (file_ == nullptr) Fail(std::strerror(errno));
+  target_ = BehindLinks(path_);
+  if (exists && ::access(target_.c_str(), W_OK) != 0) return;
+  has_other_names_ = exists && old.st_nlink > 1;
+  struct stat of_model {};
+  const bool has_model = ::stat(model.c_str(), &of_model) == 0 && S_ISREG(of_model.st_mode);
+  const std::scoped_lock lock(mutex);
+  int descriptor = -1;
+  std::string temporary;
+  const bool made = WithFreeName(target_, temporary, [&](const char* name) {
+    constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    descriptor = ::open(name, kNew, has_model ? 0600 : 0666);
+    return descriptor >= 0;
+  });
+  if (!made) return;
+  temporary_ = temporary;
+  uncommitted.push_back(temporary_);
+  if (has_model) TakeOver(descriptor, of_model);
+  file_ = ::fdopen(descriptor, "wb");
 }
 
 AtomicFile::~AtomicFile() {
   if (file_ != nullptr) std::fclose(file_);
   if (temporary_.empty()) return;
-  const std::scoped_lock lock(uncommitted_mutex);
-  ::unlink(temporary_.c_str());
-  Forget(temporary_);
+  const std::scoped_lock lock(mutex);
+  Remove(temporary_);
 }
 
 void AtomicFile::Write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) Fail(std::strerror(errno));
+  if (reader_left_ || std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size()) return;
+  if (!temporary_.empty() || errno != EPIPE) Fail(std::strerror(errno));
+  reader_left_ = true;
 }
 
 void AtomicFile::Commit() {
-  const bool flushed =
-      std::fflush(file_) == 0 && (temporary_.empty() || ::fsync(::fileno(file_)) == 0);
-  const bool closed = std::fclose(file_) == 0;
-  file_ = nullptr;
-  if (!flushed || !closed) Fail(std::strerror(errno));
-  if (temporary_.empty()) return;
-  const std::scoped_lock lock(uncommitted_mutex);
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) Fail(std::strerror(errno));
-  Forget(temporary_);
+  int error = 0;
+  if (std::fflush(file_) != 0) error = errno;
+  if (error == 0 && !temporary_.empty() && ::fsync(::fileno(file_)) != 0) error = errno;
+  if (std::fclose(std::exchange(file_, nullptr)) != 0 && error == 0) error = errno;
+  if (temporary_.empty()) {
+    if (error != 0 && error != EPIPE && !reader_left_) Fail(std::strerror(error));
+    return;
+  }
+  if (error != 0) Fail(std::strerror(error));
+  const std::scoped_lock lock(mutex);
+  FileSet::Waiting waiting{temporary_, target_, path_, has_other_names_};
+  if (innermost != nullptr) {
+    innermost->files_.push_back(std::move(waiting));
+  } else {
+    FileSet::Publish({std::move(waiting)});
+  }
   temporary_.clear();
 }
 
@@ -95,15 +198,96 @@ void WriteFileAtomically(const std::string& path, std::string_view bytes) {
   file.Commit();
 }
 
+FileSet::FileSet() {
+  const std::scoped_lock lock(mutex);
+  outer_ = std::exchange(innermost, this);
+}
+
+FileSet::~FileSet() {
+  const std::scoped_lock lock(mutex);
+  innermost = outer_;
+  for (const Waiting& file : files_) Remove(file.temporary);
+  RemoveFolders(folders_);
+}
+
+void FileSet::Commit() {
+  const std::scoped_lock lock(mutex);
+  if (outer_ != nullptr) {
+    outer_->files_.insert(outer_->files_.end(), files_.begin(), files_.end());
+    outer_->folders_.insert(outer_->folders_.end(), folders_.begin(), folders_.end());
+  } else {
+    Publish(files_);
+    for (const std::string& folder : folders_) Forget(folder);
+    for (const Waiting& file : files_) {
+      if (file.has_other_names) one_name_of_.push_back(file.path);
+    }
+  }
+  files_.clear();
+  folders_.clear();
+}
+
+// Each name, before it gets its new file, lends its old one a second name, which goes at the end.
+// The mutex is held: who ends the program waits until all is done.
+void FileSet::Publish(const std::vector<Waiting>& files) {
+  std::vector<std::string> before(files.size());  // "": there was none
+  const auto restore = [&](std::size_t from) {
+    for (std::size_t k = from + 1; k-- > 0;) {
+      if (!before[k].empty()) {
+        std::rename(before[k].c_str(), files[k].target.c_str());
+        ::unlink(before[k].c_str());  // still there where both are names of the same file
+      } else if (k < from) {
+        ::unlink(files[k].target.c_str());
+      }
+    }
+  };
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const char* const target = files[k].target.c_str();
+    struct stat old {};
+    const bool may_be_undone = k + 1 < files.size() && ::lstat(target, &old) == 0;
+    bool set_aside = true;
+    if (may_be_undone && !S_ISDIR(old.st_mode)) {
+      // A file system without hard links: the old file goes out of the way.
+      set_aside = WithFreeName(files[k].target, before[k], [&](const char* name) {
+        return ::link(target, name) == 0 || (errno != EEXIST && std::rename(target, name) == 0);
+      });
+      if (!set_aside) before[k].clear();
+    }
+    if (set_aside && std::rename(files[k].temporary.c_str(), target) == 0) continue;
+    const int error = errno;
+    restore(k);
+    throw OptionError(fmt::format("cannot write '{}': {}", files[k].path, std::strerror(error)));
+  }
+  for (const std::string& name : before) {
+    if (!name.empty()) ::unlink(name.c_str());
+  }
+  for (const Waiting& file : files) Forget(file.temporary);
+}
+
+std::string KeepCopy(const std::string& path) {
+  const fs::path file = BehindLinks(path);
+  const std::string bytes = ReadTextFile(path);
+  for (int number = 1;; ++number) {
+    const fs::path copy =
+        file.parent_path() /
+        fmt::format("{}.{}{}", file.stem().string(), number, file.extension().string());
+    std::error_code none;
+    if (fs::exists(fs::symlink_status(copy, none))) continue;
+    AtomicFile kept(copy.string(), path);
+    kept.Write(bytes);
+    kept.Commit();
+    return copy.string();
+  }
+}
+
 NewFolder::NewFolder(const std::string& folder) {
-  namespace fs = std::filesystem;
   std::vector<std::string> missing;  // deepest first
   std::error_code error;
-  for (auto path = fs::absolute(folder).lexically_normal(); !fs::exists(path, error);
+  for (auto path = fs::absolute(folder, error).lexically_normal();
+       !error && !fs::exists(path, error) && !error;
        path = path.parent_path()) {
     if (path.has_filename()) missing.push_back(path.string());
   }
-  const std::scoped_lock lock(uncommitted_mutex);
+  const std::scoped_lock lock(mutex);
   for (auto path = missing.rbegin(); path != missing.rend() && !error; ++path) {
     if (!fs::create_directory(*path, error)) continue;
     made_.push_back(*path);
@@ -112,30 +296,27 @@ NewFolder::NewFolder(const std::string& folder) {
   if (!error && !fs::is_directory(folder, error) && !error)
     error = std::make_error_code(std::errc::not_a_directory);
   if (!error) return;
-  Unmake();
+  RemoveFolders(made_);
   throw OptionError(fmt::format("cannot make the folder '{}': {}", folder, error.message()));
 }
 
 NewFolder::~NewFolder() {
-  const std::scoped_lock lock(uncommitted_mutex);
-  Unmake();
+  const std::scoped_lock lock(mutex);
+  RemoveFolders(made_);
 }
 
 void NewFolder::Keep() {
-  const std::scoped_lock lock(uncommitted_mutex);
-  for (const auto& path : made_) Forget(path);
+  const std::scoped_lock lock(mutex);
+  if (innermost != nullptr) {
+    innermost->folders_.insert(innermost->folders_.end(), made_.begin(), made_.end());
+  } else {
+    for (const auto& path : made_) Forget(path);
+  }
   made_.clear();
 }
 
-void NewFolder::Unmake() {
-  for (auto path = made_.rbegin(); path != made_.rend(); ++path) {
-    ::rmdir(path->c_str());  // fails where someone else put something into it: then it stays
-    Forget(*path);
-  }
-}
-
 void RemoveUncommitted() noexcept {
-  uncommitted_mutex.lock();  // and never unlocked
+  mutex.lock();  // and never unlocked
   for (auto path = uncommitted.rbegin(); path != uncommitted.rend(); ++path)
     std::remove(path->c_str());
 }

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 
+#include "model/core/foreign_text.h"
+
 namespace lipoid {
 namespace {
 
-std::vector<Diagnostic> WithoutRepeats(std::vector<Diagnostic> all) {
+// As they are shown: fit for a terminal, and none twice.
+std::vector<Diagnostic> Shown(std::vector<Diagnostic> all) {
   std::vector<Diagnostic> kept;
   for (auto& one : all) {
+    one.message = ForeignText(one.message, kMostBytesOfMessage);
     if (std::find(kept.begin(), kept.end(), one) == kept.end()) kept.push_back(std::move(one));
   }
   return kept;
@@ -30,15 +34,19 @@ std::string JoinLines(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 std::string Diagnostic::Text() const {
-  return fmt::format("{}:{}:{}: error: {}", position.file, position.line, position.column, message);
+  return fmt::format("{}:{}:{}: error: {}",
+                     ForeignText(position.file, kMostBytesOfMessage),
+                     position.line,
+                     position.column,
+                     ForeignText(message, kMostBytesOfMessage));
 }
 
 LoadError::LoadError(SourcePosition position, std::string message)
     : LoadError(std::vector<Diagnostic>{{std::move(position), std::move(message)}}) {}
 
 LoadError::LoadError(std::vector<Diagnostic> diagnostics)
-    : std::runtime_error(JoinLines(WithoutRepeats(diagnostics))),
-      diagnostics_(WithoutRepeats(std::move(diagnostics))) {}
+    : std::runtime_error(JoinLines(Shown(diagnostics))),
+      diagnostics_(Shown(std::move(diagnostics))) {}
 
 void Require(bool holds,
              std::string_view rule,

@@ -15,104 +15,245 @@
 #include <utility>
 
 #include "model/core/errors.h"
+#include "model/core/foreign_text.h"
+#include "model/core/structured_text.h"
 
 namespace lipoid {
 namespace {
 
-SourcePosition PositionOfByte(const std::string& file, std::string_view text, std::size_t byte) {
-  SourcePosition position{file, 1, 1};
-  byte = std::min(byte, text.size());
-  for (std::size_t k = 0; k < byte; ++k) {
-    if (text[k] == '\n') {
-      ++position.line;
-      position.column = 1;
-    } else {
-      ++position.column;
-    }
-  }
-  return position;
-}
+using structured_text::PositionOfByte;
 
 // "/key", escaped as JSON pointers are.
 std::string PointerOfKey(const std::string& key) {
   return (Json::json_pointer() / key).to_string();
 }
 
-// Calls visit(pointer, byte, is_key) where each key and each value starts, until it returns true:
-// nlohmann does not keep positions. The text is known to be JSON.
-template <class Visit>
-void WalkTokens(std::string_view text, Visit&& visit) {
+// What nlohmann's parser meets, with the byte where each key and each value starts: the parser
+// tells its events in the order of the text but not where, and all that lies between them is white
+// space, commas and colons.
+class Tokens : public nlohmann::json_sax<Json> {
+ public:
+  Tokens(std::string_view text, const std::string& file) : text_(text), file_(file) {
+    if (text.substr(0, 3) == "\xEF\xBB\xBF") next_ = 3;
+  }
+
+  /// False where the text is not read to its end.
+  bool Read() { return Json::sax_parse(text_.begin(), text_.end(), this); }
+
+  bool null() override { return Value(Next(), Json()); }
+  bool boolean(bool value) override { return Value(Next(), value); }
+  bool number_integer(number_integer_t value) override { return Value(Next(), value); }
+  bool number_unsigned(number_unsigned_t value) override { return Value(Next(), value); }
+  bool number_float(number_float_t value, const string_t&) override { return Value(Next(), value); }
+  bool string(string_t& value) override { return Value(Next(), std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // JSON has none
+  bool start_object(std::size_t) override { return Enter(Next(), false); }
+  bool start_array(std::size_t) override { return Enter(Next(), true); }
+  bool end_object() override {
+    Next();
+    return Leave();
+  }
+  bool end_array() override {
+    Next();
+    return Leave();
+  }
+  bool key(string_t& name) override { return Key(Next(), name); }
+
+ protected:
+  // Each returns whether to go on.
+  virtual bool Value(std::size_t byte, Json value) = 0;
+  virtual bool Enter(std::size_t byte, bool list) = 0;
+  virtual bool Leave() = 0;
+  virtual bool Key(std::size_t byte, const std::string& name) = 0;
+
+  // Where the next token starts.
+  std::size_t Next() {
+    const std::size_t start = std::min(text_.find_first_not_of(" \t\r\n,:", next_), text_.size());
+    next_ = start;
+    const char first = start < text_.size() ? text_[start] : ' ';
+    if (first == '"') {
+      for (++next_; next_ < text_.size() && text_[next_] != '"'; ++next_)
+        next_ += text_[next_] == '\\' ? 1 : 0;
+      ++next_;
+    } else if (std::strchr("[]{}", first) != nullptr) {
+      ++next_;
+    } else {
+      next_ = std::min(text_.find_first_of(" \t\r\n,]}", next_), text_.size());
+    }
+    return start;
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+
+ private:
+  std::size_t next_ = 0;
+};
+
+// Builds the document. LoadError for what is no JSON, for a repeated key and for too much of
+// anything.
+class Builder : public Tokens {
+ public:
+  Builder(std::string_view text, const std::string& file)
+      : Tokens(text, file), budget_(text, file) {}
+
+  Json Build() {
+    Read();
+    return std::move(whole_);
+  }
+
+  bool parse_error(std::size_t position,
+                   const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    std::string what = error.what();
+    constexpr int kNumberOverflow = 406;
+    if (error.id == kNumberOverflow) {  // its text ends before what was read
+      const std::size_t start = Next();
+      const std::size_t end = std::min(text_.find_first_of(" \t\r\n,]}", start), text_.size());
+      throw LoadError(PositionOfByte(file_, text_, start),
+                      fmt::format("expected a number that a double can hold, found {}",
+                                  ForeignText(text_.substr(start, end - start))));
+    }
+    if (const auto sentence = what.find("syntax error"); sentence != std::string::npos)
+      what = what.substr(sentence);
+    throw LoadError(PositionOfByte(file_, text_, position == 0 ? 0 : position - 1),
+                    fmt::format("expected JSON, found a {}", ForeignText(what)));
+  }
+
+ private:
   struct Level {
-    bool array = false;
-    std::size_t index = 0;
-    std::string key;  // with its slash
+    bool list = false;
+    std::string key;  // of the value that comes
+    Json::array_t items = {};
+    Json::object_t::Container members = {};
+    std::set<std::string> keys = {};
   };
-  std::vector<Level> levels;
-  const auto pointer = [&] {
-    std::string p;
-    for (const auto& level : levels) p += level.array ? fmt::format("/{}", level.index) : level.key;
-    return p;
-  };
-  bool expect_key = false;
-  for (std::size_t k = text.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ':') continue;
-    if (c == ',') {
-      if (levels.back().array) ++levels.back().index;
-      expect_key = !levels.back().array;
-      continue;
+
+  bool Value(std::size_t byte, Json value) override {
+    budget_.Value(byte);
+    Add(std::move(value));
+    return true;
+  }
+  bool Enter(std::size_t byte, bool list) override {
+    budget_.Enter(byte);
+    levels_.push_back({.list = list, .key = ""});
+    return true;
+  }
+  bool Leave() override {
+    budget_.Leave();
+    Level level = std::move(levels_.back());
+    levels_.pop_back();
+    if (level.list) {
+      Add(Json(std::move(level.items)));
+    } else {
+      Json::object_t object;
+      static_cast<Json::object_t::Container&>(object) = std::move(level.members);
+      Add(Json(std::move(object)));
     }
-    if (c == '}' || c == ']') {
-      levels.pop_back();
-      expect_key = false;
-      continue;
+    return true;
+  }
+  bool Key(std::size_t byte, const std::string& name) override {
+    budget_.Key(byte);
+    if (!levels_.back().keys.insert(name).second) {
+      throw LoadError(PositionOfByte(file_, text_, byte),
+                      fmt::format("expected every key once, found '{}' again", ForeignText(name)));
     }
-    const std::size_t start = k;
-    if (c == '"') {
-      for (++k; text[k] != '"'; ++k) k += text[k] == '\\' ? 1 : 0;
-    } else if (c != '{' && c != '[') {
-      while (k + 1 < text.size() && std::strchr(",]} \n\t\r", text[k + 1]) == nullptr) ++k;
-    }
-    const bool is_key = std::exchange(expect_key, false);
-    if (is_key) {
-      levels.back().key =
-          PointerOfKey(Json::parse(text.substr(start, k + 1 - start)).get<std::string>());
-    }
-    if (visit(pointer(), start, is_key)) return;
-    if (c == '{' || c == '[') {
-      levels.push_back({c == '[', 0, ""});
-      expect_key = c == '{';
+    levels_.back().key = name;
+    return true;
+  }
+
+  // Without a search for the key, which is not there yet: a table of many keys is read in their
+  // order.
+  void Add(Json value) {
+    if (levels_.empty()) {
+      whole_ = std::move(value);
+    } else if (levels_.back().list) {
+      levels_.back().items.push_back(std::move(value));
+    } else {
+      levels_.back().members.emplace_back(std::move(levels_.back().key), std::move(value));
     }
   }
-}
 
-// Where the value with this pointer starts, or its key.
-std::size_t ByteOfPointer(std::string_view text, const std::string& wanted, bool key) {
-  std::size_t found = 0;
-  WalkTokens(text, [&](const std::string& pointer, std::size_t byte, bool is_key) {
-    if (is_key != key || pointer != wanted) return false;
-    found = byte;
+  structured_text::Budget budget_;
+  std::vector<Level> levels_;
+  Json whole_;
+};
+
+// Finds where the value with a pointer starts, or its key.
+class Locator : public Tokens {
+ public:
+  Locator(std::string_view text, const std::string& file, const std::string& wanted, bool key)
+      : Tokens(text, file), wanted_(wanted), wanted_key_(key) {}
+
+  std::size_t Find() {
+    Read();
+    return found_;
+  }
+
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;  // the text that was parsed had none
+  }
+
+ private:
+  struct Level {
+    bool list = false;
+    std::size_t index = 0;
+    std::size_t pointer_bytes = 0;
+  };
+
+  bool Value(std::size_t byte, Json) override { return Item(byte) && Done(); }
+  bool Enter(std::size_t byte, bool list) override {
+    if (!Item(byte)) return false;
+    levels_.push_back({list, 0, pointer_.size()});
     return true;
-  });
-  return found;
-}
+  }
+  bool Leave() override {
+    levels_.pop_back();
+    return Done();
+  }
+  bool Key(std::size_t byte, const std::string& name) override {
+    pointer_.resize(levels_.back().pointer_bytes);
+    pointer_ += PointerOfKey(name);
+    return !wanted_key_ || !IsIt(byte);
+  }
 
-void RefuseRepeatedKeys(std::string_view text, const std::string& file) {
-  std::set<std::string> seen;
-  WalkTokens(text, [&](const std::string& pointer, std::size_t byte, bool is_key) {
-    if (is_key && !seen.insert(pointer).second) {
-      throw LoadError(PositionOfByte(file, text, byte),
-                      fmt::format("expected every key once, found '{}' again",
-                                  Json::json_pointer(pointer).back()));
+  // A value begins: a list gives it its number.
+  bool Item(std::size_t byte) {
+    if (!levels_.empty() && levels_.back().list) {
+      pointer_.resize(levels_.back().pointer_bytes);
+      pointer_ += fmt::format("/{}", levels_.back().index++);
     }
-    return false;
-  });
+    return wanted_key_ || !IsIt(byte);
+  }
+  // A value ended.
+  bool Done() {
+    pointer_.resize(levels_.empty() ? 0 : levels_.back().pointer_bytes);
+    return true;
+  }
+  bool IsIt(std::size_t byte) {
+    if (pointer_ != wanted_) return false;
+    found_ = byte;
+    return true;
+  }
+
+  const std::string& wanted_;
+  bool wanted_key_;
+  std::size_t found_ = 0;
+  std::string pointer_;
+  std::vector<Level> levels_;
+};
+
+SourcePosition PositionOfPointer(const std::string& file,
+                                 std::string_view text,
+                                 const std::string& pointer,
+                                 bool key) {
+  return PositionOfByte(file, text, Locator(text, file, pointer, key).Find());
 }
 
 std::string Describe(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return fmt::format("a list of {}", value.size());
-  return value.dump();
+  return ForeignText(value.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -131,11 +272,15 @@ std::string ReadTextFile(const std::string& file) {
                     fmt::format("expected a readable file, found one that cannot be opened ({})",
                                 std::strerror(errno)));
   }
+  // No more than one byte too many: /dev/zero has no end.
   std::string text;
-  char buffer[1 << 16];
-  for (std::size_t got = 0; (got = std::fread(buffer, 1, sizeof buffer, stream.get())) > 0;) {
-    text.append(buffer, got);
+  std::vector<char> buffer(std::size_t{1} << 16);
+  for (std::size_t got = 0;
+       text.size() <= structured_text::kMostBytes &&
+       (got = std::fread(buffer.data(), 1, buffer.size(), stream.get())) > 0;) {
+    text.append(buffer.data(), got);
   }
+  if (text.size() > structured_text::kMostBytes) structured_text::CheckText(text, file);
   if (std::ferror(stream.get()) != 0) {
     throw LoadError({file},
                     fmt::format("expected a readable file, found one that cannot be read ({})",
@@ -156,25 +301,8 @@ std::string ReadTextFileOr(const std::string& name_or_file, const std::string& e
 Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json ParseJson(std::string_view text, const std::string& file) {
-  Json document;
-  try {
-    document = Json::parse(text);
-  } catch (const nlohmann::json::parse_error& error) {
-    std::string what = error.what();
-    if (const auto colon = what.find("syntax error"); colon != std::string::npos)
-      what = what.substr(colon);
-    throw LoadError(PositionOfByte(file, text, error.byte == 0 ? 0 : error.byte - 1),
-                    fmt::format("expected JSON, found a {}", what));
-  } catch (const nlohmann::json::out_of_range& error) {
-    // "... number overflow parsing '1e999'": the only one that parsing throws; it has no position.
-    const std::string what = error.what();
-    const auto quote = std::min(what.find('\''), what.size());
-    const std::string number = what.substr(quote + 1, what.rfind('\'') - quote - 1);
-    throw LoadError(PositionOfByte(file, text, std::min(text.find(number), text.size())),
-                    fmt::format("expected a number that a double can hold, found {}", number));
-  }
-  RefuseRepeatedKeys(text, file);
-  return document;
+  structured_text::CheckText(text, file);
+  return Builder(text, file).Build();
 }
 
 JsonReader::JsonReader(const Json& document, const std::string& file, std::string_view text)
@@ -251,10 +379,11 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
   for (const auto& [key, unused] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string pointer = pointer_ + PointerOfKey(key);
-    throw LoadError(
-        PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer, true)),
-        fmt::format(
-            "{}: expected one of the keys {}, found '{}'", pointer, fmt::join(known, ", "), key));
+    throw LoadError(PositionOfPointer(*file_, text_, pointer, true),
+                    fmt::format("{}: expected one of the keys {}, found '{}'",
+                                ForeignText(pointer),
+                                fmt::join(known, ", "),
+                                ForeignText(key)));
   }
 }
 
@@ -263,8 +392,8 @@ void JsonReader::Fail(std::string_view expected) const {
 }
 
 void JsonReader::FailWith(std::string_view message) const {
-  throw LoadError(PositionOfByte(*file_, text_, ByteOfPointer(text_, pointer_, false)),
-                  fmt::format("{}: {}", pointer_.empty() ? "/" : pointer_, message));
+  throw LoadError(PositionOfPointer(*file_, text_, pointer_, false),
+                  fmt::format("{}: {}", pointer_.empty() ? "/" : ForeignText(pointer_), message));
 }
 
 }  // namespace lipoid

@@ -30,7 +30,9 @@ std::string FormatRange(const Range& range, bool integral) {
 double ParseDouble(std::string_view name, std::string_view text, const Range& range) {
   double value = std::numeric_limits<double>::quiet_NaN();
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !range.Contains(value)) {
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  // A range without an end means any number, and infinity is none.
+  if (!whole || !std::isfinite(value) || !range.Contains(value)) {
     throw OptionError(
         fmt::format("option {}: expected {}, found '{}'", name, FormatRange(range, false), text));
   }

@@ -4,9 +4,14 @@
 #include <sstream>
 #include <utility>
 
+#include "model/core/foreign_text.h"
+#include "model/core/structured_text.h"
+
 namespace lipoid {
 
 toml::table ParseToml(const std::string& text, const std::string& file, std::string_view what) {
+  structured_text::CheckText(text, file);
+  structured_text::CheckToml(text, file);
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
@@ -15,7 +20,7 @@ toml::table ParseToml(const std::string& text, const std::string& file, std::str
     if (description.substr(0, kPrefix.size()) == kPrefix) description.remove_prefix(kPrefix.size());
     const auto& at = error.source().begin;
     throw LoadError({file, at.line, at.column},
-                    fmt::format("not {} in TOML: {}", what, description));
+                    fmt::format("not {} in TOML: {}", what, ForeignText(description)));
   }
 }
 
@@ -47,7 +52,7 @@ std::string TomlFound(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) return TomlFloat(number->get());
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
-  return text.str();
+  return ForeignText(text.str());
 }
 
 SourcePosition TomlReader::At(const toml::source_region& source) const {
@@ -70,9 +75,10 @@ void TomlReader::Expected(const toml::node& node,
 void TomlReader::OnlyKeys(std::span<const std::string_view> known) const {
   for (const auto& [key, value] : table_) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    Problem(
-        At(key.source()),
-        fmt::format("expected one of the keys {}, found '{}'", fmt::join(known, ", "), key.str()));
+    Problem(At(key.source()),
+            fmt::format("expected one of the keys {}, found '{}'",
+                        fmt::join(known, ", "),
+                        ForeignText(key.str())));
   }
 }
 

@@ -1,23 +1,25 @@
 #include "model/flight/flight_log.h"
 
-#include "model/core/csv_writer.h"
-
 namespace lipoid {
+namespace {
 
-void WriteFlightLog(const std::vector<FlightSample>& samples, const std::string& file) {
+std::string Header() {
   std::string header;
   FlightSample{}.Visit([&](const char* name, double) {
     if (!header.empty()) header += ',';
     header += name;
   });
-  CsvWriter csv(file, header);
-  std::vector<double> row;
-  for (const FlightSample& sample : samples) {
-    row.clear();
-    sample.Visit([&](const char*, double value) { row.push_back(value); });
-    csv.RowOf(row);
-  }
-  csv.Commit();
+  return header;
+}
+
+}  // namespace
+
+FlightLogWriter::FlightLogWriter(const std::string& file) : csv_(file, Header()) {}
+
+void FlightLogWriter::Row(const FlightSample& sample) {
+  row_.clear();
+  sample.Visit([&](const char*, double value) { row_.push_back(value); });
+  csv_.RowOf(row_);
 }
 
 }  // namespace lipoid

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "model/core/csv_writer.h"
 #include "model/vehicle/allocation.h"
 
 namespace lipoid {
@@ -72,7 +73,17 @@ struct FlightSample {
   }
 };
 
-/// Whole or not at all. OptionError where the file cannot be written.
-void WriteFlightLog(const std::vector<FlightSample>& samples, const std::string& file);
+/// A flight log, row by row while the vehicle flies: no flight is too long for the memory. The file
+/// appears at Commit(), whole or not at all. OptionError where it cannot be written.
+class FlightLogWriter {
+ public:
+  explicit FlightLogWriter(const std::string& file);
+  void Row(const FlightSample& sample);
+  void Commit() { csv_.Commit(); }
+
+ private:
+  CsvWriter csv_;
+  std::vector<double> row_;
+};
 
 }  // namespace lipoid

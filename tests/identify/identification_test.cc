@@ -62,7 +62,7 @@ TEST(Identification, RefusesAProfileBeforeItReadsAnything) {
             }),
             "option --profile: alpha is a convention of the joint method and moves no voltage; see "
             "its interval in the report");
-  EXPECT_EQ(test::MessageOf<OptionError>([] { CheckIdentifyOptions({.profiled = {"r_9"}}); }),
+  EXPECT_EQ(test::MessageOf<OptionError>([] { CheckIdentifyOptions({.method = IdentifyMethod::kStaged, .profiled = {"r_9"}}); }),
             "option --profile: no parameter 'r_9' in this fit; profiles can be had of beta, r_s, "
             "r_1, tau_1, c_1");
 }

@@ -90,5 +90,24 @@ TEST(Validation, FindsTheChargeAtWhichAPackRests) {
             "initial voltage: expected one that v_oc(A) of the cell has, 6 .. 8 V, found 3.7 V");
 }
 
+// v_oc is 3 V + A volts.
+TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
+  const OpenCircuitVoltage curve = ChargeCounter().open_circuit_voltage;
+  Record record;
+  record.time_s = {0, 1, 2, 3};
+  record.current_A = {0, 0, 2, 2};
+  record.voltage_V = {3.52, 3.5, 3.4, 3.4};
+  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0),
+            "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.50, not "
+            "1; if it had rested long enough, say initial_soc 0.50");
+  EXPECT_EQ(DoubtAboutStart(curve, record, 0.5), "");
+  EXPECT_EQ(DoubtAboutStart(curve, record, 0.52), "");
+  record.current_A[0] = record.current_A[1] = 2.0;  // no rest to be seen
+  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
+  record.current_A = {0, 0, 0, 0};  // nothing but rest
+  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
+  EXPECT_EQ(DoubtAboutStart(curve, Record{}, 1.0), "");
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -6,6 +6,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 
 #include "model/core/errors.h"
 #include "tests/support/paths.h"
@@ -64,6 +65,11 @@ ExitCode Succeed(CommandLine& line) {
   line.summary()["words"] = words;
   line.Message("a message");
   line.Print("data {}\n", number);
+  for (const auto& word : words) {
+    if (word.size() < 3) continue;
+    line.Print("word {}\n", word);
+    line.Message("about {}", word);
+  }
   return number == 5 ? ExitCode::kIncomplete : ExitCode::kDone;
 }
 ExitCode ThrowAfterPrinting(CommandLine& line) {
@@ -78,11 +84,16 @@ ExitCode BreakARule(CommandLine&) {
   return ExitCode::kDone;
 }
 
+ExitCode FindNoThread(CommandLine&) {
+  throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+}
+
 constexpr Command kCommands[] = {{"anything", "throws an int", &ThrowAnything},
                                  {"load", "throws a LoadError", &ThrowAfterPrinting},
                                  {"memory", "runs out of memory", &RunOutOfMemory},
                                  {"rule", "breaks a rule", &BreakARule},
-                                 {"succeed", "succeeds", &Succeed}};
+                                 {"succeed", "succeeds", &Succeed},
+                                 {"system", "gets no thread", &FindNoThread}};
 
 struct Outcome {
   int exit_code;
@@ -139,10 +150,32 @@ TEST(Run, WhateverACommandThrowsIsOneLineAndAnExitCode) {
   EXPECT_EQ(memory.exit_code, 1);
   EXPECT_EQ(memory.err,
             "lipoid memory: error: out of memory; give it less at once, or a machine with more\n");
-  EXPECT_EQ(RunHere({"anything"}).exit_code, 1);
-  const auto rule = RunHere({"rule"});
-  EXPECT_EQ(rule.exit_code, 1);
+  constexpr const char* kReport =
+      ": error: this should not have happened, and is a mistake of lipoid ";
+  const auto anything = RunHere({"anything"});
+  EXPECT_EQ(anything.exit_code, 4);
+  EXPECT_NE(anything.err.find(kReport), std::string::npos) << anything.err;
+  const auto folder = TestFolder();
+  const auto rule = RunHere({"rule", "--summary", folder + "/s.json"});
+  EXPECT_EQ(rule.exit_code, 4);
+  EXPECT_NE(rule.err.find(kReport), std::string::npos) << rule.err;
   EXPECT_NE(rule.err.find("precondition broken: dt_s > 0"), std::string::npos) << rule.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("exit_code"), 4);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("error").at("kind"), "internal");
+  const auto system = RunHere({"system"});
+  EXPECT_EQ(system.exit_code, 4);
+  EXPECT_NE(system.err.find("Resource temporarily unavailable"), std::string::npos) << system.err;
+}
+
+TEST(Run, TextFromElsewhereDoesNotReachTheTerminalRaw) {
+  const auto run = RunHere({"succeed", "\x1b[2J\x1b]0;title\a"});
+  EXPECT_EQ(run.out, "data 3\nword \\x1b[2J\\x1b]0;title\\x07\n");
+  EXPECT_EQ(run.err, "a message\nabout \\x1b[2J\\x1b]0;title\\x07\n");
+  const auto wrong = RunHere({"succeed", "--\x1b[2J"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err.find('\x1b'), std::string::npos) << wrong.err;
+  const auto large = RunHere({"succeed", std::string(100'000, 'x')});
+  EXPECT_LT(large.err.size(), 10'000U);
 }
 
 TEST(Run, ASummaryThatCannotBeWrittenIsSaidBeforeTheCommandRuns) {
@@ -164,7 +197,7 @@ TEST(Run, UsageErrorsSayWhatIsKnownAndWhatWasMeant) {
       {{"sucede"},
        "lipoid: error: unknown command 'sucede'. Did you mean 'succeed'? Known: anything, load, "
        "memory, "
-       "rule, succeed\nTry 'lipoid --help'.\n"},
+       "rule, succeed, system\nTry 'lipoid --help'.\n"},
       {{"--verison"},
        "lipoid: error: unknown option '--verison'. Did you mean '--version'? Known: --help, "
        "--version\n"

@@ -36,7 +36,7 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -79,6 +79,7 @@ TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
   const auto run = RunLipoid(folder,
                              {"identify",
                               "logs/campaign.toml",
+                              "--verbose",
                               "--method",
                               "joint",
                               "-o",
@@ -184,7 +185,7 @@ TEST(Identify, ProfilesParametersOnRequest) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.0002", "--seed", "5"});
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -268,6 +269,7 @@ TEST(Identify, ProfilesParametersOnRequest) {
   for (const auto& [options, message] : refused) {
     std::vector<std::string> arguments{"identify", "logs/campaign.toml", "-o", "other.json"};
     arguments.insert(arguments.end(), options.begin(), options.end());
+    if (options.back() != "joint") arguments.insert(arguments.end(), {"--method", "staged"});
     const auto bad = RunLipoid(folder, arguments);
     EXPECT_EQ(bad.exit_code, 2);
     EXPECT_NE(bad.err.find(message), std::string::npos) << bad.err;
@@ -278,7 +280,7 @@ TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -325,7 +327,7 @@ TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
     SynthesizeLogs(folder, cell, cell);
   }
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "gifi-600mAh-1/campaign.toml",
                               "gifi-600mAh-2/campaign.toml",
                               "gifi-600mAh-3/campaign.toml",
@@ -353,7 +355,7 @@ TEST(Identify, SaysABadFileOnceAndWritesNothing) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "--constant-current",
                               "none.csv",
                               "logs/cc_1C.csv",
@@ -391,7 +393,7 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
       {{"logs/campaign.toml", "--cutoff-V", "3"},
        "option --cutoff-V goes with logs given by options"},
       {{"logs/campaign.toml", "--fix", "q_1=3"},
-       "--fix: no parameter 'q_1' in this fit; there are beta, r_s, r_1"},
+       "--fix: no parameter 'q_1' in this fit; there are beta, r_s"},
       {{"logs/campaign.toml", "--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
       {{"logs/campaign.toml", "--bounds", "beta=0.1"},
        "option --bounds: expected NAME=LOW,HIGH, found 'beta=0.1'"},
@@ -418,7 +420,7 @@ TEST(Identify, HoldsWhatIsGiven) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify",
+                             {"identify", "--method", "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -446,7 +448,7 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
   const auto identify = [&](const std::string& curve) {
     WriteFileAtomically(folder + "/curve.csv", curve);
     return RunLipoid(folder,
-                     {"identify",
+                     {"identify", "--method", "staged",
                       "--pulses",
                       "logs/pulses.csv",
                       "--alpha-C",

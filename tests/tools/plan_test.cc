@@ -40,6 +40,23 @@ TEST(Plan, CombinesListsAndRangesIntoRows) {
   EXPECT_NE(run.out.find("alpha and v_oc(A) are taken as known"), std::string::npos) << run.out;
 }
 
+// The thesis' branch of 0.24 ms: rows every second cannot see it, and nothing must hang on it.
+TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, {"plan", "gifi-600mAh-1", "--pulse-s", "10,30", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out.find("unknown"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("all identified"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("branch 1 is too fast to be seen in rows every 1 s (tau_1 = 0.000241 s): "
+                         "its 2.36e-05 Ohm count\n     with r_s"),
+            std::string::npos)
+      << run.out;
+  const Json parameters = ReadJson(folder, "s.json").at("rows")[0].at("parameters");
+  ASSERT_EQ(parameters.size(), 2U);  // beta, r_s
+  EXPECT_NEAR(parameters[1].at("estimate").get<double>(), 0.1314 + 2.3643e-5, 1e-12);
+}
+
 TEST(Plan, RefusesWhatIsNoPlan) {
   const auto folder = TestFolder();
   for (const std::string bad : {"0", "1:1", "ten", "1,,2"}) {
@@ -72,7 +89,9 @@ TEST(Plan, IdentifySaysHowFarToBelieveIt) {
                 .exit_code,
             0);
   const auto run = RunLipoid(
-      folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--summary", "s.json"});
+      folder,
+      {"identify", "logs/campaign.toml", "--method", "staged", "-o", "cell.json", "--summary",
+       "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("the intervals take alpha and v_oc(A) as exact"), std::string::npos)
       << run.out;

@@ -129,7 +129,7 @@ def run_lipoid(settings, name, problem, curve, initial_soc):
     fits = {"commands": [], "wall_s": 0.0, "fit_s": 0.0, "holds": {}}
     for hold in HOLDS:
         summary_file = settings.scratch / f"{name}.{hold}.summary.json"
-        ended = run([settings.lipoid, "identify", "--pulses", problem["log"], "--units", "s,A,V",
+        ended = run([settings.lipoid, "identify", "--method", "staged", "--pulses", problem["log"], "--units", "s,A,V",
                      "--hold", hold, "--no-diffusion", "--branches", "2",
                      "--open-circuit-voltage", curve_file, "--cutoff-V", "2.5",
                      "--alpha-C", repr(3600.0 * problem["capacity_Ah"]),

@@ -64,7 +64,7 @@ def cell_file(folder):
 
 def run_lipoid(settings, folder):
     summary_file = folder.with_name(f"{folder.name}.summary.json")
-    ended = run([settings.lipoid, "identify", folder / "campaign.toml", "-o", cell_file(folder),
+    ended = run([settings.lipoid, "identify", folder / "campaign.toml", "--method", "staged", "-o", cell_file(folder),
                  "--summary", summary_file, "--quiet"])
     summary = json.loads(summary_file.read_text(encoding="utf-8"))
     joint = summary["stages"]["pulses"]

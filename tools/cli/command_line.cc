@@ -8,10 +8,13 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <future>
+#include <system_error>
+#include <thread>
 
-#include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/command_description.h"
+#include "model/core/foreign_text.h"
 #include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 
@@ -32,9 +35,43 @@ std::uint64_t ParseSeed(const std::string& shown, const std::string& text) {
   return seed;
 }
 
-bool SameFile(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return a == b || std::filesystem::equivalent(a, b, ignored);
+// Two paths lead to one place where they compare equal: links and relative paths are followed. A
+// file that is not there yet is its folder and its name, without regard to case, which a disk may
+// ignore.
+struct Place {
+  dev_t device = 0;
+  ino_t file = 0;
+  std::string name;
+
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+std::string LowerCase(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+Place PlaceOf(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, ""};
+  std::error_code none;
+  const std::filesystem::path file =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(BehindLinks(path), none), none);
+  if (none) return {0, 0, path};
+  const std::string folder = file.parent_path().string();
+  if (::stat(folder.c_str(), &status) != 0) return {0, 0, LowerCase(file.string())};
+  return {status.st_dev, status.st_ino, LowerCase(file.filename().string())};
+}
+
+// Pipes, terminals and /dev/null hold nothing that could be lost.
+bool IsSpecial(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+bool IsFile(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
 }
 
 // Words of `text` in lines of at most `width`, each but the first indented.
@@ -69,6 +106,22 @@ void AddHelpLine(std::string& text, const std::string& left, const std::string& 
     text += std::string(kColumn - 2 - left.size(), ' ');
   }
   text += Wrap(help, kColumn, 100) + '\n';
+}
+
+// How many of the threads that there are cores for may be started: `ulimit -u` or a container may
+// allow none, and a thread pool that gets fewer than it asks for ends the program.
+int ThreadsAllowed() {
+  const int wanted = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::thread> started;
+  std::promise<void> all;
+  const std::shared_future<void> end = all.get_future().share();
+  try {
+    for (int k = 1; k < wanted; ++k) started.emplace_back([end] { end.wait(); });
+  } catch (const std::system_error&) {  // so many, and no more
+  }
+  all.set_value();
+  for (std::thread& thread : started) thread.join();
+  return static_cast<int>(started.size()) + 1;
 }
 
 }  // namespace
@@ -119,6 +172,19 @@ void CommandLine::Arguments(std::string_view name,
                           .at_least = at_least});
 }
 
+void CommandLine::InputArgument(std::string_view name, std::string& value, std::string_view help) {
+  Argument(name, value, help);
+  positionals_.back().input = true;
+}
+
+void CommandLine::InputArguments(std::string_view name,
+                                 std::vector<std::string>& values,
+                                 std::string_view help,
+                                 std::size_t at_least) {
+  Arguments(name, values, help, at_least);
+  positionals_.back().input = true;
+}
+
 void CommandLine::Text(std::string_view name,
                        std::string& value,
                        std::string_view word,
@@ -155,6 +221,18 @@ void CommandLine::RequiredInput(std::string_view name,
   options_.back()->required = true;
 }
 
+void CommandLine::Inputs(std::string_view name,
+                         std::vector<std::string>& values,
+                         std::string_view word,
+                         std::string_view help) {
+  auto& option = Declare(name, word, "", help);
+  option.several = true;
+  option.set = [this, &values](const std::string&, const std::string& text) {
+    values.push_back(text);
+    input_paths_.push_back(text);
+  };
+}
+
 void CommandLine::Texts(std::string_view name,
                         std::vector<std::string>& values,
                         std::string_view word,
@@ -183,7 +261,7 @@ void CommandLine::OutputOption(std::string_view name,
   option.output = true;
   option.set = [this, &value, &option](const std::string&, const std::string& text) {
     value = OutputPath(text);
-    output_paths_[option.Shown()] = value;
+    output_files_.push_back({option.Shown(), value});
   };
 }
 
@@ -285,10 +363,18 @@ bool CommandLine::Parse() {
           fmt::format("option {} {} is missing: {}", option->Shown(), option->word, option->help));
     }
   }
-  input_paths_.insert(input_paths_.end(), words.begin(), words.end());
-  CheckOutputs(input_paths_);
+  if (!summary_file_.empty()) output_files_.push_back({"--summary", OutputPath(summary_file_)});
+  CheckOutputs();
+  for (const OutputFile& output : output_files_) CheckWritable(output.path);
+  const int allowed = ThreadsAllowed();
+  if (allowed < static_cast<int>(std::thread::hardware_concurrency())) {
+    // Never lifted, not even at the end: then the pool would start the threads that it lacked.
+    static const Threads* const all_that_may_be = new Threads(allowed);
+    (void)all_that_may_be;
+  }
   if (threads_ > 0) threads_limit_ = std::make_unique<Threads>(threads_);
   progress_ = std::make_unique<Progress>(!quiet_);
+  parsed_ = true;
   return true;
 }
 
@@ -315,11 +401,17 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
     if (left < positional.at_least) {
       throw OptionError(fmt::format("{} is missing: {}", positional.name, positional.help));
     }
+    const std::size_t first = next;
     if (positional.one != nullptr) {
       *positional.one = words[next++];
     } else {
       positional.rest->assign(words.begin() + static_cast<std::ptrdiff_t>(next), words.end());
       next = words.size();
+    }
+    if (positional.input) {
+      input_paths_.insert(input_paths_.end(),
+                          words.begin() + static_cast<std::ptrdiff_t>(first),
+                          words.begin() + static_cast<std::ptrdiff_t>(next));
     }
   }
   if (next < words.size()) {
@@ -327,26 +419,65 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
   }
 }
 
-void CommandLine::CheckOutputs(const std::vector<std::string>& inputs) const {
-  auto outputs = output_paths_;
-  if (!summary_file_.empty()) outputs["--summary"] = OutputPath(summary_file_);
-  for (const auto& [shown, path] : outputs) {
-    CheckWritable(path);
-    struct stat status {};
-    const bool exists = ::stat(path.c_str(), &status) == 0;
-    if (path == "/dev/stdout" || (exists && !S_ISREG(status.st_mode))) continue;
-    for (const auto& input : inputs) {
-      if (SameFile(path, input)) {
-        throw OptionError(
-            fmt::format("option {}: '{}' is also an input; name another file", shown, path));
-      }
+void CommandLine::CheckOutputs() const {
+  std::vector<std::pair<Place, const OutputFile*>> outputs;
+  // What the shell made of standard output is an output as well.
+  const OutputFile standard_output{"standard output", "/dev/stdout"};
+  if (IsFile(standard_output.path)) {
+    outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
+  }
+  for (const OutputFile& output : output_files_) {
+    if (output.path != standard_output.path && !IsSpecial(output.path))
+      outputs.emplace_back(PlaceOf(output.path), &output);
+  }
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const auto& [place, output] = outputs[k];
+    for (std::size_t other = 0; other < k; ++other) {
+      if (!(outputs[other].first == place)) continue;
+      throw OptionError(fmt::format("options {} and {}: '{}' is named twice; name two files",
+                                    outputs[other].second->shown,
+                                    output->shown,
+                                    output->path));
     }
-    for (const auto& [other, other_path] : outputs) {
-      if (other != shown && SameFile(path, other_path)) {
-        throw OptionError(fmt::format(
-            "options {} and {}: '{}' is named twice; name two files", other, shown, path));
-      }
+  }
+  if (outputs.empty()) return;
+  for (const std::string& input : input_paths_) {
+    if (!IsFile(input)) continue;
+    const Place read = PlaceOf(input);
+    for (const auto& [place, output] : outputs) {
+      if (!(place == read)) continue;
+      throw OptionError(
+          output == &standard_output
+              ? fmt::format("standard output is '{}', which is also an input; name another file",
+                            input)
+              : fmt::format("option {}: '{}' is also an input; name another file",
+                            output->shown,
+                            output->path));
     }
+  }
+}
+
+void CommandLine::AddInputs(const std::vector<std::string>& paths) {
+  input_paths_.insert(input_paths_.end(), paths.begin(), paths.end());
+  CheckOutputs();
+}
+
+void CommandLine::AddOutputs(std::string_view shown, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) output_files_.push_back({std::string(shown), path});
+  CheckOutputs();
+  for (const std::string& path : paths) {
+    std::error_code none;
+    const auto folder = std::filesystem::absolute(path, none).parent_path();
+    if (std::filesystem::exists(folder, none)) CheckWritable(path);  // or it is made later
+  }
+}
+
+void CommandLine::CommitOutputs() {
+  const std::size_t said = files_.replaced_one_name_of().size();
+  files_.Commit();
+  for (std::size_t k = said; k < files_.replaced_one_name_of().size(); ++k) {
+    Message("'{}' had other names (hard links): they keep the old file, this name has the new one",
+            files_.replaced_one_name_of()[k]);
   }
 }
 
@@ -369,7 +500,7 @@ bool CommandLine::Given(std::string_view name) const {
 
 void CommandLine::WriteMessage(std::string text) {
   progress_->Wipe();
-  text += '\n';
+  text = ForeignLines(text) + '\n';
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
@@ -467,6 +598,10 @@ void CheckWritable(const std::string& file) {
   const bool exists = ::stat(file.c_str(), &status) == 0;
   const bool special = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
   if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
+}
+
+bool LeadToOneFile(const std::string& a, const std::string& b) {
+  return PlaceOf(a) == PlaceOf(b);
 }
 
 std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }

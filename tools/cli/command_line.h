@@ -18,6 +18,13 @@
 ///     return ExitCode::kDone;
 ///   }
 ///
+/// Nothing is lost: every file that is read is declared as an input, every file that is written as
+/// an output; those that show only when a campaign or a folder was read are added by AddInputs()
+/// and AddOutputs(), before anything is computed. An output that is the same file as an input or as
+/// another output, whatever path leads there, is an OptionError, and nothing was touched. What a
+/// command writes appears when it is done, all of it or nothing (FileSet in
+/// model/core/atomic_file.h).
+///
 /// Wrong input is thrown as LoadError, wrong options as OptionError; Run() turns them into exit
 /// codes and messages. Common to all commands: --summary, --seed, --threads, --quiet, --set,
 /// --help. Tests: tests/tools/.
@@ -26,7 +33,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -34,6 +40,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "model/core/options.h"
@@ -46,6 +53,7 @@ enum class ExitCode {
   kIncomplete = 1,  ///< not converged, or not completed
   kUsage = 2,
   kBadInput = 3,
+  kInternal = 4,  ///< a mistake of lipoid
 };
 
 class CommandLine;
@@ -70,11 +78,18 @@ class CommandLine {
 
   /// A word that must be there; in the order of declaration.
   void Argument(std::string_view name, std::string& value, std::string_view help);
+  /// The same of a file that is read.
+  void InputArgument(std::string_view name, std::string& value, std::string_view help);
   /// The words that remain, at least so many.
   void Arguments(std::string_view name,
                  std::vector<std::string>& values,
                  std::string_view help,
                  std::size_t at_least = 1);
+  /// The same of files that are read.
+  void InputArguments(std::string_view name,
+                      std::vector<std::string>& values,
+                      std::string_view help,
+                      std::size_t at_least = 1);
 
   /// --name VALUE, checked as in model/core/options.h. `name` may end in a letter: "output,o".
   template <class T, class Valid>
@@ -121,7 +136,12 @@ class CommandLine {
                      std::string& value,
                      std::string_view word,
                      std::string_view help);
-  /// -o FILE: required; Parse() checks that it can be written and is not one of the arguments. "-"
+  /// --name FILE..., files that are read.
+  void Inputs(std::string_view name,
+              std::vector<std::string>& values,
+              std::string_view word,
+              std::string_view help);
+  /// -o FILE: required; Parse() checks that it can be written and is not one of the inputs. "-"
   /// is standard output.
   void Output(std::string& value, std::string_view word, std::string_view help);
   /// A further file to write, not required, with the same checks: --residuals CSV.
@@ -155,6 +175,7 @@ class CommandLine {
   /// Reads the command line into the declared variables. False: --help was asked for and is
   /// printed. OptionError where it is not right.
   [[nodiscard]] bool Parse();
+  [[nodiscard]] bool parsed() const { return parsed_; }
 
   // After Parse().
 
@@ -169,7 +190,19 @@ class CommandLine {
   /// What was declared (command_description.h).
   [[nodiscard]] CommandDescription Description() const;
 
-  /// Results for --summary, with the keys of docs/formats.md.
+  /// Further files that are read: logs that a campaign names, files of a folder. OptionError where
+  /// one of them is an output. Files that are not there are no inputs.
+  void AddInputs(const std::vector<std::string>& paths);
+  /// Further files that are written, for the option shown ("-o"): files of a folder. OptionError
+  /// where one is an input or another output, or cannot be written.
+  void AddOutputs(std::string_view shown, const std::vector<std::string>& paths);
+  /// All that is read so far.
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return input_paths_; }
+  /// What was written so far appears now and not at the end: for a command whose later files do not
+  /// belong to the earlier ones. Says where a file had other names (hard links).
+  void CommitOutputs();
+
+  /// Results for --summary; docs/formats.md has the keys.
   [[nodiscard]] Json& summary() { return summary_; }
 
   /// Data for standard output. Kept until the command is done: a command that fails prints nothing.
@@ -210,6 +243,11 @@ class CommandLine {
     std::string* one = nullptr;
     std::vector<std::string>* rest = nullptr;
     std::size_t at_least = 1;
+    bool input = false;
+  };
+  struct OutputFile {
+    std::string shown;  // the option
+    std::string path;
   };
   struct OptionGroup {
     std::string prefix;
@@ -230,7 +268,7 @@ class CommandLine {
                 std::function<void(std::string_view, std::string_view)> set);
   void SetOne(const std::string& assignment);
   void AssignArguments(const std::vector<std::string>& words);
-  void CheckOutputs(const std::vector<std::string>& inputs) const;
+  void CheckOutputs() const;
   void WriteMessage(std::string text);
   [[nodiscard]] std::string Help() const;
 
@@ -247,9 +285,11 @@ class CommandLine {
   int threads_ = 0;
   bool quiet_ = false;
   bool help_ = false;
+  bool parsed_ = false;
   std::vector<std::string> assignments_;
   std::vector<std::string> input_paths_;
-  std::map<std::string, std::string> output_paths_;
+  std::vector<OutputFile> output_files_;
+  FileSet files_;
 
   Json summary_ = Json::object();
   std::string output_;
@@ -261,6 +301,10 @@ class CommandLine {
 /// OptionError unless the file can be written: its folder is there and takes files. Leaves no
 /// trace.
 void CheckWritable(const std::string& file);
+
+/// Whether both paths lead to one file, which may not be there yet: links and relative paths are
+/// followed, and names that differ only in case are one, as they are on many disks.
+[[nodiscard]] bool LeadToOneFile(const std::string& a, const std::string& b);
 
 /// "-" means standard output.
 [[nodiscard]] std::string OutputPath(const std::string& text);

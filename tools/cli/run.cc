@@ -1,18 +1,25 @@
 #include "tools/cli/run.h"
 
+#include <pthread.h>
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "model/battery/cell_schema.h"
-#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
+#include "model/core/foreign_text.h"
+#include "model/core/json_text.h"
 #include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
@@ -23,13 +30,22 @@ namespace {
 
 // What stopped a command.
 struct Failure {
-  ExitCode exit_code = ExitCode::kIncomplete;
-  const char* kind = "not-completed";
+  ExitCode exit_code = ExitCode::kInternal;
+  const char* kind = "internal";
   std::string message;
   std::vector<Diagnostic> diagnostics = {};
 };
 
-// Whatever happens inside becomes a Failure.
+Failure Internal(std::string_view what) {
+  return {
+      .message = fmt::format(
+          "this should not have happened, and is a mistake of lipoid {} ({}); please report it{}",
+          Version(),
+          GitCommit(),
+          what.empty() ? "" : ": " + ForeignText(what, kMostBytesOfMessage))};
+}
+
+// The one place where whatever happens inside becomes a sentence and an exit code.
 template <class Function>
 std::optional<Failure> Guarded(Function&& function) {
   try {
@@ -38,13 +54,15 @@ std::optional<Failure> Guarded(Function&& function) {
   } catch (const LoadError& error) {
     return Failure{ExitCode::kBadInput, "bad-input", error.what(), error.diagnostics()};
   } catch (const OptionError& error) {
-    return Failure{ExitCode::kUsage, "usage", error.what()};
+    return Failure{ExitCode::kUsage, "usage", ForeignLines(error.what())};
   } catch (const std::bad_alloc&) {
-    return Failure{.message = "out of memory; give it less at once, or a machine with more"};
+    return Failure{ExitCode::kIncomplete,
+                   "not-completed",
+                   "out of memory; give it less at once, or a machine with more"};
   } catch (const std::exception& error) {
-    return Failure{.message = std::string("this should not have happened: ") + error.what()};
+    return Internal(error.what());
   } catch (...) {
-    return Failure{.message = "this should not have happened"};
+    return Internal("");
   }
 }
 
@@ -85,8 +103,9 @@ std::string SummaryText(const std::string& command,
 void WriteStandardOutput(const std::string& text) {
   if (text.empty()) return;
   errno = 0;
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  const std::string shown = ForeignLines(text);
+  const bool written = std::fwrite(shown.data(), 1, shown.size(), stdout) == shown.size() &&
+                       std::fflush(stdout) == 0;
   if (!written && errno != EPIPE) {
     throw OptionError(std::string("cannot write to standard output: ") + std::strerror(errno));
   }
@@ -138,15 +157,47 @@ const Command& Find(std::span<const Command> commands, const std::string& name) 
   throw OptionError(UnknownName(option ? "option" : "command", name, known));
 }
 
+// Why a command that failed may not write its summary to this file; "" where it may. It may have
+// failed before it knew all of its inputs: only an earlier summary is replaced, and what is empty or
+// not there.
+std::string WhyNoSummary(const std::string& file,
+                         const std::vector<std::string>& arguments,
+                         const std::vector<std::string>& inputs) {
+  struct stat status {};
+  const bool exists = ::stat(file.c_str(), &status) == 0;
+  if (exists && !S_ISREG(status.st_mode)) return "";
+  auto paths = inputs;
+  for (const std::string& word : arguments) {
+    paths.push_back(word);
+    if (const auto equals = word.find('='); equals != std::string::npos)
+      paths.push_back(word.substr(equals + 1));
+  }
+  const auto times = std::count_if(paths.begin(), paths.end(), [&](const std::string& path) {
+    return LeadToOneFile(path, file);
+  });
+  if (times > 1) return "stands for another file, too";  // once as the summary itself
+  if (!exists || status.st_size == 0) return "";
+  constexpr std::string_view kBegins = "{\n  \"command\": \"";
+  char begins[kBegins.size()];
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
+                                                               &std::fclose);
+  const bool summary = stream &&
+                       std::fread(begins, 1, sizeof begins, stream.get()) == sizeof begins &&
+                       std::string_view(begins, sizeof begins) == kBegins;
+  return summary ? "" : "holds something else than an earlier summary";
+}
+
 int RunChecked(std::span<const Command> commands, std::vector<std::string> arguments) {
-  // A closed pipe is an error code to be seen, not a signal to die of.
+  // A closed pipe, or a file that may not grow further, is an error code to be seen, not a signal
+  // to die of.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   if (arguments.size() >= 2 && arguments[0] == "help") arguments = {arguments[1], "--help"};
   const std::string name = arguments.empty() ? "" : arguments[0];
   const std::string summary_file = SummaryFile(arguments);
   std::string program = "lipoid";
   ExitCode exit_code = ExitCode::kDone;
-  Json results = Json::object();
+  std::unique_ptr<CommandLine> line;
 
   const auto unwritable = Guarded([&] {
     if (!summary_file.empty()) CheckWritable(summary_file);
@@ -169,20 +220,30 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     }
     const Command& command = Find(commands, name);
     program = fmt::format("lipoid {}", command.name);
-    CommandLine line(command, {arguments.begin() + 1, arguments.end()});
-    exit_code = command.run(line);
-    results = std::move(line.summary());
-    WriteStandardOutput(line.output());
+    line = std::make_unique<CommandLine>(
+        command, std::vector<std::string>(arguments.begin() + 1, arguments.end()));
+    exit_code = command.run(*line);
+    WriteStandardOutput(line->output());
+    if (!summary_file.empty() && line->parsed()) {
+      WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));
+    }
+    line->CommitOutputs();
   });
-  if (failure) exit_code = failure->exit_code;
-  if (!summary_file.empty() && !unwritable) {
-    const auto unwritten = Guarded([&] {
-      WriteFileAtomically(summary_file,
-                          SummaryText(name, exit_code, results, failure ? &*failure : nullptr));
-    });
-    if (unwritten && !failure) failure = unwritten;
-  }
   if (!failure) return static_cast<int>(exit_code);
+  const auto inputs = line ? line->inputs() : std::vector<std::string>();
+  line.reset();  // and with it all that it wrote
+  if (!summary_file.empty() && !unwritable) {
+    const std::string why = WhyNoSummary(summary_file, arguments, inputs);
+    if (why.empty()) {
+      (void)Guarded([&] {
+        WriteFileAtomically(summary_file,
+                            SummaryText(name, failure->exit_code, Json::object(), &*failure));
+      });
+    } else {
+      failure->message += fmt::format(
+          "\n{}: no summary is written: '{}' {}", program, ForeignText(summary_file), why);
+    }
+  }
   PrintFailure(program, *failure);
   return static_cast<int>(failure->exit_code);
 }
@@ -192,21 +253,52 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
 void CleanUpWhenEnded() {
   sigset_t ending;
   sigemptyset(&ending);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU}) {
     // What the caller had ignored (nohup) stays ignored.
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaddset(&ending, signal);
   }
   pthread_sigmask(SIG_BLOCK, &ending, nullptr);  // in this thread and in all that it starts
-  std::thread([ending] {
+  const auto clean_up = [ending] {
     int signal = 0;
     sigwait(&ending, &signal);
     RemoveUncommitted();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
     std::raise(signal);
-  }).detach();
+  };
+  try {
+    std::thread(clean_up).detach();
+  } catch (const std::system_error&) {
+    // No further process or thread is allowed: signals end the program as they always do, and what
+    // is half-written stays under its hidden name.
+    pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
+  }
+}
+
+int OnLargeStack(const std::function<int()>& task) {
+  constexpr std::size_t kStackBytes = std::size_t{16} << 20;
+  struct Work {
+    const std::function<int()>& task;
+    int result;
+  } work{task, 0};
+  pthread_attr_t attributes;
+  pthread_t thread;
+  bool started = false;
+  if (pthread_attr_init(&attributes) == 0) {
+    const auto run = [](void* of) -> void* {
+      auto* const its = static_cast<Work*>(of);
+      its->result = its->task();
+      return nullptr;
+    };
+    started = pthread_attr_setstacksize(&attributes, kStackBytes) == 0 &&
+              pthread_create(&thread, &attributes, run, &work) == 0;
+    pthread_attr_destroy(&attributes);
+  }
+  if (!started) return task();
+  pthread_join(thread, nullptr);
+  return work.result;
 }
 
 int Run(std::span<const Command> commands, std::vector<std::string> arguments) noexcept {

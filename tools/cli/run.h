@@ -4,6 +4,7 @@
 /// Dispatch: finds the command, runs it, and turns whatever happens into one exit code, a message
 /// on standard error and, where --summary asks for it, a JSON file. Tests: tests/tools/.
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,10 @@ inline constexpr std::string_view kExitCodes =
 /// The exit code of `lipoid arguments...`. Never throws.
 [[nodiscard]] int Run(std::span<const Command> commands,
                       std::vector<std::string> arguments) noexcept;
+
+/// Runs `task` where it has room: on a stack of its own, whatever the limit of the shell (`ulimit
+/// -s`) leaves the first thread. Where no further thread may be started, on that of the caller.
+[[nodiscard]] int OnLargeStack(const std::function<int()>& task);
 
 /// From now on the process, when it is interrupted or told to end, first removes what it has
 /// half-written. Call it before other threads start.

@@ -33,6 +33,8 @@ std::string Nearest(std::string_view typed, const std::vector<std::string>& know
   std::size_t fewest = std::max<std::size_t>(1, typed.size() / 3) + 1;
   std::string nearest;
   for (const auto& name : known) {
+    // As many edits as the lengths differ are needed anyhow, and a typed megabyte is like no name.
+    if (std::max(name.size(), typed.size()) - std::min(name.size(), typed.size()) >= fewest) continue;
     const auto edits = Edits(typed, name);
     if (edits < fewest) {
       fewest = edits;

@@ -162,7 +162,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
       "lipoid compare campaign.toml");
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt,sqp --starts 20");
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");
-  line.Arguments(
+  line.InputArguments(
       "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
   line.Text("optimizers",
             names,

@@ -13,9 +13,8 @@
 namespace lipoid {
 namespace {
 
-// Which part of the file to read, and how its columns are called.
+// Which part of the file to read.
 struct Selection {
-  std::vector<std::string> columns;  // "time_s=Zeit"
   std::vector<std::string> steps;
   std::vector<std::string> cycles;
   std::optional<double> start_s;
@@ -23,11 +22,6 @@ struct Selection {
   double lead_resistance_Ohm = 0.0;
 
   void AddTo(cli::CommandLine& line) {
-    line.Texts("columns",
-               columns,
-               "KEY=NAME",
-               "the header's names of time_s, current_A, voltage_V, temperature_degC, where they "
-               "are not found");
     line.Texts("steps", steps, "N", "only rows of these steps of the cycler's program");
     line.Texts("cycles", cycles, "N", "only rows of these cycles");
     line.Option("start-s",
@@ -42,14 +36,6 @@ struct Selection {
   }
 
   void ApplyTo(ReadOptions& read) const {
-    for (const auto& column : columns) {
-      const auto equals = column.find('=');
-      if (equals == std::string::npos) {
-        throw OptionError(
-            fmt::format("option --columns: expected KEY=NAME (time_s=Zeit), found '{}'", column));
-      }
-      read.columns[column.substr(0, equals)] = column.substr(equals + 1);
-    }
     read.steps = Numbers("steps", steps);
     read.cycles = Numbers("cycles", cycles);
     if (start_s) read.start_s = *start_s;
@@ -77,7 +63,10 @@ Json Describe(const std::string& file,
   const LogReport& report = log.report;
   Json gaps = Json::array();
   for (const Gap& gap : report.gaps) {
-    gaps.push_back({{"row", gap.row}, {"start_s", gap.start_s}, {"length_s", gap.length_s}});
+    gaps.push_back({{"row", gap.row},
+                    {"start_s", gap.start_s},
+                    {"length_s", gap.length_s},
+                    {"unknown_C", gap.unknown_C}});
   }
   return {{"file", file},
           {"format", report.format},
@@ -91,7 +80,9 @@ Json Describe(const std::string& file,
           {"dropped_repeated_times", report.dropped_repeated_times},
           {"dropped_unselected", report.dropped_unselected},
           {"dropped_cut_last_line", report.dropped_cut_last_line},
+          {"dropped_spikes", report.dropped_spikes},
           {"gaps", std::move(gaps)},
+          {"warnings", report.warnings},
           {"notes", report.notes}};
 }
 
@@ -102,6 +93,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   std::string output;
   std::optional<LogFileFormat> given_format;
   LogOptions log_options;
+  PackOptions pack;
   Selection selection;
   line.Describe(
       "Reads a log of any known format (`lipoid list formats`) and writes time, current and "
@@ -109,12 +101,13 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
       "charging.",
       "lipoid convert cycler_export.txt -o discharge.csv");
   line.Example("lipoid convert cycler_export.txt --steps 7 -o discharge.bdf.csv");
-  line.Argument("LOG", file, "the log to read");
+  line.InputArgument("LOG", file, "the log to read");
   line.Output(output,
               "CSV",
               "the file to write; as Battery Data Format where its name ends in .bdf or .bdf.csv");
   line.Option("format", given_format, Names(), "format to write, whatever the name");
   log_options.AddTo(line);
+  pack.AddTo(line);
   selection.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
@@ -123,7 +116,8 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   const bool named_bdf = output.ends_with(".bdf") || output.ends_with(".bdf.csv");
   const LogFileFormat format =
       given_format.value_or(named_bdf ? LogFileFormat::kBdf : LogFileFormat::kCsv);
-  const Log log = ReadLog(file, read);
+  Log log = ReadLog(file, read);
+  DivideByPack(log.record, pack.series.value_or(1), pack.parallel.value_or(1));
   WriteLog(log.record, output, format);
 
   line.summary()["files"] = Json::array({Describe(file, log, output, format)});
@@ -134,6 +128,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
                log.report.dropped_rows(),
                log.report.current_sign,
                log.report.current_sign_reason);
+  for (const auto& warning : log.report.warnings) line.Message("  {}", warning);
   for (const auto& note : log.report.notes) line.Message("  {}", note);
   return cli::ExitCode::kDone;
 }

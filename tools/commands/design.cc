@@ -94,12 +94,14 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
             "voltages over the nominal one, FIRST:STEP:LAST (default 0.8:0.01:1 with --aware, 1 "
             "without)");
   line.Text("weights", weights, "W,W,...", "one for each xi (default 1)");
-  line.Text("vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
-  line.Text("start",
-            start_name,
-            "GAINS",
-            "where the search starts, and the gains of the other loops: unaware, aware, or a gains "
-            "file (default aware with --aware)");
+  line.Input(
+      "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+  line.Input(
+      "start",
+      start_name,
+      "GAINS",
+      "where the search starts, and the gains of the other loops: unaware, aware, or a gains "
+      "file (default aware with --aware)");
   line.Text("optimizer", optimizer_name, "NAME", "any of `lipoid list optimizers`");
   line.Option(
       "check",

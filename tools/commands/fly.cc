@@ -8,6 +8,7 @@
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
+#include "model/flight/flight_log.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
@@ -28,6 +29,10 @@ enum class Battery { kCell, kIdeal };
 constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Battery) {
   return {{{Battery::kCell, "cell"}, {Battery::kIdeal, "ideal"}}};
 }
+
+// A log of every control step takes 60 kB a second: of a flight that takes longer, it is thinned.
+constexpr double kLongFlight_s = 600.0;
+constexpr double kLongFlightLogStep_s = 1.0;
 
 Json Summary(const FlightResult& flight) {
   Json trim = {{"possible", flight.trim.possible()},
@@ -51,6 +56,19 @@ Json Summary(const FlightResult& flight) {
                   {"saturated_share", flight.saturated_share}};
   if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
   return summary;
+}
+
+// Above the voltage at rest it would land before it took off.
+void CheckLandingVoltage(const FlightSetup& setup) {
+  const double full_V =
+      setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
+                 : setup.xi * setup.vehicle.nominal_voltage_V;
+  if (setup.land_below_V < full_V) return;
+  throw OptionError(fmt::format(
+      "option --land-below-V: {:g} V is not below the {:.4g} V that the battery has at rest when it "
+      "takes off; give less",
+      setup.land_below_V,
+      full_V));
 }
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
@@ -143,7 +161,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::optional<Battery> battery;
   std::optional<double> xi;
   std::optional<double> duration_s;
-  double log_step_s = kControlStep_s;
+  std::optional<double> log_step_s;
 
   std::vector<std::string> names;
   for (const Maneuver& maneuver : Maneuvers()) names.emplace_back(maneuver.name);
@@ -159,18 +177,22 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
               battery,
               Names(),
               "an identified cell, or an ideal source of xi times the nominal voltage");
-  line.Text("cell",
-            cell_name,
-            "CELL",
-            "a cell file, or the name of a shipped cell (default gifi-600mAh-1)");
+  line.Input("cell",
+             cell_name,
+             "CELL",
+             "a cell file, or the name of a shipped cell (default gifi-600mAh-1)");
   line.Option(
       "xi", xi, Range{0.01, 2.0}, "voltage of the ideal source over the nominal one (default 1)");
-  line.Text("vehicle",
-            vehicle_name,
-            "VEHICLE",
-            "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
-            "mambo-thesis on an ideal source)");
-  line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Input("vehicle",
+             vehicle_name,
+             "VEHICLE",
+             "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
+             "mambo-thesis on an ideal source)");
+  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Text("controller",
+            setup.controller.law,
+            "NAME",
+            "inversion, or another of `lipoid list controllers` (default inversion)");
   line.Flag("compensate", setup.controller.compensate, "commands use the measured voltage (5.52)");
   line.Flag("estimate",
             setup.estimate,
@@ -191,7 +213,14 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
               Range{0.0, 1e4},
               "land when the battery has been below it for a second; 0: never");
   line.Option(
-      "log-step-s", log_step_s, Range{kControlStep_s, 1e4}, "between rows of the flight log");
+      "log-step-s",
+      log_step_s,
+      Range{kControlStep_s, 1e4},
+      fmt::format("seconds between rows of the flight log (default {} up to {} s of flight, {} "
+                  "beyond: endurance)",
+                  kControlStep_s,
+                  kLongFlight_s,
+                  kLongFlightLogStep_s));
   start.AddTo(line);
   ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
   line.OutputOption("output,o",
@@ -236,6 +265,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.xi = xi.value_or(1.0);
   if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
   setup.vehicle = LoadVehicle(vehicle_name);
+  CheckLandingVoltage(setup);
+  (void)FindControlLaw(setup.controller.law);  // before anything is computed
   setup.gains = LoadGains(gains_name);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
@@ -251,12 +282,15 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   EnsembleOption::Drawn drawn;
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
 
-  std::vector<FlightSample> samples;
+  std::optional<FlightLogWriter> log;
   FlightRecorder recorder;
+  const double step_s =
+      log_step_s.value_or(plan.duration_s > kLongFlight_s ? kLongFlightLogStep_s : kControlStep_s);
   if (!output.empty()) {
-    const auto every = std::max(1LL, std::llround(log_step_s / kControlStep_s));
-    recorder = [&samples, every, k = 0LL](const FlightSample& sample) mutable {
-      if (k++ % every == 0) samples.push_back(sample);
+    log.emplace(output);
+    const auto every = std::max(1LL, std::llround(step_s / kControlStep_s));
+    recorder = [&log, every, k = 0LL](const FlightSample& sample) mutable {
+      if (k++ % every == 0) log->Row(sample);
     };
   }
   const FlightResult flight = Fly(
@@ -266,7 +300,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
   line.progress().Wipe();
-  if (!output.empty()) WriteFlightLog(samples, output);
+  if (log) log->Commit();
+  if (log && !log_step_s && step_s > kControlStep_s) {
+    line.Message("{}: a row each {} s of a long flight; --log-step-s {} writes every control step",
+                 output,
+                 step_s,
+                 kControlStep_s);
+  }
 
   line.summary() = Summary(flight);
   line.summary()["maneuver"] = maneuver.name;

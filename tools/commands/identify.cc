@@ -12,6 +12,7 @@
 #include "identify/logs/load_campaign.h"
 #include "model/battery/cell_comparison.h"
 #include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
@@ -27,10 +28,14 @@
 namespace lipoid {
 namespace {
 
-std::string IdentificationText(const Campaign& campaign, const Identification& found) {
-  std::string text = fmt::format("{}\n\n", campaign.name.empty() ? "cell" : campaign.name);
+std::string IdentificationText(const Campaign& campaign,
+                               const Identification& found,
+                               bool verbose) {
+  std::string text = fmt::format(
+      "{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.quality.Sentence());
   text += KnownText(found) + "\n";
-  text += found.joint ? JointReport(*found.joint, found.trust) : IdentifyReport(*found.staged);
+  text += found.joint ? JointReport(*found.joint, found.trust, verbose)
+                      : IdentifyReport(*found.staged, verbose);
   if (!found.not_drawn.empty()) {
     text += fmt::format(
         "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction "
@@ -122,34 +127,40 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::string residuals;
   std::string truth_file;
   std::vector<std::string> profile_texts;
+  bool verbose = false;
 
   line.Describe(
-      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. "
-      "Staged, the thesis' method: discharge times give alpha and beta, a low-rate discharge "
-      "v_oc(A), pulses beta again with r_s and the branches. Joint: one fit of all logs, with "
-      "resistances over the state of charge where the data ask for them. What is missing is done "
-      "otherwise, and said. Several campaigns give one cell file each, in a folder, and a table of "
-      "their spread.",
+      "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. The "
+      "joint method, the default, is one fit of all logs, with resistances over the state of charge "
+      "where the data ask for them. The staged method is that of the thesis: discharge times give "
+      "alpha and beta, a low-rate discharge gives v_oc(A), and pulses give beta again with r_s and "
+      "the branches. Where a kind of log is missing, the report says what was done instead. The "
+      "first line says how well the cell predicts its own logs; a cell that does not describe them "
+      "ends with exit code 1. Several campaigns give one cell file each, in a folder, and a table "
+      "of their spread.",
       "lipoid identify campaign.toml -o cell.json");
   line.Example(
       "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
       "--cutoff-V 3.0 -o cell.json");
-  line.Example("lipoid identify campaign.toml --method joint -o cell.json");
+  line.Example("lipoid identify campaign.toml --method staged -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
-  line.Arguments(
+  line.InputArguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option("method", options.method, Names{}, "stage by stage, or all logs at once");
+  line.Option("method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
   staged.AddTo(line);
   line.OutputOption("residuals",
                     residuals,
                     "CSV",
                     "write measured and fitted voltages of the last fit, row by row");
-  line.Text("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
+  line.Input("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
   line.Texts("profile",
              profile_texts,
              "NAME,...",
              "hold each of these at values around its estimate, refit the others, show the errors");
+  line.Flag("verbose",
+            verbose,
+            "print also the structures that were tried, or each stage, and what they found");
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
   line.Group("joint", options.joint);
@@ -158,42 +169,41 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (joint && line.Given("branches")) options.joint.branches = staged.branches();
 
   const bool by_options = staged.ByOptions();
-  const std::vector<Campaign> campaigns = staged.Campaigns(line, campaign_files);
+  const bool batch = campaign_files.size() > 1;
+  std::vector<LoadError> failed;  // of a batch: the others are identified all the same
+  const std::vector<Campaign> campaigns =
+      staged.Campaigns(line, campaign_files, batch ? &failed : nullptr);
   options.staged = staged.options;
   options.given = staged.given;
   options.profiled = ProfiledNames(profile_texts);
   CheckIdentifyOptions(options);
-  const bool folder = campaigns.size() > 1 || std::filesystem::is_directory(output);
-  if (folder && residuals.size() + truth_file.size() > 0 && campaigns.size() > 1) {
+  std::error_code none;
+  const bool folder = batch || std::filesystem::is_directory(output, none);
+  if (residuals.size() + truth_file.size() > 0 && batch) {
     throw OptionError("--residuals and --truth go with one campaign at a time");
   }
   if (folder && by_options)
     throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
   std::vector<std::string> paths;
-  if (folder) std::filesystem::create_directories(output);
+  if (folder && !campaigns.empty()) NewFolder(output).Keep();
   for (const auto& campaign : campaigns) {
     paths.push_back(CellPath(output, campaign, folder));
-    cli::CheckWritable(paths.back());
     if (std::count(paths.begin(), paths.end(), paths.back()) > 1) {
       throw OptionError(fmt::format(
           "two campaigns would write '{}'; name the campaign files differently", paths.back()));
     }
-    for (const auto& log : campaign.logs) {
-      std::error_code ignored;
-      if (std::filesystem::equivalent(paths.back(), log.path, ignored)) {
-        throw OptionError(
-            fmt::format("option -o: '{}' is also an input; name another file", paths.back()));
-      }
-    }
   }
+  line.AddOutputs("-o", paths);
   std::optional<Cell> truth;
   if (!truth_file.empty()) truth = LoadCell(truth_file);
 
   bool converged = true;
+  bool usable = true;
+  bool internal = false;
   Json cells = Json::array();
   std::vector<Cell> found;
   std::vector<double> mean_errors;
-  for (std::size_t k = 0; k < campaigns.size(); ++k) {
+  const auto identify_one = [&](std::size_t k) {
     const Campaign& campaign = campaigns[k];
     const auto began = std::chrono::steady_clock::now();
     const auto share = [&](double part) {
@@ -207,6 +217,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };
     Identification result = Identify(campaign, logs, options, tell);
+    for (std::size_t n = NotesOnLogs(logs).size(); n < result.log_notes.size(); ++n)
+      line.Message("{}", result.log_notes[n]);
     const Json report = IdentificationToJson(result);
     line.progress().Update(share(0.95), "writing");
     RunRecord run;
@@ -225,26 +237,51 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
+    usable = usable && result.usable();
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
     entry.update(report);
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));
-    line.Print("{}", IdentificationText(campaign, result));
+    line.Print("{}", IdentificationText(campaign, result, verbose));
     if (truth) {
       const auto comparison = CompareCells(*truth, result.cell);
       line.Print("\nTruth against estimate\n{}", TruthTable(comparison));
       cells.back()["truth"] = ComparisonToJson(comparison);
     }
     line.Print("\nCell file: {}\n", paths[k]);
-    if (campaigns.size() == 1) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
+    if (!batch) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
     if (k + 1 < campaigns.size()) line.Print("\n");
     mean_errors.push_back(result.mean_error_percent());
     found.push_back(std::move(result.cell));
+    if (batch) line.CommitOutputs();  // hours of work are not lost with a later campaign
+  };
+  std::vector<std::string> failed_files;
+  for (const LoadError& error : failed)
+    failed_files.push_back(error.diagnostics().front().position.file);
+  for (std::size_t k = 0; k < campaigns.size(); ++k) {
+    try {
+      identify_one(k);
+      continue;
+    } catch (const LoadError& error) {
+      if (!batch) throw;
+      failed.push_back(error);
+    } catch (const OptionError& error) {
+      if (!batch) throw;
+      failed.emplace_back(SourcePosition{campaigns[k].file}, error.what());
+    } catch (const std::exception& error) {
+      if (!batch) throw;
+      internal = true;
+      failed.emplace_back(SourcePosition{campaigns[k].file},
+                          std::string("this should not have happened: ") + error.what());
+    }
+    failed_files.push_back(campaigns[k].file);
   }
-  if (campaigns.size() == 1) {
+  if (!batch) {
     line.summary().update(cells[0]);
+  } else if (found.size() < 2) {
+    line.summary()["cells"] = std::move(cells);
   } else {
     const auto spread = SpreadOfCells(
         found, joint ? "mean error" : "pulse mean error", mean_errors);
@@ -252,9 +289,27 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.summary()["cells"] = std::move(cells);
     line.summary()["spread"] = spread.json;
   }
+  if (batch) line.summary()["failed"] = Json::array();
+  for (std::size_t k = 0; k < failed.size(); ++k) {
+    line.Problem(failed[k]);
+    line.summary()["failed"].push_back(
+        {{"campaign", failed_files[k]}, {"message", failed[k].what()}});
+  }
+  if (!failed.empty()) {
+    line.Message("{} of {} campaigns are not identified ({}); the cells of the others are written",
+                 failed.size(),
+                 campaign_files.size(),
+                 fmt::join(failed_files, ", "));
+    return internal ? cli::ExitCode::kInternal : cli::ExitCode::kBadInput;
+  }
   if (!converged)
     line.Message("not converged: the cell file says so; see `message` in its metrics");
-  return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+  if (!usable && converged) {
+    line.Message(
+        "the cell does not describe its own logs (first line); look at the cut-off, the capacity, "
+        "the kinds and where each log starts, then run it again");
+  }
+  return usable ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

@@ -194,12 +194,16 @@ std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) 
   return "\n" + table.Text();
 }
 
-std::string IdentifyReport(const StagedResult& result) {
-  std::string text = DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
-          PulsesText(result) + "\n" + TrustText(result.trust, "alpha and v_oc(A)");
+std::string IdentifyReport(const StagedResult& result, bool verbose) {
+  std::string text;
+  if (verbose) {
+    text = DischargeTimesText(result) + "\n" + OpenCircuitVoltageText(result) + "\n" +
+           PulsesText(result) + "\n";
+  }
+  text += TrustText(result.trust, "alpha and v_oc(A)");
   text += ConstantCurrentText(result.constant_current) + ValidationText(result.validation);
-  if (!result.done_instead.empty()) text += "\n" + Bullets("Done instead", result.done_instead);
-  if (!result.cautions.empty()) text += "\n" + Bullets("To know", result.cautions);
+  if (!result.done_instead.empty()) text += "\n" + Bullets("Fallbacks", result.done_instead);
+  if (!result.cautions.empty()) text += "\n" + Bullets("Caveats", result.cautions);
   return text;
 }
 

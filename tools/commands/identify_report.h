@@ -14,7 +14,7 @@
 namespace lipoid {
 
 /// Stage by stage: what was found, how well, what was done instead, what to know.
-[[nodiscard]] std::string IdentifyReport(const StagedResult& result);
+[[nodiscard]] std::string IdentifyReport(const StagedResult& result, bool verbose);
 
 /// How the cell predicts logs: one table each, nothing where there are none.
 [[nodiscard]] std::string ValidationText(const std::vector<LogErrors>& logs);

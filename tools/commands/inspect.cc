@@ -9,6 +9,8 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "model/core/json.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
@@ -67,6 +69,7 @@ std::string Dropped(const LogReport& report) {
   add(report.dropped_repeated_times, "with a repeated time stamp");
   add(report.dropped_unselected, "outside the chosen part");
   add(report.dropped_cut_last_line, "cut short at the end");
+  add(report.dropped_spikes, "with a voltage that cannot be");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -74,10 +77,13 @@ std::string Gaps(const std::vector<Gap>& gaps) {
   if (gaps.empty()) return "";
   const auto longest = *std::max_element(
       gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.length_s < b.length_s; });
-  return fmt::format("{} of {} at {:.6g} s",
+  double unknown_C = 0.0;
+  for (const Gap& gap : gaps) unknown_C += gap.unknown_C;
+  return fmt::format("{} of {} at {:.6g} s; up to {:.3g} Ah may have flowed unseen",
                      gaps.size() > 1 ? Count(gaps.size(), "gap") + ", the longest" : "one",
                      Duration(longest.length_s),
-                     longest.start_s);
+                     longest.start_s,
+                     unknown_C / kSecondsPerHour);
 }
 
 std::string CountsByKind(const std::vector<Segment>& segments) {
@@ -104,12 +110,24 @@ std::string Fixed(double value, int decimals) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string SegmentTable(const std::vector<Segment>& segments) {
-  cli::TextTable table({{"  segment", Align::kLeft},
-                        {"start / s"},
-                        {"duration / s"},
-                        {"current / A"},
-                        {"charge / Ah"}});
+// Which step or cycle a row belongs to: "" where the file does not say.
+std::string LabelOf(const std::vector<RowLabel>& labels, std::size_t row, double RowLabel::*which) {
+  const auto after = std::upper_bound(
+      labels.begin(), labels.end(), row, [](std::size_t r, const RowLabel& l) { return r < l.row; });
+  return after == labels.begin() ? "" : fmt::format("{:g}", (*std::prev(after)).*which);
+}
+
+std::string SegmentTable(const Inspection& log, bool all) {
+  const std::vector<Segment>& segments = log.segments;
+  const std::vector<RowLabel>& labels = log.report.labels;
+  std::vector<cli::TextTable::Column> columns{{"  segment", Align::kLeft},
+                                              {"start / s"},
+                                              {"duration / s"},
+                                              {"current / A"},
+                                              {"charge / Ah"}};
+  if (!labels.empty()) columns.insert(columns.end(), {{"step"}, {"cycle"}});
+  const std::size_t width = columns.size();
+  cli::TextTable table(std::move(columns));
   double most_A = 0.0;
   double most_Ah = 0.0;
   for (const Segment& segment : segments) {
@@ -117,20 +135,44 @@ std::string SegmentTable(const std::vector<Segment>& segments) {
     most_Ah = std::max(most_Ah, std::abs(segment.charge_C) / kSecondsPerHour);
   }
   for (std::size_t k = 0; k < segments.size(); ++k) {
-    if (segments.size() > kMostSegments && k == kFirstSegments) {
+    if (!all && segments.size() > kMostSegments && k == kFirstSegments) {
       k = segments.size() - kLastSegments;
-      table.Row({fmt::format("  ... {} more", segments.size() - kFirstSegments - kLastSegments),
-                 "",
-                 "",
-                 "",
-                 ""});
+      std::vector<std::string> more(width);
+      more[0] = fmt::format("  ... {} more (--all shows them)",
+                            segments.size() - kFirstSegments - kLastSegments);
+      table.Row(std::move(more));
     }
     const Segment& segment = segments[k];
-    table.Row({"  " + Name(segment.kind),
-               fmt::format("{:.1f}", segment.start_s),
-               fmt::format("{:.1f}", segment.duration_s()),
-               Fixed(segment.current_A, Decimals(most_A)),
-               Fixed(segment.charge_C / kSecondsPerHour, Decimals(most_Ah))});
+    std::vector<std::string> row{"  " + Name(segment.kind),
+                                 fmt::format("{:.1f}", segment.start_s),
+                                 fmt::format("{:.1f}", segment.duration_s()),
+                                 Fixed(segment.current_A, Decimals(most_A)),
+                                 Fixed(segment.charge_C / kSecondsPerHour, Decimals(most_Ah))};
+    if (!labels.empty()) {
+      row.push_back(LabelOf(labels, segment.first, &RowLabel::step));
+      row.push_back(LabelOf(labels, segment.first, &RowLabel::cycle));
+    }
+    table.Row(std::move(row));
+  }
+  return table.Text();
+}
+
+// The tests within one file, and how to read each.
+std::string PartsTable(const std::vector<Inspection>& parts) {
+  cli::TextTable table({{"  part", Align::kLeft},
+                        {"start_s"},
+                        {"end_s"},
+                        {"charge out / Ah"},
+                        {"rests at / V"},
+                        {"kind", Align::kLeft}});
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Inspection& part = parts[k];
+    table.Row({fmt::format("  {}", k + 1),
+               fmt::format("{:.10g}", part.part_start_s),
+               fmt::format("{:.10g}", part.part_end_s),
+               fmt::format("{:.4f}", part.charge_out_C / kSecondsPerHour),
+               std::isnan(part.start_voltage_V) ? "-" : fmt::format("{:.4g}", part.start_voltage_V),
+               KindName(part.suggestion)});
   }
   return table.Text();
 }
@@ -141,17 +183,25 @@ std::string Sign(const LogReport& report) {
   return fmt::format("{}: {}", report.current_sign, report.current_sign_reason);
 }
 
-void PrintInspection(cli::CommandLine& line, const Inspection& log) {
+void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
   const auto item = [&](std::string_view name, const std::string& text) {
     if (!text.empty()) line.Print("  {:<12} {}\n", name, text);
   };
   line.Print("{}\n", log.file);
-  item("kind", fmt::format("{}: {}", KindName(log.suggestion), log.suggestion.reason));
+  if (log.parts.empty()) {
+    item("kind", fmt::format("{}: {}", KindName(log.suggestion), log.suggestion.reason));
+  } else {
+    item("kind",
+         fmt::format("{}, between recharges or gaps; a draft reads each by its start_s and end_s",
+                     Count(log.parts.size(), "test")));
+  }
   item("format", fmt::format("{}, {}", log.report.format, Count(log.report.rows, "row")));
   item("time", Duration(log.duration_s) + Sampling(log.sampling_s));
   item("current", FromTo(log.current_A, "A"));
   item("sign", Sign(log.report));
   item("voltage", FromTo(log.voltage_V, "V"));
+  if (const int series = CellsInSeries(log.voltage_V.largest); series > 1)
+    item("pack", fmt::format("{} cells in series, by the voltage", series));
   if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));
   item("charge",
        fmt::format("{:.4g} Ah out, {:.4g} Ah in",
@@ -159,9 +209,11 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log) {
                    log.charge_in_C / kSecondsPerHour));
   item("dropped", Dropped(log.report));
   item("gaps", Gaps(log.report.gaps));
+  for (const auto& warning : log.report.warnings) item("look at", warning);
   for (const auto& note : log.report.notes) item("note", note);
+  if (!log.parts.empty()) line.Print("{}", PartsTable(log.parts));
   item("segments", CountsByKind(log.segments));
-  line.Print("{}\n", SegmentTable(log.segments));
+  line.Print("{}\n", SegmentTable(log, all));
 }
 
 void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& files) {
@@ -182,7 +234,7 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
                fmt::format("{}", log.report.rows),
                Duration(log.duration_s),
                fmt::format("{:.4f}", log.charge_out_C / kSecondsPerHour),
-               KindName(log.suggestion)});
+               log.parts.empty() ? KindName(log.suggestion) : Count(log.parts.size(), "test")});
   }
   line.Print("{}", table.Text());
 }
@@ -194,7 +246,10 @@ Json ToJson(const Spread& spread) {
 Json ToJson(const Inspection& log) {
   Json gaps = Json::array();
   for (const Gap& gap : log.report.gaps) {
-    gaps.push_back({{"row", gap.row}, {"start_s", gap.start_s}, {"length_s", gap.length_s}});
+    gaps.push_back({{"row", gap.row},
+                    {"start_s", gap.start_s},
+                    {"length_s", gap.length_s},
+                    {"unknown_C", gap.unknown_C}});
   }
   Json segments = Json::array();
   for (const Segment& segment : log.segments) {
@@ -222,13 +277,27 @@ Json ToJson(const Inspection& log) {
                {"dropped_repeated_times", log.report.dropped_repeated_times},
                {"dropped_unselected", log.report.dropped_unselected},
                {"dropped_cut_last_line", log.report.dropped_cut_last_line},
+               {"dropped_spikes", log.report.dropped_spikes},
                {"gaps", std::move(gaps)},
+               {"warnings", log.report.warnings},
                {"notes", log.report.notes},
                {"segments", std::move(segments)},
                {"suggested_kind", nullptr},
                {"suggested_kind_reason", log.suggestion.reason}};
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
   if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
+  json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);
+  json["series"] = CellsInSeries(log.voltage_V.largest);
+  json["parts"] = Json::array();
+  for (const Inspection& part : log.parts) {
+    json["parts"].push_back(
+        {{"start_s", part.part_start_s},
+         {"end_s", part.part_end_s},
+         {"charge_out_C", part.charge_out_C},
+         {"start_voltage_V", NumberOrNull(part.start_voltage_V)},
+         {"suggested_kind",
+          part.suggestion.kind ? Json(Name(*part.suggestion.kind)) : Json(nullptr)}});
+  }
   return json;
 }
 
@@ -236,7 +305,8 @@ Json ToJson(const Inspection& log) {
 std::vector<std::string> Expand(const std::vector<std::string>& words) {
   std::vector<std::string> files;
   for (const auto& word : words) {
-    if (!std::filesystem::is_directory(word)) {
+    std::error_code none;
+    if (!std::filesystem::is_directory(word, none)) {
       files.push_back(word);
       continue;
     }
@@ -248,7 +318,7 @@ std::vector<std::string> Expand(const std::vector<std::string>& words) {
 // A name for the cell: that of the folder.
 std::string FolderName(const std::string& word) {
   auto path = std::filesystem::absolute(word).lexically_normal();
-  if (!std::filesystem::is_directory(path)) path = path.parent_path();
+  if (std::error_code none; !std::filesystem::is_directory(path, none)) path = path.parent_path();
   if (path.filename().empty()) path = path.parent_path();
   return path.filename().string();
 }
@@ -257,21 +327,49 @@ void WriteDraft(cli::CommandLine& line,
                 const std::vector<InspectedFile>& files,
                 const std::string& name,
                 const std::string& campaign_file,
-                const ReadOptions& read) {
+                const DraftOptions& options) {
   const bool a_file = campaign_file != "/dev/stdout";
-  const auto draft = DraftCampaign(files, name, a_file ? campaign_file : "campaign.toml", read);
+  const auto draft = DraftCampaign(files, name, a_file ? campaign_file : "campaign.toml", options);
   if (draft.entries.empty()) {
     throw OptionError(
         "option --write-campaign: none of the logs is of a kind that a campaign takes");
   }
-  WriteFileAtomically(campaign_file, DraftToToml(draft));
+  const std::string text = DraftToToml(draft);
+  if (!draft.campaign.logs.empty()) {
+    try {
+      (void)ParseCampaign(text, campaign_file);
+    } catch (const LoadError& error) {
+      throw OptionError(
+          fmt::format("option --write-campaign: these logs make no campaign that "
+                      "identify reads, and none is written: {}",
+                      error.diagnostics().front().message));
+    }
+  }
+  // A person may have edited the campaign of an earlier run.
+  std::string kept;
+  std::error_code none;
+  if (a_file && std::filesystem::is_regular_file(campaign_file, none) &&
+      ReadTextFile(campaign_file) != text) {
+    kept = KeepCopy(campaign_file);
+  }
+  WriteFileAtomically(campaign_file, text);
   if (!a_file) return;
+  if (!kept.empty()) {
+    line.Message("{} held another campaign, perhaps edited: it is kept as {}", campaign_file, kept);
+  }
   line.Message("{}: {}, {} left out, {} not used",
                campaign_file,
                Count(draft.campaign.logs.size(), "log"),
                draft.entries.size() - draft.campaign.logs.size(),
                draft.unused.size());
-  line.Message("Next: read it over, then lipoid identify {} -o cell.json", campaign_file);
+  try {
+    Campaign campaign = draft.campaign;
+    campaign.file.clear();  // the message is about the logs, not about a place in the file
+    CheckCampaign(campaign, false);
+    line.Message("Next: read it over, then lipoid identify {} -o cell.json", campaign_file);
+  } catch (const OptionError& missing) {
+    line.Message("These logs are not enough to identify the cell: {}", missing.what());
+  }
 }
 
 }  // namespace
@@ -279,25 +377,32 @@ void WriteDraft(cli::CommandLine& line,
 cli::ExitCode InspectCommand(cli::CommandLine& line) {
   std::vector<std::string> words;
   std::string campaign_file;
+  bool all_segments = false;
   LogOptions log_options;
+  PackOptions pack;
   line.Describe(
       "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
       "and the kind of test that each looks like.",
       "lipoid inspect cc_1C.csv pulses.csv");
   line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
-  line.Arguments("LOG", words, "logs, or folders of logs");
+  line.InputArguments("LOG", words, "logs, or folders of logs");
   line.OutputOption(
       "write-campaign", campaign_file, "FILE", "draft a campaign of these logs, to be read over");
+  line.Flag("all", all_segments, "print every segment, however many there are");
   log_options.AddTo(line);
+  pack.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const ReadOptions read = log_options.ToReadOptions();
-  const auto files = InspectLogs(Expand(words), read);
+  ReadOptions read = log_options.ToReadOptions();
+  read.labels = true;
+  const auto named = Expand(words);
+  line.AddInputs(named);
+  const auto files = InspectLogs(named, read);
   std::vector<Diagnostic> problems;  // the first of each bad file
   Json rows = Json::array();
   for (const auto& file : files) {
     if (file.inspection) {
-      PrintInspection(line, *file.inspection);
+      PrintInspection(line, *file.inspection, all_segments);
       rows.push_back(ToJson(*file.inspection));
     } else {
       problems.push_back(file.problems.front());
@@ -308,7 +413,11 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
     throw LoadError(files.size() == 1 ? files.front().problems : problems);
   if (files.size() > 1) PrintOverview(line, files);
   if (!campaign_file.empty())
-    WriteDraft(line, files, FolderName(words.front()), campaign_file, read);
+    WriteDraft(line,
+               files,
+               FolderName(words.front()),
+               campaign_file,
+               {.read = read, .series = pack.series, .parallel = pack.parallel.value_or(1)});
   line.summary()["files"] = std::move(rows);
   if (problems.empty()) return cli::ExitCode::kDone;
   line.Problem(LoadError(std::move(problems)));

@@ -18,7 +18,7 @@ using cli::Significant;
 using cli::TextTable;
 
 std::string TriedText(const JointChoice& choice) {
-  TextTable table({{"1  tried", Align::kLeft},
+  TextTable table({{"structure tried", Align::kLeft},
                    {"fitted_mV"},
                    {"left_out_mV"},
                    {"gain_mV"},
@@ -56,7 +56,7 @@ std::string RangeText(const Resistance<double>& r) {
 
 std::string FoundText(const JointResult& result) {
   const Cell& cell = result.cell;
-  TextTable table({{"2  found", Align::kLeft}, {"", Align::kLeft}});
+  TextTable table({{"found", Align::kLeft}, {"", Align::kLeft}});
   const auto row = [&](const std::string& name, const std::string& value) {
     table.Row({"   " + name, value});
   };
@@ -83,7 +83,7 @@ std::string FoundText(const JointResult& result) {
 }
 
 std::string ErrorsText(const JointResult& result) {
-  TextTable table({{"3  errors of every row", Align::kLeft},
+  TextTable table({{"errors over all rows", Align::kLeft},
                    {"mean_%"},
                    {"max_%"},
                    {"rmse_mV"},
@@ -109,12 +109,15 @@ std::string ErrorsText(const JointResult& result) {
 
 }  // namespace
 
-std::string JointReport(const JointResult& result, const TrustReport& trust) {
-  std::string text = TriedText(result.choice) + "\n" + FoundText(result) + "\n" + ErrorsText(result) +
-          ConstantCurrentText(result.constant_current) + "\n" + TrustText(trust);
+std::string JointReport(const JointResult& result, const TrustReport& trust, bool verbose) {
+  std::string text;
+  if (verbose) text += TriedText(result.choice) + "\n" + FoundText(result) + "\n";
+  text += ErrorsText(result);
+  if (verbose) text += ConstantCurrentText(result.constant_current);
+  text += "\n" + TrustText(trust);
   if (!result.staged.done_instead.empty())
-    text += "\n" + cli::Bullets("Done instead", result.staged.done_instead);
-  if (!result.cautions.empty()) text += "\n" + cli::Bullets("To know", result.cautions);
+    text += "\n" + cli::Bullets("Fallbacks", result.staged.done_instead);
+  if (!result.cautions.empty()) text += "\n" + cli::Bullets("Caveats", result.cautions);
   return text;
 }
 

@@ -10,8 +10,10 @@
 
 namespace lipoid {
 
-/// What was tried, what was found and how far to believe it, how well each log is predicted, what
-/// to know.
-[[nodiscard]] std::string JointReport(const JointResult& result, const TrustReport& trust);
+/// How well each log is predicted, the parameters with their uncertainty, fallbacks and caveats.
+/// `verbose`: before these the structures that were tried and the tables that were found.
+[[nodiscard]] std::string JointReport(const JointResult& result,
+                                      const TrustReport& trust,
+                                      bool verbose);
 
 }  // namespace lipoid

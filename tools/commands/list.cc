@@ -11,6 +11,7 @@
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
+#include "model/control/laws/control_laws.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/vehicle/motor.h"
 #include "model/vehicle/vehicle_file.h"
@@ -56,6 +57,18 @@ Json ListFormats(cli::CommandLine& line) {
   for (const Layout* format : LogFormats()) {
     table.Row({std::string(format->name), std::string(format->summary)});
     rows.push_back({{"name", format->name}, {"summary", format->summary}});
+  }
+  line.Print("{}", table.Text());
+  return rows;
+}
+
+Json ListControllers(cli::CommandLine& line) {
+  cli::TextTable table(
+      {{"controller", Align::kLeft}, {"what it does", Align::kLeft}, {"from", Align::kLeft}});
+  Json rows = Json::array();
+  for (const ControlLaw& law : ControlLaws()) {
+    table.Row({std::string(law.name), std::string(law.summary), std::string(law.source)});
+    rows.push_back({{"name", law.name}, {"summary", law.summary}, {"source", law.source}});
   }
   line.Print("{}", table.Text());
   return rows;
@@ -196,6 +209,7 @@ struct Topic {
 };
 constexpr Topic kTopics[] = {
     {"cells", &ListCells},
+    {"controllers", &ListControllers},
     {"formats", &ListFormats},
     {"gains", &ListGains},
     {"maneuvers", &ListManeuvers},

@@ -8,6 +8,11 @@
 namespace lipoid {
 
 void LogOptions::AddTo(cli::CommandLine& line) {
+  line.Texts("columns",
+             columns,
+             "KEY=NAME",
+             "the header's names of time_s, current_A, voltage_V, temperature_degC, where they are "
+             "not found");
   line.Text(
       "units", units, "s,A,V", "units of time, current and voltage where the header states none");
   line.Text("current-sign",
@@ -23,6 +28,14 @@ void LogOptions::AddTo(cli::CommandLine& line) {
 ReadOptions LogOptions::ToReadOptions() const {
   ReadOptions read;
   read.hold = hold;
+  for (const auto& column : columns) {
+    const auto equals = column.find('=');
+    if (equals == std::string::npos) {
+      throw OptionError(
+          fmt::format("option --columns: expected KEY=NAME (time_s=Zeit), found '{}'", column));
+    }
+    read.columns[column.substr(0, equals)] = column.substr(equals + 1);
+  }
   if (!units.empty()) {
     read.units = SplitAt(units, ',');
     if (read.units.size() != 3) {
@@ -40,6 +53,24 @@ ReadOptions LogOptions::ToReadOptions() const {
   }
   read.current_sign = current_sign;
   return read;
+}
+
+void PackOptions::AddTo(cli::CommandLine& line) {
+  line.Option("series", series, Range{1, 100000}, "cells in series in the logs");
+  line.Option("parallel", parallel, Range{1, 100000}, "cells in parallel in the logs");
+}
+
+void PackOptions::ApplyTo(int& series_of, int& parallel_of) const {
+  if (series) series_of = *series;
+  if (parallel) parallel_of = *parallel;
+}
+
+std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns) {
+  std::vector<std::string> files;
+  for (const Campaign& campaign : campaigns) {
+    for (const CampaignLog& log : campaign.logs) files.push_back(log.path);
+  }
+  return files;
 }
 
 std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {

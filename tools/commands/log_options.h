@@ -3,6 +3,7 @@
 /// @file
 /// The options that say how logs are read, common to the commands that read them.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,29 @@
 namespace lipoid {
 
 struct LogOptions {
-  std::string units;         ///< "s,A,V"
+  std::vector<std::string> columns;  ///< "time_s=Zeit"
+  std::string units;                 ///< "s,A,V"
   std::string current_sign;  ///< as typed
   Hold hold = Hold::kBackward;
 
-  /// Adds --units, --current-sign and --hold.
+  /// Adds --columns, --units, --current-sign and --hold.
   void AddTo(cli::CommandLine& line);
   /// OptionError where they are not right.
   [[nodiscard]] ReadOptions ToReadOptions() const;
 };
+
+/// How many cells the pack of a log has: --series and --parallel.
+struct PackOptions {
+  std::optional<int> series;
+  std::optional<int> parallel;
+
+  void AddTo(cli::CommandLine& line);
+  /// Where one was given, it takes the place of what stands there.
+  void ApplyTo(int& series_of, int& parallel_of) const;
+};
+
+/// The files of all their logs.
+[[nodiscard]] std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns);
 
 /// LoadCampaign(), with a message for each of NotesOnLogs().
 [[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);

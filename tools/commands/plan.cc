@@ -1,6 +1,7 @@
 // lipoid plan CELL: what an experiment would tell, before the lab is booked.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "identify/trust/experiment_plan.h"
@@ -46,7 +47,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       "(10,30,60) and ranges (10:10:60) are combined with one another, one row each.",
       "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
   line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
-  line.Argument("CELL", cell_name, "a cell file or the name of a shipped cell");
+  line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
   line.Text("pulse-s", pulse_s, "LIST", "length of a pulse");
   line.Text("rest-s", rest_s, "LIST", "rest after each pulse");
   line.Text("rate-C", rate_C, "LIST", "rate of the pulses; not given: what suits the cell");
@@ -62,6 +63,8 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   const auto rates = rate_C.empty() ? std::vector<double>{HighestSuitableRate(cell)}
                                     : ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
   const auto samplings = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
+  const double shortest_s = *std::min_element(samplings.begin(), samplings.end());
+  const Cell seen = AsSampled(cell, shortest_s);
   const std::size_t variations = pulses.size() * rests.size() * rates.size() * samplings.size();
   if (variations > kMostVariations) {
     throw OptionError(fmt::format(
@@ -83,7 +86,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
           options.pulse_s = pulse;
           options.rest_s = rest;
           options.sampling_s = sampling;
-          const PlannedExperiment plan = PlanExperiment(cell, options, noise);
+          const PlannedExperiment plan = PlanExperiment(seen, options, noise);
           std::vector<std::string> cells{cli::Significant(rate, 3),
                                          cli::Significant(pulse, 3),
                                          cli::Significant(rest, 4),
@@ -119,7 +122,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       }
     }
   }
-  const auto left_out = LeftOutOfPlan(cell);
+  const auto left_out = LeftOutOfPlan(cell, shortest_s);
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
              table->Text());
   if (variations == 1) line.Print("{}\n\n", advice);

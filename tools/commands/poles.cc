@@ -54,8 +54,9 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
       "equilibrium, and with the motors' lag.",
       "lipoid poles altitude --vehicle mambo-thesis --gains unaware --xi 0.8:0.01:1");
   line.Argument("LOOP", loop_name, "altitude, or attitude");
-  line.Text("vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
-  line.Text("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Input(
+      "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
   line.Text("xi", range, "RANGE", "voltage over the nominal one: FIRST:STEP:LAST, or one number");
   line.OutputOption("output,o", output, "CSV", "one row per pole: xi, kappa, kind, re, im");
   if (!line.Parse()) return cli::ExitCode::kDone;

@@ -1,7 +1,9 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "identify/logs/discharge.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
@@ -28,22 +30,37 @@ Json WidthOf(const PredictionBand& band) {
           {"band_max_V", most_V}};
 }
 
+// The rows before the first one that lies below the cut-off of the pack. A current that ends where
+// the cut-off is reached is whole: the last row of a discharge lies on a steep end.
+std::size_t RowsUntilCutoff(const std::vector<double>& voltage_V, const Cell& cell) {
+  constexpr double kLastStep_V = 0.3;
+  const double least_V = cell.series * (cell.cutoff_V - kCutoffTolerance_V);
+  const auto below = std::find_if(
+      voltage_V.begin(), voltage_V.end(), [&](double v) { return !(v >= least_V); });
+  const auto rows = static_cast<std::size_t>(below - voltage_V.begin());
+  const bool only_the_last = rows > 0 && rows + 1 == voltage_V.size() &&
+                             *below >= least_V - cell.series * kLastStep_V;
+  return only_the_last ? voltage_V.size() : rows;
+}
+
 }  // namespace
 
 cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   std::string cell_name;
   std::string current_file;
   std::string output;
+  bool beyond_cutoff = false;
   LogOptions log_options;
+  PackOptions pack;
   StartOptions start;
   EnsembleOption ensemble;
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
-      "under the current of a log, row by row. The log's own voltage is not used and may be "
-      "absent.",
+      "under the current of a log, row by row, until the cell reaches its cut-off. The log's own "
+      "voltage is not used and may be absent.",
       "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
   line.Example("lipoid simulate cell.json --current flight.csv --ensemble 200 -o predicted.csv");
-  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.RequiredInput(
       "current", current_file, "LOG", "the log whose current flows; time_s,current_A is enough");
   line.Output(output,
@@ -51,16 +68,25 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
               "time_s, current_A, voltage_V, open_circuit_V, soc; with --ensemble voltage_low_V "
               "and voltage_high_V");
   ensemble.AddTo(line, "between which voltages 95 % of them lie in each row");
+  line.Flag("beyond-cutoff",
+            beyond_cutoff,
+            "write all rows, also those below the cell's cut-off, where no cell would go on");
   start.AddTo(line);
+  pack.AddTo(line);
   log_options.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const Cell cell = LoadCell(cell_name);
+  Cell cell = LoadCell(cell_name);
+  pack.ApplyTo(cell.series, cell.parallel);
   const double initial_soc = start.Soc(cell);
   auto read = log_options.ToReadOptions();
   read.voltage_optional = true;
   const Record record = ReadLog(current_file, read).record;
   const auto prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
+
+  const std::size_t rows =
+      beyond_cutoff ? record.size() : RowsUntilCutoff(prediction.voltage_V, cell);
+  const bool whole = rows == record.size();
 
   PredictionBand band;
   if (ensemble.asked()) {
@@ -75,7 +101,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                 ensemble.asked()
                     ? "time_s,current_A,voltage_V,open_circuit_V,soc,voltage_low_V,voltage_high_V"
                     : "time_s,current_A,voltage_V,open_circuit_V,soc");
-  for (std::size_t k = 0; k < record.size(); ++k) {
+  for (std::size_t k = 0; k < rows; ++k) {
     if (ensemble.asked()) {
       csv.Row(record.time_s[k],
               record.current_A[k],
@@ -94,22 +120,44 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   }
   csv.Commit();
 
-  const auto lowest = *std::min_element(prediction.voltage_V.begin(), prediction.voltage_V.end());
-  line.summary()["logs"] = {{{"file", current_file},
-                             {"output", output},
-                             {"rows", record.size()},
-                             {"duration_s", record.time_s.back() - record.time_s.front()},
-                             {"initial_soc", initial_soc},
-                             {"final_soc", prediction.soc.back()},
-                             {"final_voltage_V", prediction.voltage_V.back()},
-                             {"minimum_voltage_V", lowest},
-                             {"rows_outside_curve", prediction.rows_outside_curve}}};
-  line.Message("{}: {} rows, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
-               output,
-               record.size(),
-               initial_soc,
-               prediction.soc.back(),
-               lowest);
+  const double cutoff_V = cell.series * cell.cutoff_V;
+  Json log = {{"file", current_file},
+              {"output", output},
+              {"rows", rows},
+              {"rows_of_current", record.size()},
+              {"duration_s", 0.0},
+              {"initial_soc", initial_soc},
+              {"final_soc", nullptr},
+              {"final_voltage_V", nullptr},
+              {"minimum_voltage_V", nullptr},
+              {"cutoff_s", nullptr},
+              {"rows_outside_curve", prediction.rows_outside_curve}};
+  if (!whole) log["cutoff_s"] = record.time_s[rows];
+  if (rows > 0) {
+    const auto written = prediction.voltage_V.begin() + static_cast<std::ptrdiff_t>(rows);
+    const double lowest_V = *std::min_element(prediction.voltage_V.begin(), written);
+    log["duration_s"] = record.time_s[rows - 1] - record.time_s.front();
+    log["final_soc"] = prediction.soc[rows - 1];
+    log["final_voltage_V"] = prediction.voltage_V[rows - 1];
+    log["minimum_voltage_V"] = lowest_V;
+    line.Message("{}: {} rows, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
+                 output,
+                 rows,
+                 initial_soc,
+                 prediction.soc[rows - 1],
+                 lowest_V);
+  }
+  line.summary()["logs"] = Json::array({std::move(log)});
+  if (!whole) {
+    line.Message(
+        "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} rows "
+        "before it were written (--beyond-cutoff writes all)",
+        cutoff_V,
+        record.time_s[rows],
+        record.current_A[rows],
+        rows,
+        record.size());
+  }
   if (ensemble.asked()) {
     const Json& of = line.summary()["ensemble"];
     line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
@@ -123,7 +171,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "there",
         prediction.rows_outside_curve);
   }
-  return cli::ExitCode::kDone;
+  return whole ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

@@ -28,13 +28,13 @@ double InitialSoc(const StartOptions& start,
 }  // namespace
 
 void StagedArguments::AddTo(cli::CommandLine& line) {
-  line.Texts("constant-current",
-             typed_.constant_current,
-             "LOG",
-             "discharges at constant current, to cut-off");
-  line.Texts("low-rate", typed_.low_rate, "LOG", "a discharge so slow that it shows v_oc");
-  line.Texts("pulses", typed_.pulses, "LOG", "pulses with rests");
-  line.Texts("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
+  line.Inputs("constant-current",
+              typed_.constant_current,
+              "LOG",
+              "discharges at constant current, to cut-off");
+  line.Inputs("low-rate", typed_.low_rate, "LOG", "a discharge so slow that it shows v_oc");
+  line.Inputs("pulses", typed_.pulses, "LOG", "pulses with rests");
+  line.Inputs("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
   line.Option(
       "cutoff-V", typed_.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
   line.Option("capacity-Ah", capacity_Ah_, Range{1e-9, 1e9}, "nominal capacity of one cell");
@@ -44,10 +44,11 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
   log_options_.AddTo(line);
   start_options_.AddTo(line);
   line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
-  line.Text("open-circuit-voltage",
-            curve_file_,
-            "FILE",
-            "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
+  line.Input(
+      "open-circuit-voltage",
+      curve_file_,
+      "FILE",
+      "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
   line.Option("branches", branches_, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
   line.Flag("no-diffusion", no_diffusion_, "hold beta at infinity: the plain equivalent circuit");
   line.Texts("fix", fix_, "NAME=VALUE", "hold a parameter: beta, r_s, r_1, c_1, tau_1, ...");
@@ -66,8 +67,9 @@ bool StagedArguments::ByOptions() const {
          !typed_.validation.empty();
 }
 
-std::vector<Campaign> StagedArguments::Campaigns(const cli::CommandLine& line,
-                                                 const std::vector<std::string>& files) {
+std::vector<Campaign> StagedArguments::Campaigns(cli::CommandLine& line,
+                                                 const std::vector<std::string>& files,
+                                                 std::vector<LoadError>* unreadable) {
   if (branches_) options.pulses.branches = *branches_;
   if (no_diffusion_) options.pulses.diffusion = false;
   if (capacity_Ah_) typed_.capacity_Ah = *capacity_Ah_;
@@ -85,7 +87,8 @@ std::vector<Campaign> StagedArguments::Campaigns(const cli::CommandLine& line,
               "and --pulses; `lipoid inspect FOLDER --write-campaign FILE` drafts one");
   }
   if (!by_options) {
-    for (const char* option : {"cutoff-V",
+    for (const char* option : {"columns",
+                               "cutoff-V",
                                "capacity-Ah",
                                "name",
                                "series",
@@ -111,8 +114,16 @@ std::vector<Campaign> StagedArguments::Campaigns(const cli::CommandLine& line,
     typed_.initial_soc = InitialSoc(start_options_, typed_, given);
     campaigns.push_back(CampaignFromArguments(typed_));
   } else {
-    for (const auto& file : files) campaigns.push_back(ReadCampaign(file));
+    for (const auto& file : files) {
+      try {
+        campaigns.push_back(ReadCampaign(file));
+      } catch (const LoadError& error) {
+        if (unreadable == nullptr) throw;
+        unreadable->push_back(error);
+      }
+    }
   }
+  line.AddInputs(LogFiles(campaigns));
   return campaigns;
 }
 

@@ -10,6 +10,7 @@
 
 #include "identify/logs/campaign.h"
 #include "identify/stages/staged_run.h"
+#include "model/core/errors.h"
 #include "model/core/json.h"
 #include "tools/cli/command_line.h"
 #include "tools/commands/log_options.h"
@@ -28,9 +29,12 @@ class StagedArguments {
   void AddGroupsTo(cli::CommandLine& line);
 
   /// After Parse(): fills `options` and `given`; the campaigns of the files, or the one that the
-  /// options describe. OptionError where they contradict each other or there is none.
-  [[nodiscard]] std::vector<Campaign> Campaigns(const cli::CommandLine& line,
-                                                const std::vector<std::string>& files);
+  /// options describe. Their logs become inputs of the command line. OptionError where the options
+  /// contradict each other, there is none, or an output is an input. Where `unreadable` is given,
+  /// the LoadErrors of files that are no campaigns go there, and only the others are returned.
+  [[nodiscard]] std::vector<Campaign> Campaigns(cli::CommandLine& line,
+                                                const std::vector<std::string>& files,
+                                                std::vector<LoadError>* unreadable = nullptr);
   /// Whether logs were given by options.
   [[nodiscard]] bool ByOptions() const;
 

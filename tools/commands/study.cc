@@ -97,13 +97,14 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
                 "lipoid study branches campaign.toml");
   line.Example("lipoid study ocv campaign.toml --csv forms.csv");
   line.Argument("WHAT", what, known);
-  line.Argument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
+  line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
   line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
-  line.Text("open-circuit-voltage",
-            curve_file,
-            "FILE",
-            "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
+  line.Input(
+      "open-circuit-voltage",
+      curve_file,
+      "FILE",
+      "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
   line.Option("branches", branches, Range{0, 5}, "branches, where they are not what is studied");
   line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   line.Group("discharge_times", options.discharge_times);
@@ -120,6 +121,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
     given.open_circuit_voltage_source = curve_file;
   }
   const Campaign campaign = ReadCampaign(campaign_file);
+  line.AddInputs(LogFiles({campaign}));
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
   const StudyInput input{campaign, logs, options, given};

@@ -37,7 +37,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   line.Example(
       "lipoid synthesize gifi-600mAh-1 --with r_1=0.03,c_1=1500 --voltage-noise-V 0.001 --seed 7 "
       "-o logs");
-  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   std::vector<std::string> protocols;
   for (const auto& row : kProtocols)
     protocols.push_back(fmt::format("{}: {}", row.name, row.summary));
@@ -67,6 +67,10 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   if (series) cell.series = *series;
   if (parallel) cell.parallel = *parallel;
   cell.uncertainty.reset();  // it is the truth now
+  std::vector<std::string> outputs;
+  for (const auto& name : SynthesizedNames(cell, FindProtocol(protocol), options))
+    outputs.push_back((std::filesystem::path(folder) / name).string());
+  line.AddOutputs("-o", outputs);
   RunRecord run;
   run.command = line.CommandText();
   run.options = OptionsToJson<Json>(options);

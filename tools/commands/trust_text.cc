@@ -88,13 +88,13 @@ std::string KnownText(const Identification& found) {
 
 std::string TrustText(const TrustReport& report, const std::string& exact) {
   if (report.quantities.empty()) return "";
-  cli::TextTable table({{"trust", Align::kLeft},
+  cli::TextTable table({{"parameter", Align::kLeft},
                         {"estimate"},
                         {"std. error"},
                         {"95 % from"},
                         {"to"},
                         {"unit", Align::kLeft},
-                        {"verdict", Align::kLeft}});
+                        {"identifiability", Align::kLeft}});
   for (const auto& q : report.quantities) {
     const int digits = Digits(q.estimate, q.standard_error);
     table.Row({"   " + q.name,

@@ -16,19 +16,22 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::string cell_name;
   std::vector<std::string> files;
   LogOptions log_options;
+  PackOptions pack;
   StartOptions start;
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
       "and over those above 10 % state of charge.",
       "lipoid validate cell.json pulses.csv flight.csv");
-  line.Argument("CELL", cell_name, "a cell file, or the name of a shipped cell");
-  line.Arguments("LOG", files, "logs of any known format");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.InputArguments("LOG", files, "logs of any known format");
   start.AddTo(line);
   log_options.AddTo(line);
+  pack.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const Cell cell = LoadCell(cell_name);
+  Cell cell = LoadCell(cell_name);
+  pack.ApplyTo(cell.series, cell.parallel);
   const double initial_soc = start.Soc(cell);
   CampaignArguments arguments;
   arguments.validation = files;
@@ -48,6 +51,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   for (const auto& loaded : LoadLogs(line, CampaignFromArguments(arguments))) {
     LogErrors errors = Validate(one, loaded.log.record, initial_soc);
     errors.file = loaded.entry.file;
+    if (const std::string doubt =
+            DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
+        !doubt.empty())
+      line.Message("{} {} (--initial-soc)", errors.file, doubt);
     table.Row({errors.file,
                fmt::format("{}", errors.all.rows),
                cli::Significant(errors.all.mean_error_percent),

@@ -582,13 +582,13 @@ class Planner {
                  Listed(header_.names)));
       }
     };
-    if (!options_.steps.empty() || plan_.clock_restarts_with_step) {
+    if (!options_.steps.empty() || plan_.clock_restarts_with_step || options_.labels) {
       add(Quantity::kStep,
           CellKind::kNumber,
-          true,
+          !options_.steps.empty() || plan_.clock_restarts_with_step,
           plan_.clock_restarts_with_step ? "columns.time_s" : "steps");
     }
-    if (!options_.cycles.empty() || plan_.clock_restarts_with_step) {
+    if (!options_.cycles.empty() || plan_.clock_restarts_with_step || options_.labels) {
       add(Quantity::kCycle, CellKind::kNumber, !options_.cycles.empty(), "cycles");
     }
     add(Quantity::kState, CellKind::kWord, false, "");

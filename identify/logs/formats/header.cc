@@ -5,10 +5,25 @@
 namespace lipoid {
 namespace {
 
+// Letters without their accents, of UTF-8 and of Latin-1: e for an e acute. The ones of Latin-1 that
+// UTF-8 writes in two bytes begin with 0xC3, and then lack 0x40.
+std::string WithoutAccents(std::string_view text) {
+  constexpr std::string_view kPlain = "aaaaaaaceeeeiiiidnooooo/ouuuuyts"  // 0xC0 .. 0xDF
+                                      "aaaaaaaceeeeiiiidnooooo/ouuuuyty";  // 0xE0 .. 0xFF
+  std::string plain;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    auto c = static_cast<unsigned char>(text[k]);
+    if (c == 0xC3 && k + 1 < text.size() && (static_cast<unsigned char>(text[k + 1]) & 0xC0) == 0x80)
+      c = static_cast<unsigned char>(static_cast<unsigned char>(text[++k]) + 0x40);
+    plain += c >= 0xC0 ? kPlain[c - 0xC0] : static_cast<char>(c);
+  }
+  return plain;
+}
+
 // Blanks and hyphens as '_', never two in a row.
 std::string Normal(std::string_view text) {
   std::string normal;
-  for (const char c : LowerCase(Trimmed(text))) {
+  for (const char c : WithoutAccents(LowerCase(Trimmed(text)))) {
     const char mark = c == ' ' || c == '-' || c == '\t' ? '_' : c;
     if (mark != '_' || !normal.ends_with('_')) normal += mark;
   }
@@ -43,31 +58,42 @@ HeaderName ParseHeaderName(const TextCell& cell) {
   return header;
 }
 
-std::vector<HeaderMatch> FindColumns(std::span<const HeaderName> header,
-                                     Quantity quantity,
-                                     const ColumnNames& names) {
+namespace {
+
+std::vector<HeaderMatch> FindNamed(std::span<const HeaderName> header,
+                                   Quantity quantity,
+                                   std::span<const std::string_view> names) {
   std::vector<HeaderMatch> right;
   std::vector<HeaderMatch> wrong;
   const bool has_unit = !UsualUnits(quantity).empty();
   for (std::size_t field = 0; field < header.size(); ++field) {
     const HeaderName& column = header[field];
     const auto rank_of = [&](const std::string& name) {
-      return static_cast<std::size_t>(std::find(names.names.begin(), names.names.end(), name) -
-                                      names.names.begin());
+      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
+                                      names.begin());
     };
     HeaderMatch match{.field = field, .rank = rank_of(column.name), .unit = column.unit};
-    if (match.rank < names.names.size()) {
+    if (match.rank < names.size()) {
       if (match.unit.empty() && has_unit && FindUnit(quantity, column.name))
         match.unit = column.name;  // Amps
     } else if (has_unit && !column.stem.empty()) {
       match.rank = rank_of(column.stem);
       match.unit = column.suffix;
     }
-    if (match.rank == names.names.size()) continue;
+    if (match.rank == names.size()) continue;
     match.unit_is_wrong = has_unit && !match.unit.empty() && !FindUnit(quantity, match.unit);
     (match.unit_is_wrong ? wrong : right).push_back(std::move(match));
   }
   return right.empty() ? wrong : right;
+}
+
+}  // namespace
+
+std::vector<HeaderMatch> FindColumns(std::span<const HeaderName> header,
+                                     Quantity quantity,
+                                     const ColumnNames& names) {
+  auto matches = FindNamed(header, quantity, names.names);
+  return matches.empty() ? FindNamed(header, quantity, names.otherwise) : matches;
 }
 
 bool Matches(std::span<const HeaderName> header, std::span<const std::string_view> signature) {

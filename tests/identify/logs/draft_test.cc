@@ -75,6 +75,7 @@ TEST(Draft, IsACampaignWhenWritten) {
   const auto text = DraftToToml(draft);
   EXPECT_EQ(text,
             R"(# Drafted by lipoid inspect: read it over, most of all capacity, cut-off and kinds.
+# No log rests above 3.7 V before its first load: if the cell is not full there, say `initial_soc` of each log.
 [cell]
 name = "lab"
 capacity_Ah = 2.03
@@ -120,6 +121,98 @@ file = "../lab/slow.csv"
   const auto campaign = ParseCampaign(text, "other/c.toml");
   EXPECT_EQ(campaign.logs.size(), 3U);
   EXPECT_EQ(campaign.logs[0].path, "lab/1c.csv");
+}
+
+// A record at rest at the given voltage, then a discharge whose voltage falls in a straight line.
+Record Falling(double rest_V, double current_A, double duration_s, double end_V) {
+  auto record = RecordOfSteps({{60.0, 0.0}, {duration_s, current_A, duration_s / 1000.0}});
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double share = k <= 60 ? 0.0 : static_cast<double>(k - 60) / 1000.0;
+    record.voltage_V[k] = rest_V + share * (end_V - rest_V);
+  }
+  return record;
+}
+
+TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
+  const std::vector<InspectedFile> files{Inspected("1c.csv", Falling(4.2, 2.0, 3600.0, 3.0)),
+                                         Inspected("half.csv", Falling(3.6, 2.0, 1800.0, 3.0)),
+                                         Inspected("slow.csv", Falling(4.2, 0.1, 72000.0, 3.0))};
+  const auto draft = DraftCampaign(files, "lab", "campaign.toml");
+  ASSERT_EQ(draft.campaign.logs.size(), 3U);
+  EXPECT_EQ(draft.campaign.logs[0].initial_soc, 1.0);
+  // Halfway down the straight line, less the drop of the first edge, a thousandth of it.
+  EXPECT_EQ(draft.campaign.logs[1].initial_soc, 0.499);
+  EXPECT_EQ(draft.campaign.logs[2].initial_soc, 1.0);
+  EXPECT_NE(DraftToToml(draft).find("# Does not start full: it rests at 3.6 V before its first load, "
+                                    "which slow.csv passes at 0.499 of its charge.\n[[log]]\nkind = "
+                                    "\"constant-current\"\nfile = \"half.csv\"\ninitial_soc = 0.499"),
+            std::string::npos)
+      << DraftToToml(draft);
+  // Without one it can only ask.
+  const auto asked = DraftCampaign({files[0], files[1]}, "lab", "campaign.toml");
+  EXPECT_EQ(asked.campaign.logs[1].initial_soc, 1.0);
+  EXPECT_EQ(asked.entries[1].remarks,
+            (std::vector<std::string>{"Rests at 3.6 V before its first load, 1c.csv at 4.2 V: if it "
+                                      "does not start full, say its `initial_soc`."}));
+}
+
+TEST(Draft, KnowsAPackByItsVoltage) {
+  for (const auto& [highest_V, series] : {std::pair(4.2, 1),
+                                          {4.9, 1},
+                                          {7.4, 2},
+                                          {8.4, 2},
+                                          {8.7, 2},
+                                          {12.6, 3},
+                                          {11.4, 3},
+                                          {16.8, 4},
+                                          {25.2, 6},
+                                          {50.4, 12},
+                                          {0.0, 1}}) {
+    EXPECT_EQ(CellsInSeries(highest_V), series) << highest_V;
+  }
+  std::vector<InspectedFile> files;
+  for (const auto& [name, current_A] : {std::pair("1c.csv", 2.0), {"2c.csv", 4.0}})
+    files.push_back(Inspected(name, Falling(12.6, current_A, 7200.0 / current_A, 9.0)));
+  files.push_back(Inspected("cell.csv", Falling(4.2, 2.0, 3600.0, 3.0)));
+  const auto draft = DraftCampaign(files, "pack", "campaign.toml", {.parallel = 2});
+  EXPECT_EQ(draft.campaign.series, 3);
+  EXPECT_EQ(draft.campaign.parallel, 2);
+  EXPECT_EQ(draft.campaign.cutoff_V, 3.0);
+  EXPECT_EQ(draft.campaign.capacity_Ah, 1.0);
+  ASSERT_EQ(draft.campaign.logs.size(), 2U);
+  EXPECT_EQ(draft.entries[2].left_out, "its voltage is that of 1 in series");
+  EXPECT_EQ(DraftCampaign(files, "pack", "campaign.toml", {.series = 1}).campaign.series, 1);
+}
+
+TEST(Draft, CutsAFileIntoItsTests) {
+  Record record = RecordOfSteps({{60.0, 0.0}, {3600.0, 2.0}, {60.0, 0.0}, {3600.0, -2.0}});
+  const Record second = RecordOfSteps({{60.0, 0.0}, {1800.0, 4.0}});
+  for (std::size_t k = 1; k < second.size(); ++k) {
+    record.time_s.push_back(record.time_s.back() + 1.0);
+    record.current_A.push_back(second.current_A[k]);
+    record.voltage_V.push_back(second.voltage_V[k]);
+  }
+  const auto draft = DraftCampaign({Inspected("program.csv", record)}, "lab", "campaign.toml");
+  ASSERT_EQ(draft.entries.size(), 2U);
+  EXPECT_EQ(draft.entries[0].log.read.start_s, 0.0);
+  EXPECT_EQ(draft.entries[0].log.read.end_s, 3720.0);
+  EXPECT_EQ(draft.entries[1].log.read.start_s, 7321.0);
+  EXPECT_EQ(draft.entries[1].log.read.end_s, record.time_s.back());
+  EXPECT_EQ(draft.entries[1].log.kind, LogKind::kConstantCurrent);
+  EXPECT_NO_THROW((void)ParseCampaign(DraftToToml(draft), "campaign.toml"));
+}
+
+// What a file from elsewhere may hold must not become a number that identify refuses.
+TEST(Draft, OfADischargeToNothingIsStillACampaign) {
+  const auto draft =
+      DraftCampaign({Inspected("deep.csv", Falling(4.2, 2.0, 3600.0, 0.0))}, "lab", "c.toml");
+  EXPECT_EQ(draft.campaign.cutoff_V, 3.0);
+  EXPECT_EQ(draft.remarks,
+            (std::vector<std::string>{"The discharges end at 0 V, below what any cell may be used "
+                                      "to; 3 V is typical, look it up."}));
+  Record tiny = Falling(4.2, 1e-320, 3600.0, 3.0);
+  const auto of_tiny = DraftCampaign({Inspected("tiny.csv", std::move(tiny))}, "lab", "c.toml");
+  EXPECT_NO_THROW((void)ParseCampaign(DraftToToml(of_tiny), "c.toml"));
 }
 
 TEST(Draft, OfRealFoldersIsTheirCampaign) {

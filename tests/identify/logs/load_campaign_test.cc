@@ -127,5 +127,33 @@ TEST(LoadCampaign, ReadsThoseBesideTheProject) {
   }
 }
 
+TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
+  const auto folder = test::FreshFolder("load_campaign/capacity");
+  Write(folder + "/a.csv", "time_s,current_A,voltage_V\n0,0,4.2\n1200,2,4.0\n2400,2,3.5\n3600,2,3\n");
+  const auto complaint = [&](const std::string& capacity_Ah, const std::string& kind) {
+    Write(folder + "/c.toml",
+          "[cell]\ncapacity_Ah = " + capacity_Ah + "\n[[log]]\nkind = '" + kind +
+              "'\nfile = 'a.csv'\n");
+    return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  };
+  EXPECT_EQ(complaint("2000", "constant-current"),
+            folder + "/c.toml:1:1: error: capacity_Ah: expected logs that move the charge of a cell "
+                     "of 2000 Ah, found 2 Ah at most; is the capacity in mAh, or are times in "
+                     "minutes or currents in another unit than their headers say?");
+  EXPECT_EQ(complaint("2.1", "constant-current"), "no error");
+  // Pulses need not empty the cell, and validation logs prove nothing.
+  EXPECT_EQ(complaint("20.0", "pulses"), "no error");
+  EXPECT_NE(complaint("2000.0", "pulses"), "no error");
+  EXPECT_EQ(complaint("2000.0", "validation"), "no error");
+}
+
+TEST(LoadCampaign, WarningsOfALogAreNotes) {
+  LoadedLog log;
+  log.entry.file = "a.csv";
+  log.log.report.warnings = {"1 row dropped"};
+  log.log.report.current_sign = "unsigned";
+  EXPECT_EQ(NotesOnLogs({log}), (std::vector<std::string>{"a.csv: 1 row dropped"}));
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -41,6 +41,13 @@ TEST(PlainCsv, HeaderNamesAreUnderstood) {
                              "Elapsed Time / s,I_cell / A,Ecell/V",
                              "total_time_s,I_A,V_V",
                              "Time#s,Current#A,Voltage#V",
+                             "Zeit [s],Strom [A],Spannung [V]",
+                             "Laufzeit/s,Stromst\xC3\xA4rke/A,Klemmenspannung/V",
+                             "Temps (s),Courant (A),Tension (V)",
+                             "Dur\xC3\xA9" "e (secondes),Intensit\xE9 (A),Tension cellule (V)",
+                             "Tiempo (segundos),Corriente (A),Voltaje (V)",
+                             "TIEMPO_S,INTENSIDAD_A,TENSI\xC3\x93N_V",
+                             "Tempo [s],Corrente [A],Tensione [V]",
                              "\"time_s\",\"current_A\",\"voltage_V\""}) {
     SCOPED_TRACE(header);
     const Log log = Read(std::string(header) + "\n" + kRows);
@@ -62,6 +69,34 @@ TEST(PlainCsv, UnitsAreConverted) {
   EXPECT_EQ(Read("time_min,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(),
             240.0);
   EXPECT_EQ(Read("time_ms,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(), 0.004);
+}
+
+TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
+  const Log log = Read(
+      "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,2,4\n3,2,10\n4,2,3.98\n5,2,3.97\n6,2,3.96\n");
+  EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 4, 5, 6}));
+  EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.98, 3.97, 3.96}));
+  EXPECT_EQ(log.report.rows, 6U);
+  EXPECT_EQ(log.report.dropped_spikes, 1U);
+  EXPECT_EQ(log.report.dropped_rows(), 1U);
+  EXPECT_EQ(log.report.warnings,
+            (std::vector<std::string>{"1 row dropped: a voltage of 10 V at 3 s, alone between rows "
+                                      "that know nothing of it"}));
+}
+
+TEST(PlainCsv, StepsAndCyclesAreReportedWhereAskedFor) {
+  const std::string text =
+      "time_s,current_A,voltage_V,step,cycle\n0,0,4.1,1,1\n1,0,4.1,1,1\n2,2,4,2,1\n3,2,3.99,2,1\n"
+      "4,2,3.97,2,2\n";
+  EXPECT_TRUE(Read(text).report.labels.empty());
+  const auto labels = Read(text, {.labels = true}).report.labels;
+  ASSERT_EQ(labels.size(), 3U);
+  EXPECT_EQ(labels[1].row, 2U);
+  EXPECT_EQ(labels[1].step, 2.0);
+  EXPECT_EQ(labels[2].row, 4U);
+  EXPECT_EQ(labels[2].cycle, 2.0);
+  EXPECT_TRUE(Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.labels = true})
+                  .report.labels.empty());
 }
 
 TEST(PlainCsv, NegativeDischargeIsTurnedRound) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "tests/support/load_error.h"
 
 namespace lipoid {
@@ -45,6 +48,52 @@ TEST(Plausibility, MislabelledUnitsAndPacksAreNamed) {
             "F:1:1: error: expected charges of one cell of 2 Ah, found 120 Ah going one way; are "
             "the units of time and "
             "current right, is it a pack (say `parallel`), or has the current no sign?");
+}
+
+TEST(Plausibility, AVoltageThatNoCellHasIsNamedWithItsTime) {
+  Record record = OneHour(1, 1, 1);
+  record.voltage_V[30] = record.voltage_V[31] = 10.0;
+  EXPECT_EQ(Complaint(record, 2.0),
+            "F:1:1: error: expected the voltage of one cell, found 10 V at 1800 s; remove the rows "
+            "that were read wrongly, or read a part without them (start_s, end_s)");
+}
+
+TEST(Plausibility, ExchangedColumnsAreNamed) {
+  Record record = OneHour(1, 1, 1);
+  const ColumnPositions at{{"F", 1, 1}, {"F", 1, 8}, {"F", 1, 18}};
+  const auto complaint = [&] {
+    return test::LoadErrorOf([&] { CheckReadable(record, at); });
+  };
+  for (std::size_t k = 0; k < record.size(); ++k)
+    record.voltage_V[k] = 4.2 - 0.02 * static_cast<double>(k);
+  EXPECT_EQ(complaint(), "no error");
+  std::swap(record.current_A, record.voltage_V);
+  const std::string exchanged =
+      "F:1:18: error: expected a voltage, found what looks like a current, and a voltage in the "
+      "column of the current; if the two are exchanged, say which is which: columns = {current_A = "
+      "\"...\", voltage_V = \"...\"} (--columns)";
+  EXPECT_EQ(complaint(), exchanged);  // a "voltage" of 2 V throughout
+  record.voltage_V[0] = 0.0;          // and one that is zero at rest
+  for (std::size_t k = 40; k < 60; ++k) record.voltage_V[k] = 1.0;
+  EXPECT_EQ(complaint(), exchanged);
+  // A cell that is discharged to 0 V at a constant current is none.
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    record.current_A[k] = 2.0;
+    record.voltage_V[k] = 4.2 - 0.07 * static_cast<double>(k);
+  }
+  EXPECT_EQ(complaint(), "no error");
+}
+
+TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
+  Record record;
+  for (int k = 0; k < 30; ++k) record.time_s.push_back(k / 60.0);
+  EXPECT_EQ(DoubtAboutTime(record),
+            "rows are 1/60 s apart, as whole seconds are on a clock in min; if the times are in min, "
+            "say `units` (--units min,A,V)");
+  for (double& t : record.time_s) t = std::round(t * 60.0) / 10.0;
+  EXPECT_EQ(DoubtAboutTime(record), "");
+  for (int k = 0; k < 30; ++k) record.time_s[static_cast<std::size_t>(k)] = k / 64.0;  // 64 Hz
+  EXPECT_EQ(DoubtAboutTime(record), "");
 }
 
 }  // namespace

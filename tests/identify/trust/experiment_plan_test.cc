@@ -105,9 +105,9 @@ TEST(ExperimentPlan, SaysWhatDoesNotFitTogether) {
   options.sampling_s = 60.0;
   EXPECT_THROW((void)PlanExperiment(TestCell(), options, {}), OptionError);
   Cell cell = TestCell();
-  EXPECT_EQ(LeftOutOfPlan(cell).size(), 1U);
+  EXPECT_EQ(LeftOutOfPlan(cell, 1.0).size(), 1U);
   cell.charge_transfer.emplace();
-  EXPECT_EQ(LeftOutOfPlan(cell).size(), 2U);
+  EXPECT_EQ(LeftOutOfPlan(cell, 1.0).size(), 2U);
 }
 
 }  // namespace

@@ -1,0 +1,125 @@
+#include "identify/fit_quality.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "model/core/json.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+namespace {
+
+FitGrade GradeOf(double value, const GradeLimits& limits) {
+  if (value <= limits.good) return FitGrade::kGood;
+  return value <= limits.fair ? FitGrade::kFair : FitGrade::kPoor;  // NaN is poor
+}
+
+// The grade is the worst that any quantity gives, and its reasons say which.
+class Judgement {
+ public:
+  explicit Judgement(FitQuality& quality) : quality_(quality) { quality_.grade = FitGrade::kGood; }
+
+  void Count(FitGrade grade, std::string reason) {
+    if (grade == FitGrade::kGood) return;
+    if (grade > quality_.grade) {
+      quality_.grade = grade;
+      quality_.reasons.clear();  // the milder ones do not explain the grade
+    }
+    if (grade == quality_.grade) quality_.reasons.push_back(std::move(reason));
+  }
+
+ private:
+  FitQuality& quality_;
+};
+
+void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judgement) {
+  const ConstantCurrentErrors* worst = nullptr;
+  const auto error = [](const ConstantCurrentErrors& log) {
+    return std::isfinite(log.error_percent) ? std::abs(log.error_percent)
+                                            : 100.0 * kLongestDischarge;
+  };
+  for (const auto& log : times) {
+    if (worst == nullptr || error(log) > error(*worst)) worst = &log;
+  }
+  if (worst == nullptr) return;
+  judgement.Count(
+      GradeOf(error(*worst), kTimeLimits_percent),
+      std::isfinite(worst->predicted_s)
+          ? fmt::format("at {:.3g} A it predicts {:.4g} s until the cut-off, where {:.4g} s were "
+                        "measured",
+                        worst->current_A,
+                        worst->predicted_s,
+                        worst->measured_s)
+          : fmt::format("at {:.3g} A it never reaches the cut-off, where {:.4g} s were measured",
+                        worst->current_A,
+                        worst->measured_s));
+}
+
+}  // namespace
+
+std::string FitQuality::Sentence() const {
+  std::string text = fmt::format("predicts its own logs to {:.3g} mV ({:.2g} %): {}",
+                                 1e3 * rmse_V,
+                                 mean_error_percent,
+                                 options_internal::ToText(grade));
+  if (!reasons.empty()) text += fmt::format(": {}", fmt::join(reasons, "; "));
+  return text;
+}
+
+FitQuality JudgeFit(const Cell& cell,
+                    const std::vector<LogErrors>& fitted,
+                    const std::vector<ConstantCurrentErrors>& times,
+                    double moved_C,
+                    double nominal_Ah) {
+  FitQuality quality;
+  double squares = 0.0;
+  for (const LogErrors& log : fitted) {
+    squares += log.all.rmse * log.all.rmse / static_cast<double>(fitted.size());
+    quality.mean_error_percent += log.all.mean_error_percent / static_cast<double>(fitted.size());
+  }
+  quality.rmse_V = std::sqrt(squares);
+  Judgement judgement(quality);
+  judgement.Count(GradeOf(quality.mean_error_percent, kMeanErrorLimits_percent),
+                  fmt::format("a mean error of {:.3g} %; up to {:g} % is good, up to {:g} % fair",
+                              quality.mean_error_percent,
+                              kMeanErrorLimits_percent.good,
+                              kMeanErrorLimits_percent.fair));
+  judgement.Count(GradeOf(quality.rmse_V, kRmseLimits_V),
+                  fmt::format("{:.4g} mV rms; up to {:g} mV is good, up to {:g} mV fair",
+                              1e3 * quality.rmse_V,
+                              1e3 * kRmseLimits_V.good,
+                              1e3 * kRmseLimits_V.fair));
+  CountTimes(times, judgement);
+  const double alpha_Ah = cell.alpha_C() / 3600.0;
+  if (nominal_Ah > 0.0) {
+    judgement.Count(GradeOf(std::max(alpha_Ah / nominal_Ah, nominal_Ah / alpha_Ah), kCapacityLimits),
+                    fmt::format("alpha is {:.3g} Ah for a cell of {:.4g} Ah", alpha_Ah, nominal_Ah));
+  }
+  judgement.Count(GradeOf(moved_C / cell.alpha_C(), kMovedLimits),
+                  fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah that a log takes out",
+                              alpha_Ah,
+                              moved_C / 3600.0));
+  const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
+  const double empty_V = curve(std::max(0.0, curve.soc_lo()));
+  const double full_V = curve(std::min(1.0, curve.soc_hi()));
+  const bool possible =
+      empty_V >= kLowestOpenCircuit_V && full_V <= kHighestOpenCircuit_V && empty_V < full_V;
+  judgement.Count(possible ? FitGrade::kGood : FitGrade::kPoor,
+                  fmt::format("v_oc(A) runs from {:.3g} to {:.3g} V, which no cell does",
+                              empty_V,
+                              full_V));
+  return quality;
+}
+
+Json FitQualityToJson(const FitQuality& quality) {
+  return {{"grade", options_internal::ToText(quality.grade)},
+          {"rmse_V", NumberOrNull(quality.rmse_V)},
+          {"mean_error_percent", NumberOrNull(quality.mean_error_percent)},
+          {"reasons", quality.reasons}};
+}
+
+}  // namespace lipoid

@@ -1,0 +1,68 @@
+#pragma once
+
+/// @file
+/// One verdict on a fit: does the cell describe the logs that it was made from?
+///
+/// A fit can converge and still be absurd: a wrong cut-off, exchanged columns or a capacity in other
+/// units leave parameters that predict nothing. All thresholds stand here.
+/// Tests: tests/identify/fit_quality_test.cc.
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "identify/constant_current_validation.h"
+#include "identify/validation.h"
+#include "model/battery/cell.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+enum class FitGrade { kGood, kFair, kPoor };
+constexpr std::array<std::pair<FitGrade, std::string_view>, 3> OptionNames(FitGrade) {
+  return {{{FitGrade::kGood, "good"}, {FitGrade::kFair, "fair"}, {FitGrade::kPoor, "poor"}}};
+}
+
+/// A quantity up to `good` is good, up to `fair` fair, beyond it poor.
+struct GradeLimits {
+  double good;
+  double fair;
+};
+/// Mean error (4.57) of the voltage of the fitted logs, in %.
+inline constexpr GradeLimits kMeanErrorLimits_percent{1.0, 3.0};
+/// Root mean square of the same, in V.
+inline constexpr GradeLimits kRmseLimits_V{0.05, 0.15};
+/// Error of the time until cut-off of a constant current, in %, the worst of the logs.
+inline constexpr GradeLimits kTimeLimits_percent{10.0, 35.0};
+/// alpha over the nominal capacity, or its inverse.
+inline constexpr GradeLimits kCapacityLimits{1.75, 3.0};
+/// The charge that the logs move over alpha: a cell cannot give more than it holds.
+inline constexpr GradeLimits kMovedLimits{1.1, 1.3};
+/// A lithium-polymer cell at rest, in V; v_oc(A) beyond these is no cell's.
+inline constexpr double kLowestOpenCircuit_V = 1.0;
+inline constexpr double kHighestOpenCircuit_V = 5.0;
+
+struct FitQuality {
+  FitGrade grade = FitGrade::kPoor;
+  double rmse_V = 0.0;              ///< over the fitted logs, each with the same weight
+  double mean_error_percent = 0.0;  ///< the same
+  std::vector<std::string> reasons; ///< why it is no better; empty where it is good
+
+  /// "predicts its own logs to 8.7 mV (0.19 %): good"
+  [[nodiscard]] std::string Sentence() const;
+};
+
+/// `fitted` are the logs that took part, by the cell; `times` those of constant currents;
+/// moved_C is the most charge that left the cell in any log after its start at full charge;
+/// nominal_Ah is 0 where it is not known.
+[[nodiscard]] FitQuality JudgeFit(const Cell& cell,
+                                  const std::vector<LogErrors>& fitted,
+                                  const std::vector<ConstantCurrentErrors>& times,
+                                  double moved_C,
+                                  double nominal_Ah);
+
+[[nodiscard]] Json FitQualityToJson(const FitQuality& quality);
+
+}  // namespace lipoid

@@ -1,0 +1,62 @@
+#include "identify/logs/spikes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/logs/columns.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kLeastJump_V = 0.2;
+// Of the range of the other rows.
+constexpr double kBeyond = 0.5;
+// Of the largest current nearby: a step of the current may have moved the voltage.
+constexpr double kStepOfCurrent = 0.1;
+
+// The jump towards a row and back again, the smaller one; 0 where the voltage goes on in the same
+// direction.
+double JumpAndBack(const std::vector<double>& v, std::size_t row) {
+  const double before = v[row] - v[row - 1];
+  const double after = v[row] - v[row + 1];
+  return before * after > 0.0 ? std::min(std::abs(before), std::abs(after)) : 0.0;
+}
+
+bool CurrentExplains(const std::vector<double>& i, std::size_t row) {
+  const double largest = std::max({std::abs(i[row]), std::abs(i[row - 1]), std::abs(i[row + 1])});
+  const auto steps = [&](std::size_t other) {
+    return std::abs(i[row] - i[other]) > kStepOfCurrent * largest;
+  };
+  return steps(row - 1) && steps(row + 1);
+}
+
+}  // namespace
+
+std::vector<std::size_t> FindSpikes(const Record& record) {
+  const std::vector<double>& v = record.voltage_V;
+  if (v.size() < 4) return {};
+  std::vector<std::size_t> candidates;
+  for (std::size_t k = 1; k + 1 < v.size(); ++k) {
+    if (JumpAndBack(v, k) > kLeastJump_V) candidates.push_back(k);
+  }
+  if (candidates.empty()) return {};
+  Extent others;
+  std::size_t from = 0;
+  const auto take = [&](std::size_t to) {
+    const Extent part = FindExtent(std::span(v).subspan(from, to - from));
+    others.least = std::min(others.least, part.least);
+    others.most = std::max(others.most, part.most);
+    from = to + 1;
+  };
+  for (const std::size_t row : candidates) take(row);
+  take(v.size());
+  if (!(others.least <= others.most)) return {};
+  const double margin_V = std::max(kLeastJump_V, kBeyond * (others.most - others.least));
+  std::erase_if(candidates, [&](std::size_t row) {
+    const bool beyond = v[row] > others.most + margin_V || v[row] < others.least - margin_V;
+    return !beyond || CurrentExplains(record.current_A, row);
+  });
+  return candidates;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,20 @@
+#pragma once
+
+/// @file
+/// Rows whose voltage cannot be: a reading that failed, alone between two that did not.
+/// Tests: tests/identify/logs/spikes_test.cc.
+
+#include <cstddef>
+#include <vector>
+
+#include "identify/logs/record.h"
+
+namespace lipoid {
+
+/// Rows whose voltage leaves the range of all other rows by half that range and by 0.2 V at least,
+/// while the rows beside them stay within it and the current does nothing that could explain it.
+/// The first and the last row have a neighbour on one side only and are never among them: a discharge
+/// may well end on a cliff. Linear in the number of rows.
+[[nodiscard]] std::vector<std::size_t> FindSpikes(const Record& record);
+
+}  // namespace lipoid

@@ -1,0 +1,50 @@
+#include "identify/logs/spikes.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_record.h"
+
+namespace lipoid {
+namespace {
+
+// A pulse of one row among them, whose voltage is real: 3.7 V less 0.05 V per ampere.
+Record Pulses() {
+  return test::RecordOfSteps(
+      {{20.0, 0.0}, {20.0, 4.0}, {20.0, 0.0}, {1.0, 20.0}, {20.0, 0.0}, {20.0, 4.0}});
+}
+
+using Rows = std::vector<std::size_t>;
+
+TEST(Spikes, AreRowsThatTheirNeighboursKnowNothingOf) {
+  Record record = Pulses();
+  EXPECT_EQ(FindSpikes(record), Rows{});
+  record.voltage_V[30] = 10.0;
+  record.voltage_V[75] = 0.0;
+  EXPECT_EQ(FindSpikes(record), (Rows{30, 75}));
+}
+
+TEST(Spikes, TheFirstAndTheLastRowAreNone) {
+  Record record = Pulses();
+  record.voltage_V.front() = 10.0;
+  record.voltage_V.back() = 2.0;  // a discharge that ends on a cliff
+  EXPECT_EQ(FindSpikes(record), Rows{});
+}
+
+TEST(Spikes, AStepOfTheCurrentExplainsAStepOfTheVoltage) {
+  // At rest, then 8 A to the end: the first row lies alone above all others.
+  Record record = test::RecordOfSteps({{100.0, 8.0}});
+  EXPECT_EQ(FindSpikes(record), Rows{});
+  // One row of 60 A.
+  record = test::RecordOfSteps({{20.0, 1.0}, {1.0, 60.0}, {20.0, 1.0}});
+  EXPECT_EQ(FindSpikes(record), Rows{});
+}
+
+TEST(Spikes, TwoWrongRowsTogetherAreNone) {
+  Record record = Pulses();
+  record.voltage_V[30] = record.voltage_V[31] = 10.0;  // CheckPlausible() refuses these
+  EXPECT_EQ(FindSpikes(record), Rows{});
+  EXPECT_EQ(FindSpikes(Record{}), Rows{});
+}
+
+}  // namespace
+}  // namespace lipoid

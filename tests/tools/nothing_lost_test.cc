@@ -1,0 +1,428 @@
+// Nothing is lost: no output replaces an input, what fails leaves what was there, and a file that
+// is replaced stays whose it was.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "tests/support/paths.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLog = "time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,1,3.9\n3,0,4.0\n";
+
+void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
+
+// A campaign of three logs in logs/, a cell, gains, and links to a log.
+std::string FolderOfInputs() {
+  const auto folder = TestFolder();
+  fs::create_directories(folder + "/logs");
+  for (const char* const log : {"cc", "low", "pulses"})
+    Write(folder + "/logs/" + log + ".csv", kLog);
+  Write(folder + "/c.toml",
+        "[cell]\ncutoff_V = 3.0\n"
+        "[[log]]\nkind = \"constant-current\"\nfile = \"logs/cc.csv\"\n"
+        "[[log]]\nkind = \"low-rate\"\nfile = \"logs/low.csv\"\n"
+        "[[log]]\nkind = \"pulses\"\nfile = \"logs/pulses.csv\"\n");
+  fs::copy_file(SourcePath("fixtures/cells/gifi-600mAh-1.json"), folder + "/cell.json");
+  fs::permissions(folder + "/cell.json", fs::perms::owner_write, fs::perm_options::add);
+  Write(folder + "/gains.json", "{}");
+  Write(folder + "/places.toml", "[[waypoint]]\n");
+  fs::create_symlink("logs/pulses.csv", folder + "/link.csv");
+  fs::create_hard_link(folder + "/logs/pulses.csv", folder + "/second-name.csv");
+  fs::create_directory_symlink("logs", folder + "/linked");
+  return folder;
+}
+
+// Every file below a folder with its bytes and when it was written.
+std::map<std::string, std::pair<std::string, fs::file_time_type>> Contents(
+    const std::string& folder) {
+  std::map<std::string, std::pair<std::string, fs::file_time_type>> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file() && !entry.is_symlink()) {
+      all[entry.path().string()] = {ReadTextFile(entry.path().string()), entry.last_write_time()};
+    } else {
+      all[entry.path().string()] = {};
+    }
+  }
+  return all;
+}
+
+TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
+  const auto folder = FolderOfInputs();
+  const std::string there = folder + "/logs/pulses.csv";
+  const std::vector<std::vector<std::string>> all = {
+      {"identify", "c.toml", "-o", "c.toml"},
+      {"identify", "c.toml", "-o", "./logs/../c.toml"},
+      {"identify", "c.toml", "-o", "logs/cc.csv"},
+      {"identify", "c.toml", "-o", "new.json", "--residuals", "logs/pulses.csv"},
+      {"identify", "c.toml", "-o", "new.json", "--residuals", there},
+      {"identify", "c.toml", "-o", "new.json", "--residuals", "link.csv"},
+      {"identify", "c.toml", "-o", "new.json", "--residuals", "second-name.csv"},
+      {"identify", "c.toml", "-o", "new.json", "--summary", "linked/low.csv"},
+      {"identify", "c.toml", "-o", "new.json", "--truth", "cell.json", "--summary", "cell.json"},
+      {"identify", "c.toml", "-o", "cell.json", "--truth", "cell.json"},
+      {"identify", "c.toml", "-o", "cell.json", "--open-circuit-voltage", "cell.json"},
+      {"identify", "--pulses", "logs/pulses.csv", "-o", "link.csv"},
+      {"identify",
+       "--constant-current",
+       "logs/cc.csv",
+       "--low-rate",
+       "logs/low.csv",
+       "--cutoff-V",
+       "3",
+       "-o",
+       "new.json",
+       "--summary",
+       "logs/low.csv"},
+      {"compare", "c.toml", "--csv", "logs/pulses.csv"},
+      {"compare", "c.toml", "--summary", "c.toml"},
+      {"study", "branches", "c.toml", "--csv", "linked/pulses.csv"},
+      {"study", "branches", "c.toml", "--open-circuit-voltage", "cell.json", "--csv", "cell.json"},
+      {"fly", "hover", "--cell", "cell.json", "-o", "cell.json"},
+      {"fly", "hover", "--gains", "gains.json", "-o", "gains.json"},
+      {"fly", "waypoints", "--waypoints", "places.toml", "-o", "places.toml"},
+      {"design", "altitude", "--start", "gains.json", "-o", "gains.json"},
+      {"poles", "altitude", "--gains", "gains.json", "-o", "gains.json"},
+      {"validate", "cell.json", "logs/pulses.csv", "--summary", "logs/pulses.csv"},
+      {"validate", "cell.json", "logs/pulses.csv", "--summary", "cell.json"},
+      {"validate", "cell.json", "logs/pulses.csv", "--summary=link.csv"},
+      {"simulate", "cell.json", "--current", "logs/cc.csv", "-o", "linked/cc.csv"},
+      {"convert", "logs/cc.csv", "-o", "logs/cc.csv"},
+      {"plan", "cell.json", "--summary", "cell.json"},
+      {"inspect", "logs", "--write-campaign", "logs/cc.csv"},
+      {"inspect", "logs", "--summary", "link.csv"},
+  };
+  const auto before = Contents(folder);
+  for (const auto& arguments : all) {
+    const auto run = RunLipoid(folder, arguments);
+    std::string typed;
+    for (const auto& word : arguments) typed += word + " ";
+    SCOPED_TRACE(typed);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find("is also an input; name another file"), std::string::npos) << run.err;
+    EXPECT_EQ(run.out, "");
+    ASSERT_EQ(Contents(folder), before);
+  }
+}
+
+TEST(NothingLost, TwoOutputsAreTwoFiles) {
+  const auto folder = FolderOfInputs();
+  fs::create_symlink("new.json", folder + "/to-new.json");
+  const std::vector<std::vector<std::string>> all = {
+      {"identify", "c.toml", "-o", "new.json", "--residuals", "new.json"},
+      {"identify", "c.toml", "-o", "new.json", "--summary", "logs/../new.json"},
+      {"identify", "c.toml", "-o", "new.json", "--summary", "to-new.json"},
+      {"identify", "c.toml", "-o", "new.json", "--summary", "NEW.json"},  // one file on many disks
+      {"convert", "logs/cc.csv", "-o", "new.csv", "--summary", "linked/../new.csv"},
+      {"inspect", "logs", "--write-campaign", "new.toml", "--summary", "new.toml"},
+  };
+  const auto before = Contents(folder);
+  for (const auto& arguments : all) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments.back();
+    EXPECT_NE(run.err.find("is named twice; name two files"), std::string::npos) << run.err;
+    ASSERT_EQ(Contents(folder), before) << arguments.back();
+  }
+}
+
+TEST(NothingLost, FilesInAFolderOfOutputsAreOutputs) {
+  const auto folder = TestFolder();
+  const std::vector<std::string> synthesize{"synthesize",
+                                            "gifi-600mAh-1",
+                                            "--sampling-s",
+                                            "10",
+                                            "--pulse-s",
+                                            "30",
+                                            "--quiet",
+                                            "-o",
+                                            "logs"};
+  ASSERT_EQ(RunLipoid(folder, synthesize).exit_code, 0);
+  const auto before = Contents(folder);
+  const auto over =
+      RunLipoid(folder, {"synthesize", "logs/truth.json", "--sampling-s", "10", "-o", "logs"});
+  EXPECT_EQ(over.exit_code, 2);
+  EXPECT_NE(over.err.find("option -o: 'logs/truth.json' is also an input"), std::string::npos)
+      << over.err;
+  EXPECT_EQ(Contents(folder), before);
+
+  // The cell of the campaign goes to cells/c.cell.json, which is its v_oc too.
+  fs::create_directories(folder + "/cells");
+  fs::copy_file(folder + "/logs/truth.json", folder + "/cells/logs.cell.json");
+  const auto curve = RunLipoid(folder,
+                               {"identify",
+                                "logs/campaign.toml",
+                                "-o",
+                                "cells",
+                                "--open-circuit-voltage",
+                                "cells/logs.cell.json"});
+  EXPECT_EQ(curve.exit_code, 2);
+  EXPECT_NE(curve.err.find("option -o: 'cells/logs.cell.json' is also an input"), std::string::npos)
+      << curve.err;
+  EXPECT_EQ(ReadTextFile(folder + "/cells/logs.cell.json"),
+            ReadTextFile(folder + "/logs/truth.json"));
+}
+
+TEST(NothingLost, WhatTheShellMadeOfStandardOutputIsAnOutput) {
+  const auto folder = FolderOfInputs();
+  const auto before = Contents(folder);
+  const auto run = RunShell(folder, "\"$LIPOID\" convert logs/cc.csv -o - >>logs/cc.csv");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("standard output is 'logs/cc.csv', which is also an input"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(Contents(folder), before);
+}
+
+// Whatever else is wrong, and before the inputs are known: only what is a summary is replaced by
+// one.
+TEST(NothingLost, TheSummaryOfAFailedCommandReplacesNoInput) {
+  const auto folder = FolderOfInputs();
+  Write(folder + "/broken.toml",
+        "[[log]]\nkind = \"pulses\"\nfile = \"logs/pulses.csv\"\nkind = 1\n");
+  const std::vector<std::vector<std::string>> all = {
+      {"validate",
+       "cell.json",
+       "logs/pulses.csv",
+       "--no-such-option",
+       "--summary",
+       "logs/pulses.csv"},
+      {"validate", "cell.json", "logs/pulses.csv", "--initial-soc", "x", "--summary", "link.csv"},
+      {"validate", "cell.json", "logs/pulses.csv", "--summary", "link.csv", "--help"},
+      {"validate", "--summary", "logs/pulses.csv"},
+      {"valdate", "cell.json", "--summary", "logs/pulses.csv"},
+      {"identify", "broken.toml", "-o", "new.json", "--summary", "logs/pulses.csv"},
+      {"identify", "none.toml", "-o", "new.json", "--summary", "gains.json"},
+  };
+  const auto before = Contents(folder);
+  for (const auto& arguments : all) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_TRUE(run.exit_code == 2 || run.exit_code == 3 || arguments.back() == "--help")
+        << arguments[1] << run.err;
+    ASSERT_EQ(Contents(folder), before) << arguments[1] << run.err;
+  }
+  // A summary is replaced by that of a later failure, and so is an empty file.
+  Write(folder + "/s.json", "");
+  for (int time = 0; time < 2; ++time) {
+    EXPECT_EQ(
+        RunLipoid(folder, {"validate", "cell.json", "none.csv", "--summary", "s.json"}).exit_code,
+        3);
+    EXPECT_EQ(ReadJson(folder, "s.json").at("exit_code"), 3);
+  }
+}
+
+TEST(NothingLost, AFileThatIsReplacedKeepsItsModeItsLinkAndTheOthersTheirFile) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", kLog);
+  const std::vector<std::string> convert{
+      "convert", "log.csv", "--current-sign", "discharge-positive", "-o"};
+  const auto convert_to = [&](const std::string& file) {
+    auto arguments = convert;
+    arguments.push_back(file);
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err;
+  };
+  Write(folder + "/mine.csv", "old");
+  ASSERT_EQ(::chmod((folder + "/mine.csv").c_str(), 0600), 0);
+  fs::create_symlink("mine.csv", folder + "/link.csv");
+  EXPECT_EQ(convert_to("link.csv").find("hard links"), std::string::npos);
+  EXPECT_TRUE(fs::is_symlink(folder + "/link.csv"));
+  EXPECT_NE(ReadTextFile(folder + "/mine.csv"), "old");
+  struct stat status {};
+  ASSERT_EQ(::stat((folder + "/mine.csv").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+
+  Write(folder + "/one.csv", "old");
+  fs::create_hard_link(folder + "/one.csv", folder + "/two.csv");
+  EXPECT_NE(convert_to("one.csv").find("'one.csv' had other names (hard links): they keep the old "
+                                       "file, this name has the new one"),
+            std::string::npos);
+  EXPECT_EQ(ReadTextFile(folder + "/two.csv"), "old");
+}
+
+TEST(NothingLost, NamesOfAnyLengthThatADiskTakesAreWritten) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", kLog);
+  for (const std::size_t length : {std::size_t{245}, std::size_t{255}}) {
+    const std::string name = std::string(length - 4, 'x') + ".csv";
+    EXPECT_EQ(RunLipoid(folder,
+                        {"convert", "log.csv", "--current-sign", "discharge-positive", "-o", name})
+                  .exit_code,
+              0);
+    EXPECT_TRUE(fs::exists(folder + "/" + name));
+  }
+}
+
+TEST(NothingLost, SeveralFilesAppearTogetherOrNotAtAll) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", kLog);
+  Write(folder + "/out.csv", "old");
+  const std::vector<std::string> arguments{"convert",
+                                           "log.csv",
+                                           "--current-sign",
+                                           "discharge-positive",
+                                           "-o",
+                                           "out.csv",
+                                           "--summary",
+                                           "/dev/full"};
+  const auto run = RunLipoid(folder, arguments);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("cannot write '/dev/full': No space left on device"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(ReadTextFile(folder + "/out.csv"), "old");
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"log.csv", "out.csv"}));
+}
+
+TEST(NothingLost, SignalsAndLimitsLeaveNothingHalf) {
+  const auto folder = TestFolder();
+  for (const std::string signal : {"INT", "TERM", "HUP", "QUIT", "XCPU"}) {
+    const auto run = RunShell(folder,
+                              "ulimit -c 0; timeout --signal=" + signal +
+                                  " 0.4 \"$LIPOID\" fly endurance --log-step-s 0.005 -o f.csv");
+    EXPECT_NE(run.exit_code, 0) << signal;
+    EXPECT_EQ(FilesIn(folder), std::vector<std::string>{}) << signal;
+  }
+  // At most 1 MiB to a file.
+  const auto large = RunShell(
+      folder, "ulimit -f 1024; \"$LIPOID\" fly hover --duration 60 --log-step-s 0.005 -o f.csv");
+  EXPECT_EQ(large.exit_code, 2);
+  EXPECT_NE(large.err.find("cannot write 'f.csv': File too large"), std::string::npos) << large.err;
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{});
+}
+
+TEST(NothingLost, KilledItLeavesWhatBlocksNoLaterRunAndIsNoLog) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", kLog);
+  const auto killed = RunShell(
+      folder, "timeout --signal=KILL 0.5 \"$LIPOID\" fly endurance --log-step-s 0.005 -o f.csv");
+  EXPECT_EQ(killed.exit_code, 137);
+  ASSERT_EQ(FilesIn(folder).size(), 2U);
+  EXPECT_EQ(FilesIn(folder)[0][0], '.');  // hidden
+  EXPECT_EQ(RunLipoid(folder, {"fly", "hover", "--duration", "1", "-o", "f.csv"}).exit_code, 0);
+  const auto inspected = RunLipoid(
+      folder, {"inspect", ".", "--current-sign", "discharge-positive", "--summary", "../s.json"});
+  EXPECT_EQ(inspected.out.find("lipoid-"), std::string::npos) << inspected.out;
+  EXPECT_EQ(inspected.out.find(".tmp"), std::string::npos) << inspected.out;
+}
+
+TEST(NothingLost, AReaderWhoLeavesEarlyIsNoErrorWhereverTheDataGo) {
+  const auto folder = TestFolder();
+  std::string log = kLog;
+  for (int k = 4; k < 100'000; ++k) log += std::to_string(k) + ",0,4.0\n";
+  Write(folder + "/log.csv", log);
+  for (const std::string output : {"/dev/stdout", "-", "out.csv", "/dev/fd/1"}) {
+    (void)RunShell(
+        folder,
+        "{ sleep 0.2; \"$LIPOID\" convert log.csv --current-sign discharge-positive -o " + output +
+            "; echo $? >code; } | true");
+    EXPECT_EQ(ReadTextFile(folder + "/code"), "0\n") << output;
+  }
+}
+
+TEST(NothingLost, ADraftKeepsTheCampaignThatWasThere) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(
+      RunLipoid(folder,
+                {"synthesize", "gifi-600mAh-1", "--sampling-s", "10", "-o", "logs", "--quiet"})
+          .exit_code,
+      0);
+  const std::vector<std::string> draft{"inspect", "logs", "--write-campaign", "logs/drafted.toml"};
+  ASSERT_EQ(RunLipoid(folder, draft).exit_code, 0);
+  const std::string drafted = ReadTextFile(folder + "/logs/drafted.toml");
+  const auto again = RunLipoid(folder, draft);  // nothing changed: nothing to keep
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(again.err.find("kept as"), std::string::npos) << again.err;
+  EXPECT_FALSE(fs::exists(folder + "/logs/drafted.1.toml"));
+
+  Write(folder + "/logs/drafted.toml", drafted + "# by hand\n");
+  const auto kept = RunLipoid(folder, draft);
+  EXPECT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_NE(kept.err.find("logs/drafted.toml held another campaign, perhaps edited: it is kept as "
+                          "logs/drafted.1.toml"),
+            std::string::npos)
+      << kept.err;
+  EXPECT_EQ(ReadTextFile(folder + "/logs/drafted.1.toml"), drafted + "# by hand\n");
+  EXPECT_EQ(ReadTextFile(folder + "/logs/drafted.toml"), drafted);
+}
+
+TEST(NothingLost, ABatchGoesOnAfterABadCampaign) {
+  const auto folder = TestFolder();
+  for (const char* const cell : {"gifi-600mAh-1", "gifi-600mAh-2"}) {
+    ASSERT_EQ(RunLipoid(folder,
+                        {"synthesize",
+                         cell,
+                         "--with",
+                         "r_1=0.03,c_1=1500",
+                         "--sampling-s",
+                         "10",
+                         "--quiet",
+                         "-o",
+                         cell})
+                  .exit_code,
+              0);
+  }
+  Write(folder + "/broken.toml", "this is no campaign\n");
+  fs::create_directories(folder + "/logless");
+  Write(folder + "/logless/campaign.toml",
+        "[cell]\ncutoff_V = 3.0\n[[log]]\nkind = \"pulses\"\nfile = \"none.csv\"\n");
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "broken.toml",
+                              "gifi-600mAh-1/campaign.toml",
+                              "logless/campaign.toml",
+                              "gifi-600mAh-2/campaign.toml",
+                              "--method",
+                              "staged",
+                              "-o",
+                              "cells",
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_EQ(FilesIn(folder + "/cells"),
+            (std::vector<std::string>{"gifi-600mAh-1.cell.json", "gifi-600mAh-2.cell.json"}));
+  EXPECT_NE(run.out.find("Spread over 2 cells"), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("broken.toml:1:"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("none.csv:1:1: error: "), std::string::npos) << run.err;
+  EXPECT_NE(
+      run.err.find("2 of 4 campaigns are not identified (broken.toml, logless/campaign.toml); "
+                         "the cells of the others are written"),
+      std::string::npos)
+      << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("exit_code"), 3);
+  EXPECT_EQ(summary.at("cells").size(), 2U);
+  EXPECT_EQ(summary.at("failed").size(), 2U);
+}
+
+TEST(NothingLost, ALongFlightIsLoggedThinly) {
+  const auto folder = TestFolder();
+  const auto rows = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "fly", "endurance", "--battery", "ideal", "-o", "f.csv"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto run = RunLipoid(folder, arguments);
+    const std::string text = ReadTextFile(folder + "/f.csv");
+    return std::pair(std::count(text.begin(), text.end(), '\n') - 1, run.err);
+  };
+  const auto [thin, said] = rows({"--duration", "601"});
+  EXPECT_EQ(thin, 601);
+  EXPECT_NE(said.find("f.csv: a row each 1 s of a long flight; --log-step-s 0.005 writes every "
+                      "control step"),
+            std::string::npos)
+      << said;
+  const auto [all, unsaid] = rows({"--duration", "20"});
+  EXPECT_EQ(all, 4000);
+  EXPECT_EQ(unsaid.find("a row each"), std::string::npos);
+  EXPECT_EQ(rows({"--duration", "601", "--log-step-s", "0.5"}).first, 1202);
+}
+
+}  // namespace
+}  // namespace lipoid::test
