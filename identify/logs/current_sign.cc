@@ -512,8 +512,7 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
     if (total(neither) > 0) {
       return {CurrentSign::kUnclear,
               fmt::format("the current has no sign of its own, and in {} rows with current the "
-                          "state column says "
-                          "neither charge nor discharge",
+                          "state column says neither charge nor discharge",
                           total(neither)),
               true};
     }

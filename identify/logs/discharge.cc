@@ -47,8 +47,8 @@ Found LookForDischarge(const Record& record) {
   if (in_C > kMaxChargingShare * out_C) {
     return {{},
             fmt::format("{:.4g} Ah of charging beside {:.4g} Ah of discharging; choose the part of "
-                        "the log with "
-                        "steps, cycles or start_s and end_s, or settle the sign with current_sign",
+                        "the log with steps, cycles or start_s and end_s, or settle the sign with "
+                        "current_sign",
                         in_C / 3600.0,
                         out_C / 3600.0)};
   }
@@ -85,8 +85,7 @@ Found LookForDischarge(const Record& record) {
     const auto [least, most] = std::minmax_element(row(first->first), row(last.last + 1));
     return {{},
             fmt::format("{:.0f} % of the charge at over {:.0f} % from the median of {:.4g} A (rows "
-                        "from {:.4g} A "
-                        "to {:.4g} A)",
+                        "from {:.4g} A to {:.4g} A)",
                         100.0 * constancy.charge_off_median,
                         100.0 * kOffMedian,
                         constancy.median_A,
@@ -207,10 +206,8 @@ Discharge FindDischarge(const Record& record, double cutoff_V) {
     if (lowest->voltage_V > cutoff_V + tolerance_V) {
       Refuse(record,
              fmt::format("expected the voltage to reach the cut-off of {:.4g} V within {:.2g} mV, "
-                         "found {:.4f} V as "
-                         "the lowest under load, at {:.6g} s; log the discharge to its end, or set "
-                         "cutoff_V to "
-                         "the voltage at which it was stopped",
+                         "found {:.4f} V as the lowest under load, at {:.6g} s; log the discharge "
+                         "to its end, or set cutoff_V to the voltage at which it was stopped",
                          cutoff_V,
                          1000.0 * tolerance_V,
                          lowest->voltage_V,
@@ -264,8 +261,8 @@ std::vector<Segment> FindPulses(const Record& record) {
            fmt::format("expected pulses, found no current but rest over {} rows", record.size()));
   Refuse(record,
          fmt::format("expected pulses with rests between them, found {} load{} and no rest after "
-                     "any; a discharge "
-                     "is of kind \"constant-current\", any other load of kind \"validation\"",
+                     "any; a discharge is of kind \"constant-current\", any other load of kind "
+                     "\"validation\"",
                      loads,
                      loads == 1 ? "" : "s"));
 }

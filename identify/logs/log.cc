@@ -329,8 +329,7 @@ void SettleMillivolts(Record& record,
   if (largest < kLeast_mV) {
     throw LoadError(position,
                     fmt::format("expected voltages of a cell in V or mV, found {:.4g} at most, "
-                                "which could be either; say "
-                                "`units` (--units s,mA,mV)",
+                                "which could be either; say `units` (--units s,mA,mV)",
                                 largest));
   }
   for (double& v : record.voltage_V) v /= 1000.0;
@@ -410,8 +409,7 @@ void SettleSign(Log& log,
         FindSignFromPhysics(record).sign == CurrentSign::kDischargeNegative) {
       throw LoadError(position,
                       fmt::format("expected the voltage to fall while charge leaves, found the "
-                                  "opposite although {}; say "
-                                  "`current_sign` (--current-sign)",
+                                  "opposite although {}; say `current_sign` (--current-sign)",
                                   states.reason));
     }
   }

@@ -186,8 +186,7 @@ class StagedRun {
       result_.alpha_source = "nominal-capacity";
       result_.done_instead.push_back(
           fmt::format("{} and no low-rate log: alpha is the nominal capacity, {:.6g} C, and beta "
-                      "waits for stage 3; "
-                      "--alpha-C gives a better one",
+                      "waits for stage 3; --alpha-C gives a better one",
                       found,
                       result_.alpha_C));
     } else {
@@ -242,8 +241,7 @@ class StagedRun {
       result_.fitted_kind = LogKind::kConstantCurrent;
       result_.done_instead.push_back(
           "no pulses log: stage 3 uses the constant-current logs; without rests beta and the "
-          "branches are weak, "
-          "and the series resistance contains what is faster than the sampling");
+          "branches are weak, and the series resistance contains what is faster than the sampling");
     }
     std::vector<SweepLog> sweep_logs;
     std::vector<const Record*> records;
@@ -362,8 +360,7 @@ class StagedRun {
       result_.low_rate_offset_V = resistance * current_A;
       say.push_back(
           fmt::format("v_oc(A) is taken as the low-rate voltage, which lies below it by (r_s + sum "
-                      "r_j) i = {:.2g} mV and lags by "
-                      "{:.2g} % of the charge",
+                      "r_j) i = {:.2g} mV and lags by {:.2g} % of the charge",
                       1e3 * result_.low_rate_offset_V,
                       100.0 * SteadyLag(p.beta_per_sqrt_s) * current_A / result_.alpha_C));
     }
@@ -383,8 +380,7 @@ class StagedRun {
       } else if (tau < result_.start.shortest_s) {
         say.push_back(
             fmt::format("branch {0} is faster than the sampling (tau_{0} = {1:.2g} s, rows every "
-                        "{2:.2g} s): it cannot be told from "
-                        "r_s, and c_{0} is arbitrary",
+                        "{2:.2g} s): it cannot be told from r_s, and c_{0} is arbitrary",
                         j + 1,
                         tau,
                         result_.start.shortest_s));
@@ -393,8 +389,7 @@ class StagedRun {
         if (tau > slowest / 3.0 && tau < slowest * 3.0) {
           say.push_back(
               fmt::format("branch {0} (tau_{0} = {1:.3g} s) is as slow as the diffusion (1/beta² = "
-                          "{2:.3g} s): the two can stand in "
-                          "for one another",
+                          "{2:.3g} s): the two can stand in for one another",
                           j + 1,
                           tau,
                           slowest));
@@ -407,8 +402,8 @@ class StagedRun {
       if (first_neglected_s > shortest_pulse_s_) {
         say.push_back(
             fmt::format("the first diffusion mode left to the tail ({:.2g} s) is slower than the "
-                        "shortest pulse ({:.2g} s): raise "
-                        "the number of terms (--set pulses.terms=N)",
+                        "shortest pulse ({:.2g} s): raise the number of terms (--set "
+                        "pulses.terms=N)",
                         first_neglected_s,
                         shortest_pulse_s_));
       }

@@ -96,13 +96,13 @@ class Advisor {
     if (gone.empty()) return std::nullopt;
     return gone.size() == 1 ? fmt::format(
                                   "branch {0} was not found: r_{0} cannot be told from zero, and "
-                                  "its time constant "
-                                  "means nothing; a model with one branch less says the same",
+                                  "its time constant means nothing; a model with one branch less "
+                                  "says the same",
                                   gone[0])
                             : fmt::format(
                                   "branches {} were not found: their resistances cannot be told "
-                                  "from zero, and their "
-                                  "time constants mean nothing; a model without them says the same",
+                                  "from zero, and their time constants mean nothing; a model "
+                                  "without them says the same",
                                   Join(gone));
   }
 
@@ -115,9 +115,9 @@ class Advisor {
       Done(branch);
       done_.emplace_back("r_s");
       return fmt::format(
-          "branch {0} (tau_{0} = {1:.2g} s) is faster than the sampling ({2:.2g} s), "
-          "so that r_{0} cannot be told from r_s; faster sampling at the edges of "
-          "the pulses would tell them apart",
+          "branch {0} (tau_{0} = {1:.2g} s) is faster than the sampling ({2:.2g} s), so that r_{0} "
+          "cannot be told from r_s; faster sampling at the edges of the pulses would tell them "
+          "apart",
           branch,
           q.estimate,
           report_.sampling_s);

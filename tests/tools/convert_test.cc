@@ -1,6 +1,8 @@
 // lipoid convert, end to end. What is read from which format: tests/identify/logs/.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
 #include "model/core/run_record.h"

@@ -158,8 +158,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
       "Runs optimizers on the same logs, from the same start, with the same objective: stage 3 of "
       "the thesis in its own unknowns beta, r_s, r_1 and c_1. Shows errors, time, evaluations, why "
       "each ended, and how far it is from the best; with --starts also how often it gets there "
-      "from "
-      "random starts.",
+      "from random starts.",
       "lipoid compare campaign.toml");
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt,sqp --starts 20");
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");

@@ -97,8 +97,8 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   Selection selection;
   line.Describe(
       "Reads a log of any known format (`lipoid list formats`) and writes time, current and "
-      "voltage in SI units. "
-      "Plain CSV counts discharging as positive, Battery Data Format charging.",
+      "voltage in SI units. Plain CSV counts discharging as positive, Battery Data Format "
+      "charging.",
       "lipoid convert cycler_export.txt -o discharge.csv");
   line.Example("lipoid convert cycler_export.txt --steps 7 -o discharge.bdf.csv");
   line.InputArgument("LOG", file, "the log to read");

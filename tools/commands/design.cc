@@ -83,8 +83,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   line.Describe(
       "Finds the error controller's gains of the altitude or the attitude loop: the least squared "
       "error over a maneuver at full voltage (6.2), (6.4), or with --aware summed over the "
-      "voltages "
-      "of a discharge (6.3), (6.5). Motor lag and saturation are included.",
+      "voltages of a discharge (6.3), (6.5). Motor lag and saturation are included.",
       "lipoid design altitude --aware -o gains.json");
   line.Example("lipoid design attitude --aware --optimizer levenberg-marquardt");
   line.Argument("LOOP", loop_name, "altitude, or attitude");

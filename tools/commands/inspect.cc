@@ -382,8 +382,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   PackOptions pack;
   line.Describe(
       "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
-      "and the kind of "
-      "test that each looks like.",
+      "and the kind of test that each looks like.",
       "lipoid inspect cc_1C.csv pulses.csv");
   line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
   line.InputArguments("LOG", words, "logs, or folders of logs");

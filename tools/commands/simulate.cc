@@ -56,9 +56,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   EnsembleOption ensemble;
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
-      "under the "
-      "current of a log, row by row, until the cell reaches its cut-off. The log's own voltage is "
-      "not used and may be absent.",
+      "under the current of a log, row by row, until the cell reaches its cut-off. The log's own "
+      "voltage is not used and may be absent.",
       "lipoid simulate gifi-600mAh-1 --current flight.csv -o predicted.csv");
   line.Example("lipoid simulate cell.json --current flight.csv --ensemble 200 -o predicted.csv");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");

@@ -32,8 +32,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   SynthesisOptions options;
   line.Describe(
       "Writes the logs that a lab would record from a known cell: one CSV per test, a campaign "
-      "file beside "
-      "them, and the truth in truth.json.",
+      "file beside them, and the truth in truth.json.",
       "lipoid synthesize gifi-600mAh-1 --protocol thesis -o logs");
   line.Example(
       "lipoid synthesize gifi-600mAh-1 --with r_1=0.03,c_1=1500 --voltage-noise-V 0.001 --seed 7 "

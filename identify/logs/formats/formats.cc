@@ -208,9 +208,8 @@ std::string Listed(const std::vector<HeaderName>& names) {
     if (line.text.find("***End_of_Header***") == std::string_view::npos) continue;
     throw LoadError({source.file()},
                     "expected a header that names time, current and voltage, found a LabVIEW text "
-                    "(.lvm), which "
-                    "describes its columns in prose; save the rows under a header such as "
-                    "time_s,current_A,voltage_V");
+                    "(.lvm), which describes its columns in prose; save the rows under a header "
+                    "such as time_s,current_A,voltage_V");
   }
   const auto first = std::find_if(lines.begin(), lines.end(), [](const Line& line) {
     return !Trimmed(line.text).empty() && Trimmed(line.text).front() != '#';
@@ -342,8 +341,7 @@ class Planner {
       const HeaderName& other = header_.names[matches[1].field];
       Fail(other.column,
            fmt::format("expected one column for the {0}, found '{1}' and '{2}'; say which with "
-                       "`columns = {{{3} = "
-                       "\"{1}\"}}`",
+                       "`columns = {{{3} = \"{1}\"}}`",
                        Name(quantity),
                        header_.names[matches[0].field].text,
                        other.text,
@@ -363,8 +361,7 @@ class Planner {
     if (!match) {
       Fail(1,
            fmt::format("expected a column for the {} in this {} log, found none among {}; name it "
-                       "with `columns = "
-                       "{{{} = \"...\"}}`",
+                       "with `columns = {{{} = \"...\"}}`",
                        Name(quantity),
                        header_.layout->name,
                        Listed(header_.names),
@@ -412,8 +409,7 @@ class Planner {
     const HeaderName& name = header_.names[match.field];
     Fail(name.column,
          fmt::format("expected a header that states the unit of the {} ({}), found '{}'; add it "
-                     "there or say `units` "
-                     "(--units s,A,V)",
+                     "there or say `units` (--units s,A,V)",
                      Name(quantity),
                      UsualUnits(quantity),
                      name.text));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_trust.h"
 #include "identify/trust/cell_uncertainty.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "identify/logs/campaign.h"
 #include "tests/identify/studies/study_logs.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_trust.h"

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "model/core/errors.h"
