@@ -2,8 +2,10 @@
 // do. Each is said, in the first line or in the exit code.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "identify/logs/campaign.h"
@@ -80,7 +82,7 @@ TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
   EXPECT_EQ(summary.at("verdict").at("grade"), "good");
   EXPECT_LT(summary.at("verdict").at("rmse_V").get<double>(), 0.002);
   EXPECT_EQ(summary.at("verdict").at("reasons").size(), 0U);
-  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run.at("metrics").at("verdict").at("grade"),
+  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run->at("metrics").at("verdict").at("grade"),
             "good");
 }
 

@@ -8,6 +8,7 @@
 
 #include "model/core/errors.h"
 #include "tests/support/load_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid {
