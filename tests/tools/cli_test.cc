@@ -162,6 +162,7 @@ TEST(Run, WhateverACommandThrowsIsOneLineAndAnExitCode) {
   EXPECT_NE(rule.err.find("precondition broken: dt_s > 0"), std::string::npos) << rule.err;
   EXPECT_EQ(ReadJson(folder, "s.json").at("exit_code"), 4);
   EXPECT_EQ(ReadJson(folder, "s.json").at("error").at("kind"), "internal");
+  EXPECT_NE(RunHere({"--help"}).out.find("4 internal error"), std::string::npos);
   const auto system = RunHere({"system"});
   EXPECT_EQ(system.exit_code, 4);
   EXPECT_NE(system.err.find("Resource temporarily unavailable"), std::string::npos) << system.err;

@@ -16,7 +16,7 @@ namespace lipoid::cli {
 
 /// The exit codes, for help and manual page.
 inline constexpr std::string_view kExitCodes =
-    "0 done, 1 not converged or not completed, 2 usage, 3 bad input, 4 a mistake of lipoid.";
+    "0 done, 1 not converged or not completed, 2 usage, 3 bad input, 4 internal error.";
 
 /// The exit code of `lipoid arguments...`. Never throws.
 [[nodiscard]] int Run(std::span<const Command> commands,
