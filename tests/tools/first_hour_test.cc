@@ -2,8 +2,10 @@
 // do. Each is said, in the first line or in the exit code.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "identify/logs/campaign.h"
