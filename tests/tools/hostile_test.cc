@@ -186,7 +186,9 @@ TEST(Hostile, ADraftThatIsWrittenReadsBack) {
     const auto run = RunLipoid(folder, {"inspect", log, "--write-campaign", draft});
     EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 2) << run.exit_code << run.err;
     ASSERT_EQ(fs::exists(folder + "/" + draft), run.exit_code == 0) << run.err;
-    if (run.exit_code == 0) EXPECT_NO_THROW((void)ReadCampaign(folder + "/" + draft));
+    if (run.exit_code == 0) {
+      EXPECT_NO_THROW((void)ReadCampaign(folder + "/" + draft));
+    }
   }
 }
 

@@ -285,9 +285,10 @@ TEST(NothingLost, SeveralFilesAppearTogetherOrNotAtAll) {
 TEST(NothingLost, SignalsAndLimitsLeaveNothingHalf) {
   const auto folder = TestFolder();
   for (const std::string signal : {"INT", "TERM", "HUP", "QUIT", "XCPU"}) {
-    const auto run = RunShell(folder,
-                              "ulimit -c 0; timeout --signal=" + signal +
-                                  " 0.4 \"$LIPOID\" fly endurance --log-step-s 0.005 -o f.csv");
+    const auto run = RunShell(
+        folder,
+        "ulimit -c 0; timeout --signal=" + signal +
+            " 0.4 \"$LIPOID\" fly hover --battery ideal --duration 1e5 --log-step-s 0.005 -o f.csv");
     EXPECT_NE(run.exit_code, 0) << signal;
     EXPECT_EQ(FilesIn(folder), std::vector<std::string>{}) << signal;
   }
@@ -303,7 +304,8 @@ TEST(NothingLost, KilledItLeavesWhatBlocksNoLaterRunAndIsNoLog) {
   const auto folder = TestFolder();
   Write(folder + "/log.csv", kLog);
   const auto killed = RunShell(
-      folder, "timeout --signal=KILL 0.5 \"$LIPOID\" fly endurance --log-step-s 0.005 -o f.csv");
+      folder,
+      "timeout --signal=KILL 0.5 \"$LIPOID\" fly hover --battery ideal --duration 1e5 --log-step-s 0.005 -o f.csv");
   EXPECT_EQ(killed.exit_code, 137);
   ASSERT_EQ(FilesIn(folder).size(), 2U);
   EXPECT_EQ(FilesIn(folder)[0][0], '.');  // hidden
@@ -394,7 +396,7 @@ TEST(NothingLost, ABatchGoesOnAfterABadCampaign) {
   EXPECT_NE(run.err.find("none.csv:1:1: error: "), std::string::npos) << run.err;
   EXPECT_NE(
       run.err.find("2 of 4 campaigns are not identified (broken.toml, logless/campaign.toml); "
-                         "the cells of the others are written"),
+                   "the cells of the others are written"),
       std::string::npos)
       << run.err;
   const Json summary = ReadJson(folder, "s.json");
@@ -406,8 +408,7 @@ TEST(NothingLost, ABatchGoesOnAfterABadCampaign) {
 TEST(NothingLost, ALongFlightIsLoggedThinly) {
   const auto folder = TestFolder();
   const auto rows = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{
-        "fly", "endurance", "--battery", "ideal", "-o", "f.csv"};
+    std::vector<std::string> arguments{"fly", "endurance", "--battery", "ideal", "-o", "f.csv"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto run = RunLipoid(folder, arguments);
     const std::string text = ReadTextFile(folder + "/f.csv");
