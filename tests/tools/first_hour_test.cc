@@ -82,7 +82,7 @@ TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
   EXPECT_EQ(summary.at("verdict").at("grade"), "good");
   EXPECT_LT(summary.at("verdict").at("rmse_V").get<double>(), 0.002);
   EXPECT_EQ(summary.at("verdict").at("reasons").size(), 0U);
-  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run.at("metrics").at("verdict").at("grade"),
+  EXPECT_EQ(ReadCellFile(folder + "/cell.json").run->at("metrics").at("verdict").at("grade"),
             "good");
 }
 
