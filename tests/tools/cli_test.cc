@@ -200,8 +200,8 @@ TEST(Run, UsageErrorsSayWhatIsKnownAndWhatWasMeant) {
        "memory, "
        "rule, succeed, system\nTry 'lipoid --help'.\n"},
       {{"--verison"},
-       "lipoid: error: unknown option '--verison'. Did you mean '--version'? Known: --help, "
-       "--version\n"
+       "lipoid: error: unknown option '--verison'. Did you mean '--version'? Known: "
+       "--completion, --help, --manual, --schema, --version\n"
        "Try 'lipoid --help'.\n"},
       {{"succeed", "--numbre", "1"},
        "lipoid succeed: error: unknown option '--numbre'. Did you mean '--number'? Known: "
