@@ -96,8 +96,9 @@ FitQuality JudgeFit(const Cell& cell,
   CountTimes(times, judgement);
   const double alpha_Ah = cell.alpha_C() / 3600.0;
   if (nominal_Ah > 0.0) {
-    judgement.Count(GradeOf(std::max(alpha_Ah / nominal_Ah, nominal_Ah / alpha_Ah), kCapacityLimits),
-                    fmt::format("alpha is {:.3g} Ah for a cell of {:.4g} Ah", alpha_Ah, nominal_Ah));
+    judgement.Count(
+        GradeOf(std::max(alpha_Ah / nominal_Ah, nominal_Ah / alpha_Ah), kCapacityLimits),
+        fmt::format("alpha is {:.3g} Ah for a cell of {:.4g} Ah", alpha_Ah, nominal_Ah));
   }
   judgement.Count(GradeOf(moved_C / cell.alpha_C(), kMovedLimits),
                   fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah that a log takes out",
@@ -108,10 +109,9 @@ FitQuality JudgeFit(const Cell& cell,
   const double full_V = curve(std::min(1.0, curve.soc_hi()));
   const bool possible =
       empty_V >= kLowestOpenCircuit_V && full_V <= kHighestOpenCircuit_V && empty_V < full_V;
-  judgement.Count(possible ? FitGrade::kGood : FitGrade::kPoor,
-                  fmt::format("v_oc(A) runs from {:.3g} to {:.3g} V, which no cell does",
-                              empty_V,
-                              full_V));
+  judgement.Count(
+      possible ? FitGrade::kGood : FitGrade::kPoor,
+      fmt::format("v_oc(A) runs from {:.3g} to {:.3g} V, which no cell does", empty_V, full_V));
   return quality;
 }
 

@@ -59,8 +59,8 @@ Identification IdentifyByStages(const Campaign& campaign,
                            .terms = options.staged.pulses.terms,
                            .tail = options.staged.pulses.tail,
                            .open_circuit_voltage = found.cell.open_circuit_voltage};
-    const JointLogs points =
-        MakeJointLogs(fitted, setup.alpha_C, setup.open_circuit_voltage, {.charge_uncertainty = 0.0});
+    const JointLogs points = MakeJointLogs(
+        fitted, setup.alpha_C, setup.open_circuit_voltage, {.charge_uncertainty = 0.0});
     JointSolution solution = found.staged->pulses.solution;
     solution.x *= points.typical_A;
     found.expected_error = ExpectErrorOf(points, setup, options.given.parameters, solution);
@@ -91,15 +91,13 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   found.cell = found.joint->cell;
   found.converged = found.joint->converged;
   found.trust = AssessJoint(*found.joint);
-  found.expected_error = ExpectErrorOf(found.joint->logs,
-                                       found.joint->setup,
-                                       options.given.parameters,
-                                       found.joint->choice.best);
+  found.expected_error = ExpectErrorOf(
+      found.joint->logs, found.joint->setup, options.given.parameters, found.joint->choice.best);
   AddUncertainty(found, SocFollowsAlpha(*found.joint));
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
-  found.profiles = ProfileJoint(
-      options.profiled, *found.joint, found.trust, options.given.parameters.bounds);
+  found.profiles =
+      ProfileJoint(options.profiled, *found.joint, found.trust, options.given.parameters.bounds);
   return found;
 }
 
@@ -158,8 +156,8 @@ Identification Identify(const Campaign& campaign,
                              : IdentifyByStages(campaign, logs, options, progress);
   found.log_notes = NotesOnLogs(logs);
   for (const LoadedLog& log : logs) {
-    const std::string doubt = DoubtAboutStart(
-        found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
+    const std::string doubt =
+        DoubtAboutStart(found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
     if (!doubt.empty()) found.log_notes.push_back(fmt::format("{} {}", log.entry.file, doubt));
   }
   found.quality = QualityOf(found, campaign, logs);

@@ -165,8 +165,7 @@ class Drafting {
       }
       const int series = CellsInSeries(file.inspection->voltage_V.largest);
       if (file.inspection->parts.empty()) tests_.push_back({&file, *file.inspection, series});
-      for (const Inspection& part : file.inspection->parts)
-        tests_.push_back({&file, part, series});
+      for (const Inspection& part : file.inspection->parts) tests_.push_back({&file, part, series});
     }
   }
 
@@ -213,8 +212,9 @@ class Drafting {
     if (inspection.part) {
       entry.log.read.start_s = inspection.part_start_s;
       entry.log.read.end_s = inspection.part_end_s;
-      entry.remarks.push_back("One of several tests of its file: the rows between two recharges or "
-                              "gaps.");
+      entry.remarks.push_back(
+          "One of several tests of its file: the rows between two recharges or "
+          "gaps.");
       if (inspection.part->after_gap && std::isnan(inspection.start_voltage_V)) {
         entry.left_out = "begins under load after a gap, so that its state of charge is not known";
       }

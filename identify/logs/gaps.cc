@@ -88,10 +88,8 @@ std::vector<Gap> FindGaps(const Record& record) {
     if (at_rest || NothingChanged(record, k)) continue;
     const double most_A =
         std::max(std::abs(record.current_A[k - 1]), std::abs(record.current_A[k]));
-    gaps.push_back({.row = k,
-                    .start_s = time_s[k - 1],
-                    .length_s = length_s,
-                    .unknown_C = length_s * most_A});
+    gaps.push_back(
+        {.row = k, .start_s = time_s[k - 1], .length_s = length_s, .unknown_C = length_s * most_A});
   }
   return gaps;
 }
@@ -112,16 +110,17 @@ void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, dou
   if (unknown_C <= kMostUnknownCharge * capacity_C) return;
   throw LoadError(
       {record.file},
-      fmt::format("expected rows wherever a current flows, found {} of {:.4g} s after {:.10g} s, in "
-                  "which up to {:.3g} Ah may have flowed: the state of charge after it is not "
-                  "known; read the part before it (end_s = {:.10g}), or the part after it "
-                  "(start_s = {:.10g}) with its own initial_soc",
-                  gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
-                  most->length_s,
-                  most->start_s,
-                  unknown_C / 3600.0,
-                  most->start_s,
-                  most->start_s + most->length_s));
+      fmt::format(
+          "expected rows wherever a current flows, found {} of {:.4g} s after {:.10g} s, in "
+          "which up to {:.3g} Ah may have flowed: the state of charge after it is not "
+          "known; read the part before it (end_s = {:.10g}), or the part after it "
+          "(start_s = {:.10g}) with its own initial_soc",
+          gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
+          most->length_s,
+          most->start_s,
+          unknown_C / 3600.0,
+          most->start_s,
+          most->start_s + most->length_s));
 }
 
 }  // namespace lipoid

@@ -105,8 +105,8 @@ class Collector {
       if (first_s > kUnixClock_s) unix_start_s_ = first_s;
     }
     Reserve(block);
-    if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step || unix_start_s_ != 0.0 ||
-        !Increases(block)) {
+    if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step ||
+        unix_start_s_ != 0.0 || !Increases(block)) {
       TakeRowByRow(block);
     } else {
       TakeAll(block);
@@ -430,10 +430,11 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
       })];
   log.report.warnings.push_back(
       spikes.size() == 1
-          ? fmt::format("1 row dropped: a voltage of {:.4g} V at {:.10g} s, alone between rows that "
-                        "know nothing of it",
-                        largest_V,
-                        record.time_s[spikes[0]])
+          ? fmt::format(
+                "1 row dropped: a voltage of {:.4g} V at {:.10g} s, alone between rows that "
+                "know nothing of it",
+                largest_V,
+                record.time_s[spikes[0]])
           : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
                         "alone between rows that know nothing of it",
                         spikes.size(),

@@ -57,7 +57,8 @@ std::string DoubtAboutTime(const Record& record) {
       const double steps = step * per_unit;
       if (steps > 0.5 && std::abs(steps - std::round(steps)) < kRounding * steps) ++whole;
       const double thousandths = 1e3 * step;
-      if (std::abs(thousandths - std::round(thousandths)) < 0.25 * kRounding * thousandths) ++decimal;
+      if (std::abs(thousandths - std::round(thousandths)) < 0.25 * kRounding * thousandths)
+        ++decimal;
     }
     if (whole == kFewest - 1 && decimal < kFewest / 2) {
       return fmt::format(
@@ -122,10 +123,11 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
       *highest > kMostCell_V) {
     throw LoadError(
         {record.file},
-        fmt::format("expected the voltage of one cell, found {:.4g} V at {:.10g} s; remove the rows "
-                    "that were read wrongly, or read a part without them (start_s, end_s)",
-                    *highest,
-                    record.time_s[static_cast<std::size_t>(highest - record.voltage_V.begin())]));
+        fmt::format(
+            "expected the voltage of one cell, found {:.4g} V at {:.10g} s; remove the rows "
+            "that were read wrongly, or read a part without them (start_s, end_s)",
+            *highest,
+            record.time_s[static_cast<std::size_t>(highest - record.voltage_V.begin())]));
   }
   if (const double most_V = LargestMagnitude(record.voltage_V); most_V < kLeastCell_V) {
     throw LoadError(

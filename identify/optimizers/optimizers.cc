@@ -13,6 +13,7 @@
 #include "identify/optimizers/nelder_mead.h"
 #include "identify/optimizers/sqp.h"
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid {
 namespace {
@@ -159,13 +160,12 @@ OptimizationSummary OptimizerEntry::Minimize(const OptimizationProblem& problem,
 }
 
 const OptimizerEntry& FindOptimizer(std::string_view name) {
-  std::vector<std::string_view> known;
+  std::vector<std::string> known;
   for (const auto& entry : Optimizers()) {
     if (entry.name == name) return entry;
-    known.push_back(entry.name);
+    known.emplace_back(entry.name);
   }
-  throw OptionError(
-      fmt::format("unknown optimizer '{}': expected one of {}", name, fmt::join(known, ", ")));
+  throw OptionError(UnknownName("optimizer", name, known));
 }
 
 }  // namespace lipoid

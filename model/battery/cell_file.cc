@@ -11,9 +11,9 @@
 #include "generated/shipped_cells.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_parameters.h"
-#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
+#include "model/core/json_text.h"
 
 namespace lipoid {
 namespace {
@@ -161,9 +161,10 @@ std::vector<std::string> ReadParameters(const JsonReader& list, const Cell& cell
     const JsonReader item = list.Item(k);
     const std::string name = item.Text();
     if (!CellParameter(cell, name)) {
-      item.Fail(fmt::format("a parameter of this cell ({}) or a node of one of its tables, counted "
-                            "from 0 (r_s[0], v_oc[0])",
-                            fmt::join(CellParameterNames(cell), ", ")));
+      item.Fail(
+          fmt::format("a parameter of this cell ({}) or a node of one of its tables, counted "
+                      "from 0 (r_s[0], v_oc[0])",
+                      fmt::join(CellParameterNames(cell), ", ")));
     }
     if (named(name)) item.Fail("every parameter once");
     for (const auto& [symbol, other] : {std::pair{"c_", "tau_"}, std::pair{"tau_", "c_"}}) {
@@ -380,9 +381,9 @@ Cell LoadCell(const std::string& name_or_file) {
     if (shipped.name == name_or_file)
       return ParseCell(std::string(shipped.text), std::string(shipped.name));
   }
-  const auto expected = fmt::format("a cell file or one of the shipped cells ({})",
-                                    fmt::join(ShippedCellNames(), ", "));
-  return ParseCell(ReadTextFileOr(name_or_file, expected), name_or_file);
+  return ParseCell(
+      ReadTextFileOr(name_or_file, "a cell file or one of the shipped cells", ShippedCellNames()),
+      name_or_file);
 }
 
 }  // namespace lipoid

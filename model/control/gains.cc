@@ -99,9 +99,9 @@ Gains LoadGains(const std::string& name_or_file) {
   for (const Gains& gains : Shipped()) {
     if (gains.name == name_or_file) return gains;
   }
-  const auto expected = fmt::format("a gains file or one of the shipped sets ({})",
-                                    fmt::join(ShippedGainsNames(), ", "));
-  return ParseGains(ReadTextFileOr(name_or_file, expected), name_or_file);
+  return ParseGains(
+      ReadTextFileOr(name_or_file, "a gains file or one of the shipped sets", ShippedGainsNames()),
+      name_or_file);
 }
 
 }  // namespace lipoid

@@ -34,6 +34,11 @@ std::string JoinLines(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 std::string Diagnostic::Text() const {
+  if (position.line == 0) {
+    return fmt::format("{}: error: {}",
+                       ForeignText(position.file, kMostBytesOfMessage),
+                       ForeignText(message, kMostBytesOfMessage));
+  }
   return fmt::format("{}:{}:{}: error: {}",
                      ForeignText(position.file, kMostBytesOfMessage),
                      position.line,

@@ -22,8 +22,8 @@
 
 namespace lipoid {
 
-/// A place in a text file; lines and columns count from 1. Where a whole file is meant (it is
-/// missing, it is empty) both are 1.
+/// A place in a text file; lines and columns count from 1. Where a whole file is meant (it is empty,
+/// or all of its rows are) both are 1; of a file that is not there both are 0 (NoFile).
 struct SourcePosition {
   std::string file;
   std::size_t line = 1;
@@ -31,6 +31,9 @@ struct SourcePosition {
 
   friend bool operator==(const SourcePosition&, const SourcePosition&) = default;
 };
+
+/// The place of a file that is not there: "cell.csv: error: ...".
+[[nodiscard]] inline SourcePosition NoFile(std::string file) { return {std::move(file), 0, 0}; }
 
 /// One thing that is wrong with an input file: what was expected and what was found, as one
 /// sentence.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 #include "model/core/foreign_text.h"
 #include "model/core/structured_text.h"
 
@@ -261,7 +262,7 @@ std::string Describe(const Json& value) {
 std::string ReadTextFile(const std::string& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) {
-    throw LoadError({file},
+    throw LoadError(NoFile(file),
                     fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
   }
   if (S_ISDIR(status.st_mode)) throw LoadError({file}, "expected a file, found a folder");
@@ -289,11 +290,19 @@ std::string ReadTextFile(const std::string& file) {
   return text;
 }
 
-std::string ReadTextFileOr(const std::string& name_or_file, const std::string& expected) {
+std::string ReadTextFileOr(const std::string& name_or_file,
+                           std::string_view expected,
+                           const std::vector<std::string>& names) {
   struct stat status {};
   const bool looks_like_file = name_or_file.find_first_of("./") != std::string::npos;
   if (!looks_like_file && ::stat(name_or_file.c_str(), &status) != 0) {
-    throw LoadError({name_or_file}, fmt::format("expected {}, found neither", expected));
+    const std::string nearest = DidYouMean(name_or_file, names);
+    throw LoadError(NoFile(name_or_file),
+                    fmt::format("expected {} ({}), found neither{}{}",
+                                expected,
+                                fmt::join(names, ", "),
+                                nearest.empty() ? "" : ".",
+                                nearest));
   }
   return ReadTextFile(name_or_file);
 }

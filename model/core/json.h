@@ -24,9 +24,10 @@ using Json = nlohmann::ordered_json;
 
 /// The same of something that has a name or stands in a file. Where no file of that name is found
 /// and the name does not look like one, the LoadError says what was expected instead: "a cell file
-/// or one of the shipped cells (...)".
+/// or one of the shipped cells (...)", `expected` being "a cell file or one of the shipped cells".
 [[nodiscard]] std::string ReadTextFileOr(const std::string& name_or_file,
-                                         const std::string& expected);
+                                         std::string_view expected,
+                                         const std::vector<std::string>& names);
 
 /// Parses text that came from `file` (only for messages).
 [[nodiscard]] Json ParseJson(std::string_view text, const std::string& file);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid::options_internal {
 namespace {
@@ -63,11 +64,16 @@ void ThrowUnknownChoice(std::string_view name,
                         std::string_view text,
                         const std::vector<std::string>& choices) {
   throw OptionError(
-      fmt::format("option {}: expected one of {}, found '{}'", name, Join(choices), text));
+      fmt::format("option {}: expected one of {}, found '{}'{}{}",
+                  name,
+                  Join(choices),
+                  text,
+                  Nearest(text, choices).empty() ? "" : ".",
+                  DidYouMean(text, choices)));
 }
 
 void ThrowUnknownOption(std::string_view name, const std::vector<std::string>& known) {
-  throw OptionError(fmt::format("unknown option '{}'; known are {}", name, Join(known)));
+  throw OptionError(UnknownName("option", name, known));
 }
 
 }  // namespace lipoid::options_internal

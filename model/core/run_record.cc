@@ -45,7 +45,7 @@ std::string Sha256OfFile(const std::string& file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
                                                                &std::fclose);
   if (!stream) {
-    throw LoadError({file},
+    throw LoadError(NoFile(file),
                     fmt::format("expected a readable file, found none ({})", std::strerror(errno)));
   }
   Sha256 hash;

@@ -184,9 +184,10 @@ Vehicle LoadVehicle(const std::string& name_or_file) {
   for (const auto& shipped : kShippedVehicles) {
     if (shipped.name == name_or_file) return ParseVehicle(std::string(shipped.text), name_or_file);
   }
-  const auto expected = fmt::format("a vehicle file or one of the shipped vehicles ({})",
-                                    fmt::join(ShippedVehicleNames(), ", "));
-  return ParseVehicle(ReadTextFileOr(name_or_file, expected), name_or_file);
+  return ParseVehicle(
+      ReadTextFileOr(
+          name_or_file, "a vehicle file or one of the shipped vehicles", ShippedVehicleNames()),
+      name_or_file);
 }
 
 }  // namespace lipoid

@@ -9,10 +9,10 @@
 #include <system_error>
 
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tools/cli/run.h"
-#include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 
 namespace lipoid::cli {
@@ -20,18 +20,6 @@ namespace {
 
 using test::ReadJson;
 using test::TestFolder;
-
-TEST(Suggest, FindsTheNearestNameWithinAThirdOfItsLetters) {
-  const std::vector<std::string> known{"identify", "inspect", "list", "validate"};
-  EXPECT_EQ(Nearest("validat", known), "validate");
-  EXPECT_EQ(Nearest("idnetify", known), "identify");  // swapped neighbours are one edit
-  EXPECT_EQ(Nearest("lst", known), "list");
-  EXPECT_EQ(Nearest("zzzzzz", known), "");
-  EXPECT_EQ(UnknownName("command", "lsit", {"list", "study"}),
-            "unknown command 'lsit'. Did you mean 'list'? Known: list, study");
-  EXPECT_EQ(UnknownName("command", "x", {"list", "study"}),
-            "unknown command 'x'. Known: list, study");
-}
 
 TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
   TextTable table({{"log", Align::kLeft}, {"mean / %"}});

@@ -167,7 +167,7 @@ TEST(Compare, RefusesWhatMakesNoSense) {
     const char* says;
   } cases[] = {
       {{"--optimizers", "sqp,newton"},
-       "unknown optimizer 'newton': expected one of interior-point"},
+       "unknown optimizer 'newton'. Known: interior-point"},
       {{"--optimizers", "sqp,sqp"}, "sqp stands there twice"},
       {{"--optimizers", ""}, "unknown optimizer ''"},
       {{"--starts", "-1"}, "--starts"},

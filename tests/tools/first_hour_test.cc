@@ -90,9 +90,9 @@ TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
 TEST(FirstHour, AnAbsurdFitDoesNotEndAsDone) {
   const auto folder = FolderWithLogs();
   for (const char* log : {"cc_1C.csv", "cc_3C.csv", "cc_6C.csv"}) {
-    Rewrite(folder + "/logs/" + log,
-            folder + "/" + log,
-            [](double t, double i, double v) { return Row(t / 60.0, i, v); });
+    Rewrite(folder + "/logs/" + log, folder + "/" + log, [](double t, double i, double v) {
+      return Row(t / 60.0, i, v);
+    });
   }
   const auto run = RunLipoid(folder,
                              {"identify",
@@ -153,9 +153,9 @@ TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
   const auto folder = FolderWithLogs();
   for (const char* log : {"cc_1C.csv", "cc_3C.csv", "cc_6C.csv", "low_rate.csv", "pulses.csv"}) {
     std::filesystem::create_directories(folder + "/pack");
-    Rewrite(folder + "/logs/" + log,
-            folder + "/pack/" + log,
-            [](double t, double i, double v) { return Row(t, i, 3.0 * v); });
+    Rewrite(folder + "/logs/" + log, folder + "/pack/" + log, [](double t, double i, double v) {
+      return Row(t, i, 3.0 * v);
+    });
   }
   const auto drafted =
       RunLipoid(folder, {"inspect", "pack", "--write-campaign", "pack/campaign.toml"});
@@ -171,8 +171,7 @@ TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
   EXPECT_EQ(cell.series, 3);
   EXPECT_NEAR(cell.series_resistance_Ohm(0.5), 0.1314, 0.01);
   // One cell of it, by --series.
-  const auto one =
-      RunLipoid(folder, {"validate", "pack.json", "logs/pulses.csv", "--series", "1"});
+  const auto one = RunLipoid(folder, {"validate", "pack.json", "logs/pulses.csv", "--series", "1"});
   EXPECT_EQ(one.exit_code, 0) << one.err;
 }
 
@@ -203,23 +202,18 @@ TEST(FirstHour, ColumnsCanBeNamedWhereverLogsAreRead) {
   EXPECT_EQ(RunLipoid(folder, {"inspect", "odd.csv"}).exit_code, 3);
   EXPECT_EQ(with_names({"inspect", "odd.csv"}).exit_code, 0);
   EXPECT_EQ(with_names({"validate", "gifi-600mAh-1", "odd.csv"}).exit_code, 0);
-  EXPECT_EQ(with_names({"simulate", "gifi-600mAh-1", "--current", "odd.csv", "-o", "p.csv"}).exit_code,
-            0);
+  EXPECT_EQ(
+      with_names({"simulate", "gifi-600mAh-1", "--current", "odd.csv", "-o", "p.csv"}).exit_code,
+      0);
   EXPECT_EQ(with_names({"convert", "odd.csv", "-o", "c.csv"}).exit_code, 0);
 }
 
 TEST(FirstHour, ASimulationEndsAtTheCutOff) {
   const auto folder = TestFolder();
   std::ofstream(folder + "/much.csv") << "time_s,current_A\n0,0\n1,100\n2,100\n3,100\n";
-  const auto run = RunLipoid(folder,
-                             {"simulate",
-                              "gifi-600mAh-1",
-                              "--current",
-                              "much.csv",
-                              "-o",
-                              "p.csv",
-                              "--summary",
-                              "s.json"});
+  const auto run = RunLipoid(
+      folder,
+      {"simulate", "gifi-600mAh-1", "--current", "much.csv", "-o", "p.csv", "--summary", "s.json"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("the cell reaches its cut-off of 3 V at 1 s under 100 A: the 1 of 4 rows "
                          "before it were written"),
@@ -230,14 +224,9 @@ TEST(FirstHour, ASimulationEndsAtTheCutOff) {
   EXPECT_EQ(log.at("rows_of_current"), 4);
   EXPECT_EQ(log.at("cutoff_s"), 1.0);
   EXPECT_GT(log.at("minimum_voltage_V").get<double>(), 4.0);
-  const auto all = RunLipoid(folder,
-                             {"simulate",
-                              "gifi-600mAh-1",
-                              "--current",
-                              "much.csv",
-                              "--beyond-cutoff",
-                              "-o",
-                              "all.csv"});
+  const auto all = RunLipoid(
+      folder,
+      {"simulate", "gifi-600mAh-1", "--current", "much.csv", "--beyond-cutoff", "-o", "all.csv"});
   EXPECT_EQ(all.exit_code, 0) << all.err;
 }
 

@@ -36,7 +36,9 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -185,7 +187,9 @@ TEST(Identify, ProfilesParametersOnRequest) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.0002", "--seed", "5"});
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -280,7 +284,9 @@ TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs", {"--voltage-noise-V", "0.001", "--seed", "3"});
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -327,7 +333,9 @@ TEST(Identify, SeveralCampaignsGiveACellEachAndTheirSpread) {
     SynthesizeLogs(folder, cell, cell);
   }
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "gifi-600mAh-1/campaign.toml",
                               "gifi-600mAh-2/campaign.toml",
                               "gifi-600mAh-3/campaign.toml",
@@ -355,7 +363,9 @@ TEST(Identify, SaysABadFileOnceAndWritesNothing) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "--constant-current",
                               "none.csv",
                               "logs/cc_1C.csv",
@@ -372,7 +382,7 @@ TEST(Identify, SaysABadFileOnceAndWritesNothing) {
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(Lines(run.err), 1U) << run.err;
-  EXPECT_EQ(run.err.rfind("none.csv:1:1: error: ", 0), 0U) << run.err;
+  EXPECT_EQ(run.err.rfind("none.csv: error: ", 0), 0U) << run.err;
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_EQ(summary.at("exit_code"), 3);
   EXPECT_EQ(summary.at("error").at("diagnostics").size(), 1U);
@@ -420,7 +430,9 @@ TEST(Identify, HoldsWhatIsGiven) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
   const auto run = RunLipoid(folder,
-                             {"identify", "--method", "staged",
+                             {"identify",
+                              "--method",
+                              "staged",
                               "logs/campaign.toml",
                               "-o",
                               "cell.json",
@@ -448,7 +460,9 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
   const auto identify = [&](const std::string& curve) {
     WriteFileAtomically(folder + "/curve.csv", curve);
     return RunLipoid(folder,
-                     {"identify", "--method", "staged",
+                     {"identify",
+                      "--method",
+                      "staged",
                       "--pulses",
                       "logs/pulses.csv",
                       "--alpha-C",

@@ -43,8 +43,8 @@ TEST(Plan, CombinesListsAndRangesIntoRows) {
 // The thesis' branch of 0.24 ms: rows every second cannot see it, and nothing must hang on it.
 TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
   const auto folder = TestFolder();
-  const auto run = RunLipoid(
-      folder, {"plan", "gifi-600mAh-1", "--pulse-s", "10,30", "--summary", "s.json"});
+  const auto run =
+      RunLipoid(folder, {"plan", "gifi-600mAh-1", "--pulse-s", "10,30", "--summary", "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.out.find("unknown"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("all identified"), std::string::npos) << run.out;
@@ -88,10 +88,15 @@ TEST(Plan, IdentifySaysHowFarToBelieveIt) {
                        "logs"})
                 .exit_code,
             0);
-  const auto run = RunLipoid(
-      folder,
-      {"identify", "logs/campaign.toml", "--method", "staged", "-o", "cell.json", "--summary",
-       "s.json"});
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "--method",
+                              "staged",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("the intervals take alpha and v_oc(A) as exact"), std::string::npos)
       << run.out;

@@ -15,7 +15,7 @@
 #include "model/core/errors.h"
 #include "tools/cli/command_description.h"
 #include "model/core/foreign_text.h"
-#include "tools/cli/suggest.h"
+#include "model/core/nearest_name.h"
 #include "tools/cli/text_table.h"
 
 namespace po = boost::program_options;

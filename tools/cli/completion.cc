@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "model/core/errors.h"
-#include "tools/cli/suggest.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid::cli {
 namespace {

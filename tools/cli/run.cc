@@ -21,9 +21,9 @@
 #include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
 #include "model/core/run_record.h"
+#include "model/core/nearest_name.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
-#include "tools/cli/suggest.h"
 
 namespace lipoid::cli {
 namespace {
@@ -87,8 +87,8 @@ std::string SummaryText(const std::string& command,
         {"kind", failure->kind}, {"message", failure->message}, {"diagnostics", Json::array()}};
     for (const auto& [position, message] : failure->diagnostics) {
       error["diagnostics"].push_back({{"file", position.file},
-                                      {"line", position.line},
-                                      {"column", position.column},
+                                      {"line", std::max<std::size_t>(position.line, 1)},
+                                      {"column", std::max<std::size_t>(position.column, 1)},
                                       {"message", message}});
     }
     json["error"] = std::move(error);

@@ -7,8 +7,8 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "model/core/nearest_name.h"
 #include "model/vehicle/vehicle_file.h"
-#include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/number_range.h"
@@ -120,7 +120,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   if (loop_name != "altitude" && loop_name != "attitude") {
-    throw OptionError(cli::UnknownName("loop", loop_name, {"altitude", "attitude"}));
+    throw OptionError(UnknownName("loop", loop_name, {"altitude", "attitude"}));
   }
   const bool altitude = loop_name == "altitude";
   const OptimizerEntry& optimizer = FindOptimizer(optimizer_name);

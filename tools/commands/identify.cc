@@ -147,7 +147,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.InputArguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option("method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
+  line.Option(
+      "method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
   staged.AddTo(line);
   line.OutputOption("residuals",
                     residuals,
@@ -283,8 +284,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   } else if (found.size() < 2) {
     line.summary()["cells"] = std::move(cells);
   } else {
-    const auto spread = SpreadOfCells(
-        found, joint ? "mean error" : "pulse mean error", mean_errors);
+    const auto spread =
+        SpreadOfCells(found, joint ? "mean error" : "pulse mean error", mean_errors);
     line.Print("\n{}", spread.text);
     line.summary()["cells"] = std::move(cells);
     line.summary()["spread"] = spread.json;

@@ -112,8 +112,10 @@ std::string Fixed(double value, int decimals) {
 
 // Which step or cycle a row belongs to: "" where the file does not say.
 std::string LabelOf(const std::vector<RowLabel>& labels, std::size_t row, double RowLabel::*which) {
-  const auto after = std::upper_bound(
-      labels.begin(), labels.end(), row, [](std::size_t r, const RowLabel& l) { return r < l.row; });
+  const auto after =
+      std::upper_bound(labels.begin(), labels.end(), row, [](std::size_t r, const RowLabel& l) {
+        return r < l.row;
+      });
   return after == labels.begin() ? "" : fmt::format("{:g}", (*std::prev(after)).*which);
 }
 

@@ -12,10 +12,10 @@
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/control/laws/control_laws.h"
+#include "model/core/nearest_name.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/vehicle/motor.h"
 #include "model/vehicle/vehicle_file.h"
-#include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 
@@ -232,7 +232,7 @@ cli::ExitCode ListCommand(cli::CommandLine& line) {
     line.summary()[what] = topic.list(line);
     return cli::ExitCode::kDone;
   }
-  throw OptionError(cli::UnknownName("list", what, known));
+  throw OptionError(UnknownName("list", what, known));
 }
 
 }  // namespace lipoid

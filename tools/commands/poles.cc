@@ -7,8 +7,8 @@
 #include "model/control/gains.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 #include "model/vehicle/vehicle_file.h"
-#include "tools/cli/suggest.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/number_range.h"
@@ -37,7 +37,7 @@ std::string ToText(const Poles& poles) {
 Loop FindLoop(const std::string& name) {
   if (name == "altitude") return Loop::kAltitude;
   if (name == "attitude") return Loop::kAttitude;
-  throw OptionError(cli::UnknownName("loop", name, {"altitude", "attitude"}));
+  throw OptionError(UnknownName("loop", name, {"altitude", "attitude"}));
 }
 
 }  // namespace

@@ -35,11 +35,11 @@ Json WidthOf(const PredictionBand& band) {
 std::size_t RowsUntilCutoff(const std::vector<double>& voltage_V, const Cell& cell) {
   constexpr double kLastStep_V = 0.3;
   const double least_V = cell.series * (cell.cutoff_V - kCutoffTolerance_V);
-  const auto below = std::find_if(
-      voltage_V.begin(), voltage_V.end(), [&](double v) { return !(v >= least_V); });
+  const auto below =
+      std::find_if(voltage_V.begin(), voltage_V.end(), [&](double v) { return !(v >= least_V); });
   const auto rows = static_cast<std::size_t>(below - voltage_V.begin());
-  const bool only_the_last = rows > 0 && rows + 1 == voltage_V.size() &&
-                             *below >= least_V - cell.series * kLastStep_V;
+  const bool only_the_last =
+      rows > 0 && rows + 1 == voltage_V.size() && *below >= least_V - cell.series * kLastStep_V;
   return only_the_last ? voltage_V.size() : rows;
 }
 
@@ -91,8 +91,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   PredictionBand band;
   if (ensemble.asked()) {
     auto drawn = ensemble.Draw(line, cell, cell_name, start);
-    band = PredictBand(
-        drawn.cells, drawn.initial_soc, record.time_s, record.current_A, record.hold);
+    band =
+        PredictBand(drawn.cells, drawn.initial_soc, record.time_s, record.current_A, record.hold);
     line.summary()["ensemble"] = std::move(drawn.json);
     line.summary()["ensemble"].update(WidthOf(band));
   }

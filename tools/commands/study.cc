@@ -8,7 +8,7 @@
 #include "identify/studies/studies.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
-#include "tools/cli/suggest.h"
+#include "model/core/nearest_name.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
@@ -22,7 +22,7 @@ const Study& FindStudy(const std::string& name) {
     if (study.name == name) return study;
     known.emplace_back(study.name);
   }
-  throw OptionError(cli::UnknownName("study", name, known));
+  throw OptionError(UnknownName("study", name, known));
 }
 
 std::string JoinedWords(const Json& array) {

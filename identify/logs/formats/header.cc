@@ -8,12 +8,14 @@ namespace {
 // Letters without their accents, of UTF-8 and of Latin-1: e for an e acute. The ones of Latin-1 that
 // UTF-8 writes in two bytes begin with 0xC3, and then lack 0x40.
 std::string WithoutAccents(std::string_view text) {
-  constexpr std::string_view kPlain = "aaaaaaaceeeeiiiidnooooo/ouuuuyts"  // 0xC0 .. 0xDF
-                                      "aaaaaaaceeeeiiiidnooooo/ouuuuyty";  // 0xE0 .. 0xFF
+  constexpr std::string_view kPlain =
+      "aaaaaaaceeeeiiiidnooooo/ouuuuyts"   // 0xC0 .. 0xDF
+      "aaaaaaaceeeeiiiidnooooo/ouuuuyty";  // 0xE0 .. 0xFF
   std::string plain;
   for (std::size_t k = 0; k < text.size(); ++k) {
     auto c = static_cast<unsigned char>(text[k]);
-    if (c == 0xC3 && k + 1 < text.size() && (static_cast<unsigned char>(text[k + 1]) & 0xC0) == 0x80)
+    if (c == 0xC3 && k + 1 < text.size() &&
+        (static_cast<unsigned char>(text[k + 1]) & 0xC0) == 0x80)
       c = static_cast<unsigned char>(static_cast<unsigned char>(text[++k]) + 0x40);
     plain += c >= 0xC0 ? kPlain[c - 0xC0] : static_cast<char>(c);
   }
@@ -69,8 +71,7 @@ std::vector<HeaderMatch> FindNamed(std::span<const HeaderName> header,
   for (std::size_t field = 0; field < header.size(); ++field) {
     const HeaderName& column = header[field];
     const auto rank_of = [&](const std::string& name) {
-      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
-                                      names.begin());
+      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     };
     HeaderMatch match{.field = field, .rank = rank_of(column.name), .unit = column.unit};
     if (match.rank < names.size()) {

@@ -3,21 +3,122 @@
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kDate[] = {"timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
-constexpr std::string_view kTime[] = {"time", "t", "test_time", "testtime", "elapsed", "elapsed_time", "time_elapsed", "total_time", "run_time", "runtime", "prog_time", "cumulative_time", "relative_time", "experiment_time", "seconds", "minutes", "hours"};
-constexpr std::string_view kCurrent[] = {"current", "i", "amps", "amp", "ampere", "amperes", "mamps", "milliamps", "curr", "cell_current", "battery_current", "pack_current", "measured_current", "current_measured", "i_cell", "i_b", "i_bat", "i_batt", "ibat", "i_battery"};
-constexpr std::string_view kVoltage[] = {"voltage", "v", "u", "e", "volt", "volts", "potential", "cell_voltage", "battery_voltage", "pack_voltage", "terminal_voltage", "measured_voltage", "voltage_measured", "ecell", "ewe", "v_cell", "u_cell", "v_b", "v_bat", "v_batt", "vbat", "v_battery", "u_bat"};
-constexpr std::string_view kTemperature[] = {"temperature", "temp", "cell_temperature", "temperature_cell", "t_cell", "battery_temperature", "battery_temp"};
+constexpr std::string_view kDate[] = {
+    "timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
+constexpr std::string_view kTime[] = {"time",
+                                      "t",
+                                      "test_time",
+                                      "testtime",
+                                      "elapsed",
+                                      "elapsed_time",
+                                      "time_elapsed",
+                                      "total_time",
+                                      "run_time",
+                                      "runtime",
+                                      "prog_time",
+                                      "cumulative_time",
+                                      "relative_time",
+                                      "experiment_time",
+                                      "seconds",
+                                      "minutes",
+                                      "hours"};
+constexpr std::string_view kCurrent[] = {"current",
+                                         "i",
+                                         "amps",
+                                         "amp",
+                                         "ampere",
+                                         "amperes",
+                                         "mamps",
+                                         "milliamps",
+                                         "curr",
+                                         "cell_current",
+                                         "battery_current",
+                                         "pack_current",
+                                         "measured_current",
+                                         "current_measured",
+                                         "i_cell",
+                                         "i_b",
+                                         "i_bat",
+                                         "i_batt",
+                                         "ibat",
+                                         "i_battery"};
+constexpr std::string_view kVoltage[] = {"voltage",
+                                         "v",
+                                         "u",
+                                         "e",
+                                         "volt",
+                                         "volts",
+                                         "potential",
+                                         "cell_voltage",
+                                         "battery_voltage",
+                                         "pack_voltage",
+                                         "terminal_voltage",
+                                         "measured_voltage",
+                                         "voltage_measured",
+                                         "ecell",
+                                         "ewe",
+                                         "v_cell",
+                                         "u_cell",
+                                         "v_b",
+                                         "v_bat",
+                                         "v_batt",
+                                         "vbat",
+                                         "v_battery",
+                                         "u_bat"};
+constexpr std::string_view kTemperature[] = {"temperature",
+                                             "temp",
+                                             "cell_temperature",
+                                             "temperature_cell",
+                                             "t_cell",
+                                             "battery_temperature",
+                                             "battery_temp"};
 constexpr std::string_view kStep[] = {"step", "step_index", "step_number", "step_id"};
 constexpr std::string_view kCycle[] = {"cycle", "cycle_index", "cycle_number", "cycle_count"};
 constexpr std::string_view kState[] = {"state", "status", "mode", "md", "step_type", "step_name"};
 
 // German, French, Spanish and Italian; accents are folded before names are compared.
 constexpr std::string_view kDateElsewhere[] = {"datum", "zeitstempel", "fecha", "horodatage"};
-constexpr std::string_view kTimeElsewhere[] = {"zeit", "testzeit", "pruefzeit", "prufzeit", "laufzeit", "messzeit", "gesamtzeit", "temps", "temps_ecoule", "duree", "tiempo", "tiempo_total", "tempo"};
-constexpr std::string_view kCurrentElsewhere[] = {"strom", "zellstrom", "batteriestrom", "akkustrom", "stromstarke", "stromstaerke", "courant", "courant_batterie", "intensite", "corriente", "corriente_bateria", "intensidad", "corrente"};
-constexpr std::string_view kVoltageElsewhere[] = {"spannung", "zellspannung", "batteriespannung", "akkuspannung", "klemmenspannung", "tension", "tension_cellule", "tension_batterie", "tension_bateria", "voltaje", "voltaje_bateria", "voltaje_celda", "tensione"};
-constexpr std::string_view kTemperatureElsewhere[] = {"temperatur", "zelltemperatur", "temperatura", "temperatura_celda", "temperature_cellule"};
+constexpr std::string_view kTimeElsewhere[] = {"zeit",
+                                               "testzeit",
+                                               "pruefzeit",
+                                               "prufzeit",
+                                               "laufzeit",
+                                               "messzeit",
+                                               "gesamtzeit",
+                                               "temps",
+                                               "temps_ecoule",
+                                               "duree",
+                                               "tiempo",
+                                               "tiempo_total",
+                                               "tempo"};
+constexpr std::string_view kCurrentElsewhere[] = {"strom",
+                                                  "zellstrom",
+                                                  "batteriestrom",
+                                                  "akkustrom",
+                                                  "stromstarke",
+                                                  "stromstaerke",
+                                                  "courant",
+                                                  "courant_batterie",
+                                                  "intensite",
+                                                  "corriente",
+                                                  "corriente_bateria",
+                                                  "intensidad",
+                                                  "corrente"};
+constexpr std::string_view kVoltageElsewhere[] = {"spannung",
+                                                  "zellspannung",
+                                                  "batteriespannung",
+                                                  "akkuspannung",
+                                                  "klemmenspannung",
+                                                  "tension",
+                                                  "tension_cellule",
+                                                  "tension_batterie",
+                                                  "tension_bateria",
+                                                  "voltaje",
+                                                  "voltaje_bateria",
+                                                  "voltaje_celda",
+                                                  "tensione"};
+constexpr std::string_view kTemperatureElsewhere[] = {
+    "temperatur", "zelltemperatur", "temperatura", "temperatura_celda", "temperature_cellule"};
 constexpr std::string_view kStepElsewhere[] = {"schritt", "schrittnummer", "etape", "paso"};
 constexpr std::string_view kCycleElsewhere[] = {"zyklus", "zyklusnummer", "ciclo"};
 constexpr std::string_view kStateElsewhere[] = {"zustand", "etat", "estado"};

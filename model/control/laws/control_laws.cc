@@ -1,9 +1,8 @@
 #include "model/control/laws/control_laws.h"
 
-#include <fmt/format.h>
-
 #include "model/control/laws/pid.h"
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid {
 
@@ -22,12 +21,12 @@ const std::vector<ControlLaw>& ControlLaws() {
 }
 
 const ControlLaw& FindControlLaw(std::string_view name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const ControlLaw& law : ControlLaws()) {
     if (law.name == name) return law;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", law.name);
+    known.emplace_back(law.name);
   }
-  throw OptionError(fmt::format("unknown controller '{}'. Known: {}", name, known));
+  throw OptionError(UnknownName("controller", name, known));
 }
 
 }  // namespace lipoid

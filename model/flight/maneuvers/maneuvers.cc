@@ -1,8 +1,7 @@
 #include "model/flight/maneuvers/maneuvers.h"
 
-#include <fmt/format.h>
-
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid {
 
@@ -37,12 +36,12 @@ const std::vector<Maneuver>& Maneuvers() {
 }
 
 const Maneuver& FindManeuver(std::string_view name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const Maneuver& maneuver : Maneuvers()) {
     if (maneuver.name == name) return maneuver;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", maneuver.name);
+    known.emplace_back(maneuver.name);
   }
-  throw OptionError(fmt::format("unknown maneuver '{}'. Known: {}", name, known));
+  throw OptionError(UnknownName("maneuver", name, known));
 }
 
 }  // namespace lipoid

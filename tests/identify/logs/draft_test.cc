@@ -143,17 +143,19 @@ TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
   // Halfway down the straight line, less the drop of the first edge, a thousandth of it.
   EXPECT_EQ(draft.campaign.logs[1].initial_soc, 0.499);
   EXPECT_EQ(draft.campaign.logs[2].initial_soc, 1.0);
-  EXPECT_NE(DraftToToml(draft).find("# Does not start full: it rests at 3.6 V before its first load, "
-                                    "which slow.csv passes at 0.499 of its charge.\n[[log]]\nkind = "
-                                    "\"constant-current\"\nfile = \"half.csv\"\ninitial_soc = 0.499"),
-            std::string::npos)
+  EXPECT_NE(
+      DraftToToml(draft).find("# Does not start full: it rests at 3.6 V before its first load, "
+                              "which slow.csv passes at 0.499 of its charge.\n[[log]]\nkind = "
+                              "\"constant-current\"\nfile = \"half.csv\"\ninitial_soc = 0.499"),
+      std::string::npos)
       << DraftToToml(draft);
   // Without one it can only ask.
   const auto asked = DraftCampaign({files[0], files[1]}, "lab", "campaign.toml");
   EXPECT_EQ(asked.campaign.logs[1].initial_soc, 1.0);
-  EXPECT_EQ(asked.entries[1].remarks,
-            (std::vector<std::string>{"Rests at 3.6 V before its first load, 1c.csv at 4.2 V: if it "
-                                      "does not start full, say its `initial_soc`."}));
+  EXPECT_EQ(
+      asked.entries[1].remarks,
+      (std::vector<std::string>{"Rests at 3.6 V before its first load, 1c.csv at 4.2 V: if it "
+                                "does not start full, say its `initial_soc`."}));
 }
 
 TEST(Draft, KnowsAPackByItsVoltage) {

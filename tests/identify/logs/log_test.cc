@@ -45,7 +45,8 @@ TEST(PlainCsv, HeaderNamesAreUnderstood) {
                              "Zeit [s],Strom [A],Spannung [V]",
                              "Laufzeit/s,Stromst\xC3\xA4rke/A,Klemmenspannung/V",
                              "Temps (s),Courant (A),Tension (V)",
-                             "Dur\xC3\xA9" "e (secondes),Intensit\xE9 (A),Tension cellule (V)",
+                             "Dur\xC3\xA9"
+                             "e (secondes),Intensit\xE9 (A),Tension cellule (V)",
                              "Tiempo (segundos),Corriente (A),Voltaje (V)",
                              "TIEMPO_S,INTENSIDAD_A,TENSI\xC3\x93N_V",
                              "Tempo [s],Corrente [A],Tensione [V]",
@@ -363,8 +364,7 @@ TEST(RefusedLog, MissingFilesAndFolders) {
   const std::string folder = test::FreshFolder("log_test_folder");
   EXPECT_EQ(
       test::LoadErrorOf([&] { (void)ReadLog(folder + "/none.csv"); }),
-      folder +
-          "/none.csv:1:1: error: expected a log file, found no file of this name; check the path");
+      folder + "/none.csv: error: expected a log file, found no file of this name; check the path");
   EXPECT_EQ(test::LoadErrorOf([&] { (void)ReadLog(folder); }),
             folder + ":1:1: error: expected a log file, found a folder; name the files in it");
 }

@@ -731,11 +731,11 @@ TEST(CellFile, WhatIsNoFileIsRefused) {
   };
   EXPECT_EQ(refusal(folder + "/none.json"),
             folder +
-                "/none.json:1:1: error: expected a readable file, found none (No such file or "
+                "/none.json: error: expected a readable file, found none (No such file or "
                 "directory)");
   EXPECT_EQ(refusal(folder), folder + ":1:1: error: expected a file, found a folder");
   EXPECT_EQ(refusal("gifi"),
-            "gifi:1:1: error: expected a cell file or one of the shipped cells (gifi-600mAh-1, "
+            "gifi: error: expected a cell file or one of the shipped cells (gifi-600mAh-1, "
             "gifi-600mAh-2, "
             "gifi-600mAh-3, grepow-32Ah-1, grepow-32Ah-2, grepow-32Ah-3), found neither");
 }

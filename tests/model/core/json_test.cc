@@ -160,7 +160,7 @@ TEST(ReadTextFile, RefusesWhatIsNoReadableFile) {
   EXPECT_EQ(
       test::MessageOf<LoadError>([&] { (void)ReadTextFile(folder + "/none"); }),
       folder +
-          "/none:1:1: error: expected a readable file, found none (No such file or directory)");
+          "/none: error: expected a readable file, found none (No such file or directory)");
   EXPECT_EQ(test::MessageOf<LoadError>([&] { (void)ReadTextFile(folder); }),
             folder + ":1:1: error: expected a file, found a folder");
 }

@@ -81,7 +81,7 @@ TEST(Options, RefusalsNameTheOptionTheTextAndWhatIsValid) {
   EXPECT_EQ(Refusal("least", "0.2"), "option least: expected at least 0.25, found '0.2'");
   EXPECT_EQ(Refusal("colour", "green"), "option colour: expected one of red, blue, found 'green'");
   EXPECT_EQ(Refusal("term", "3"),
-            "unknown option 'term'; known are tail, terms, any, tolerance, least, label, colour");
+            "unknown option 'term'. Did you mean 'terms'? Known: tail, terms, any, tolerance, least, label, colour");
 }
 
 TEST(Options, RefusedTextChangesNothing) {

@@ -1,11 +1,11 @@
-#include "tools/cli/suggest.h"
+#include "model/core/nearest_name.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-namespace lipoid::cli {
+namespace lipoid {
 namespace {
 
 // Optimal string alignment distance.
@@ -44,14 +44,17 @@ std::string Nearest(std::string_view typed, const std::vector<std::string>& know
   return nearest;
 }
 
+std::string DidYouMean(std::string_view typed, const std::vector<std::string>& known) {
+  const std::string nearest = Nearest(typed, known);
+  return nearest.empty() ? "" : fmt::format(" Did you mean '{}'?", nearest);
+}
+
 std::string UnknownName(std::string_view what,
                         std::string_view typed,
                         const std::vector<std::string>& known) {
   if (known.empty()) return fmt::format("unknown {} '{}'; there are none", what, typed);
-  const auto nearest = Nearest(typed, known);
-  const auto question =
-      nearest.empty() ? std::string() : fmt::format(" Did you mean '{}'?", nearest);
-  return fmt::format("unknown {} '{}'.{} Known: {}", what, typed, question, fmt::join(known, ", "));
+  return fmt::format(
+      "unknown {} '{}'.{} Known: {}", what, typed, DidYouMean(typed, known), fmt::join(known, ", "));
 }
 
-}  // namespace lipoid::cli
+}  // namespace lipoid
