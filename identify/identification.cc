@@ -19,12 +19,6 @@
 namespace lipoid {
 namespace {
 
-// Then alpha only scales the axis of what was measured over charge.
-bool AllStartFull(const std::vector<LoadedLog>& logs) {
-  return std::all_of(
-      logs.begin(), logs.end(), [](const LoadedLog& log) { return log.entry.initial_soc == 1.0; });
-}
-
 void AddUncertainty(Identification& found, bool soc_follows_alpha) {
   CellUncertainty uncertainty = UncertaintyOf(found.trust, found.cell, soc_follows_alpha);
   found.cell.uncertainty = std::move(uncertainty.found);
@@ -108,7 +102,7 @@ FitQuality QualityOf(const Identification& found,
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;
     const double started_C = (1.0 - log.entry.initial_soc) * found.cell.alpha_C();
-    moved_C = std::max(moved_C, started_C + CountCharge(record, 0, record.size() - 1).most_C);
+    moved_C = std::max(moved_C, started_C + CountCharge(record).most_C);
   }
   if (found.joint) {
     return JudgeFit(found.cell,

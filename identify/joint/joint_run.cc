@@ -225,7 +225,7 @@ class JointRun {
     }
     // Where logs say at which state of charge they start, alpha is no gauge: it moves them against
     // one another, and one that fits clearly better is taken.
-    if (!AllStartFull()) {
+    if (!AllStartFull(logs_)) {
       const double cutoff_C = alpha_C;
       const double rmse_of_cutoff_V = search();
       const auto rmse_at = [&](double log_ratio) {
@@ -245,12 +245,6 @@ class JointRun {
       }
     }
     Prepare(alpha_C);
-  }
-
-  [[nodiscard]] bool AllStartFull() const {
-    return std::all_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
-      return log.entry.initial_soc == 1.0;
-    });
   }
 
   // Where the solution's v_oc reaches the cut-off.
@@ -323,7 +317,7 @@ class JointRun {
       result_.cutoff = Cutoff(best);
       alpha_C *= 1.0 - result_.cutoff.soc;
     }
-    if (AllStartFull() && alpha_C != setup.alpha_C) {
+    if (AllStartFull(logs_) && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
         for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
         return at;

@@ -38,11 +38,17 @@ struct ChargeMoved {
   double least_C = 0.0;
   double most_C = 0.0;
 
+  /// Between the fullest and the emptiest moment.
+  [[nodiscard]] double range_C() const { return most_C - least_C; }
   /// What comes after this.
   void Append(const ChargeMoved& next);
 };
 
 /// By the hold of the record, (4.59); from <= to < size.
 [[nodiscard]] ChargeMoved CountCharge(const Record& record, std::size_t from, std::size_t to);
+/// The same of all rows, of which there is at least one.
+[[nodiscard]] inline ChargeMoved CountCharge(const Record& record) {
+  return CountCharge(record, 0, record.size() - 1);
+}
 
 }  // namespace lipoid

@@ -22,11 +22,11 @@ constexpr double kCutoffStep_V = 0.05;
 constexpr double kSameRate = 0.1;
 
 // Below the highest voltage at rest before a load by more than this, a log does not start full.
-constexpr double kFull_V = 0.04;
-// Lithium cells, but for iron phosphate ones, rest above this when they are full and never below the
-// other when they are not damaged.
+constexpr double kSameStart_V = 0.04;
+// A full lithium cell rests above the first, or, if it is of iron phosphate, below the second.
 constexpr double kFullRest_V = 3.9;
 constexpr double kIronPhosphateRest_V = 3.45;
+// A draft takes no cut-off below the first, and writes the second in its place.
 constexpr double kLowestCutoff_V = 1.5;
 constexpr double kTypicalCutoff_V = 3.0;
 
@@ -101,13 +101,13 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
 }
 
 int CellsInSeries(double highest_V) {
-  constexpr double kFull_V_of_a_cell = 4.2;
-  constexpr double kMost_V_of_a_cell = 4.45;
+  constexpr double kFullCell_V = 4.2;
+  constexpr double kHighestCell_V = 4.45;
   constexpr double kOneCell_V = 5.0;
   constexpr double kMost_V = 2000.0;
   if (!(highest_V > kOneCell_V) || highest_V > kMost_V) return 1;
-  const double least = std::ceil(highest_V / kMost_V_of_a_cell);
-  return static_cast<int>(std::max(least, std::round(highest_V / kFull_V_of_a_cell)));
+  const double least = std::ceil(highest_V / kHighestCell_V);
+  return static_cast<int>(std::max(least, std::round(highest_V / kFullCell_V)));
 }
 
 namespace {
@@ -295,10 +295,10 @@ class Drafting {
           full_V));
     }
     const bool reference = low_rate_.inspection != nullptr &&
-                           low_rate_.inspection->start_voltage_V >= full_V - kFull_V;
+                           low_rate_.inspection->start_voltage_V >= full_V - kSameStart_V;
     for (const Candidate& each : all_) {
       const double voltage_V = each.inspection->start_voltage_V;
-      if (!(voltage_V < full_V - kFull_V)) continue;
+      if (!(voltage_V < full_V - kSameStart_V)) continue;
       if (!reference) {
         each.entry->remarks.push_back(
             fmt::format("Rests at {:.4g} V before its first load, {} at {:.4g} V: if it does not "

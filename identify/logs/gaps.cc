@@ -94,33 +94,46 @@ std::vector<Gap> FindGaps(const Record& record) {
   return gaps;
 }
 
+namespace {
+
+double UnknownCharge(const std::vector<Gap>& gaps) {
+  double unknown_C = 0.0;
+  for (const Gap& gap : gaps) unknown_C += gap.unknown_C;
+  return unknown_C;
+}
+
+const Gap& LargestOf(const std::vector<Gap>& gaps) {
+  return *std::max_element(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
+    return a.unknown_C < b.unknown_C;
+  });
+}
+
+}  // namespace
+
+std::string GapsText(const std::vector<Gap>& gaps) {
+  const Gap& most = LargestOf(gaps);
+  return fmt::format("{} of {:.4g} s after {:.10g} s, in which up to {:.3g} Ah may have flowed",
+                     gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
+                     most.length_s,
+                     most.start_s,
+                     UnknownCharge(gaps) / 3600.0);
+}
+
 void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, double capacity_Ah) {
   if (gaps.empty() || record.voltage_V.empty()) return;
-  double unknown_C = 0.0;
-  const Gap* most = nullptr;
-  for (const Gap& gap : gaps) {
-    unknown_C += gap.unknown_C;
-    if (most == nullptr || gap.unknown_C > most->unknown_C) most = &gap;
-  }
-  double capacity_C = 3600.0 * capacity_Ah;
-  if (!(capacity_C > 0.0)) {
-    const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
-    capacity_C = moved.most_C - moved.least_C;
-  }
-  if (unknown_C <= kMostUnknownCharge * capacity_C) return;
+  const double capacity_C =
+      capacity_Ah > 0.0 ? 3600.0 * capacity_Ah : CountCharge(record).range_C();
+  if (UnknownCharge(gaps) <= kMostUnknownCharge * capacity_C) return;
+  const Gap& most = LargestOf(gaps);
   throw LoadError(
       {record.file},
       fmt::format(
-          "expected rows wherever a current flows, found {} of {:.4g} s after {:.10g} s, in "
-          "which up to {:.3g} Ah may have flowed: the state of charge after it is not "
-          "known; read the part before it (end_s = {:.10g}), or the part after it "
+          "expected rows wherever a current flows, found {}: the state of charge after it is "
+          "not known; read the part before it (end_s = {:.10g}), or the part after it "
           "(start_s = {:.10g}) with its own initial_soc",
-          gaps.size() == 1 ? "a gap" : fmt::format("{} gaps, the largest", gaps.size()),
-          most->length_s,
-          most->start_s,
-          unknown_C / 3600.0,
-          most->start_s,
-          most->start_s + most->length_s));
+          GapsText(gaps),
+          most.start_s,
+          most.start_s + most.length_s));
 }
 
 }  // namespace lipoid

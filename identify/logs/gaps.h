@@ -4,6 +4,7 @@
 /// Stretches of time without rows in which a current may have flowed: the charge that left in them
 /// is not known. Tests: tests/identify/logs/gaps_test.cc.
 
+#include <string>
 #include <vector>
 
 #include "identify/logs/log.h"
@@ -21,6 +22,10 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// row when something changes, a long interval over which nothing changed. Rows without a voltage
 /// count too.
 [[nodiscard]] std::vector<Gap> FindGaps(const Record& record);
+
+/// "a gap of 30 s after 100 s, in which up to 0.0167 Ah may have flowed"; of several the one with the
+/// most charge, and the charge of all. At least one.
+[[nodiscard]] std::string GapsText(const std::vector<Gap>& gaps);
 
 /// LoadError where the gaps of a record may hold more than kMostUnknownCharge of
 /// capacity_Ah, that of all cells in parallel (0: of the charge that the record moves). It says which part can be read instead.

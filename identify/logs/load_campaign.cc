@@ -33,8 +33,7 @@ void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs)
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kValidation) continue;
     const Record& record = log.log.record;
-    const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
-    const double range_Ah = (moved.most_C - moved.least_C) / 3600.0;
+    const double range_Ah = CountCharge(record).range_C() / 3600.0;
     any_Ah = std::max(any_Ah, range_Ah);
     fits = true;
     const bool discharge =
@@ -80,6 +79,11 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
   CheckCapacity(campaign, logs);
   return logs;
+}
+
+bool AllStartFull(const std::vector<LoadedLog>& logs) {
+  return std::all_of(
+      logs.begin(), logs.end(), [](const LoadedLog& log) { return log.entry.initial_soc == 1.0; });
 }
 
 std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {

@@ -21,6 +21,10 @@ struct LoadedLog {
 /// as one; a file that is bad in several places of the campaign is named once.
 [[nodiscard]] std::vector<LoadedLog> LoadCampaign(const Campaign& campaign);
 
+/// Whether alpha only scales the axis of what was measured over charge: no log says that it starts
+/// elsewhere than full.
+[[nodiscard]] bool AllStartFull(const std::vector<LoadedLog>& logs);
+
 /// What a reader of any result should know of the logs, one sentence each: whose sign other logs
 /// settled, and which two logs of one format count their current in opposite ways.
 [[nodiscard]] std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs);

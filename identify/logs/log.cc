@@ -431,12 +431,12 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
   log.report.warnings.push_back(
       spikes.size() == 1
           ? fmt::format(
-                "1 row dropped: a voltage of {:.4g} V at {:.10g} s, alone between rows that "
-                "know nothing of it",
+                "1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
+                "the range of all other rows",
                 largest_V,
                 record.time_s[spikes[0]])
           : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
-                        "alone between rows that know nothing of it",
+                        "far outside the range of all other rows",
                         spikes.size(),
                         largest_V,
                         record.time_s[spikes[0]]));
@@ -518,7 +518,8 @@ Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOth
   CheckReadable(
       log.record,
       {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
-  DropSpikes(log, collector.directions());
+  // Where only the current is wanted, a wrong voltage is no reason to lose its row.
+  if (!options.voltage_optional) DropSpikes(log, collector.directions());
   SettleSign(log, collector.directions(), options, others, position(Quantity::kCurrent));
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
@@ -526,6 +527,8 @@ Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOth
     }
   }
   log.report.gaps = FindGaps(log.record);
+  if (!log.report.gaps.empty())
+    log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
   if (auto doubt = DoubtAboutTime(log.record); !doubt.empty()) {
     log.report.warnings.push_back(std::move(doubt));
   }

@@ -41,8 +41,7 @@ std::vector<LogPart> FindParts(const Record& record,
                                const std::vector<Segment>& segments,
                                const std::vector<Gap>& gaps) {
   if (record.size() < 2) return {};
-  const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
-  const double range_C = moved.most_C - moved.least_C;
+  const double range_C = CountCharge(record).range_C();
   if (!(range_C > 0.0)) return {};
   const std::vector<bool> recharges = RowsOfRecharges(record, segments, range_C);
   std::vector<bool> begins_anew(record.size(), false);

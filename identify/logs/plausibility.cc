@@ -155,8 +155,7 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             capacity_Ah,
             most_A));
   }
-  const ChargeMoved moved = CountCharge(record, 0, record.size() - 1);
-  if (const double range_Ah = (moved.most_C - moved.least_C) / 3600.0;
+  if (const double range_Ah = CountCharge(record).range_C() / 3600.0;
       range_Ah > kMostCapacities * capacity_Ah) {
     throw LoadError(
         {record.file},

@@ -61,29 +61,16 @@ Json Describe(const std::string& file,
               LogFileFormat format) {
   const Record& record = log.record;
   const LogReport& report = log.report;
-  Json gaps = Json::array();
-  for (const Gap& gap : report.gaps) {
-    gaps.push_back({{"row", gap.row},
-                    {"start_s", gap.start_s},
-                    {"length_s", gap.length_s},
-                    {"unknown_C", gap.unknown_C}});
-  }
-  return {{"file", file},
-          {"format", report.format},
-          {"output", output},
-          {"output_format", options_internal::ToText(format)},
-          {"rows", report.rows},
-          {"duration_s", record.time_s.back() - record.time_s.front()},
-          {"current_sign", report.current_sign},
-          {"current_sign_reason", report.current_sign_reason},
-          {"dropped_rows", report.dropped_rows()},
-          {"dropped_repeated_times", report.dropped_repeated_times},
-          {"dropped_unselected", report.dropped_unselected},
-          {"dropped_cut_last_line", report.dropped_cut_last_line},
-          {"dropped_spikes", report.dropped_spikes},
-          {"gaps", std::move(gaps)},
-          {"warnings", report.warnings},
-          {"notes", report.notes}};
+  Json json = {{"file", file},
+               {"format", report.format},
+               {"output", output},
+               {"output_format", options_internal::ToText(format)},
+               {"rows", report.rows},
+               {"duration_s", record.time_s.back() - record.time_s.front()},
+               {"current_sign", report.current_sign},
+               {"current_sign_reason", report.current_sign_reason}};
+  json.update(ReadingToJson(report));
+  return json;
 }
 
 }  // namespace

@@ -73,19 +73,6 @@ std::string Dropped(const LogReport& report) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string Gaps(const std::vector<Gap>& gaps) {
-  if (gaps.empty()) return "";
-  const auto longest = *std::max_element(
-      gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.length_s < b.length_s; });
-  double unknown_C = 0.0;
-  for (const Gap& gap : gaps) unknown_C += gap.unknown_C;
-  return fmt::format("{} of {} at {:.6g} s; up to {:.3g} Ah may have flowed unseen",
-                     gaps.size() > 1 ? Count(gaps.size(), "gap") + ", the longest" : "one",
-                     Duration(longest.length_s),
-                     longest.start_s,
-                     unknown_C / kSecondsPerHour);
-}
-
 std::string CountsByKind(const std::vector<Segment>& segments) {
   std::vector<std::string> counts;
   for (const auto& [kind, name] : OptionNames(SegmentKind{})) {
@@ -210,7 +197,6 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
                    log.charge_out_C / kSecondsPerHour,
                    log.charge_in_C / kSecondsPerHour));
   item("dropped", Dropped(log.report));
-  item("gaps", Gaps(log.report.gaps));
   for (const auto& warning : log.report.warnings) item("look at", warning);
   for (const auto& note : log.report.notes) item("note", note);
   if (!log.parts.empty()) line.Print("{}", PartsTable(log.parts));
@@ -246,13 +232,6 @@ Json ToJson(const Spread& spread) {
 }
 
 Json ToJson(const Inspection& log) {
-  Json gaps = Json::array();
-  for (const Gap& gap : log.report.gaps) {
-    gaps.push_back({{"row", gap.row},
-                    {"start_s", gap.start_s},
-                    {"length_s", gap.length_s},
-                    {"unknown_C", gap.unknown_C}});
-  }
   Json segments = Json::array();
   for (const Segment& segment : log.segments) {
     segments.push_back({{"kind", Name(segment.kind)},
@@ -275,17 +254,10 @@ Json ToJson(const Inspection& log) {
                {"voltage_V", ToJson(log.voltage_V)},
                {"charge_out_C", log.charge_out_C},
                {"charge_in_C", log.charge_in_C},
-               {"dropped_rows", log.report.dropped_rows()},
-               {"dropped_repeated_times", log.report.dropped_repeated_times},
-               {"dropped_unselected", log.report.dropped_unselected},
-               {"dropped_cut_last_line", log.report.dropped_cut_last_line},
-               {"dropped_spikes", log.report.dropped_spikes},
-               {"gaps", std::move(gaps)},
-               {"warnings", log.report.warnings},
-               {"notes", log.report.notes},
                {"segments", std::move(segments)},
                {"suggested_kind", nullptr},
                {"suggested_kind_reason", log.suggestion.reason}};
+  json.update(ReadingToJson(log.report));
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
   if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
   json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);

@@ -2,6 +2,7 @@
 // current.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "identify/logs/discharge.h"
 #include "model/battery/cell_file.h"
@@ -17,7 +18,7 @@
 namespace lipoid {
 namespace {
 
-// The width of a band, on the average and at most.
+// The width of a band, on the average and at most; the average of no rows is null.
 Json WidthOf(const PredictionBand& band) {
   double sum_V = 0.0;
   double most_V = 0.0;
@@ -26,8 +27,8 @@ Json WidthOf(const PredictionBand& band) {
     sum_V += width_V;
     most_V = std::max(most_V, width_V);
   }
-  return {{"band_mean_V", sum_V / static_cast<double>(band.voltage_low_V.size())},
-          {"band_max_V", most_V}};
+  const auto rows = static_cast<double>(band.voltage_low_V.size());
+  return {{"band_mean_V", NumberOrNull(sum_V / rows)}, {"band_max_V", most_V}};
 }
 
 // The rows before the first one that lies below the cut-off of the pack. A current that ends where
@@ -81,18 +82,28 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   const double initial_soc = start.Soc(cell);
   auto read = log_options.ToReadOptions();
   read.voltage_optional = true;
-  const Record record = ReadLog(current_file, read).record;
+  const Log read_log = ReadLog(current_file, read);
+  for (const auto& warning : read_log.report.warnings)
+    line.Message("{}: {}", current_file, warning);
+  const Record& record = read_log.record;
   const auto prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
 
   const std::size_t rows =
       beyond_cutoff ? record.size() : RowsUntilCutoff(prediction.voltage_V, cell);
   const bool whole = rows == record.size();
+  const auto outside =
+      std::count_if(prediction.soc.begin(),
+                    prediction.soc.begin() + static_cast<std::ptrdiff_t>(rows),
+                    [&](double soc) { return !cell.open_circuit_voltage.InRange(soc); });
 
   PredictionBand band;
   if (ensemble.asked()) {
     auto drawn = ensemble.Draw(line, cell, cell_name, start);
-    band =
-        PredictBand(drawn.cells, drawn.initial_soc, record.time_s, record.current_A, record.hold);
+    band = PredictBand(drawn.cells,
+                       drawn.initial_soc,
+                       std::span(record.time_s).first(rows),
+                       std::span(record.current_A).first(rows),
+                       record.hold);
     line.summary()["ensemble"] = std::move(drawn.json);
     line.summary()["ensemble"].update(WidthOf(band));
   }
@@ -131,7 +142,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
               {"final_voltage_V", nullptr},
               {"minimum_voltage_V", nullptr},
               {"cutoff_s", nullptr},
-              {"rows_outside_curve", prediction.rows_outside_curve}};
+              {"rows_outside_curve", outside}};
   if (!whole) log["cutoff_s"] = record.time_s[rows];
   if (rows > 0) {
     const auto written = prediction.voltage_V.begin() + static_cast<std::ptrdiff_t>(rows);
@@ -158,18 +169,18 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         rows,
         record.size());
   }
-  if (ensemble.asked()) {
+  if (ensemble.asked() && rows > 0) {
     const Json& of = line.summary()["ensemble"];
     line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
                  ensemble.count,
                  of["band_mean_V"].get<double>(),
                  of["band_max_V"].get<double>());
   }
-  if (prediction.rows_outside_curve > 0) {
+  if (outside > 0) {
     line.Message(
         "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
         "there",
-        prediction.rows_outside_curve);
+        outside);
   }
   return whole ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }

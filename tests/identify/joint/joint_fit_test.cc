@@ -74,6 +74,33 @@ TEST(JointFit, ResistancesAreNotNegativeAndTheCurveDoesNotFall) {
   }
 }
 
+// The same noise with what steps of the current show: a table of r_s keeps within 0.15 and 2 times
+// that, a constant one is free, and what the user says comes first.
+TEST(JointFit, ATableOfTheSeriesResistanceKeepsToWhatStepsShow) {
+  Bench bench(Truth(), test::SyntheticLogs(Truth(), 60.0, 0.02));
+  constexpr double kEdge_Ohm = 0.15;
+  bench.setup.edge_resistance_Ohm = kEdge_Ohm;
+  JointStructure structure = bench.structure;
+  structure.resistance_soc = ResistanceNodes(34);
+  const auto series = [&](const GivenParameters& known, const JointStructure& of) {
+    const JointObservations seen(bench.logs, bench.setup);
+    const JointSolution found = JointFit(seen, known).Search(of, 1e-6);
+    const JointLayout layout(of);
+    const Eigen::VectorXd ohm =
+        found.x.segment(layout.series(), layout.nodes()) / bench.logs.typical_A;
+    return std::pair(ohm.minCoeff(), ohm.maxCoeff());
+  };
+  constexpr double kRounding = 1e-12;
+  const auto [least, most] = series({}, structure);
+  EXPECT_NEAR(least, 0.15 * kEdge_Ohm, kRounding);  // the noise pulls it there
+  EXPECT_LE(most, 2.0 * kEdge_Ohm + kRounding);
+  GivenParameters said;
+  said.bounds["r_s"] = {0.01, 1.0};
+  EXPECT_NEAR(series(said, structure).first, 0.01, kRounding);
+  bench.setup.edge_resistance_Ohm = 10.0;
+  EXPECT_LT(series({}, bench.structure).second, 0.15 * 10.0);
+}
+
 TEST(JointFit, HoldsWhatIsKnown) {
   Bench bench(Truth(), test::SyntheticLogs(Truth(), 5.0));
   bench.known.fixed = {{"beta", 0.25}, {"tau_1", 30.0}, {"r_s", 0.12}};

@@ -82,8 +82,8 @@ TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
   EXPECT_EQ(log.report.dropped_spikes, 1U);
   EXPECT_EQ(log.report.dropped_rows(), 1U);
   EXPECT_EQ(log.report.warnings,
-            (std::vector<std::string>{"1 row dropped: a voltage of 10 V at 3 s, alone between rows "
-                                      "that know nothing of it"}));
+            (std::vector<std::string>{"1 row dropped: a voltage of 10 V at 3 s, far outside the "
+                                      "range of all other rows"}));
 }
 
 TEST(PlainCsv, StepsAndCyclesAreReportedWhereAskedFor) {
