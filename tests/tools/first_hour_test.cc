@@ -230,6 +230,45 @@ TEST(FirstHour, ASimulationEndsAtTheCutOff) {
   EXPECT_EQ(all.exit_code, 0) << all.err;
 }
 
+// The band counts the rows that are written: under 100 A it would be volts wide.
+TEST(FirstHour, TheBandOfASimulationEndsAtTheCutOffToo) {
+  const auto folder = FolderWithLogs();
+  ASSERT_EQ(RunLipoid(folder, {"identify", "logs/campaign.toml", "--quiet", "-o", "cell.json"})
+                .exit_code,
+            0);
+  std::ofstream(folder + "/much.csv") << "time_s,current_A\n0,0\n1,0.5\n2,0.5\n3,100\n4,100\n";
+  const auto run = RunLipoid(folder,
+                             {"simulate",
+                              "cell.json",
+                              "--current",
+                              "much.csv",
+                              "--ensemble",
+                              "50",
+                              "-o",
+                              "p.csv",
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("logs")[0].at("rows"), 3);
+  EXPECT_LT(summary.at("ensemble").at("band_max_V").get<double>(), 0.02);
+}
+
+TEST(FirstHour, AGapInACurrentIsSaid) {
+  const auto folder = TestFolder();
+  std::ofstream file(folder + "/gap.csv");
+  file << "time_s,current_A\n";
+  for (int k = 0; k < 40; ++k) file << (k < 20 ? k : k + 100) << ",0.5\n";
+  file.close();
+  const auto run =
+      RunLipoid(folder, {"simulate", "gifi-600mAh-1", "--current", "gap.csv", "-o", "p.csv"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("gap.csv: a gap of 101 s after 19 s, in which up to 0.014 Ah may have "
+                         "flowed unseen"),
+            std::string::npos)
+      << run.err;
+}
+
 TEST(FirstHour, ALandingVoltageAboveTheFullPackIsRefused) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder, {"fly", "hover", "--duration", "1", "--land-below-V", "20"});
