@@ -1,0 +1,68 @@
+#pragma once
+
+/// @file
+/// What every export is asked and what it answers. A target is another program's battery: its law
+/// may be the cell's own (exact), a poorer one whose free numbers were fitted so that it follows the
+/// cell over a mission (projected), or a table (data). Each target has a file in model/export, or in
+/// identify/export where its numbers are fitted; the registry of all of them is
+/// identify/export/targets.h.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/battery/cell.h"
+#include "model/battery/record_stepper.h"
+
+namespace lipoid {
+
+/// The current that a target and the cell are compared under.
+struct ExportMission {
+  std::string name;               ///< "default", or the file
+  std::vector<double> time_s;     ///< strictly increasing
+  std::vector<double> current_A;  ///< of the whole pack, discharge positive
+  Hold hold = Hold::kBackward;
+  double initial_soc = 1.0;
+};
+
+struct ExportRequest {
+  Cell cell;           ///< its series and parallel are those of the pack to export
+  std::string source;  ///< the cell file or the name of a shipped cell, as typed
+  std::string sha256;  ///< of the cell file's bytes
+  ExportMission mission;
+  std::string target_version;  ///< one of the target's; empty: its default
+  std::string name;            ///< identifier for the target's file, [A-Za-z_][A-Za-z0-9_]*
+};
+
+struct ExportedParameter {
+  std::string name;  ///< as the target calls it
+  double value = 0.0;
+  std::string unit;
+};
+
+/// How far the target's own law is from the cell over the mission, current imposed, in volts of the
+/// whole pack.
+struct ExportError {
+  double rmse_V = 0.0;
+  double max_error_V = 0.0;
+  double worst_s = 0.0;    ///< the time of the largest error
+  double worst_soc = 0.0;  ///< the cell's state of charge there
+};
+
+struct ExportFile {
+  std::string
+      suffix;  ///< ".parm": stands beside the first file, with its stem; the first is -o itself
+  std::string content;  ///< bytes
+};
+
+struct Exported {
+  std::vector<ExportedParameter> parameters;
+  std::optional<ExportError> error;  ///< none where the target has no voltage
+  std::optional<ExportError>
+      naive;  ///< what a user's own numbers would give; none for exact targets
+  std::vector<std::string> cannot_hold;  ///< sentences: what the target's law leaves out
+  std::vector<std::string> notes;  ///< sentences: assumptions and traps for who loads the file
+  std::vector<ExportFile> files;   ///< the first one is the one that -o names
+};
+
+}  // namespace lipoid
