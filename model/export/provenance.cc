@@ -1,0 +1,83 @@
+#include "model/export/provenance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/core/foreign_text.h"
+#include "model/core/run_record.h"
+
+namespace lipoid {
+namespace {
+
+// A line break is escaped by ForeignText; what ends a comment in C, XML or a template is parted.
+std::string Harmless(std::string_view text) {
+  std::string safe = ForeignText(text);
+  for (const std::string_view end : {"*/", "/*", "--", "#}", "\\"}) {
+    for (std::size_t at = safe.find(end); at != std::string::npos; at = safe.find(end, at)) {
+      if (end == "\\") {
+        safe[at] = '?';  // a backslash at the end of a line would continue a C comment
+      } else {
+        safe.insert(at + 1, " ");
+      }
+    }
+  }
+  return safe;
+}
+
+std::string ErrorText(const ExportError& error) {
+  return fmt::format("{:.3f} mV rms, {:.3f} mV at most (at {:.1f} s, state of charge {:.3f})",
+                     1e3 * error.rmse_V,
+                     1e3 * error.max_error_V,
+                     error.worst_s,
+                     error.worst_soc);
+}
+
+}  // namespace
+
+std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
+  std::vector<std::string> lines;
+  lines.push_back(
+      fmt::format("Made by lipoid {} from the cell {}.", Version(), Harmless(request.source)));
+  lines.push_back(fmt::format("SHA-256 of the cell file: {}.", Harmless(request.sha256)));
+  lines.push_back(fmt::format(
+      "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
+  if (exported.error) {
+    lines.push_back(fmt::format("Against the cell, over the mission {} with its current imposed:",
+                                Harmless(request.mission.name)));
+    lines.push_back("  " + ErrorText(*exported.error) + ".");
+  }
+  if (exported.naive)
+    lines.push_back("  Numbers read off the cell file would give " + ErrorText(*exported.naive) +
+                    ".");
+  if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
+  for (const auto& what : exported.cannot_hold) lines.push_back("  " + Harmless(what));
+  for (const auto& note : exported.notes) lines.push_back(Harmless(note));
+  return lines;
+}
+
+std::string Commented(const std::vector<std::string>& lines, std::string_view sign) {
+  constexpr std::size_t kColumns = 100;
+  std::string text;
+  for (const auto& line : lines) {
+    const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    const std::string margin(indent, ' ');
+    std::string_view rest = std::string_view(line).substr(indent);
+    do {
+      const std::size_t room = kColumns - sign.size() - indent;
+      std::size_t cut = rest.size();
+      if (cut > room) {
+        const std::size_t space = rest.rfind(' ', room);
+        cut = space == std::string_view::npos || space == 0 ? room : space;
+      }
+      std::string row = fmt::format("{}{}{}", sign, margin, rest.substr(0, cut));
+      row.erase(row.find_last_not_of(' ') + 1);
+      text += row;
+      text += '\n';
+      rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(' ', cut)));
+    } while (!rest.empty());
+  }
+  return text;
+}
+
+}  // namespace lipoid

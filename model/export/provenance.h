@@ -1,0 +1,25 @@
+#pragma once
+
+/// @file
+/// What every exported file says of itself in its comments: from which cell, over which mission,
+/// how far its law is from the cell, what it cannot hold. Tests:
+/// tests/model/export/provenance_test.cc.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/export/exported.h"
+
+namespace lipoid {
+
+/// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
+/// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has
+/// everything but its files.
+[[nodiscard]] std::vector<std::string> ProvenanceLines(const ExportRequest& request,
+                                                       const Exported& exported);
+
+/// The lines, each after `sign` ("# ") and before a line break; lines wrap at 100 columns.
+[[nodiscard]] std::string Commented(const std::vector<std::string>& lines, std::string_view sign);
+
+}  // namespace lipoid
