@@ -109,10 +109,7 @@ struct ResistanceOfC {
 class Bytes {
  public:
   void Count(std::size_t count) { Number(static_cast<double>(count)); }
-  void Number(double value) {
-    auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int k = 0; k < 8; ++k, bits >>= 8) text_ += static_cast<char>(bits & 0xff);
-  }
+  void Number(double value) { text_ += NumberAsBytes(value); }
   void List(const std::vector<double>& values) {
     Count(values.size());
     for (const double value : values) Number(value);
@@ -126,7 +123,7 @@ class Bytes {
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
-  std::string text_ = "lipoid.c";  // eight bytes: the mark of a cell
+  std::string text_;
 };
 
 // The numbers as cell_law.h takes them, pointing into storage of its own type.
@@ -322,7 +319,7 @@ std::string NumbersAsC(const CellNumbers& n) {
   const auto field = [&text](const std::string& value, std::string_view meaning) {
     text += fmt::format("    {},  // {}\n", value, meaning);
   };
-  text += "static const cell_numbers cell = {\n";
+  text += "static const cell_numbers cell_of_file = {\n";
   field(number(n.alpha_C), "alpha_C");
   field(number(n.tail_s), "tail_s");
   field(fmt::to_string(n.rate_per_s.size()), "modes");
@@ -350,6 +347,13 @@ std::string NumbersAsC(const CellNumbers& n) {
   field(fmt::format("{{{}, {}}}", number(n.end_V[0]), number(n.end_V[1])), "end_V");
   text += fmt::format(
       "    {{{}, {}}}  // end_slope_V\n}};\n", number(n.end_slope_V[0]), number(n.end_slope_V[1]));
+  return text;
+}
+
+std::string NumberAsBytes(double value) {
+  std::string text;
+  auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int k = 0; k < 8; ++k, bits >>= 8) text += static_cast<char>(bits & 0xff);
   return text;
 }
 

@@ -43,11 +43,13 @@ struct CellNumbers {
 /// Numbers that are not finite, or a capacity that is not positive, break a precondition.
 [[nodiscard]] CellNumbers NumbersOf(const Cell& cell);
 
-/// C source: the tables and `static const cell_numbers cell`, each number as CELL_NUMBER(1.25).
+/// C source: the tables and `static const cell_numbers cell_of_file`, each number as CELL_NUMBER(1.25).
 [[nodiscard]] std::string NumbersAsC(const CellNumbers& numbers);
 
-/// The same as little-endian doubles behind a mark, which the library inside an FMU reads.
+/// The same as little-endian doubles, which the library inside an FMU reads (runtime/fmu_cell.h).
 [[nodiscard]] std::string NumbersAsBytes(const CellNumbers& numbers);
+
+[[nodiscard]] std::string NumberAsBytes(double value);
 
 /// A number that C reads as a floating-point constant and that gives the same double.
 [[nodiscard]] std::string CNumber(double value);
