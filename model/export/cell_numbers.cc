@@ -186,6 +186,7 @@ class LawCell {
 template <class Real, class LawOfCell, class Prepare, class Advance, class Relax, class Voltage>
 std::vector<double> Rows(const Cell& cell,
                          const ExportMission& mission,
+                         int steps_of_row,
                          Prepare prepare,
                          Advance advance,
                          Relax relax,
@@ -206,10 +207,12 @@ std::vector<double> Rows(const Cell& cell,
   for (std::size_t k = 0; k < mission.time_s.size(); ++k) {
     if (k > 0) {
       const double dt_s = mission.time_s[k] - mission.time_s[k - 1];
-      if (dt_s != prepared_s) prepare(law.get(), static_cast<Real>(dt_s), loss.data(), gain.data());
+      if (dt_s != prepared_s)
+        prepare(law.get(), static_cast<Real>(dt_s / steps_of_row), loss.data(), gain.data());
       prepared_s = dt_s;
       const Real flows_A = mission.hold == Hold::kBackward ? current(k) : current(k - 1);
-      advance(law.get(), x.data(), carry.data(), loss.data(), gain.data(), flows_A);
+      for (int n = 0; n < steps_of_row; ++n)
+        advance(law.get(), x.data(), carry.data(), loss.data(), gain.data(), flows_A);
     }
     voltage_V.push_back(cell.series * double(voltage(law.get(), x.data(), current(k), Real(1))));
   }
@@ -427,15 +430,28 @@ std::string Identifier(std::string_view name) {
   return text.substr(0, kMostLetters);
 }
 
-std::vector<double> RunCellLaw(const Cell& cell, const ExportMission& mission, LawNumbers numbers) {
+std::vector<double> RunCellLaw(const Cell& cell,
+                               const ExportMission& mission,
+                               LawNumbers numbers,
+                               int steps_of_row) {
   if (numbers == LawNumbers::kFloat) {
     namespace law = with_float;
-    return Rows<float, LawCell<float, law::cell_numbers, law::cell_resistance>>(
-        cell, mission, law::cell_prepare, law::cell_advance, law::cell_relax, law::cell_voltage);
+    return Rows<float, LawCell<float, law::cell_numbers, law::cell_resistance>>(cell,
+                                                                                mission,
+                                                                                steps_of_row,
+                                                                                law::cell_prepare,
+                                                                                law::cell_advance,
+                                                                                law::cell_relax,
+                                                                                law::cell_voltage);
   }
   namespace law = with_double;
-  return Rows<double, LawCell<double, law::cell_numbers, law::cell_resistance>>(
-      cell, mission, law::cell_prepare, law::cell_advance, law::cell_relax, law::cell_voltage);
+  return Rows<double, LawCell<double, law::cell_numbers, law::cell_resistance>>(cell,
+                                                                                mission,
+                                                                                steps_of_row,
+                                                                                law::cell_prepare,
+                                                                                law::cell_advance,
+                                                                                law::cell_relax,
+                                                                                law::cell_voltage);
 }
 
 ExportError MissionError(const ExportRequest& request, std::span<const double> voltage_V) {

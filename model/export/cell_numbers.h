@@ -69,10 +69,13 @@ struct CellNumbers {
 
 enum class LawNumbers { kDouble, kFloat };
 
-/// Terminal voltage of the pack at every row by cell_law.h.
+/// Terminal voltage of the pack at every row by cell_law.h, a row in so many steps: a step takes the
+/// resistance of a branch at the state of charge at its beginning, so that many of them are what a
+/// solver of differential equations finds.
 [[nodiscard]] std::vector<double> RunCellLaw(const Cell& cell,
                                              const ExportMission& mission,
-                                             LawNumbers numbers);
+                                             LawNumbers numbers,
+                                             int steps_of_row = 1);
 
 /// How far these voltages of the pack are from those of the request's cell.
 [[nodiscard]] ExportError MissionError(const ExportRequest& request,
