@@ -14,9 +14,8 @@
 namespace lipoid {
 namespace {
 
-// Cubic, polynomial and Fourier curves become straight lines this close: a tenth of what a SPICE
-// with its usual tolerances leaves.
-constexpr double kCurveTolerance_V = 3e-6;
+// Cubic, polynomial and Fourier curves become straight lines this close.
+constexpr double kCurveTolerance_V = 1e-5;
 // How far straight lines go on beyond the ends of a table, in states of charge. The iterations of a
 // solver may go far.
 constexpr double kBeyond = 10.0;
