@@ -284,6 +284,13 @@ Exported ExportPybamm(const ExportRequest& request) {
       "The law is that of one cell: divide a pack's current by PARALLEL, multiply volts by SERIES. "
       "A full cell needs model.events cleared, as make_model() does, or an initial SoC of 0.9999.");
 
+  // PyBaMM divides by the resistance of a branch to have its capacitance: 0 becomes next to nothing.
+  constexpr double kLeastBranch_Ohm = 1e-9;
+  for (auto& branch : cell.branches) {
+    for (double& ohms : branch.resistance_Ohm.resistance_Ohm)
+      ohms = std::max(ohms, kLeastBranch_Ohm);
+  }
+
   Cell in_lines = cell;
   in_lines.open_circuit_voltage = StraightLines(cell.open_circuit_voltage, kCurveTolerance_V);
   exported.error = MissionError(request, RunPybammLaw(in_lines, request.mission, kPybammPoints));

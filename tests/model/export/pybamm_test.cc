@@ -83,6 +83,17 @@ TEST(Pybamm, StatedErrorIsWhatPybammHas) {
   }
 }
 
+TEST(Pybamm, BranchMayVanishAtSomeStatesOfCharge) {
+  LIPOID_SKIP_WITHOUT_SIMULATORS();
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>({0.3, 0.6, 0.8}, {0.03, 0.0, 0.02}), 20.0, {}},
+                   {Resistance<double>(0.0), 5.0, {}}};
+  auto request = test::RequestOf(cell);
+  request.name = "vanishing";
+  request.mission = Thinned(request.mission, 50);
+  ExpectStatedIsMeasured(request, 5e-3);
+}
+
 TEST(Pybamm, RealSortieIsWithinATenthOfAMillivoltButForTheJumps) {
   LIPOID_SKIP_WITHOUT_SIMULATORS();
   const auto sortie = test::LabDataPath("missions/sortie.csv");
