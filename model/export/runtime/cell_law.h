@@ -95,7 +95,8 @@ static cell_real cell_open_circuit(const cell_numbers *cell, cell_real soc) {
   if (soc >= *end) return cell->end_V[1] + cell->end_slope_V[1] * (soc - *end);
   if (cell->curve == CELL_CURVE_PIECES) {
     const int k = cell_node_below(cell->soc, cell->nodes, soc);
-    const cell_real *c = cell->piece_V + 4 * k;
+    const int first = 4 * k;
+    const cell_real *c = cell->piece_V + first;
     const cell_real x = soc - cell->soc[k];
     return c[0] + x * (c[1] + x * (c[2] + x * c[3]));
   }
