@@ -24,6 +24,8 @@
 #include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/text_table.h"
 
 namespace lipoid::cli {
 namespace {
@@ -118,6 +120,7 @@ void PrintFailure(const std::string& program, const Failure& failure) {
   } else {
     text = program + ": error: " + failure.message;
   }
+  if (ErrorIsTerminal()) text = WrappedLines(text);
   if (ErrorIsColoured()) {
     constexpr std::string_view kWord = "error:";
     for (auto at = text.find(kWord); at != std::string::npos; at = text.find(kWord, at + 16)) {
@@ -224,6 +227,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     line = std::make_unique<CommandLine>(
         command, std::vector<std::string>(arguments.begin() + 1, arguments.end()));
     exit_code = command.run(*line);
+    line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
     if (!summary_file.empty() && line->parsed()) {
       WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));

@@ -2,7 +2,7 @@
 
 /// @file
 /// Where a curve of nodes reaches the cut-off: what fixes alpha (docs/joint.md, 3).
-/// Tests: tests/identify/joint/joint_gauge_test.cc.
+/// Tests: tests/identify/joint/capacity_reference_test.cc.
 
 #include <cstddef>
 #include <vector>

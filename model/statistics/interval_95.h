@@ -2,7 +2,7 @@
 
 /// @file
 /// The interval that holds 95 % of what a sample was drawn from.
-/// Tests: tests/model/core/interval_95_test.cc.
+/// Tests: tests/model/statistics/interval_95_test.cc.
 
 #include <algorithm>
 #include <cmath>

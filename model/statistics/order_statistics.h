@@ -1,21 +1,29 @@
 #pragma once
 
 /// @file
-/// The middle of numbers in no order. Tests: tests/identify/median_test.cc.
+/// The middle of numbers in no order, and the value that has so many below it. Tests:
+/// tests/model/statistics/order_statistics_test.cc.
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
 namespace lipoid {
 
+/// The value that has `place` values before it in order, place < size. Changes the order of the
+/// values.
+inline double ValueAtPlace(std::vector<double>& values, std::size_t place) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 /// The middle value, of an even number of them the upper of the middle two: one that occurs. NaN of
 /// none.
 inline double UpperMedian(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return ValueAtPlace(values, values.size() / 2);
 }
 
 /// The middle value, or the mean of the middle two; NaN of none.

@@ -1,4 +1,4 @@
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 #include <gtest/gtest.h>
 

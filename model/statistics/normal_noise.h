@@ -3,7 +3,7 @@
 /// @file
 /// Independent standard normal numbers that are the same wherever they are drawn: the standard
 /// library's normal_distribution is not, Boost's ziggurat is. Drawing does not allocate. Tests:
-/// tests/model/core/normal_noise_test.cc.
+/// tests/model/statistics/normal_noise_test.cc.
 
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/normal_distribution.hpp>

@@ -1,4 +1,4 @@
-#include "identify/joint/joint_gauge.h"
+#include "identify/joint/capacity_reference.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "model/core/interval_95.h"
+#include "model/statistics/interval_95.h"
 
 #include <gtest/gtest.h>
 

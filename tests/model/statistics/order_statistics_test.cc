@@ -1,4 +1,4 @@
-#include "identify/median.h"
+#include "model/statistics/order_statistics.h"
 
 #include <gtest/gtest.h>
 
