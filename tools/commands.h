@@ -13,6 +13,7 @@ namespace lipoid {
 cli::ExitCode CompareCommand(cli::CommandLine& line);
 cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode DesignCommand(cli::CommandLine& line);
+cli::ExitCode ExportControllerCommand(cli::CommandLine& line);
 cli::ExitCode FlyCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
@@ -28,6 +29,9 @@ inline constexpr cli::Command kCommands[] = {
     {"compare", "optimizers on the same problem, side by side", &CompareCommand},
     {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"design", "controller gains by optimization", &DesignCommand},
+    {"export-controller",
+     "the flight controller as C, for a microcontroller",
+     &ExportControllerCommand},
     {"fly", "a maneuver of a quadrotor on an identified cell", &FlyCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},

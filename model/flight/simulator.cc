@@ -206,6 +206,7 @@ class Simulation {
     const double lowest_V = battery_ ? battery_->cutoff_V() : trim.battery_V;
     controller_.Reset(
         measured, trim.commanded_speed_rad_per_s, HeldSpeed(setup_.vehicle, lowest_V));
+    if (setup_.flight_code != nullptr) setup_.flight_code->Reset(measured);
   }
 
   // The biases are found at rest, where the specific force is that of hover.
@@ -221,6 +222,7 @@ class Simulation {
       readings.push_back(sensors_->Read(rest));
     }
     estimator_->Reset(at_rest, readings);
+    if (setup_.flight_code != nullptr) setup_.flight_code->ResetEstimator(at_rest, readings);
   }
 
   [[nodiscard]] MeasuredState Truth(double battery_V) const {
@@ -239,12 +241,15 @@ class Simulation {
     Triple<double> force = TripleAt(rate, plant::kVelocity);
     force[2] -= kGravity_m_per_s2;
     const Attitude<double> attitude(truth.angles_rad);
-    return estimator_->Step(sensors_->Read({.position_m = truth.position_m,
-                                            .angles_rad = truth.angles_rad,
-                                            .velocity_m_per_s = truth.velocity_m_per_s,
-                                            .body_rates_rad_per_s = truth.body_rates_rad_per_s,
-                                            .specific_force_m_per_s2 = attitude.ToBody(force),
-                                            .battery_V = truth.battery_V}));
+    const SensorReadings readings =
+        sensors_->Read({.position_m = truth.position_m,
+                        .angles_rad = truth.angles_rad,
+                        .velocity_m_per_s = truth.velocity_m_per_s,
+                        .body_rates_rad_per_s = truth.body_rates_rad_per_s,
+                        .specific_force_m_per_s2 = attitude.ToBody(force),
+                        .battery_V = truth.battery_V});
+    return setup_.flight_code != nullptr ? setup_.flight_code->Estimate(readings)
+                                         : estimator_->Step(readings);
   }
   [[nodiscard]] double Soc() const {
     return battery_ ? battery_->soc() : std::numeric_limits<double>::quiet_NaN();
@@ -277,6 +282,7 @@ class Simulation {
     const MeasuredState measured = Measure();
     command_ = pilot_.At(time_s_);
     inputs_.duty = controller_.Step(command_, measured);
+    if (setup_.flight_code != nullptr) inputs_.duty = setup_.flight_code->Step(command_, measured);
     if (battery_ && battery_->bends()) FollowTheCurrent();
     if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
     saturated_ += controller_.saturated() ? 1 : 0;
