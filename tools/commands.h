@@ -21,6 +21,7 @@ cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode PlanCommand(cli::CommandLine& line);
 cli::ExitCode PolesCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
+cli::ExitCode SitlCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
@@ -39,6 +40,7 @@ inline constexpr cli::Command kCommands[] = {
     {"plan", "what an experiment would tell, before the lab is booked", &PlanCommand},
     {"poles", "closed-loop poles as the voltage falls", &PolesCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
+    {"sitl", "the physics behind an autopilot (ArduPilot's JSON interface)", &SitlCommand},
     {"study", "one stage done in several ways: branches, v_oc(A), diffusion modes", &StudyCommand},
     {"synthesize",
      "the lab's logs of a known cell, with the truth beside them",

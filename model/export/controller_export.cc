@@ -99,7 +99,8 @@ void WriteVehicle(Numbers& numbers, const Vehicle& v) {
   const double per_thrust = 0.25 / v.thrust_coefficient_N_s2;
   numbers.Real("SQUARE_PER_THRUST", per_thrust, "1/(4 k_T)");
   numbers.Real("SQUARE_PER_TILT", per_thrust / v.lever_m(), "1/(4 k_T l_x)");
-  numbers.Real("SQUARE_PER_YAW", 0.25 / v.torque_coefficient_N_m_s2, "1/(4 k_N)");
+  numbers.Real(
+      "SQUARE_PER_YAW", 0.25 / v.yaw_coefficient_N_m_s2(), "1/(4 k_N), sign of the turning");
   numbers.Real("HOVER_SPEED_RAD_PER_S",
                std::sqrt(v.mass_kg * kGravity_m_per_s2 / (4.0 * v.thrust_coefficient_N_s2)),
                "rad/s");
@@ -186,6 +187,8 @@ std::string NumbersFile(const ControllerExportRequest& request) {
       "lipoid_numbers.h: the vehicle, the gains and the options of lipoid_controller.c.",
       fmt::format("Made by lipoid {}.", Version()),
       fmt::format("Vehicle: {}.", HarmlessInComment(request.vehicle.name)),
+      fmt::format("Front right and back left turn {}, seen from above; the others the other way.",
+                  options_internal::ToText(request.vehicle.front_right_turns)),
       fmt::format("Gains: {}.", HarmlessInComment(request.gains.name)),
       fmt::format("Controller: {}.", HarmlessInComment(request.controller.law)),
       fmt::format("Bounds of the references are those at {} V.", request.lowest_V)};

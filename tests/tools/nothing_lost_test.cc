@@ -97,6 +97,8 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"export-controller", "--vehicle", "code/lipoid_controller.c", "-o", "./code"},
       {"export-controller", "--cell", "code/lipoid_example.c", "-o", "code/"},
       {"export-controller", "--gains", "gains.json", "-o", "code", "--summary", "gains.json"},
+      {"sitl", "--cell", "cell.json", "--idle-s", "0.1", "--summary", "cell.json"},
+      {"sitl", "--vehicle", "places.toml", "--idle-s", "0.1", "--summary", "places.toml"},
       {"design", "altitude", "--start", "gains.json", "-o", "gains.json"},
       {"poles", "altitude", "--gains", "gains.json", "-o", "gains.json"},
       {"validate", "cell.json", "logs/pulses.csv", "--summary", "logs/pulses.csv"},

@@ -30,9 +30,8 @@
  * of level. Altitude is -Z, positive up.
  *
  * Motors 1 to 4, elements 0 to 3 of the outputs, are front right, back right, back left and front
- * left, seen from above. Front right and back left turn clockwise, seen from above; where yours
- * turn the other way, mirror the vehicle: exchange left and right of the motors and change the
- * signs of y, roll, yaw and their rates in state and command.
+ * left, seen from above. Whether front right and back left turn clockwise or counter-clockwise, and
+ * the other two the other way, is a number of the vehicle: see the head of lipoid_numbers.h.
  */
 #ifndef LIPOID_CONTROLLER_H
 #define LIPOID_CONTROLLER_H
