@@ -35,6 +35,10 @@
 
 namespace lipoid {
 
+/// Cosine of the tilt up to which the optical flow is used: beyond 60 degrees the camera does not
+/// look at the ground below.
+inline constexpr double kLeastUpright = 0.5;
+
 struct EstimatorOptions {
   bool calibrate = true;
   int calibration_samples = 400;

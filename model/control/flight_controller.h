@@ -124,6 +124,15 @@ class FlightController {
   [[nodiscard]] bool saturated() const { return saturated_; }
   [[nodiscard]] const ErrorIntegrals<double>& integrals() const { return integrals_; }
 
+  /// What was derived from vehicle, gains and options, after Reset() with the bounds that it set;
+  /// for code that is exported.
+  [[nodiscard]] const ReferenceModel& down_reference() const { return down_; }
+  [[nodiscard]] const ReferenceModel& angle_reference(std::size_t axis) const {
+    return angles_[axis];
+  }
+  [[nodiscard]] const ReferenceModel& position_reference() const { return position_[0]; }
+  [[nodiscard]] double yaw_limit_N_m() const { return yaw_limit_N_m_; }
+
  private:
   [[nodiscard]] TiltCommand Tilt(const FlightCommand& command, const MeasuredState& state);
   PerMotor<double> Duties(double battery_V);

@@ -10,8 +10,18 @@
 namespace lipoid {
 namespace {
 
+std::string ErrorText(const ExportError& error) {
+  return fmt::format("{:.3f} mV rms, {:.3f} mV at most (at {:.1f} s, state of charge {:.3f})",
+                     1e3 * error.rmse_V,
+                     1e3 * error.max_error_V,
+                     error.worst_s,
+                     error.worst_soc);
+}
+
+}  // namespace
+
 // A line break is escaped by ForeignText; what ends a comment in C, XML or a template is parted.
-std::string Harmless(std::string_view text) {
+std::string HarmlessInComment(std::string_view text) {
   std::string safe = ForeignText(text);
   for (const std::string_view end : {"*/", "/*", "--", "#}", "\\"}) {
     for (std::size_t at = safe.find(end); at != std::string::npos; at = safe.find(end, at)) {
@@ -25,34 +35,24 @@ std::string Harmless(std::string_view text) {
   return safe;
 }
 
-std::string ErrorText(const ExportError& error) {
-  return fmt::format("{:.3f} mV rms, {:.3f} mV at most (at {:.1f} s, state of charge {:.3f})",
-                     1e3 * error.rmse_V,
-                     1e3 * error.max_error_V,
-                     error.worst_s,
-                     error.worst_soc);
-}
-
-}  // namespace
-
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
   std::vector<std::string> lines;
-  lines.push_back(
-      fmt::format("Made by lipoid {} from the cell {}.", Version(), Harmless(request.source)));
-  lines.push_back(fmt::format("SHA-256 of the cell file: {}.", Harmless(request.sha256)));
+  lines.push_back(fmt::format(
+      "Made by lipoid {} from the cell {}.", Version(), HarmlessInComment(request.source)));
+  lines.push_back(fmt::format("SHA-256 of the cell file: {}.", HarmlessInComment(request.sha256)));
   lines.push_back(fmt::format(
       "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
   if (exported.error) {
     lines.push_back(fmt::format("Against the cell, over the mission {} with its current imposed:",
-                                Harmless(request.mission.name)));
+                                HarmlessInComment(request.mission.name)));
     lines.push_back("  " + ErrorText(*exported.error) + ".");
   }
   if (exported.naive)
     lines.push_back("  Numbers read off the cell file would give " + ErrorText(*exported.naive) +
                     ".");
   if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
-  for (const auto& what : exported.cannot_hold) lines.push_back("  " + Harmless(what));
-  for (const auto& note : exported.notes) lines.push_back(Harmless(note));
+  for (const auto& what : exported.cannot_hold) lines.push_back("  " + HarmlessInComment(what));
+  for (const auto& note : exported.notes) lines.push_back(HarmlessInComment(note));
   return lines;
 }
 

@@ -13,6 +13,10 @@
 
 namespace lipoid {
 
+/// Text that came from elsewhere, escaped and shortened, without a character that could end or
+/// continue a comment in any of the targets' languages.
+[[nodiscard]] std::string HarmlessInComment(std::string_view text);
+
 /// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
 /// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has
 /// everything but its files.

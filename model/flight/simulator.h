@@ -19,6 +19,7 @@
 #include "model/battery/cell.h"
 #include "model/control/estimator.h"
 #include "model/control/flight_controller.h"
+#include "model/flight/flight_code.h"
 #include "model/flight/flight_log.h"
 #include "model/flight/flight_plan.h"
 #include "model/flight/trim.h"
@@ -82,6 +83,8 @@ struct FlightSetup {
   std::uint64_t seed = 0;  ///< of gusts and of the sensors' noise
   /// Of the pack: lands when the battery has been below it for a second.
   double land_below_V = 0.0;
+  /// Flies instead of lipoid's controller and estimator; outlives the flight, one at a time.
+  FlightCode* flight_code = nullptr;
 };
 
 enum class Outcome { kCompleted, kCrashed, kBatteryEmpty };

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -253,7 +254,29 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
   return static_cast<int>(failure->exit_code);
 }
 
+// What StopRequest is to call; empty: signals end the process.
+std::mutex stop_mutex;
+std::function<void()> stop_request;
+
+bool AskedToStop() {
+  const std::lock_guard lock(stop_mutex);
+  if (!stop_request) return false;
+  stop_request();
+  stop_request = nullptr;
+  return true;
+}
+
 }  // namespace
+
+StopRequest::StopRequest(std::function<void()> stop) {
+  const std::lock_guard lock(stop_mutex);
+  stop_request = std::move(stop);
+}
+
+StopRequest::~StopRequest() {
+  const std::lock_guard lock(stop_mutex);
+  stop_request = nullptr;
+}
 
 void CleanUpWhenEnded() {
   sigset_t ending;
@@ -267,7 +290,9 @@ void CleanUpWhenEnded() {
   pthread_sigmask(SIG_BLOCK, &ending, nullptr);  // in this thread and in all that it starts
   const auto clean_up = [ending] {
     int signal = 0;
-    sigwait(&ending, &signal);
+    do {
+      sigwait(&ending, &signal);
+    } while ((signal == SIGINT || signal == SIGTERM) && AskedToStop());
     RemoveUncommitted();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
