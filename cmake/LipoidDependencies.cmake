@@ -25,3 +25,13 @@ if(NOT TARGET Ipopt::Ipopt)
                INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_IPOPT_INCLUDE_DIR}"
                INTERFACE_COMPILE_DEFINITIONS HAVE_CSTDDEF)  # what Debian's build of it was told
 endif()
+
+# Debian's CMake package of libzip wants the programs zipcmp, zipmerge and ziptool, which come in
+# packages of their own and which nothing here runs.
+if(NOT TARGET libzip::zip)
+  find_path(LIPOID_ZIP_INCLUDE_DIR zip.h REQUIRED)
+  find_library(LIPOID_ZIP_LIBRARY zip REQUIRED)
+  add_library(libzip::zip UNKNOWN IMPORTED)
+  set_target_properties(libzip::zip PROPERTIES IMPORTED_LOCATION "${LIPOID_ZIP_LIBRARY}"
+                                               INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_ZIP_INCLUDE_DIR}")
+endif()

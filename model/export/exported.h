@@ -32,6 +32,7 @@ struct ExportRequest {
   ExportMission mission;
   std::string target_version;  ///< one of the target's; empty: its default
   std::string name;            ///< identifier for the target's file, [A-Za-z_][A-Za-z0-9_]*
+  std::string stem = {};       ///< of -o, for files that name one another; empty: the identifier's
 };
 
 struct ExportedParameter {

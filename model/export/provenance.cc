@@ -21,8 +21,8 @@ std::string ErrorText(const ExportError& error) {
 }  // namespace
 
 // A line break is escaped by ForeignText; what ends a comment in C, XML or a template is parted.
-std::string HarmlessInComment(std::string_view text) {
-  std::string safe = ForeignText(text);
+std::string HarmlessInComment(std::string_view text, std::size_t most_bytes) {
+  std::string safe = ForeignText(text, most_bytes);
   for (const std::string_view end : {"*/", "/*", "--", "#}", "\\"}) {
     for (std::size_t at = safe.find(end); at != std::string::npos; at = safe.find(end, at)) {
       if (end == "\\") {
@@ -51,8 +51,9 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
     lines.push_back("  Numbers read off the cell file would give " + ErrorText(*exported.naive) +
                     ".");
   if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
-  for (const auto& what : exported.cannot_hold) lines.push_back("  " + HarmlessInComment(what));
-  for (const auto& note : exported.notes) lines.push_back(HarmlessInComment(note));
+  for (const auto& what : exported.cannot_hold)
+    lines.push_back("  " + HarmlessInComment(what, kMostBytesOfMessage));
+  for (const auto& note : exported.notes) lines.push_back(HarmlessInComment(note, kMostBytesOfMessage));
   return lines;
 }
 
