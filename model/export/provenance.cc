@@ -11,8 +11,11 @@ namespace lipoid {
 namespace {
 
 // A line break is escaped by ForeignText; what ends a comment in C, XML or a template is parted.
-std::string Harmless(std::string_view text) {
-  std::string safe = ForeignText(text);
+// A sentence of lipoid's own may be longer than one value from elsewhere.
+constexpr std::size_t kMostBytesOfSentence = 1000;
+
+std::string Harmless(std::string_view text, std::size_t most_bytes = kMostBytesOfValue) {
+  std::string safe = ForeignText(text, most_bytes);
   for (const std::string_view end : {"*/", "/*", "--", "#}", "\\"}) {
     for (std::size_t at = safe.find(end); at != std::string::npos; at = safe.find(end, at)) {
       if (end == "\\") {
@@ -33,6 +36,16 @@ std::string ErrorText(const ExportError& error) {
                      error.worst_soc);
 }
 
+std::string ChargeErrorText(const ExportChargeError& error) {
+  std::string text = fmt::format("{:.3f} % rms, {:.3f} % at most (at {:.1f} s)",
+                                 1e2 * error.rms,
+                                 1e2 * error.max_error,
+                                 error.worst_s);
+  if (error.lifetime_percent)
+    text += fmt::format("; the time until empty is off by {:+.3f} %", *error.lifetime_percent);
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
@@ -42,17 +55,23 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   lines.push_back(fmt::format("SHA-256 of the cell file: {}.", Harmless(request.sha256)));
   lines.push_back(fmt::format(
       "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
-  if (exported.error) {
+  if (exported.error || exported.charge_error) {
     lines.push_back(fmt::format("Against the cell, over the mission {} with its current imposed:",
                                 Harmless(request.mission.name)));
-    lines.push_back("  " + ErrorText(*exported.error) + ".");
   }
+  if (exported.error) lines.push_back("  " + ErrorText(*exported.error) + ".");
   if (exported.naive)
     lines.push_back("  Numbers read off the cell file would give " + ErrorText(*exported.naive) +
                     ".");
+  if (exported.charge_error)
+    lines.push_back("  State of charge: " + ChargeErrorText(*exported.charge_error) + ".");
+  if (exported.naive_charge_error)
+    lines.push_back("  Numbers read off the cell file would give " +
+                    ChargeErrorText(*exported.naive_charge_error) + ".");
   if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
-  for (const auto& what : exported.cannot_hold) lines.push_back("  " + Harmless(what));
-  for (const auto& note : exported.notes) lines.push_back(Harmless(note));
+  for (const auto& what : exported.cannot_hold)
+    lines.push_back("  " + Harmless(what, kMostBytesOfSentence));
+  for (const auto& note : exported.notes) lines.push_back(Harmless(note, kMostBytesOfSentence));
   return lines;
 }
 
