@@ -34,7 +34,7 @@ std::vector<double> Px4StateOfCharge(const Px4Battery& battery,
   const auto by_voltage = [&](float volts) {
     return std::clamp((volts - empty_V) / span_V, 0.0F, 1.0F);
   };
-  float low_pass_V = corrected(0, 0.0);
+  float low_pass_V = corrected(0, mission.current_A[0]);
   float soc = by_voltage(low_pass_V);
   float discharged_mAh = 0.0F;
   shown[0] = soc;

@@ -91,6 +91,7 @@ def px4_state_of_charge(p, times, currents, volts):
     """What PX4's estimator shows, fed with the pack's volts 100 times a second. The charge is summed
     in float as there; the rest is double here."""
     dt, current, row = substeps(times, currents, 100.0)
+    first_V = volts[0]
     volts = np.repeat(volts[1:], np.diff(np.concatenate([[-1], row])))
     span = p["BAT1_V_CHARGED"] - p["BAT1_V_EMPTY"]
     corrected = volts / p["BAT1_N_CELLS"] + p["BAT1_R_INTERNAL"] * np.maximum(current, 0.0)
@@ -100,7 +101,7 @@ def px4_state_of_charge(p, times, currents, volts):
     counted = np.maximum(counted, 0.0)
     taken = taken.astype(float) / p["BAT1_CAPACITY"]
     share = dt / (dt + 1.0)
-    low_pass = volts[0] / p["BAT1_N_CELLS"]
+    low_pass = first_V / p["BAT1_N_CELLS"] + p["BAT1_R_INTERNAL"] * max(currents[0], 0.0)
     soc = min(max((low_pass - p["BAT1_V_EMPTY"]) / span, 0.0), 1.0)
     shown = np.empty(len(dt))
     start = soc

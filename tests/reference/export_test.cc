@@ -8,13 +8,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
+#include "model/export/export_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/text_files.h"
 
@@ -154,6 +157,54 @@ TEST_F(ExportReferenceTest, ACellWithEveryTermIsExportedWithItsError) {
   Add(FullCell(), "gazebo", "gazebo");
   Add(FullCell(), "px4", "px4");
   Judge();
+}
+
+// ns-3 itself, where Debian's libns3-dev is installed: its level, row by row, against the cell.
+TEST_F(ExportReferenceTest, Ns3StatesTheErrorOfItsOwnModel) {
+  const std::string libraries = "/usr/lib/x86_64-linux-gnu/libns3-";
+  if (!std::filesystem::exists("/usr/include/ns3/rv-battery-model.h"))
+    GTEST_SKIP() << "skipped: no libns3-dev (tools/setup --extra)";
+  const std::string peer = folder_ + "/ns3_peer";
+  std::string compile = "c++ -O1 -std=c++17 -o " + peer + " ";
+  compile += SourcePath("tests/reference/ns3_peer.cc");
+  for (const auto* const library : {"energy", "config-store", "network", "core"})
+    compile += " " + libraries + library + ".so";
+  ASSERT_EQ(std::system((compile + " 2> " + folder_ + "/log").c_str()), 0)
+      << test::ReadText(folder_ + "/log");
+  for (const Cell& cell : Cells()) {
+    SCOPED_TRACE(cell.name);
+    ExportRequest request;
+    request.cell = cell;
+    request.target_version = "3.37";
+    request.mission = DefaultMission(cell);
+    const Exported exported = Export(FindExportTarget("ns3"), request);
+    WriteFileAtomically(folder_ + "/ns3.txt", exported.files[0].content);
+    CsvWriter csv(folder_ + "/ns3.csv", "time_s,current_A");
+    for (std::size_t k = 0; k < request.mission.time_s.size(); ++k)
+      csv.Row(request.mission.time_s[k], request.mission.current_A[k]);
+    csv.Commit();
+    const std::string run =
+        fmt::format("cd {} && ./ns3_peer ns3.txt ns3.csv > levels 2> log", folder_);
+    ASSERT_EQ(std::system(run.c_str()), 0) << test::ReadText(folder_ + "/log");
+    const ExportReference truth = ReferenceOf(cell, request.mission);
+    std::istringstream levels(test::ReadText(folder_ + "/levels"));
+    double level = 0.0;
+    double squares = 0.0;
+    double most = 0.0;
+    std::size_t rows = 0;
+    while (levels >> level) {
+      ASSERT_LT(rows, truth.soc.size());
+      const double error = level - truth.soc[rows++];
+      squares += error * error;
+      most = std::max(most, std::abs(error));
+    }
+    ASSERT_EQ(rows, truth.soc.size());
+    const double rms = std::sqrt(squares / static_cast<double>(rows));
+    EXPECT_NEAR(exported.charge_error->rms, rms, kRelative * rms);
+    EXPECT_NEAR(exported.charge_error->max_error, most, kRelative * most);
+    // What is known to be reachable with its default number of terms.
+    EXPECT_LT(exported.charge_error->max_error, 0.007 * 1.03);
+  }
 }
 
 // The package itself, where tools/setup --extra has installed it.
