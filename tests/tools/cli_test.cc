@@ -31,6 +31,25 @@ TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
             "b                  12\n");
 }
 
+TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
+  TextTable table({{"log", Align::kLeft}, {"cost / V²"}});
+  table.Row({"a_b&c#1$", "0.22"});
+  EXPECT_EQ(table.Latex("Errors in %."),
+            "\\begin{table}\n"
+            "  \\centering\n"
+            "  \\caption{Errors in \\%.}\n"
+            "  \\begin{tabular}{lr}\n"
+            "    \\toprule\n"
+            "    log & cost / V\\textsuperscript{2} \\\\\n"
+            "    \\midrule\n"
+            "    a\\_b\\&c\\#1\\$ & 0.22 \\\\\n"
+            "    \\bottomrule\n"
+            "  \\end{tabular}\n"
+            "\\end{table}\n");
+  EXPECT_EQ(LatexText("beta / s^-1/2 \\x{y}~"),
+            "beta / s\\textsuperscript{-1/2} \\textbackslash{}x\\{y\\}\\textasciitilde{}");
+}
+
 TEST(Significant, KeepsSoManyDigitsAndNoMore) {
   EXPECT_EQ(Significant(0.22341), "0.2234");
   EXPECT_EQ(Significant(1353.6), "1354");

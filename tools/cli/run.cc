@@ -20,8 +20,8 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
-#include "model/core/run_record.h"
 #include "model/core/nearest_name.h"
+#include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
 
@@ -212,7 +212,8 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     }
     if (name == "--schema") return WriteStandardOutput(JsonText(CellSchema()));
     if (name == "--completion") {
-      if (arguments.size() != 2) throw OptionError("option --completion: expected bash, zsh or fish");
+      if (arguments.size() != 2)
+        throw OptionError("option --completion: expected bash, zsh or fish");
       return WriteStandardOutput(CompletionScript(arguments[1], DescribeCommands(commands)));
     }
     if (name == "--version" || name == "-V") {

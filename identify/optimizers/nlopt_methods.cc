@@ -1,4 +1,4 @@
-#include "identify/optimizers/nlopt_adapter.h"
+#include "identify/optimizers/nlopt_methods.h"
 
 #include <nlopt.h>
 
@@ -8,6 +8,8 @@
 #include <new>
 #include <vector>
 
+#include "identify/optimizers/monitor.h"
+
 namespace lipoid {
 namespace {
 
@@ -16,23 +18,32 @@ struct DestroyNlopt {
 };
 using Nlopt = std::unique_ptr<nlopt_opt_s, DestroyNlopt>;
 
-constexpr nlopt_algorithm Algorithm(NloptMethod method) {
+struct Method {
+  nlopt_algorithm algorithm;
+  bool uses_gradient;
+  bool smooth;  // models the cost by a polynomial, which cannot pass through infinity
+};
+
+constexpr Method MethodOf(NloptMethod method) {
   switch (method) {
     case NloptMethod::kSequentialQuadratic:
-      return NLOPT_LD_SLSQP;
+      return {NLOPT_LD_SLSQP, true, false};
     case NloptMethod::kActiveSet:
-      return NLOPT_LD_LBFGS;
+      return {NLOPT_LD_LBFGS, true, false};
     case NloptMethod::kNelderMead:
-      return NLOPT_LN_NELDERMEAD;
+      return {NLOPT_LN_NELDERMEAD, false, false};
     case NloptMethod::kBobyqa:
-      return NLOPT_LN_BOBYQA;
+      break;
   }
-  return NLOPT_NUM_ALGORITHMS;
+  return {NLOPT_LN_BOBYQA, false, true};
 }
 
-constexpr bool UsesGradient(NloptMethod method) {
-  return method == NloptMethod::kSequentialQuadratic || method == NloptMethod::kActiveSet;
-}
+struct Limits {
+  double step_tolerance = 0.0;
+  double function_tolerance = 0.0;
+  int iterations_per_variable = 0;
+  double initial_step = 0.0;  // relative to |x|; 0: the library's
+};
 
 struct Call {
   Monitor& monitor;
@@ -128,29 +139,30 @@ OptimizationSummary Ended(
                         why != nullptr ? why : "NLopt found no step that helps.");
 }
 
-}  // namespace
+OptimizationSummary Minimize(const Method& method,
+                             const OptimizationProblem& problem,
+                             const Eigen::VectorXd& start,
+                             const Limits& limits) {
+  Monitor monitor(problem, start);
+  const int most = limits.iterations_per_variable * monitor.size();
+  if (auto done = monitor.Begin(method.uses_gradient, most)) return *std::move(done);
 
-OptimizationSummary MinimizeWithNlopt(Monitor& monitor, const NloptSetup& setup) {
-  const bool uses_gradient = UsesGradient(setup.method);
-  const int most = setup.iterations_per_variable * monitor.size();
-  if (auto done = monitor.Begin(uses_gradient, most)) return *std::move(done);
-
-  const Nlopt library(nlopt_create(Algorithm(setup.method), static_cast<unsigned>(monitor.size())));
+  const Nlopt library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
   if (library == nullptr) throw std::bad_alloc();
   Call call{.monitor = monitor,
             .library = library.get(),
-            .uses_gradient = uses_gradient,
-            .smooth = setup.method == NloptMethod::kBobyqa,
+            .uses_gradient = method.uses_gradient,
+            .smooth = method.smooth,
             .max_iterations = most,
-            .unit = Unit(monitor, uses_gradient),
+            .unit = Unit(monitor, method.uses_gradient),
             .highest = monitor.best_cost()};
   nlopt_set_min_objective(library.get(), &Objective, &call);
   nlopt_set_lower_bounds(library.get(), Bounds(monitor.lower()).data());
   nlopt_set_upper_bounds(library.get(), Bounds(monitor.upper()).data());
-  nlopt_set_xtol_rel(library.get(), setup.step_tolerance);
-  nlopt_set_ftol_rel(library.get(), setup.function_tolerance);
-  if (setup.initial_step > 0.0) {
-    nlopt_set_initial_step(library.get(), InitialSteps(monitor, setup.initial_step).data());
+  nlopt_set_xtol_rel(library.get(), limits.step_tolerance);
+  nlopt_set_ftol_rel(library.get(), limits.function_tolerance);
+  if (limits.initial_step > 0.0) {
+    nlopt_set_initial_step(library.get(), InitialSteps(monitor, limits.initial_step).data());
   }
   std::vector<double> x(monitor.start().begin(), monitor.start().end());
   double cost = 0.0;
@@ -159,7 +171,33 @@ OptimizationSummary MinimizeWithNlopt(Monitor& monitor, const NloptSetup& setup)
                result,
                nlopt_get_errmsg(library.get()),
                monitor.iterations() >= most,
-               uses_gradient);
+               method.uses_gradient);
+}
+
+}  // namespace
+
+OptimizationSummary MinimizeWithNlopt(NloptMethod method,
+                                      const OptimizationProblem& problem,
+                                      const Eigen::VectorXd& start,
+                                      const LocalSearchOptions& options) {
+  return Minimize(MethodOf(method),
+                  problem,
+                  start,
+                  {.step_tolerance = options.step_tolerance,
+                   .function_tolerance = options.function_tolerance,
+                   .iterations_per_variable = options.iterations_per_variable});
+}
+
+OptimizationSummary MinimizeWithNlopt(NloptMethod method,
+                                      const OptimizationProblem& problem,
+                                      const Eigen::VectorXd& start,
+                                      const DirectSearchOptions& options) {
+  return Minimize(MethodOf(method),
+                  problem,
+                  start,
+                  {.step_tolerance = options.step_tolerance,
+                   .iterations_per_variable = options.iterations_per_variable,
+                   .initial_step = options.initial_step});
 }
 
 }  // namespace lipoid
