@@ -13,9 +13,11 @@ namespace lipoid {
 cli::ExitCode CompareCommand(cli::CommandLine& line);
 cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode DesignCommand(cli::CommandLine& line);
+cli::ExitCode ExportCommand(cli::CommandLine& line);
 cli::ExitCode ExportControllerCommand(cli::CommandLine& line);
 cli::ExitCode FlyCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
+cli::ExitCode ImportCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
 cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode PlanCommand(cli::CommandLine& line);
@@ -30,11 +32,13 @@ inline constexpr cli::Command kCommands[] = {
     {"compare", "optimizers on the same problem, side by side", &CompareCommand},
     {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"design", "controller gains by optimization", &DesignCommand},
+    {"export", "a cell as the battery of another simulator, with a stated error", &ExportCommand},
     {"export-controller",
      "the flight controller as C, for a microcontroller",
      &ExportControllerCommand},
     {"fly", "a maneuver of a quadrotor on an identified cell", &FlyCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
+    {"import", "the battery of another program as a cell file", &ImportCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
     {"list", "what lipoid knows by name: cells, optimizers, ...", &ListCommand},
     {"plan", "what an experiment would tell, before the lab is booked", &PlanCommand},

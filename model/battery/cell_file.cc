@@ -381,14 +381,16 @@ std::vector<std::string> ShippedCellNames() {
   return names;
 }
 
-Cell LoadCell(const std::string& name_or_file) {
+std::string CellText(const std::string& name_or_file) {
   for (const auto& shipped : kShippedCells) {
-    if (shipped.name == name_or_file)
-      return ParseCell(std::string(shipped.text), std::string(shipped.name));
+    if (shipped.name == name_or_file) return std::string(shipped.text);
   }
-  return ParseCell(
-      ReadTextFileOr(name_or_file, "a cell file or one of the shipped cells", ShippedCellNames()),
-      name_or_file);
+  return ReadTextFileOr(
+      name_or_file, "a cell file or one of the shipped cells", ShippedCellNames());
+}
+
+Cell LoadCell(const std::string& name_or_file) {
+  return ParseCell(CellText(name_or_file), name_or_file);
 }
 
 }  // namespace lipoid
