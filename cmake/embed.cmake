@@ -1,10 +1,14 @@
 # cmake -DOUTPUT=x.h -DNAME=kShippedCells "-DFILES=a.json;b.json" -P embed.cmake
 # Writes the files into a header as a sorted table of {name, text}, so that names resolve from anywhere.
+# With -DEXTENSIONS=ON a name keeps its extension.
 list(SORT FILES)
 list(LENGTH FILES count)
 set(rows "")
 foreach(file IN LISTS FILES)
   get_filename_component(name "${file}" NAME_WLE)
+  if(EXTENSIONS)
+    get_filename_component(name "${file}" NAME)
+  endif()
   file(READ "${file}" text)
   string(APPEND rows "    {\"${name}\", R\"lipoid(${text})lipoid\"},\n")
 endforeach()

@@ -33,7 +33,7 @@ def citations(text):
 
 def sources(root):
     for folder in ("model", "identify", "tools"):
-        for pattern in ("*.h", "*.cc"):
+        for pattern in ("*.h", "*.cc", "*.c"):
             yield from sorted((root / folder).rglob(pattern))
 
 

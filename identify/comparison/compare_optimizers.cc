@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/median.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {

@@ -34,12 +34,16 @@ struct ComparisonOptions {
     v("scaling",
       self.scaling,
       Names{},
-      "what the optimizer moves: natural SI values, over typical ones, their logarithms");
+      "scale of what the optimizers move: SI values, SI values over typical ones, or their "
+      "logarithms");
     v("decades",
       self.decades,
       Range{0.0, 6.0},
-      "of random starts on either side of the data's, and of the box above it");
-    v("target", self.target, Range{0.0, 10.0}, "relative distance to the best cost that succeeds");
+      "decades of random starts on either side of the data's start, and of the box above it");
+    v("target",
+      self.target,
+      Range{0.0, 10.0},
+      "relative distance to the best cost within which a start has succeeded");
   }
 };
 

@@ -26,6 +26,10 @@ void WriteCellFile(const Cell& cell, const std::string& file);
 /// Names of the cells that are shipped, sorted.
 [[nodiscard]] std::vector<std::string> ShippedCellNames();
 
+/// The bytes of a shipped cell by name, else of the file of that name. LoadError names both ways where
+/// neither is.
+[[nodiscard]] std::string CellText(const std::string& name_or_file);
+
 /// A shipped cell by name, else the cell file of that name. LoadError names both ways where neither
 /// is.
 [[nodiscard]] Cell LoadCell(const std::string& name_or_file);

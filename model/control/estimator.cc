@@ -6,9 +6,6 @@
 namespace lipoid {
 namespace {
 
-// Beyond 60 degrees the camera does not look at the ground below.
-constexpr double kLeastUpright = 0.5;
-
 template <std::size_t N>
 bool Within(const std::array<double, N>& values, double range) {
   return std::all_of(values.begin(), values.end(), [&](double x) { return std::abs(x) <= range; });

@@ -42,6 +42,14 @@ class ReferenceModel {
 
   [[nodiscard]] double value() const { return value_; }
 
+  /// The numbers of which a step is made, for code that is exported: the acceleration against a gap
+  /// in 1/s² and against the rate in 1/s, the bound of the acceleration, and the gap beyond which
+  /// that could no longer brake.
+  [[nodiscard]] double per_gap() const { return per_gap_; }
+  [[nodiscard]] double per_rate() const { return per_rate_; }
+  [[nodiscard]] double limit() const { return limit_; }
+  [[nodiscard]] double far() const { return far_; }
+
  private:
   double step_s_;
   double limit_;

@@ -33,6 +33,10 @@ struct ExportRequest {
   std::string target_version;  ///< one of the target's; empty: its default
   std::string name;            ///< identifier for the target's file, [A-Za-z_][A-Za-z0-9_]*
   std::string stem = {};       ///< of -o, for files that name one another; empty: the identifier's
+  int branches = 2;            ///< pairs of resistor and capacitor, where the target has any
+  bool single_precision = false;  ///< float in place of double, where the target can be either
+  std::string into_file;          ///< the file that is merged into, for messages; empty: none
+  std::string into_text;          ///< its bytes
 };
 
 struct ExportedParameter {
@@ -50,6 +54,16 @@ struct ExportError {
   double worst_soc = 0.0;  ///< the cell's state of charge there
 };
 
+/// How far the target's own state of charge, a fraction, is from the cell's over the mission.
+struct ExportChargeError {
+  double rms = 0.0;
+  double max_error = 0.0;
+  double worst_s = 0.0;  ///< the time of the largest error
+  /// Where the target ends its life at an empty battery: how much longer it lasts than the cell,
+  /// by state of charge, under the mission's mean current; negative: shorter.
+  std::optional<double> lifetime_percent;
+};
+
 struct ExportFile {
   std::string
       suffix;  ///< ".parm": stands beside the first file, with its stem; the first is -o itself
@@ -64,6 +78,8 @@ struct Exported {
   std::vector<std::string> cannot_hold;  ///< sentences: what the target's law leaves out
   std::vector<std::string> notes;  ///< sentences: assumptions and traps for who loads the file
   std::vector<ExportFile> files;   ///< the first one is the one that -o names
+  std::optional<ExportChargeError> charge_error;  ///< where the target's own count is shown or used
+  std::optional<ExportChargeError> naive_charge_error;
 };
 
 }  // namespace lipoid

@@ -10,8 +10,31 @@
 namespace lipoid {
 namespace {
 
+// A sentence of lipoid's own may be longer than one value from elsewhere.
+constexpr std::size_t kMostBytesOfSentence = 1000;
+
+std::string ErrorText(const ExportError& error) {
+  return fmt::format("{:.3f} mV rms, {:.3f} mV at most (at {:.1f} s, state of charge {:.3f})",
+                     1e3 * error.rmse_V,
+                     1e3 * error.max_error_V,
+                     error.worst_s,
+                     error.worst_soc);
+}
+
+std::string ChargeErrorText(const ExportChargeError& error) {
+  std::string text = fmt::format("{:.3f} % rms, {:.3f} % at most (at {:.1f} s)",
+                                 1e2 * error.rms,
+                                 1e2 * error.max_error,
+                                 error.worst_s);
+  if (error.lifetime_percent)
+    text += fmt::format("; the time until empty is off by {:+.3f} %", *error.lifetime_percent);
+  return text;
+}
+
+}  // namespace
+
 // A line break is escaped by ForeignText; what ends a comment in C, XML or a template is parted.
-std::string Harmless(std::string_view text, std::size_t most_bytes = kMostBytesOfValue) {
+std::string HarmlessInComment(std::string_view text, std::size_t most_bytes) {
   std::string safe = ForeignText(text, most_bytes);
   for (const std::string_view end : {"*/", "/*", "--", "#}", "\\"}) {
     for (std::size_t at = safe.find(end); at != std::string::npos; at = safe.find(end, at)) {
@@ -25,35 +48,31 @@ std::string Harmless(std::string_view text, std::size_t most_bytes = kMostBytesO
   return safe;
 }
 
-std::string ErrorText(const ExportError& error) {
-  return fmt::format("{:.3f} mV rms, {:.3f} mV at most (at {:.1f} s, state of charge {:.3f})",
-                     1e3 * error.rmse_V,
-                     1e3 * error.max_error_V,
-                     error.worst_s,
-                     error.worst_soc);
-}
-
-}  // namespace
-
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
   std::vector<std::string> lines;
-  lines.push_back(
-      fmt::format("Made by lipoid {} from the cell {}.", Version(), Harmless(request.source)));
-  lines.push_back(fmt::format("SHA-256 of the cell file: {}.", Harmless(request.sha256)));
+  lines.push_back(fmt::format(
+      "Made by lipoid {} from the cell {}.", Version(), HarmlessInComment(request.source)));
+  lines.push_back(fmt::format("SHA-256 of the cell file: {}.", HarmlessInComment(request.sha256)));
   lines.push_back(fmt::format(
       "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
-  if (exported.error) {
+  if (exported.error || exported.charge_error) {
     lines.push_back(fmt::format("Against the cell, over the mission {} with its current imposed:",
-                                Harmless(request.mission.name)));
-    lines.push_back("  " + ErrorText(*exported.error) + ".");
+                                HarmlessInComment(request.mission.name)));
   }
+  if (exported.error) lines.push_back("  " + ErrorText(*exported.error) + ".");
   if (exported.naive)
     lines.push_back("  Numbers read off the cell file would give " + ErrorText(*exported.naive) +
                     ".");
+  if (exported.charge_error)
+    lines.push_back("  State of charge: " + ChargeErrorText(*exported.charge_error) + ".");
+  if (exported.naive_charge_error)
+    lines.push_back("  Numbers read off the cell file would give " +
+                    ChargeErrorText(*exported.naive_charge_error) + ".");
   if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
   for (const auto& what : exported.cannot_hold)
-    lines.push_back("  " + Harmless(what, kMostBytesOfMessage));
-  for (const auto& note : exported.notes) lines.push_back(Harmless(note, kMostBytesOfMessage));
+    lines.push_back("  " + HarmlessInComment(what, kMostBytesOfSentence));
+  for (const auto& note : exported.notes)
+    lines.push_back(HarmlessInComment(note, kMostBytesOfSentence));
   return lines;
 }
 

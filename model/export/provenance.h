@@ -5,13 +5,20 @@
 /// how far its law is from the cell, what it cannot hold. Tests:
 /// tests/model/export/provenance_test.cc.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/core/foreign_text.h"
 #include "model/export/exported.h"
 
 namespace lipoid {
+
+/// Text that came from elsewhere, escaped and shortened, without a character that could end or
+/// continue a comment in any of the targets' languages.
+[[nodiscard]] std::string HarmlessInComment(std::string_view text,
+                                            std::size_t most_bytes = kMostBytesOfValue);
 
 /// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
 /// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has

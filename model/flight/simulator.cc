@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "model/core/errors.h"
+#include "model/flight/coupling.h"
 
 namespace lipoid {
 namespace {
@@ -62,11 +63,6 @@ class Metrics {
   double lowest_V_ = std::numeric_limits<double>::infinity();
 };
 
-bool Blows(const WindOptions& wind) {
-  return wind.wind_x_m_per_s != 0.0 || wind.wind_y_m_per_s != 0.0 || wind.wind_z_m_per_s != 0.0 ||
-         wind.gusts_m_per_s > 0.0;
-}
-
 void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
   Require(!plan.commands.empty(), "a plan of at least one command", {});
   Require(plan.duration_s > 0.0, "a positive duration", {{"duration_s", plan.duration_s}});
@@ -75,13 +71,7 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
         "motor_lag=false needs an ideal source: the speeds of motors without lag depend on the "
         "battery's voltage and it on them. Give --battery ideal --xi X");
   }
-  if ((setup.simulation.drag || Blows(setup.wind)) &&
-      !(setup.vehicle.linear_drag_N_s_per_m > 0.0)) {
-    throw OptionError(fmt::format(
-        "drag and wind need a vehicle with linear_drag_N_s_per_m; {} has none. Write it into a "
-        "vehicle file and give that",
-        setup.vehicle.name));
-  }
+  if (setup.simulation.drag || Blows(setup.wind)) RequireDrag(setup.vehicle);
   // Runge-Kutta of fourth order is stable up to 2.78 time constants; half of it is accurate.
   const double dt_s = kControlStep_s / setup.simulation.substeps;
   const double constant_s =
@@ -206,6 +196,7 @@ class Simulation {
     const double lowest_V = battery_ ? battery_->cutoff_V() : trim.battery_V;
     controller_.Reset(
         measured, trim.commanded_speed_rad_per_s, HeldSpeed(setup_.vehicle, lowest_V));
+    if (setup_.flight_code != nullptr) setup_.flight_code->Reset(measured);
   }
 
   // The biases are found at rest, where the specific force is that of hover.
@@ -221,6 +212,7 @@ class Simulation {
       readings.push_back(sensors_->Read(rest));
     }
     estimator_->Reset(at_rest, readings);
+    if (setup_.flight_code != nullptr) setup_.flight_code->ResetEstimator(at_rest, readings);
   }
 
   [[nodiscard]] MeasuredState Truth(double battery_V) const {
@@ -239,12 +231,15 @@ class Simulation {
     Triple<double> force = TripleAt(rate, plant::kVelocity);
     force[2] -= kGravity_m_per_s2;
     const Attitude<double> attitude(truth.angles_rad);
-    return estimator_->Step(sensors_->Read({.position_m = truth.position_m,
-                                            .angles_rad = truth.angles_rad,
-                                            .velocity_m_per_s = truth.velocity_m_per_s,
-                                            .body_rates_rad_per_s = truth.body_rates_rad_per_s,
-                                            .specific_force_m_per_s2 = attitude.ToBody(force),
-                                            .battery_V = truth.battery_V}));
+    const SensorReadings readings =
+        sensors_->Read({.position_m = truth.position_m,
+                        .angles_rad = truth.angles_rad,
+                        .velocity_m_per_s = truth.velocity_m_per_s,
+                        .body_rates_rad_per_s = truth.body_rates_rad_per_s,
+                        .specific_force_m_per_s2 = attitude.ToBody(force),
+                        .battery_V = truth.battery_V});
+    return setup_.flight_code != nullptr ? setup_.flight_code->Estimate(readings)
+                                         : estimator_->Step(readings);
   }
   [[nodiscard]] double Soc() const {
     return battery_ ? battery_->soc() : std::numeric_limits<double>::quiet_NaN();
@@ -259,25 +254,13 @@ class Simulation {
     return std::sqrt(sum);
   }
 
-  // New duty cycles make the current jump: the battery's straight line is moved to where it lands.
-  void FollowTheCurrent() {
-    constexpr double kNear_A = 1e-6;  // of a tangent: nothing
-    double last_A = std::numeric_limits<double>::quiet_NaN();
-    for (int round = 0; round < 8; ++round) {
-      inputs_.supply = battery_->Linearize();
-      const double now_A = plant_.ElectricalAt(x_, inputs_).battery_A;
-      if (std::abs(now_A - last_A) < kNear_A) return;
-      battery_->Expect(now_A);
-      last_A = now_A;
-    }
-  }
-
   void ControlStep(const FlightRecorder& record) {
     // The voltage is sampled before the new duty cycles take effect.
     const MeasuredState measured = Measure();
     command_ = pilot_.At(time_s_);
     inputs_.duty = controller_.Step(command_, measured);
-    if (battery_ && battery_->bends()) FollowTheCurrent();
+    if (setup_.flight_code != nullptr) inputs_.duty = setup_.flight_code->Step(command_, measured);
+    if (battery_ && battery_->bends()) FollowTheCurrent(plant_, x_, inputs_, *battery_);
     if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
     saturated_ += controller_.saturated() ? 1 : 0;
     const auto electrical = plant_.ElectricalAt(x_, inputs_);

@@ -15,7 +15,8 @@ namespace lipoid {
 template <class T>
 using PerMotor = std::array<T, 4>;
 
-/// Signs of a motor's share in roll, pitch and yaw: the rows of B.
+/// Signs of a motor's share in roll, pitch and yaw: the rows of B, with front right turning
+/// clockwise.
 inline constexpr PerMotor<double> kRollSign{-1.0, -1.0, 1.0, 1.0};
 inline constexpr PerMotor<double> kPitchSign{1.0, -1.0, -1.0, 1.0};
 inline constexpr PerMotor<double> kYawSign{-1.0, 1.0, -1.0, 1.0};
@@ -34,7 +35,7 @@ Wrench<T> WrenchOf(const Vehicle& vehicle, const PerMotor<T>& squared_speeds) {
   const double lever = vehicle.lever_m() * k;
   return {{lever * ((s[2] + s[3]) - (s[0] + s[1])),
            lever * ((s[0] + s[3]) - (s[1] + s[2])),
-           vehicle.torque_coefficient_N_m_s2 * ((s[1] + s[3]) - (s[0] + s[2]))},
+           vehicle.yaw_coefficient_N_m_s2() * ((s[1] + s[3]) - (s[0] + s[2]))},
           k * ((s[0] + s[1]) + (s[2] + s[3]))};
 }
 
@@ -43,7 +44,7 @@ template <class T>
 PerMotor<T> SquaredSpeedsOf(const Vehicle& vehicle, const Wrench<T>& wrench) {
   const double k = 0.25 / vehicle.thrust_coefficient_N_s2;
   const double lever = k / vehicle.lever_m();
-  const double yaw = 0.25 / vehicle.torque_coefficient_N_m_s2;
+  const double yaw = 0.25 / vehicle.yaw_coefficient_N_m_s2();
   PerMotor<T> squared;
   for (std::size_t i = 0; i < 4; ++i) {
     squared[i] = k * wrench.thrust_N + (lever * kRollSign[i]) * wrench.torque_N_m[0] +

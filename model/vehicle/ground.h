@@ -13,6 +13,11 @@
 
 namespace lipoid {
 
+inline constexpr double kGroundFrequency_rad_per_s = 50.0;
+/// How far below z = 0 a vehicle stands that lies still.
+inline constexpr double kGroundRest_m =
+    kGravity_m_per_s2 / (kGroundFrequency_rad_per_s * kGroundFrequency_rad_per_s);
+
 template <class T>
 struct GroundReaction {
   Triple<T> force_N{T(0.0), T(0.0), T(0.0)};     ///< inertial axes
@@ -32,7 +37,7 @@ GroundReaction<T> GroundContact(const Vehicle& v,
                                 const Triple<T>& velocity_m_per_s,
                                 const Triple<T>& body_rates) {
   using std::sqrt;
-  constexpr double kFrequency_rad_per_s = 50.0;
+  constexpr double kFrequency_rad_per_s = kGroundFrequency_rad_per_s;
   constexpr double kDamping = 0.7;
   constexpr double kFriction = 0.6;
   constexpr double kSlip_m_per_s = 0.05;  // below it friction grows with the speed

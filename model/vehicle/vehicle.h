@@ -7,10 +7,18 @@
 
 #include <array>
 #include <string>
+#include <string_view>
+#include <utility>
 
 namespace lipoid {
 
 inline constexpr double kGravity_m_per_s2 = 9.81;  // the thesis' g
+
+enum class Turning { kClockwise, kCounterClockwise };
+
+constexpr std::array<std::pair<Turning, std::string_view>, 2> OptionNames(Turning) {
+  return {{{Turning::kClockwise, "clockwise"}, {Turning::kCounterClockwise, "counter-clockwise"}}};
+}
 
 struct Vehicle {
   std::string name;
@@ -29,9 +37,17 @@ struct Vehicle {
   double nominal_voltage_V = 0.0;                ///< v_b0 > 0
   std::array<double, 2> pwm_range{10.0, 500.0};  ///< omega_PWM at D = 0 and D = 1, (6.1)
   double linear_drag_N_s_per_m = 0.0;            ///< >= 0; acts only where drag is on
+  /// Seen from above; back left turns alike, the other two the other way. The thesis' B has it
+  /// clockwise, ArduCopter's quad X counter-clockwise.
+  Turning front_right_turns = Turning::kClockwise;
 
   /// l_x = l sin 45 degrees, the lever of a motor about either horizontal axis, (3.12).
   [[nodiscard]] double lever_m() const { return 0.70710678118654752440 * arm_m; }
+  /// k_N with the sign of (3.12): what the motors that turn against front right add to the yaw.
+  [[nodiscard]] double yaw_coefficient_N_m_s2() const {
+    return front_right_turns == Turning::kClockwise ? torque_coefficient_N_m_s2
+                                                    : -torque_coefficient_N_m_s2;
+  }
   /// k_e² + r_a b, the slope of D v_b k_e in the speed, (3.16).
   [[nodiscard]] double speed_slope() const {
     return motor_constant_N_m_per_A * motor_constant_N_m_per_A +

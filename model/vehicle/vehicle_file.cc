@@ -15,7 +15,7 @@ namespace {
 constexpr double kAboveZero = TomlReader::kAboveZero;
 constexpr double kMost = TomlReader::kLargest;
 
-constexpr std::array<std::string_view, 16> kKeys{"name",
+constexpr std::array<std::string_view, 17> kKeys{"name",
                                                  "summary",
                                                  "mass_kg",
                                                  "inertia_kg_m2",
@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 16> kKeys{"name",
                                                  "nominal_voltage_V",
                                                  "pwm_range",
                                                  "linear_drag_N_s_per_m",
+                                                 "front_right_turns",
                                                  "source"};
 
 // A number of the file: where it goes, and what it must be.
@@ -166,6 +167,7 @@ Vehicle ParseVehicle(const std::string& text, const std::string& file) {
                                fmt::join(missing, ", ")));
   }
   ReadPwmRange(reader, vehicle);
+  reader.Choice("front_right_turns", vehicle.front_right_turns);
   ReadSource(reader, file, problems);
   ThrowProblems(std::move(problems));
   return vehicle;

@@ -21,6 +21,11 @@ std::string ScratchPath(const std::string& relative) {
   return std::string(LIPOID_BINARY_DIR) + "/scratch/" + relative;
 }
 
+std::string ExtraPython() {
+  const auto path = SourcePath("build/python-extra/bin/python3");
+  return std::filesystem::exists(path) ? path : std::string();
+}
+
 std::string FreshFolder(const std::string& name) {
   const std::filesystem::path path = ScratchPath(name);
   std::filesystem::remove_all(path);

@@ -19,6 +19,10 @@ std::string LabDataPath(const std::string& relative);
 /// A file or folder that tests may write to, in the build folder; it need not be there.
 std::string ScratchPath(const std::string& relative);
 
+/// The python3 with the packages of tools/python-extra, or "" where tools/setup --extra has not
+/// installed them: then skip and say so.
+std::string ExtraPython();
+
 /// An empty folder for one test, made anew at each call.
 std::string FreshFolder(const std::string& name);
 

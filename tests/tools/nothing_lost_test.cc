@@ -35,7 +35,11 @@ std::string FolderOfInputs() {
   fs::copy_file(SourcePath("fixtures/cells/gifi-600mAh-1.json"), folder + "/cell.json");
   fs::permissions(folder + "/cell.json", fs::perms::owner_write, fs::perm_options::add);
   Write(folder + "/gains.json", "{}");
+  Write(folder + "/frame.parm", "{}");
   Write(folder + "/places.toml", "[[waypoint]]\n");
+  fs::create_directories(folder + "/code");
+  for (const char* const name : {"lipoid_controller.c", "lipoid_example.c", "lipoid_numbers.h"})
+    Write(folder + "/code/" + name, "{}");
   fs::create_symlink("logs/pulses.csv", folder + "/link.csv");
   fs::create_hard_link(folder + "/logs/pulses.csv", folder + "/second-name.csv");
   fs::create_directory_symlink("logs", folder + "/linked");
@@ -89,9 +93,21 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"study", "branches", "c.toml", "--latex", "c.toml"},
       {"study", "branches", "c.toml", "--csv", "linked/pulses.csv"},
       {"study", "branches", "c.toml", "--open-circuit-voltage", "cell.json", "--csv", "cell.json"},
+      {"export", "cell.json", "--to", "px4", "-o", "cell.json"},
+      {"export", "cell.json", "--to", "px4", "--mission", "logs/cc.csv", "-o", "linked/cc.csv"},
+      {"export", "cell.json", "--to", "px4", "--mission", "link.csv", "-o", "logs/pulses.csv"},
+      {"export", "cell.json", "--to", "ardupilot", "--into", "gains.json", "-o", "gains.json"},
+      {"export", "cell.json", "--to", "ardupilot", "--into", "frame.parm", "-o", "frame.json"},
+      {"export", "cell.json", "--to", "px4", "-o", "new.params", "--summary", "cell.json"},
       {"fly", "hover", "--cell", "cell.json", "-o", "cell.json"},
       {"fly", "hover", "--gains", "gains.json", "-o", "gains.json"},
       {"fly", "waypoints", "--waypoints", "places.toml", "-o", "places.toml"},
+      {"export-controller", "--gains", "code/lipoid_numbers.h", "-o", "code"},
+      {"export-controller", "--vehicle", "code/lipoid_controller.c", "-o", "./code"},
+      {"export-controller", "--cell", "code/lipoid_example.c", "-o", "code/"},
+      {"export-controller", "--gains", "gains.json", "-o", "code", "--summary", "gains.json"},
+      {"sitl", "--cell", "cell.json", "--idle-s", "0.1", "--summary", "cell.json"},
+      {"sitl", "--vehicle", "places.toml", "--idle-s", "0.1", "--summary", "places.toml"},
       {"design", "altitude", "--start", "gains.json", "-o", "gains.json"},
       {"poles", "altitude", "--gains", "gains.json", "-o", "gains.json"},
       {"validate", "cell.json", "logs/pulses.csv", "--summary", "logs/pulses.csv"},
@@ -126,6 +142,8 @@ TEST(NothingLost, TwoOutputsAreTwoFiles) {
       {"identify", "c.toml", "-o", "new.json", "--summary", "NEW.json"},  // one file on many disks
       {"convert", "logs/cc.csv", "-o", "new.csv", "--summary", "linked/../new.csv"},
       {"inspect", "logs", "--write-campaign", "new.toml", "--summary", "new.toml"},
+      {"export-controller", "-o", "code", "--summary", "code/lipoid_numbers.h"},
+      {"export", "cell.json", "--to", "ardupilot", "-o", "new.parm"},
   };
   const auto before = Contents(folder);
   for (const auto& arguments : all) {

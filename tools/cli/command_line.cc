@@ -478,7 +478,9 @@ bool CommandLine::Given(std::string_view name) const {
 
 void CommandLine::WriteMessage(std::string text) {
   progress_->Wipe();
-  text = ForeignLines(text) + '\n';
+  text = ForeignLines(text);
+  if (ErrorIsTerminal()) text = WrappedLines(text);
+  text += '\n';
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 

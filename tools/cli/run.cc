@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,6 +25,8 @@
 #include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/text_table.h"
 
 namespace lipoid::cli {
 namespace {
@@ -118,6 +121,7 @@ void PrintFailure(const std::string& program, const Failure& failure) {
   } else {
     text = program + ": error: " + failure.message;
   }
+  if (ErrorIsTerminal()) text = WrappedLines(text);
   if (ErrorIsColoured()) {
     constexpr std::string_view kWord = "error:";
     for (auto at = text.find(kWord); at != std::string::npos; at = text.find(kWord, at + 16)) {
@@ -224,6 +228,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     line = std::make_unique<CommandLine>(
         command, std::vector<std::string>(arguments.begin() + 1, arguments.end()));
     exit_code = command.run(*line);
+    line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
     if (!summary_file.empty() && line->parsed()) {
       WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));
@@ -249,7 +254,29 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
   return static_cast<int>(failure->exit_code);
 }
 
+// What StopRequest is to call; empty: signals end the process.
+std::mutex stop_mutex;
+std::function<void()> stop_request;
+
+bool AskedToStop() {
+  const std::lock_guard lock(stop_mutex);
+  if (!stop_request) return false;
+  stop_request();
+  stop_request = nullptr;
+  return true;
+}
+
 }  // namespace
+
+StopRequest::StopRequest(std::function<void()> stop) {
+  const std::lock_guard lock(stop_mutex);
+  stop_request = std::move(stop);
+}
+
+StopRequest::~StopRequest() {
+  const std::lock_guard lock(stop_mutex);
+  stop_request = nullptr;
+}
 
 void CleanUpWhenEnded() {
   sigset_t ending;
@@ -263,7 +290,9 @@ void CleanUpWhenEnded() {
   pthread_sigmask(SIG_BLOCK, &ending, nullptr);  // in this thread and in all that it starts
   const auto clean_up = [ending] {
     int signal = 0;
-    sigwait(&ending, &signal);
+    do {
+      sigwait(&ending, &signal);
+    } while ((signal == SIGINT || signal == SIGTERM) && AskedToStop());
     RemoveUncommitted();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);

@@ -126,7 +126,16 @@ std::string Wrapped(const std::string& text, std::size_t indent) {
   std::size_t column = indent;
   for (std::size_t from = 0; from < text.size();) {
     const auto to = std::min(text.find(' ', from), text.size());
-    const auto word = text.substr(from, to - from);
+    auto word = text.substr(from, to - from);
+    // A list of names without blanks that fills more than a line breaks after a comma.
+    while (word.size() > kColumns - indent) {
+      const auto comma = word.rfind(',', kColumns - indent - 1);
+      if (comma == std::string::npos) break;
+      if (column > indent) wrapped += '\n' + std::string(indent, ' ');
+      wrapped += word.substr(0, comma + 1) + '\n' + std::string(indent, ' ');
+      word.erase(0, comma + 1);
+      column = indent;
+    }
     if (column > indent && column + 1 + word.size() > kColumns) {
       wrapped += '\n' + std::string(indent, ' ');
       column = indent;
@@ -137,6 +146,16 @@ std::string Wrapped(const std::string& text, std::size_t indent) {
     }
     wrapped += word;
     column += word.size();
+    from = to + 1;
+  }
+  return wrapped;
+}
+
+std::string WrappedLines(const std::string& text) {
+  std::string wrapped;
+  for (std::size_t from = 0; from <= text.size();) {
+    const auto to = std::min(text.find('\n', from), text.size());
+    wrapped += (from > 0 ? "\n" : "") + Wrapped(text.substr(from, to - from));
     from = to + 1;
   }
   return wrapped;

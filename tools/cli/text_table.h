@@ -48,6 +48,9 @@ class TextTable {
 /// has put it; the others are indented as far.
 [[nodiscard]] std::string Wrapped(const std::string& text, std::size_t indent = 0);
 
+/// The same of each line of a text.
+[[nodiscard]] std::string WrappedLines(const std::string& text);
+
 /// A title, and sentences under it in lines of at most 100 characters, each marked; "" without any.
 [[nodiscard]] std::string Bullets(std::string_view title,
                                   const std::vector<std::string>& sentences);

@@ -319,7 +319,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       FlyOnEach(setup, plan, drawn.cells, drawn.initial_soc, [&](double fraction) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
-  line.progress().Wipe();
   if (log) log->Commit();
   if (log && !log_step_s && step_s > kControlStep_s) {
     line.Message("{}: a row each {} s of a long flight; --log-step-s {} writes every control step",

@@ -5,13 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "identify/export/targets.h"
 #include "identify/logs/formats/formats.h"
 #include "identify/optimizers/optimizers.h"
 #include "identify/synthesis/protocols.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
-#include "model/core/errors.h"
 #include "model/control/laws/control_laws.h"
+#include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/vehicle/motor.h"
@@ -164,6 +165,31 @@ Json ListGains(cli::CommandLine& line) {
   return rows;
 }
 
+Json ListTargets(cli::CommandLine& line) {
+  cli::TextTable table({{"target", Align::kLeft},
+                        {"kind", Align::kLeft},
+                        {"what it is", Align::kLeft},
+                        {"versions", Align::kLeft}});
+  Json rows = Json::array();
+  for (const ExportTarget& target : ExportTargets()) {
+    const auto versions = target.Versions();
+    table.Row({std::string(target.name),
+               std::string(KindName(target.kind)),
+               std::string(target.summary),
+               versions.empty() ? "-" : fmt::format("{}", fmt::join(versions, ", "))});
+    rows.push_back({{"name", target.name},
+                    {"kind", KindName(target.kind)},
+                    {"summary", target.summary},
+                    {"versions", versions},
+                    {"extension", target.extension}});
+  }
+  line.Print(
+      "{}\nexact: the law is the cell's own; projected: its numbers are fitted over a mission;\n"
+      "data: a table. The first version is the default of --target-version.\n",
+      table.Text());
+  return rows;
+}
+
 // Hover as its motors need it, whatever supplies them: a duty above 1 says that none can.
 Json ListVehicles(cli::CommandLine& line) {
   cli::TextTable table({{"vehicle", Align::kLeft},
@@ -215,6 +241,7 @@ constexpr Topic kTopics[] = {
     {"maneuvers", &ListManeuvers},
     {"optimizers", &ListOptimizers},
     {"protocols", &ListProtocols},
+    {"targets", &ListTargets},
     {"vehicles", &ListVehicles},
 };
 

@@ -11,11 +11,13 @@ const std::vector<ControlLaw>& ControlLaws() {
       {"inversion",
        "dynamic inversion: torques and thrust cancel the dynamics",
        "(3.49), (3.58)",
-       &InnerLoops<double>},
+       &InnerLoops<double>,
+       0},
       {"pid",
        "PID on each axis, as if the axes were apart and the vehicle level",
        "the cascade of common autopilots",
-       &PidInnerLoops},
+       &PidInnerLoops,
+       1},
   };
   return kLaws;
 }

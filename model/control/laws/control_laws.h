@@ -5,6 +5,7 @@
 /// from it. To add one: a file here and a row in control_laws.cc.
 /// Tests: tests/model/control/control_laws_test.cc.
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct ControlLaw {
                                          const InnerLoopState<double>&,
                                          const InnerLoopReferences<double>&,
                                          const ErrorIntegrals<double>&);
+  /// The value of LIPOID_LAW for it in model/export/flight_code/lipoid_controller.c; none: the law
+  /// flies in the simulator only.
+  std::optional<int> in_c;
 };
 
 [[nodiscard]] const std::vector<ControlLaw>& ControlLaws();

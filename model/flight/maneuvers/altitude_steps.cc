@@ -11,10 +11,10 @@ struct AltitudeStepsOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("low_m", self.low_m, kManeuverHeights, "height at the start, and after every second step");
-    v("high_m", self.high_m, kManeuverHeights, "height after the first step");
-    v("first_s", self.first_s, Range{kControlStep_s, 1e4}, "time of the first step");
-    v("every_s", self.every_s, Range{0.1, 1e4}, "time between steps");
+    v("low_m", self.low_m, kManeuverHeights, "height at the start and after every second step, m");
+    v("high_m", self.high_m, kManeuverHeights, "height after the first step, m");
+    v("first_s", self.first_s, Range{kControlStep_s, 1e4}, "time of the first step, s");
+    v("every_s", self.every_s, Range{0.1, 1e4}, "time between steps, s");
   }
 };
 

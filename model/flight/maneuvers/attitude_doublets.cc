@@ -16,13 +16,13 @@ struct AttitudeDoubletsOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at");
-    v("pitch_deg", self.pitch_deg, Range{0.1, 30.0}, "pitch, forward and back");
-    v("distance_m", self.distance_m, Range{0.01, 1e3}, "way to go before turning back");
+    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at, m");
+    v("pitch_deg", self.pitch_deg, Range{0.1, 30.0}, "pitch angle, forward and back, degrees");
+    v("distance_m", self.distance_m, Range{0.01, 1e3}, "distance to fly before turning back, m");
     v("every_s",
       self.every_s,
       Range{0.1, 1e4},
-      "from the beginning of one way to that of the other, or as long as a way takes");
+      "time from the beginning of one way to that of the next, s; at least as long as a way takes");
   }
 };
 

@@ -8,7 +8,7 @@ struct HoverOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at");
+    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at, m");
   }
 };
 

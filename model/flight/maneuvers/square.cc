@@ -13,9 +13,9 @@ struct SquareOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("side_m", self.side_m, Range{0.01, 1e4}, "length of a side");
-    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at");
-    v("corner_s", self.corner_s, Range{0.1, 1e4}, "time from one corner to the next");
+    v("side_m", self.side_m, Range{0.01, 1e4}, "length of a side, m");
+    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at, m");
+    v("corner_s", self.corner_s, Range{0.1, 1e4}, "time from one corner to the next, s");
   }
 };
 

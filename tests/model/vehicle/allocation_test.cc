@@ -99,6 +99,25 @@ TEST(Allocation, AQuarterTurnMovesEveryMotorToItsNeighbour) {
   }
 }
 
+// Propellers that turn the other way push alike and twist against.
+TEST(Allocation, MotorsThatTurnTheOtherWayChangeTheSignOfYawAlone) {
+  const Vehicle v = LoadVehicle("mambo-thesis");
+  Vehicle other = v;
+  other.front_right_turns = Turning::kCounterClockwise;
+  std::mt19937 engine(kSeed);
+  const auto squares = RandomSquares(engine, 3.9e6);
+  const auto here = WrenchOf(v, squares);
+  const auto there = WrenchOf(other, squares);
+  EXPECT_EQ(there.thrust_N, here.thrust_N);
+  EXPECT_EQ(there.torque_N_m[0], here.torque_N_m[0]);
+  EXPECT_EQ(there.torque_N_m[1], here.torque_N_m[1]);
+  EXPECT_EQ(there.torque_N_m[2], -here.torque_N_m[2]);
+  EXPECT_NE(there.torque_N_m[2], 0.0);
+  const auto back = SquaredSpeedsOf(other, there);
+  const auto back_here = SquaredSpeedsOf(v, here);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(back[i], back_here[i]) << i;
+}
+
 TEST(Allocation, WhatNoMotorCanDoComesOutNegative) {
   const Vehicle v = LoadVehicle("mambo-thesis");
   const auto squares = SquaredSpeedsOf(v, Wrench<double>{{0.0, 0.0, 0.0}, -1.0});

@@ -90,19 +90,32 @@ TEST(VehicleFile, EveryMistakeIsNamedAtOnce) {
             "found nan\n"
             "v.toml:3:9: error: arm_m: expected a length above 0 m, found 'long'");
   const std::string bad = Replaced("mass_kg = 0.5", "mass_kg = -0.5\ncolour = \"red\"");
-  EXPECT_EQ(Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
-            "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
-            "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
-            "arm_m, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
-            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
-            "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, source, found 'colour'\n"
-            "v.toml:13:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
-            "the first below the second, found [500, 10]\n"
-            "v.toml:15:1: error: expected one of the keys mass_kg, inertia_kg_m2, arm_m, "
-            "thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
-            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
-            "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, found 'mas_kg'\n"
-            "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
+  EXPECT_EQ(
+      Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
+      "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
+      "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
+      "arm_m, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
+      "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+      "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, front_right_turns, source, found "
+      "'colour'\n"
+      "v.toml:13:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
+      "the first below the second, found [500, 10]\n"
+      "v.toml:15:1: error: expected one of the keys mass_kg, inertia_kg_m2, arm_m, "
+      "thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
+      "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+      "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, front_right_turns, found 'mas_kg'\n"
+      "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
+}
+
+TEST(VehicleFile, MotorsTurnEitherWay) {
+  const std::string text(kText);
+  EXPECT_EQ(ParseVehicle(text, "v.toml").front_right_turns, Turning::kClockwise);
+  EXPECT_EQ(ParseVehicle("front_right_turns = \"counter-clockwise\"\n" + text, "v.toml")
+                .front_right_turns,
+            Turning::kCounterClockwise);
+  EXPECT_EQ(Refusal("front_right_turns = \"left\"\n" + text),
+            "v.toml:1:21: error: front_right_turns: expected one of clockwise, counter-clockwise, "
+            "found 'left'");
 }
 
 TEST(VehicleFile, EveryNumberMustBeInItsRange) {

@@ -1,0 +1,112 @@
+#include "identify/export/ardupilot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/export/frame_json.h"
+#include "identify/export/law_limits.h"
+#include "identify/export/projected.h"
+#include "identify/export/projection.h"
+#include "model/export/ardupilot_law.h"
+#include "model/export/export_error.h"
+#include "model/export/provenance.h"
+
+namespace lipoid {
+namespace {
+
+// The fewest digits that read back to the same float.
+std::string FloatText(double value) { return fmt::format("{}", static_cast<float>(value)); }
+
+ArduPilotBattery OfPack(const Cell& cell, const ArduPilotBattery& of_cell) {
+  return {.full_V = cell.series * of_cell.full_V,
+          .capacity_Ah = cell.parallel * of_cell.capacity_Ah,
+          .resistance_Ohm = cell.series * of_cell.resistance_Ohm / cell.parallel};
+}
+
+}  // namespace
+
+Exported ExportArduPilot(const ExportRequest& request) {
+  const Cell& cell = request.cell;
+  const SingleCell one(request);
+  const double full_V = cell.open_circuit_voltage(1.0);
+  const double capacity_Ah = UsableCapacity_Ah(cell);
+  const double drop_Ohm = one.TypicalResistance();
+  const double drawn_Ah = *std::max_element(one.drawn_Ah.begin(), one.drawn_Ah.end());
+
+  // The table falls off a cliff below 2 % of its capacity: the mission stays above it.
+  constexpr double kCliff = 0.02;
+  constexpr double kFullTolerance = 0.02;
+  const double least_Ah = std::max(0.5 * capacity_Ah, drawn_Ah / (1.0 - kCliff));
+  const std::vector<FreeParameter> parameters = {
+      {"maxVoltage", (1.0 - kFullTolerance) * full_V, (1.0 + kFullTolerance) * full_V, full_V},
+      {"battCapacityAh", least_Ah, 4.0 * least_Ah, capacity_Ah},
+      {"refBatRes", 0.05 * drop_Ohm, 20.0 * drop_Ohm, drop_Ohm}};
+  std::vector<std::vector<double>> starts;
+  for (const double share : {1.0, 1.3, 2.0}) {
+    for (const double ohm : {1.0, 2.0})
+      starts.push_back({full_V, std::max(least_Ah, share * capacity_Ah), ohm * drop_Ohm});
+  }
+  const auto law = [&](const std::vector<double>& x) {
+    return ArduPilotVoltageSmooth({x[0], x[1], x[2]}, one.mission, one.drawn_Ah);
+  };
+  const Projection found = Project(law, one.reference.voltage_V, parameters, starts);
+
+  Exported exported;
+  const ExportReference pack = ReferenceOf(cell, request.mission);
+  const std::vector<double> pack_drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
+  const auto error_of = [&](const ArduPilotBattery& battery) {
+    return VoltageError(
+        pack, request.mission, ArduPilotVoltage(battery, request.mission, pack_drawn_Ah));
+  };
+  if (!Usable(found, exported)) return exported;
+  ArduPilotBattery battery =
+      OfPack(cell, {found.parameters[0], found.parameters[1], found.parameters[2]});
+  const NaiveNumbers naive = NaiveNumbersOf(cell);
+  exported.error = error_of(battery);
+  exported.naive = error_of(OfPack(cell, {naive.full_V, naive.capacity_Ah, naive.resistance_Ohm}));
+  exported.parameters = {{"maxVoltage", static_cast<float>(battery.full_V), "V"},
+                         {"battCapacityAh", static_cast<float>(battery.capacity_Ah), "Ah"},
+                         {"refBatRes", static_cast<float>(battery.resistance_Ohm), "Ohm"}};
+  exported.cannot_hold = LeftOut(cell, {});
+  exported.cannot_hold.insert(
+      exported.cannot_hold.begin() + (cell.diffusion ? 1 : 0),
+      "The shape of v_oc: the simulator has one fixed table of resting voltages, which maxVoltage "
+      "scales; it lies below that of most lithium-polymer cells in the middle, so that the best "
+      "capacity is larger than the cell's.");
+  exported.notes = {
+      fmt::format("Volts, Ah and ohms of the pack of {} in series and {} in parallel.",
+                  cell.series,
+                  cell.parallel),
+      fmt::format("The error is that of the simulator's float arithmetic at {:g} steps a second.",
+                  kArduPilotSteps_per_s),
+      "Load the frame as the model X:FILE.json of SITL, whose name ends in .json. A parameter that "
+      "eeprom.bin has saved goes before the frame's; the option -w wipes it.",
+      "The thrust follows the voltage, so these numbers change the flight.",
+      request.target_version == "2026-06"
+          ? "SIM_BATT_RES_OHM is a parameter of builds since June 2026; older ones take the "
+            "resistance from the frame alone."
+          : "Builds since June 2026 have SIM_BATT_RES_OHM as a parameter, which the target version "
+            "2026-06 writes; older ones take the resistance from the frame alone."};
+  AddBoundNotes(found, exported);
+
+  const std::string comment = Commented(ProvenanceLines(request, exported), "# ");
+  const std::vector<std::pair<std::string, std::string>> numbers = {
+      {"maxVoltage", FloatText(battery.full_V)},
+      {"battCapacityAh", FloatText(battery.capacity_Ah)},
+      {"refBatRes", FloatText(battery.resistance_Ohm)}};
+  const bool into = !request.into_file.empty();
+  std::string frame = into ? MergeIntoFrame(request.into_text, request.into_file, numbers, comment)
+                           : MergeIntoFrame("{}\n", "", numbers, comment);
+  std::string parm = comment;
+  parm += fmt::format("SIM_BATT_VOLTAGE {}\n", numbers[0].second);
+  parm += fmt::format("SIM_BATT_CAP_AH {}\n", numbers[1].second);
+  parm += fmt::format("BATT_CAPACITY {}\n", std::lround(1000.0 * battery.capacity_Ah));
+  if (request.target_version == "2026-06")
+    parm += fmt::format("SIM_BATT_RES_OHM {}\n", numbers[2].second);
+  exported.files = {{".json", std::move(frame)}, {".parm", std::move(parm)}};
+  return exported;
+}
+
+}  // namespace lipoid

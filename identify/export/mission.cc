@@ -1,0 +1,313 @@
+#include "identify/export/mission.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "identify/logs/csv/cells.h"
+#include "identify/logs/csv/text_source.h"
+#include "model/battery/prediction.h"
+#include "model/battery/time_to_cutoff.h"
+#include "model/core/errors.h"
+#include "model/core/foreign_text.h"
+
+namespace lipoid {
+namespace {
+
+// The fields of the first line that is neither blank nor a comment, in lower case.
+std::vector<std::string> HeaderOf(std::string_view text) {
+  std::vector<TextCell> cells;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const std::string_view line = Trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty() || line[0] == '#') continue;
+    SplitLine(line, ',', cells);
+    std::vector<std::string> names;
+    for (const auto& cell : cells) names.push_back(LowerCase(cell.text));
+    return names;
+  }
+  return {};
+}
+
+bool Has(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::size_t FieldOf(const std::vector<std::string>& names, std::string_view name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+// The rows of time_s,power_W.
+PowerProfile ReadPower(const std::string& file, Hold hold) {
+  TextSource source(file);
+  PowerProfile profile;
+  profile.hold = hold;
+  std::vector<std::string> names;
+  std::vector<TextCell> cells;
+  std::size_t line = 0;
+  for (std::string_view piece = source.NextPiece(1); !piece.empty();
+       piece = source.NextPiece(line + 1)) {
+    while (!piece.empty()) {
+      const auto end = std::min(piece.find(source.line_end()), piece.size());
+      const std::string_view raw = piece.substr(0, end);
+      piece.remove_prefix(std::min(end + 1, piece.size()));
+      ++line;
+      const std::string_view content = Trimmed(raw);
+      if (content.empty() || content[0] == '#') continue;
+      if (names.empty()) {
+        names = HeaderOf(content);
+        continue;
+      }
+      SplitLine(raw, ',', cells);
+      const auto number = [&](std::string_view name, std::string_view shown) {
+        const std::size_t field = FieldOf(names, name);
+        if (field >= cells.size()) {
+          throw LoadError(
+              {file, line, raw.size() + 1},
+              fmt::format("expected a number for {}, found the end of the line", shown));
+        }
+        double value = 0.0;
+        if (!ParseNumber(cells[field].text, '.', value) || !std::isfinite(value)) {
+          throw LoadError(
+              {file, line, cells[field].column},
+              fmt::format(
+                  "expected a number for {}, found '{}'", shown, ForeignText(cells[field].text)));
+        }
+        return value;
+      };
+      const double time_s = number("time_s", "time_s");
+      if (!profile.time_s.empty() && !(time_s > profile.time_s.back())) {
+        throw LoadError(
+            {file, line, cells[FieldOf(names, "time_s")].column},
+            fmt::format("expected a time after {} s, found {} s", profile.time_s.back(), time_s));
+      }
+      profile.time_s.push_back(time_s);
+      profile.power_W.push_back(number("power_w", "power_W"));
+    }
+  }
+  return profile;
+}
+
+// The current of one cell that gives this power at the end of a step; none where that is below the
+// cut-off. `advanced` has charge and states before the step.
+std::optional<double> CurrentOfPower(const CellModel<double>& model,
+                                     const CellModel<double>::State& before,
+                                     const CellModel<double>::Step& step,
+                                     bool moves,
+                                     double power_W,
+                                     double cutoff_V,
+                                     double largest_A) {
+  if (power_W == 0.0) return 0.0;
+  const auto voltage = [&](double current_A) {
+    if (!moves) return model.Voltage(before, current_A);
+    CellModel<double>::State after = before;
+    model.Advance(after, current_A, step);
+    return model.Voltage(after, current_A);
+  };
+  // i v(i) rises from 0 while v is above the cut-off; in charge it rises without end.
+  double low = power_W > 0.0 ? 0.0 : -largest_A;
+  double high = power_W > 0.0 ? largest_A : 0.0;
+  if (power_W > 0.0) {
+    // The largest current is where the cut-off is reached: v falls with i.
+    if (voltage(high) < cutoff_V) {
+      double inside = 0.0;
+      if (voltage(inside) < cutoff_V) return std::nullopt;
+      double outside = high;
+      for (int n = 0; n < 200 && outside - inside > 1e-15 * outside; ++n) {
+        const double middle = 0.5 * (inside + outside);
+        (voltage(middle) < cutoff_V ? outside : inside) = middle;
+      }
+      high = inside;
+    }
+    if (high * voltage(high) < power_W) return std::nullopt;
+  } else if (low * voltage(low) > power_W) {
+    return std::nullopt;
+  }
+  for (int n = 0; n < 200; ++n) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (middle * voltage(middle) < power_W ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+// Removes the rows from the first one below the cut-off on.
+std::size_t CutAtCutoff(const Cell& cell, ExportMission& mission) {
+  // A cell at its cut-off is not yet below it.
+  constexpr double kRounding_V = 1e-9;
+  const auto prediction =
+      Predict(cell, mission.time_s, mission.current_A, mission.hold, mission.initial_soc);
+  const double least_V = cell.series * (cell.cutoff_V - kRounding_V);
+  const auto& volts = prediction.voltage_V;
+  const auto below =
+      std::find_if(volts.begin(), volts.end(), [&](double v) { return !(v >= least_V); });
+  const auto rows = static_cast<std::size_t>(below - volts.begin());
+  const std::size_t removed = mission.time_s.size() - rows;
+  mission.time_s.resize(rows);
+  mission.current_A.resize(rows);
+  return removed;
+}
+
+void Append(ExportMission& mission, double duration_s, double current_A) {
+  const double begin_s = mission.time_s.back();
+  const auto rows = static_cast<int>(std::lround(duration_s / kDefaultRow_s));
+  for (int k = 1; k <= rows; ++k) {
+    mission.time_s.push_back(begin_s + k * duration_s / rows);
+    mission.current_A.push_back(current_A);
+  }
+}
+
+double RoundedDown(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 3.0);
+  return std::floor(value / unit) * unit;
+}
+
+}  // namespace
+
+ExportMission DefaultMission(const Cell& cell) {
+  // The current that would empty the cell in kDefaultEmpty_s: less at most than what the charge
+  // alone allows, and the time falls with the current.
+  double high_A = 2.0 * cell.parallel * cell.alpha_C() / kDefaultEmpty_s;
+  double low_A = 0.0;
+  for (int n = 0; n < 60; ++n) {
+    const double middle_A = 0.5 * (low_A + high_A);
+    const auto lasts_s = TimeToCutoff(cell, middle_A, 1.0, 2.0 * kDefaultEmpty_s);
+    (lasts_s && *lasts_s < kDefaultEmpty_s ? high_A : low_A) = middle_A;
+  }
+  Require(low_A > 0.0 && RoundedDown(low_A) > 0.0,
+          "a full cell is above its cut-off",
+          {{"v_oc(1)", cell.open_circuit_voltage(1.0)}, {"cutoff_V", cell.cutoff_V}});
+  const double current_A = RoundedDown(low_A);
+  ExportMission mission;
+  mission.time_s = {0.0};
+  mission.current_A = {0.0};
+  Append(mission, kDefaultRests_s[0], 0.0);
+  Append(mission, 0.5 * kDefaultEmpty_s, current_A);
+  Append(mission, kDefaultRests_s[1], 0.0);
+  Append(mission, 0.5 * kDefaultEmpty_s, 0.5 * current_A);
+  Append(mission, kDefaultRests_s[2], 0.0);
+  mission.name = fmt::format(
+      "default ({:g} s at {:.4g} A and {:g} s at {:.4g} A, rests of {:g}, "
+      "{:g} and {:g} s)",
+      0.5 * kDefaultEmpty_s,
+      current_A,
+      0.5 * kDefaultEmpty_s,
+      0.5 * current_A,
+      kDefaultRests_s[0],
+      kDefaultRests_s[1],
+      kDefaultRests_s[2]);
+  return mission;
+}
+
+ExportMission MissionOf(const Record& record, std::string name, double initial_soc) {
+  ExportMission mission;
+  mission.name = std::move(name);
+  mission.initial_soc = initial_soc;
+  mission.time_s = record.time_s;
+  mission.current_A = record.current_A;
+  if (record.hold == Hold::kForward) {  // the current that holds until a row belongs to it
+    for (std::size_t k = mission.current_A.size(); k-- > 1;)
+      mission.current_A[k] = record.current_A[k - 1];
+  }
+  return mission;
+}
+
+ExportMission MissionOf(const Cell& cell,
+                        const PowerProfile& power,
+                        std::string name,
+                        double initial_soc) {
+  ExportMission mission;
+  mission.name = std::move(name);
+  mission.initial_soc = initial_soc;
+  const CellModel<double> model(cell.Parameters());
+  auto state = model.Relaxed(initial_soc);
+  const double cells = static_cast<double>(cell.series) * cell.parallel;
+  // More than any cell gives: it would be empty in a second.
+  const double largest_A = cell.alpha_C();
+  CellModel<double>::Step step;
+  for (std::size_t k = 0; k < power.time_s.size(); ++k) {
+    const bool backward = power.hold == Hold::kBackward;
+    const double power_W = power.power_W[backward || k == 0 ? k : k - 1] / cells;
+    const double begin_s = k > 0 ? power.time_s[k - 1] : power.time_s[k];
+    const double length_s = power.time_s[k] - begin_s;
+    const int pieces =
+        k > 0
+            ? std::max(
+                  1, static_cast<int>(std::ceil(std::min(1e8, length_s / kMostPowerStep_s - 1e-9))))
+            : 1;
+    for (int piece = 1; piece <= pieces; ++piece) {
+      const double time_s = piece == pieces ? power.time_s[k] : begin_s + length_s * piece / pieces;
+      const double dt_s = k > 0 ? time_s - mission.time_s.back() : 0.0;
+      model.MakeStep(dt_s, step);
+      const auto current_A =
+          CurrentOfPower(model, state, step, k > 0, power_W, cell.cutoff_V, largest_A);
+      if (!current_A) return mission;
+      if (k > 0) model.Advance(state, *current_A, step);
+      mission.time_s.push_back(time_s);
+      mission.current_A.push_back(*current_A * cell.parallel);
+    }
+  }
+  return mission;
+}
+
+ReadMission ReadMissionFile(const Cell& cell,
+                            const std::string& file,
+                            const ReadOptions& options,
+                            double initial_soc) {
+  const std::vector<std::string> names = HeaderOf(TextSource(file).head());
+  ReadMission read;
+  if (Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a")) {
+    const PowerProfile profile = ReadPower(file, options.hold);
+    read.power = true;
+    read.rows_of_file = profile.time_s.size();
+    read.mission = MissionOf(cell, profile, file, initial_soc);
+    if (!profile.time_s.empty() &&
+        (read.mission.time_s.empty() || read.mission.time_s.back() < profile.time_s.back())) {
+      const double reached_s =
+          read.mission.time_s.empty() ? profile.time_s.front() : read.mission.time_s.back();
+      read.rows_beyond_cutoff = static_cast<std::size_t>(
+          std::count_if(profile.time_s.begin(), profile.time_s.end(), [&](double t) {
+            return read.mission.time_s.empty() || t > reached_s;
+          }));
+    }
+  } else {
+    ReadOptions how = options;
+    how.voltage_optional = true;
+    if (Has(names, "battery_a") && Has(names, "battery_v") && how.columns.empty()) {
+      // A flight log of lipoid: the current that was decided in a row flows until the next one.
+      how.columns = {{"current_A", "battery_A"}, {"voltage_V", "battery_V"}};
+      how.current_sign = "discharge-positive";
+      how.hold = Hold::kForward;
+    }
+    const Log log = ReadLog(file, how);
+    read.warnings = log.report.warnings;
+    read.rows_of_file = log.record.size();
+    read.mission = MissionOf(log.record, file, initial_soc);
+  }
+  read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
+  if (read.mission.time_s.size() < kLeastRows) {
+    throw LoadError(
+        {file},
+        fmt::format(
+            "expected a mission of at least {} rows in which the cell stays above its cut-off of "
+            "{:.4g} V, found {} of {} rows{}",
+            kLeastRows,
+            cell.series * cell.cutoff_V,
+            read.mission.time_s.size(),
+            read.rows_of_file,
+            read.rows_beyond_cutoff > 0
+                ? "; the current or the power may be too much for this pack (--series, --parallel)"
+                : ""));
+  }
+  const auto& current_A = read.mission.current_A;
+  if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; }))
+    throw LoadError({file},
+                    "expected a mission that discharges the cell, found no current above 0");
+  return read;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,74 @@
+#pragma once
+
+/// @file
+/// The mission that a target is compared with the cell over, and its numbers are fitted to.
+///
+/// A target that counts charge alone must hold by resistance, capacity and curve what the cell's
+/// diffusion does, so its best numbers depend on the mission. A mission that only hovers does not
+/// tell resistance, full voltage and capacity apart, because its current is almost constant: there
+/// must be rests before, between and after, and two levels of current.
+///
+/// Missions have backward hold, whatever they were read with, so that the cell and a target with
+/// inertia are compared at the end of an interval, which both have then seen.
+/// Tests: tests/identify/export/mission_test.cc.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "identify/logs/log.h"
+#include "model/export/exported.h"
+
+namespace lipoid {
+
+/// The shape of the default mission: rest, a high current, rest, a low current, rest. The high
+/// current is the one that would take the full cell to its cut-off in kDefaultEmpty_s; it flows for
+/// half of that time, and half of it again for as long. The cell cannot reach its cut-off then: what
+/// the diffusion holds back, and every drop, is at most what it would be had the high current flowed
+/// on.
+inline constexpr double kDefaultEmpty_s = 720.0;
+inline constexpr double kDefaultRests_s[3] = {30.0, 120.0, 180.0};
+inline constexpr double kDefaultRow_s = 0.1;
+
+/// Its currents are rounded down to four digits. PreconditionError where the cell is below its
+/// cut-off at any current (its v_oc is).
+[[nodiscard]] ExportMission DefaultMission(const Cell& cell);
+
+/// The rows of a record, from initial_soc.
+[[nodiscard]] ExportMission MissionOf(const Record& record, std::string name, double initial_soc);
+
+/// Powers of the pack in W at increasing times; power_W[k] flows since times[k-1] (backward) or until
+/// times[k+1] (forward).
+struct PowerProfile {
+  std::vector<double> time_s;
+  std::vector<double> power_W;
+  Hold hold = Hold::kBackward;
+};
+
+/// The currents with which the cell gives these powers, P = i v, with rows at most kMostPowerStep_s
+/// apart: i is constant over a row, and i v is the power at its end. Ends where the cell could give
+/// the power only below its cut-off.
+inline constexpr double kMostPowerStep_s = 1.0;
+[[nodiscard]] ExportMission MissionOf(const Cell& cell,
+                                      const PowerProfile& power,
+                                      std::string name,
+                                      double initial_soc);
+
+struct ReadMission {
+  ExportMission mission;
+  std::vector<std::string> warnings;  ///< of the log
+  bool power = false;                 ///< it was a power profile
+  std::size_t rows_of_file = 0;
+  std::size_t rows_beyond_cutoff = 0;  ///< that were left out
+};
+
+/// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from the
+/// first one on in which the cell is below its cut-off. LoadError where it is none of these, or
+/// fewer than kLeastRows remain, or no current flows.
+inline constexpr std::size_t kLeastRows = 10;
+[[nodiscard]] ReadMission ReadMissionFile(const Cell& cell,
+                                          const std::string& file,
+                                          const ReadOptions& options,
+                                          double initial_soc);
+
+}  // namespace lipoid

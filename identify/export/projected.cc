@@ -1,0 +1,64 @@
+#include "identify/export/projected.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace lipoid {
+namespace {
+
+Cell OneOf(Cell cell) {
+  cell.series = 1;
+  cell.parallel = 1;
+  return cell;
+}
+
+ExportMission ShareOf(ExportMission mission, int parallel) {
+  for (double& current_A : mission.current_A) current_A /= parallel;
+  return mission;
+}
+
+}  // namespace
+
+SingleCell::SingleCell(const ExportRequest& request)
+    : cell(OneOf(request.cell)),
+      mission(ShareOf(request.mission, request.cell.parallel)),
+      reference(ReferenceOf(cell, mission)),
+      drawn_Ah(ChargeDrawn_Ah(cell, mission)) {}
+
+double SingleCell::TypicalResistance() const {
+  double ohm = cell.series_resistance_Ohm(0.5);
+  for (const auto& branch : cell.branches) ohm += branch.resistance_Ohm(0.5);
+  if (cell.charge_transfer) ohm += cell.charge_transfer->resistance_Ohm(0.5);
+  if (cell.diffusion) {
+    // pi²/(3 beta²) seconds of current are held back.
+    constexpr double kPiSquaredOverThree = 3.289868133696453;
+    const double slope_V = cell.open_circuit_voltage(0.8) - cell.open_circuit_voltage(0.3);
+    const double beta = cell.diffusion->beta_per_sqrt_s;
+    ohm += std::max(0.0, slope_V / 0.5) * kPiSquaredOverThree / (beta * beta) / cell.alpha_C();
+  }
+  constexpr double kLeast_Ohm = 1e-7;
+  return std::max(ohm, kLeast_Ohm);
+}
+
+bool Usable(const Projection& projection, Exported& exported) {
+  if (projection.termination != Termination::kFailure) return true;
+  exported.notes.push_back("No numbers were found: " + projection.message);
+  return false;
+}
+
+void AddBoundNotes(const Projection& projection, Exported& exported) {
+  if (projection.termination == Termination::kMaxIterations)
+    exported.notes.emplace_back(
+        "The search for the best numbers was cut short: they may not be the best ones.");
+  if (!projection.at_bound.empty()) {
+    exported.notes.push_back(
+        fmt::format("{} {} at the bound that keeps it physical: this mission does not settle {}.",
+                    fmt::join(projection.at_bound, ", "),
+                    projection.at_bound.size() == 1 ? "stands" : "stand",
+                    projection.at_bound.size() == 1 ? "it" : "them"));
+  }
+}
+
+}  // namespace lipoid

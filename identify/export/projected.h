@@ -1,0 +1,34 @@
+#pragma once
+
+/// @file
+/// What the projected targets have in common. Tests: tests/identify/export/targets_test.cc.
+
+#include <vector>
+
+#include "identify/export/projection.h"
+#include "model/export/export_error.h"
+#include "model/export/exported.h"
+
+namespace lipoid {
+
+/// One cell of the pack over its share of the mission: what numbers are fitted to.
+struct SingleCell {
+  explicit SingleCell(const ExportRequest& request);
+
+  Cell cell;
+  ExportMission mission;
+  ExportReference reference;
+  std::vector<double> drawn_Ah;
+
+  /// What the drop under a steady current is about, in Ohm: series resistance, branches and the
+  /// quasi-static share of the diffusion, at the cell's middle; above 0.
+  [[nodiscard]] double TypicalResistance() const;
+};
+
+/// Whether numbers were found; where not, a note says why and the errors are not there.
+[[nodiscard]] bool Usable(const Projection& projection, Exported& exported);
+
+/// A note on parameters that stand at a bound and on a search that was cut short.
+void AddBoundNotes(const Projection& projection, Exported& exported);
+
+}  // namespace lipoid

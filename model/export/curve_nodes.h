@@ -1,0 +1,28 @@
+#pragma once
+
+/// @file
+/// v_oc(A) as straight lines between nodes, for programs that read a table.
+/// Tests: tests/model/export/curve_nodes_test.cc.
+
+#include <vector>
+
+#include "model/battery/open_circuit_voltage.h"
+
+namespace lipoid {
+
+struct CurveNodes {
+  std::vector<double> soc;  ///< strictly increasing
+  std::vector<double> voltage_V;
+};
+
+/// The nodes of a linear curve are its own; of another curve there are as many as keep the straight
+/// lines within kCurveTolerance_V of it.
+inline constexpr double kCurveTolerance_V = 2e-5;
+[[nodiscard]] CurveNodes NodesOf(const OpenCircuitVoltage& curve);
+
+/// The same with a node `beyond` before the first and after the last one, on the end slopes: for
+/// programs that hold the end value instead.
+inline constexpr double kBeyondCurve = 0.5;
+[[nodiscard]] CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve);
+
+}  // namespace lipoid

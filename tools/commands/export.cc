@@ -1,0 +1,263 @@
+// lipoid export CELL --to TARGET -o FILE: the battery of another program, and how far it is from the
+// cell.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "identify/export/mission.h"
+#include "identify/export/targets.h"
+#include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "model/core/run_record.h"
+#include "model/export/provenance.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+#include "tools/commands/start_options.h"
+
+namespace lipoid {
+namespace {
+
+enum class Precision { kDouble, kSingle };
+
+constexpr std::array<std::pair<Precision, std::string_view>, 2> OptionNames(Precision) {
+  return {{{Precision::kDouble, "double"}, {Precision::kSingle, "single"}}};
+}
+
+std::string TargetHelp() {
+  std::vector<std::string> rows;
+  for (const auto& target : ExportTargets())
+    rows.push_back(fmt::format("{}: {}", target.name, target.summary));
+  return fmt::format("{}", fmt::join(rows, "; "));
+}
+
+// "beside it, with its stem": dir/frame.json and ".parm" are dir/frame.parm.
+std::string Beside(const std::string& output, const std::string& suffix) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / (path.stem().string() + suffix)).string();
+}
+
+// An option that this target does not take is a mistake of the user's, not to be passed over.
+void RequireTaken(const cli::CommandLine& line,
+                  const ExportTarget& target,
+                  std::string_view option) {
+  if (!line.Given(option) || target.Takes(option)) return;
+  std::vector<std::string_view> takers;
+  for (const auto& other : ExportTargets()) {
+    if (other.Takes(option)) takers.push_back(other.name);
+  }
+  throw OptionError(
+      fmt::format("option --{}: {} does not take it; {} {}",
+                  option,
+                  target.name,
+                  takers.empty() ? "no target" : fmt::format("{}", fmt::join(takers, ", ")),
+                  takers.size() > 1 ? "do" : "does"));
+}
+
+Json ErrorJson(const std::optional<ExportError>& error) {
+  if (!error) return nullptr;
+  return {{"rmse_V", NumberOrNull(error->rmse_V)},
+          {"max_error_V", NumberOrNull(error->max_error_V)},
+          {"worst_s", error->worst_s},
+          {"worst_soc", error->worst_soc}};
+}
+
+Json ErrorJson(const std::optional<ExportChargeError>& error) {
+  if (!error) return nullptr;
+  return {{"rms", NumberOrNull(error->rms)},
+          {"max_error", NumberOrNull(error->max_error)},
+          {"worst_s", error->worst_s},
+          {"lifetime_percent",
+           error->lifetime_percent ? Json(*error->lifetime_percent) : Json(nullptr)}};
+}
+
+// The first line: what it is and how good.
+std::string Headline(const ExportTarget& target,
+                     const ExportRequest& request,
+                     const Exported& exported) {
+  std::string text = fmt::format("{} ({})", target.name, KindName(target.kind));
+  if (exported.error) {
+    text += fmt::format(": {:.3f} mV rms, {:.3f} mV at most from the cell",
+                        1e3 * exported.error->rmse_V,
+                        1e3 * exported.error->max_error_V);
+  } else if (exported.charge_error) {
+    text += fmt::format(": {:.3f} % rms, {:.3f} % at most from the cell's state of charge",
+                        1e2 * exported.charge_error->rms,
+                        1e2 * exported.charge_error->max_error);
+  }
+  return text + fmt::format(", of {} in series and {} in parallel",
+                            request.cell.series,
+                            request.cell.parallel);
+}
+
+}  // namespace
+
+cli::ExitCode ExportCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  std::string target_name;
+  std::string output;
+  std::string mission_file;
+  std::string into;
+  std::string version;
+  PackOptions pack;
+  LogOptions log_options;
+  StartOptions start;
+  int branches = 2;
+  Precision precision = Precision::kDouble;
+  double limit_mV = 30.0;
+  line.Describe(
+      "Writes the cell as the battery of another program, with the numbers that this program's own "
+      "law holds best, and says how far that law is from the cell over a mission, with the "
+      "mission's current imposed, and how far it would be with numbers read off the cell file.",
+      "lipoid export gifi-600mAh-1 --to ardupilot --series 3 -o frame.json");
+  line.Example("lipoid export cell.json --to thevenin --mission flight.csv -o cell.yaml");
+  line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
+  line.RequiredText("to", target_name, "TARGET", TargetHelp());
+  line.Output(output, "FILE", "the first file; others stand beside it with its stem");
+  line.Input("mission",
+             mission_file,
+             "LOG",
+             "what the numbers are fitted and compared over: a log as simulate reads it, "
+             "time_s,power_W, or a flight of lipoid; default: two levels of current with rests");
+  line.Option("series", pack.series, Range{1, 100000}, "cells in series of the pack to export");
+  line.Option(
+      "parallel", pack.parallel, Range{1, 100000}, "cells in parallel of the pack to export");
+  line.Text("target-version",
+            version,
+            "VERSION",
+            "of the program that reads the file, where names differ; lipoid list targets has them");
+  line.Option("branches",
+              branches,
+              Range{1, 2},
+              "pairs of resistor and capacitor, for targets that can have more than one");
+  line.Option("precision", precision, Names(), "of the numbers, for targets that can be either");
+  line.Input("into",
+             into,
+             "FILE",
+             "a frame model of ArduPilot that the battery is merged into; the file itself stays");
+  line.Option("error-limit-mV",
+              limit_mV,
+              Range{0.0, 1e6},
+              "an error above this, rms and for one cell, is a warning");
+  start.AddTo(line);
+  log_options.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const ExportTarget& target = FindExportTarget(target_name);
+  for (const auto* const option : {"branches", "precision", "into"})
+    RequireTaken(line, target, option);
+  std::vector<std::string> outputs;
+  for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(Beside(output, suffix));
+  if (!outputs.empty() && output == cli::OutputPath("-")) {
+    throw OptionError(fmt::format(
+        "option -o: {} writes {} files; name the first one", target.name, outputs.size() + 1));
+  }
+  line.AddOutputs("-o", outputs);
+
+  ExportRequest request;
+  const std::string text = CellText(cell_name);
+  request.cell = ParseCell(text, cell_name);
+  pack.ApplyTo(request.cell.series, request.cell.parallel);
+  request.source = cell_name;
+  request.sha256 = Sha256OfBytes(text);
+  request.target_version = version;
+  request.name = IdentifierOf(request.cell.name);
+  request.stem = std::filesystem::path(output).stem().string();
+  request.branches = branches;
+  request.single_precision = precision == Precision::kSingle;
+  if (!into.empty()) {
+    request.into_file = into;
+    request.into_text = ReadTextFile(into);
+  }
+  if (!(request.cell.open_circuit_voltage(1.0) > request.cell.cutoff_V)) {
+    throw LoadError({cell_name},
+                    fmt::format("expected a battery, found one that is below its cut-off of {:.4g} "
+                                "V when full: v_oc(1) is {:.4g} V",
+                                request.cell.cutoff_V,
+                                request.cell.open_circuit_voltage(1.0)));
+  }
+  if (mission_file.empty()) {
+    if (start.initial_soc || start.initial_voltage_V) {
+      throw OptionError(
+          "options --initial-soc and --initial-voltage-V are of a --mission: the default one "
+          "starts full");
+    }
+    request.mission = DefaultMission(request.cell);
+  } else {
+    ReadMission read = ReadMissionFile(
+        request.cell, mission_file, log_options.ToReadOptions(), start.Soc(request.cell));
+    for (const auto& warning : read.warnings) line.Message("{}: {}", mission_file, warning);
+    if (read.rows_beyond_cutoff > 0) {
+      line.Message("{}: the cell reaches its cut-off of {:.4g} V; {} of {} rows are left out",
+                   mission_file,
+                   request.cell.series * request.cell.cutoff_V,
+                   read.rows_beyond_cutoff,
+                   read.rows_of_file);
+    }
+    request.mission = std::move(read.mission);
+  }
+
+  const Exported exported = Export(target, request);
+
+  Json& summary = line.summary();
+  summary["target"] = target.name;
+  summary["kind"] = KindName(target.kind);
+  const auto versions = target.Versions();
+  summary["target_version"] = !version.empty()   ? Json(version)
+                              : versions.empty() ? Json(nullptr)
+                                                 : Json(versions.front());
+  summary["series"] = request.cell.series;
+  summary["parallel"] = request.cell.parallel;
+  summary["parameters"] = Json::object();
+  for (const auto& parameter : exported.parameters)
+    summary["parameters"][parameter.name] = NumberOrNull(parameter.value);
+  const Json error = ErrorJson(exported.error);
+  for (const auto* const key : {"rmse_V", "max_error_V", "worst_s", "worst_soc"})
+    summary[key] = error.is_null() ? Json(nullptr) : error[key];
+  summary["naive"] = ErrorJson(exported.naive);
+  summary["charge_error"] = ErrorJson(exported.charge_error);
+  summary["naive_charge_error"] = ErrorJson(exported.naive_charge_error);
+  summary["mission"] = request.mission.name;
+  summary["mission_rows"] = request.mission.time_s.size();
+  summary["cannot_hold"] = exported.cannot_hold;
+  summary["notes"] = exported.notes;
+  summary["sha256"] = request.sha256;
+  summary["files"] = Json::array();
+
+  cli::TextTable table({{"parameter", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}});
+  for (const auto& parameter : exported.parameters)
+    table.Row({parameter.name, fmt::format("{:.6g}", parameter.value), parameter.unit});
+  line.Print("{}\n\n{}\n", Headline(target, request, exported), table.Text());
+  line.Print("{}", Commented(ProvenanceLines(request, exported), ""));
+
+  if (exported.files.empty()) {
+    line.Message("nothing is written: {}",
+                 exported.notes.empty() ? "no numbers were found" : exported.notes.back());
+    return cli::ExitCode::kIncomplete;
+  }
+  for (std::size_t k = 0; k < exported.files.size(); ++k) {
+    const auto& file = exported.files[k];
+    const std::string path = k == 0 ? output : Beside(output, file.suffix);
+    Require(k == 0 || std::find(outputs.begin(), outputs.end(), path) != outputs.end(),
+            "every file of a target is declared in its row");
+    WriteFileAtomically(path, file.content);
+    summary["files"].push_back(path);
+    line.Message("{}: {} bytes", path, file.content.size());
+  }
+  if (exported.error && !(exported.error->rmse_V <= 1e-3 * limit_mV * request.cell.series)) {
+    line.Message(
+        "warning: {:.3f} mV rms of {} cell{} in series is more than {:g} mV for each: {} cannot "
+        "hold this cell over this mission (--error-limit-mV)",
+        1e3 * exported.error->rmse_V,
+        request.cell.series,
+        request.cell.series == 1 ? "" : "s",
+        limit_mV,
+        target.name);
+  }
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,112 @@
+// lipoid export-controller -o DIR: the flight controller as C, for a microcontroller.
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "model/battery/cell_file.h"
+#include "model/control/gains.h"
+#include "model/core/errors.h"
+#include "model/core/run_record.h"
+#include "model/export/controller_export.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tools/commands.h"
+
+namespace lipoid {
+namespace {
+
+// Where a part of the controller comes from: a shipped set by its name, a file by its hash.
+std::string OriginOf(std::string_view what,
+                     const std::string& name,
+                     const std::vector<std::string>& shipped) {
+  const bool known = std::find(shipped.begin(), shipped.end(), name) != shipped.end();
+  return known ? fmt::format("{} {}, shipped with lipoid.", what, name)
+               : fmt::format("{} file {}, SHA-256 {}.", what, name, Sha256OfFile(name));
+}
+
+}  // namespace
+
+cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
+  std::string folder;
+  std::string vehicle_name = "mambo-coupled";
+  std::string gains_name = "aware";
+  std::string cell_name;
+  std::optional<double> lowest_V;
+  ControllerExportRequest request;
+  line.Describe(
+      "Writes the flight controller that flies in the simulator, and its estimator, as C99 (which "
+      "is C++ too): references, error controllers, inversion, allocation, saturation, command "
+      "generation. Steps of 5 ms, no allocation, no library but libm. lipoid_controller.h says how "
+      "to call it, lipoid_example.c is the whole loop.",
+      "lipoid export-controller --vehicle mambo-coupled --gains aware --compensate -o flight");
+  line.Example("lipoid export-controller --precision double --controller pid -o flight");
+  line.Input(
+      "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
+  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Text("controller",
+            request.controller.law,
+            "NAME",
+            "inversion, or another of `lipoid list controllers` (default inversion)");
+  line.Flag(
+      "compensate", request.controller.compensate, "commands use the measured voltage (5.52)");
+  line.Input(
+      "cell",
+      cell_name,
+      "CELL",
+      "a cell file, or the name of a shipped cell: at the cut-off of its pack the references "
+      "must still be within the motors' reach (default gifi-600mAh-1)");
+  line.Option("lowest-V",
+              lowest_V,
+              Range{1e-3, 1e5},
+              "instead of --cell: the pack's voltage under load at which a flight ends");
+  line.Option("precision",
+              request.precision,
+              Names(),
+              "of all numbers; -DLIPOID_DOUBLE=1 or 0 when compiling decides otherwise");
+  line.RequiredText("output,o", folder, "DIR", "the folder to write to; made where it is missing");
+  line.Group("controller", request.controller);
+  line.Group("estimator", request.estimator);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  std::vector<std::string> paths;
+  for (const std::string& name : ExportedControllerNames())
+    paths.push_back((std::filesystem::path(folder) / name).string());
+  line.AddOutputs("-o", paths);
+  if (lowest_V && !cell_name.empty()) {
+    throw OptionError("options --lowest-V and --cell: give one of them");
+  }
+  request.vehicle = LoadVehicle(vehicle_name);
+  request.gains = LoadGains(gains_name);
+  request.origin = {OriginOf("Vehicle", vehicle_name, ShippedVehicleNames()),
+                    OriginOf("Gains", gains_name, ShippedGainsNames())};
+  if (!lowest_V) {
+    if (cell_name.empty()) cell_name = "gifi-600mAh-1";
+    const Cell cell = LoadCell(cell_name);
+    lowest_V = cell.series * cell.cutoff_V;
+    request.origin.push_back(OriginOf("Cut-off of the cell", cell_name, ShippedCellNames()));
+  }
+  request.lowest_V = *lowest_V;
+  const auto files = ExportController(request);
+
+  NewFolder made(folder);
+  for (std::size_t k = 0; k < files.size(); ++k) WriteFileAtomically(paths[k], files[k].content);
+  made.Keep();
+
+  Json written = Json::array();
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    written.push_back({{"file", paths[k]}, {"bytes", files[k].content.size()}});
+  }
+  line.summary()["files"] = std::move(written);
+  line.summary()["vehicle"] = request.vehicle.name;
+  line.summary()["gains"] = request.gains.name;
+  line.summary()["controller"] = request.controller.law;
+  line.summary()["precision"] = options_internal::ToText(request.precision);
+  line.summary()["lowest_V"] = request.lowest_V;
+  for (const std::string& path : paths) line.Message("{}", path);
+  line.Message(
+      "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "
+      "example, in {}",
+      folder);
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
