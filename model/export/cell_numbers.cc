@@ -9,8 +9,8 @@
 #include <initializer_list>
 
 #include "generated/export_runtime.h"
-#include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "model/export/export_error.h"
 
 namespace lipoid {
 namespace {
@@ -455,26 +455,7 @@ std::vector<double> RunCellLaw(const Cell& cell,
 }
 
 ExportError MissionError(const ExportRequest& request, std::span<const double> voltage_V) {
-  const ExportMission& mission = request.mission;
-  ExportError error;
-  double sum = 0.0;
-  PredictRows(request.cell,
-              mission.time_s,
-              mission.current_A,
-              mission.hold,
-              mission.initial_soc,
-              [&](std::size_t k, double soc, double cell_V) {
-                const double off_V = std::abs(voltage_V[k] - cell_V);
-                sum += off_V * off_V;
-                if (!(off_V <= error.max_error_V)) {
-                  error.max_error_V = off_V;
-                  error.worst_s = mission.time_s[k];
-                  error.worst_soc = soc;
-                }
-              });
-  const auto rows = static_cast<double>(std::max<std::size_t>(1, mission.time_s.size()));
-  error.rmse_V = std::sqrt(sum / rows);
-  return error;
+  return VoltageError(ReferenceOf(request.cell, request.mission), request.mission, voltage_V);
 }
 
 }  // namespace lipoid

@@ -129,10 +129,7 @@ int RunCommand(const std::string& command, std::string& output) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string PythonOfSimulators() {
-  const std::string python = SourcePath("build/python-extra/bin/python3");
-  return std::filesystem::exists(python) ? python : "";
-}
+std::string PythonOfSimulators() { return ExtraPython(); }
 
 std::vector<double> ReadNumbers(const std::string& file) {
   std::vector<double> numbers;
