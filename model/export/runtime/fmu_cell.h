@@ -79,6 +79,9 @@ typedef struct {
   double saved[FMU_SAVED];
 } fmu_cell;
 
+// Cells in series or in parallel.
+static int fmu_is_count(double value) { return value >= 1.0 && value <= 1e9; }
+
 #ifdef FMU_READS_NUMBERS
 // The bytes of the resource, read in their order; `bad` once anything is not what it should be.
 typedef struct {
@@ -138,6 +141,7 @@ static int fmu_read_numbers(fmu_cell *cell, const char *file, const char *token)
   unsigned char byte[8];
   fmu_reader reader = {NULL, NULL, 0};
   cell_numbers *own = &cell->own;
+  double kind;
   long bytes;
   size_t count;
   size_t k;
@@ -167,7 +171,7 @@ static int fmu_read_numbers(fmu_cell *cell, const char *file, const char *token)
   reader.end = cell->read + k;
   cell->default_series = fmu_next(&reader);
   cell->default_parallel = fmu_next(&reader);
-  if (!(cell->default_series >= 1.0) || !(cell->default_parallel >= 1.0)) reader.bad = 1;
+  if (!fmu_is_count(cell->default_series) || !fmu_is_count(cell->default_parallel)) reader.bad = 1;
   own->alpha_C = fmu_next(&reader);
   own->tail_s = fmu_next(&reader);
   own->modes = fmu_count(&reader);
@@ -189,7 +193,12 @@ static int fmu_read_numbers(fmu_cell *cell, const char *file, const char *token)
   own->transfers = fmu_next(&reader) > 0.0;
   own->transfer_A = fmu_next(&reader);
   own->transfer = fmu_ohms(&reader);
-  own->curve = (int)fmu_next(&reader);
+  kind = fmu_next(&reader);
+  if (!(kind >= (double)CELL_CURVE_PIECES) || kind > (double)CELL_CURVE_FOURIER) {
+    reader.bad = 1;
+    kind = 0.0;
+  }
+  own->curve = (int)kind;
   own->nodes = fmu_count(&reader);
   own->soc = fmu_increasing(&reader, own->nodes);
   j = fmu_count(&reader);
@@ -351,8 +360,9 @@ static int fmu_set_count(fmu_cell *cell, unsigned reference, int value) {
 }
 
 static int fmu_get_count(const fmu_cell *cell, unsigned reference, int *value) {
-  if (reference != FMU_SERIES && reference != FMU_PARALLEL) return 0;
-  *value = (int)cell->saved[reference == FMU_SERIES ? FMU_SAVED_SERIES : FMU_SAVED_PARALLEL];
+  const double count = cell->saved[reference == FMU_SERIES ? FMU_SAVED_SERIES : FMU_SAVED_PARALLEL];
+  if ((reference != FMU_SERIES && reference != FMU_PARALLEL) || !fmu_is_count(count)) return 0;
+  *value = (int)count;
   return 1;
 }
 

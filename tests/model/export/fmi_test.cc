@@ -149,6 +149,24 @@ TEST(Fmi, LibraryNeedsNeitherLipoidNorCPlusPlus) {
   EXPECT_EQ(output.find("san"), std::string::npos) << output;
 }
 
+TEST(Fmi, DamagedResourcesAreRefusedOrRunWithoutHarm) {
+  if (test::CCompiler().empty()) GTEST_SKIP() << "skipped: there is no C compiler (cc)";
+  const auto folder = test::FreshFolder("fmi_damaged");
+  test::WriteExported(ExportFmi(test::RequestOf(test::CellWithEveryTerm())), folder, "cell");
+  std::string output;
+  const auto command = fmt::format(
+      "cd {} && python3 -m zipfile -e cell.fmu fmu && mv fmu/resources/cell.bin "
+      "fmu/resources/cell.orig && "
+      "cc -std=c99 -g -O1 -Wall -Wextra -fsanitize=address,undefined -fno-sanitize-recover=all "
+      "-I{} {} -lm -o damaged && "
+      "./damaged fmu/resources $(grep -o 'guid=\"[^\"]*\"' fmu/modelDescription.xml | cut -d'\"' -f2)",
+      folder,
+      test::SourcePath("model/export/runtime"),
+      test::SourcePath("tests/model/export/fmu_damaged.c"));
+  EXPECT_EQ(test::RunCommand(command, output), 0) << output;
+  EXPECT_NE(output.find(" of 1500 ran"), std::string::npos) << output;
+}
+
 TEST(Fmi, RefusesAnotherVersion) {
   try {
     (void)ExportFmi(test::RequestOf(LoadCell("gifi-600mAh-1"), "1"));
