@@ -25,7 +25,7 @@ void AddUncertainty(Identification& found, bool soc_follows_alpha) {
   found.not_drawn = std::move(uncertainty.unknown);
 }
 
-// By rows left out of the logs that a solution was fitted to, with what was given held.
+// By held-out rows of the logs that a solution was fitted to, with what was given held.
 ExpectedError ExpectErrorOf(const JointLogs& logs,
                             const JointSetup& setup,
                             const GivenParameters& given,

@@ -1,8 +1,9 @@
 #pragma once
 
 /// @file
-/// From the logs of a campaign to a cell, by either method, in one call: what `lipoid identify` does
-/// for each campaign. Commands, reports and other languages only hand in data and show the result.
+/// From the logs of a campaign to a cell, by either method, in one call: what `lipoid identify`
+/// does for each campaign. Commands, reports and other languages only hand in data and show the
+/// result.
 ///
 ///   const Campaign campaign = ReadCampaign("campaign.toml");
 ///   const Identification found = Identify(campaign, LoadCampaign(campaign), {});
@@ -40,9 +41,10 @@ struct Identification {
   bool converged = false;
   FitQuality quality;  ///< the verdict on the whole
   TrustReport trust;
-  std::vector<std::string> not_drawn;  ///< parameters of which cells drawn vary only in what is known
+  std::vector<std::string>
+      not_drawn;  ///< parameters of which cells drawn vary only in what is known
   std::vector<Profile> profiles;
-  ExpectedError expected_error;  ///< of a new log of the fitted kinds, from rows left out
+  ExpectedError expected_error;        ///< of a new log of the fitted kinds, from held-out rows
   std::optional<StagedResult> staged;  ///< of the staged method
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
   std::vector<std::string> log_notes;  ///< NotesOnLogs()

@@ -13,7 +13,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DOCS = ("docs/architecture.md", "docs/adding.md")
 LAYERS = ("model", "identify", "tools")  # each may include itself and those before it
-MODEL = ("core", "battery", "vehicle", "control", "flight", "analysis", "export")  # the same within model/
+MODEL = ("core", "statistics", "battery", "vehicle", "control", "flight", "analysis", "export")  # the same within model/
 SOURCES = (".cc", ".h", ".py", ".md", ".txt", ".cmake")
 # Documents of others that a source may have been written from, but that a reader does not have.
 FOREIGN = re.compile(r"\b(?:design|errata|targets|STYLE)\.md\b")

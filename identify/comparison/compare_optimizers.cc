@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/median.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -120,9 +120,30 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     }
   }
   const double target = comparison.best_cost * (1.0 + options.target);
+  const auto rmse_V = [&](double cost) {
+    return std::sqrt(2.0 * cost / static_cast<double>(std::max<std::size_t>(1, sweep.rows())));
+  };
+  const double best_V = rmse_V(comparison.best_cost);
+  for (const auto& result : comparison.results) {
+    if (result.optimizer != comparison.best_optimizer &&
+        rmse_V(result.best_cost) - best_V <= std::max(kTieFraction * best_V, kTie_V))
+      comparison.tied.push_back(result.optimizer);
+  }
   for (std::size_t row = 0; row < runs.size(); ++row) {
     OptimizerComparison& result = comparison.results[row];
     result.gap = result.summary.cost / comparison.best_cost - 1.0;
+    const auto keep = [&](int start, std::uint64_t seed, const OptimizationSummary& run) {
+      comparison.runs.push_back({.optimizer = result.optimizer,
+                                 .start = start,
+                                 .seed = seed,
+                                 .summary = run,
+                                 .parameters = problem(*optimizers[row]).Parameters(run.x),
+                                 .gap = run.cost / comparison.best_cost - 1.0,
+                                 .reached = Reached(run, target) != nullptr});
+    };
+    keep(0, settings.context.seed, result.summary);
+    for (std::size_t k = 0; k < runs[row].size(); ++k)
+      keep(static_cast<int>(k) + 1, settings.context.seed + 1 + k, runs[row][k]);
     if (starts.empty()) runs[row].push_back(result.summary);
     std::vector<double> seconds, evaluations;
     for (const auto& run : runs[row]) {

@@ -34,12 +34,16 @@ struct ComparisonOptions {
     v("scaling",
       self.scaling,
       Names{},
-      "what the optimizer moves: natural SI values, over typical ones, their logarithms");
+      "scale of what the optimizers move: SI values, SI values over typical ones, or their "
+      "logarithms");
     v("decades",
       self.decades,
       Range{0.0, 6.0},
-      "of random starts on either side of the data's, and of the box above it");
-    v("target", self.target, Range{0.0, 10.0}, "relative distance to the best cost that succeeds");
+      "decades of random starts on either side of the data's start, and of the box above it");
+    v("target",
+      self.target,
+      Range{0.0, 10.0},
+      "relative distance to the best cost within which a start has succeeded");
   }
 };
 
@@ -60,14 +64,34 @@ struct OptimizerComparison {
   [[nodiscard]] double success_rate() const { return static_cast<double>(successes) / starts; }
 };
 
+/// One run of one optimizer.
+struct ComparisonRun {
+  std::string optimizer;
+  int start = 0;           ///< 0: the data's, else the number of the random start
+  std::uint64_t seed = 0;  ///< of optimizers that draw
+  OptimizationSummary summary;
+  PulseParameters parameters;
+  double gap = std::numeric_limits<double>::quiet_NaN();  ///< cost / best cost - 1
+  bool reached = false;                                   ///< the target
+};
+
 struct Comparison {
   std::vector<PulseVariable> variables;
   std::vector<PulseVariable> boxed;  ///< the same with the box of those that need one
   PulseParameters start;
   double best_cost = std::numeric_limits<double>::quiet_NaN();
   std::string best_optimizer;
+  /// The others whose best fit is the same but for rounding: their root mean square errors agree
+  /// within kTieFraction of them, or within kTie_V. The best is then one of several.
+  std::vector<std::string> tied;
   std::vector<OptimizerComparison> results;  ///< in the order asked for
+  std::vector<ComparisonRun> runs;           ///< by optimizer, then by start, the data's first
 };
+
+/// Solvers end within 1e-8 of their unknowns, which moves the cost by the square; a voltmeter does
+/// not see a nanovolt.
+inline constexpr double kTieFraction = 1e-6;
+inline constexpr double kTie_V = 1e-9;
 
 /// Called with the name of what runs and the share of the work done.
 using ComparisonProgress = std::function<void(std::string_view what, double share)>;

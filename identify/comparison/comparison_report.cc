@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/stages/staged_report.h"
+#include "model/core/foreign_text.h"
+#include "model/core/run_record.h"
 
 namespace lipoid {
 namespace {
@@ -39,6 +41,13 @@ Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
           {"improvements", std::move(improvements)}};
 }
 
+// A cell of words: RFC 4180.
+std::string Quoted(const std::string& words) {
+  std::string text = "\"";
+  for (const char c : words) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
+}
+
 }  // namespace
 
 Json ComparisonToJson(const Comparison& comparison, bool diffusion) {
@@ -55,42 +64,48 @@ Json ComparisonToJson(const Comparison& comparison, bool diffusion) {
   }
   Json results = Json::array();
   for (const auto& result : comparison.results) results.push_back(ResultToJson(result, diffusion));
-  return {
-      {"problem", std::move(problem)},
-      {"best",
-       {{"optimizer", comparison.best_optimizer}, {"cost_V2", NumberOrNull(comparison.best_cost)}}},
-      {"results", std::move(results)}};
+  return {{"problem", std::move(problem)},
+          {"best",
+           {{"optimizer", comparison.best_optimizer},
+            {"cost_V2", NumberOrNull(comparison.best_cost)},
+            {"tied", comparison.tied}}},
+          {"results", std::move(results)}};
 }
 
-std::string ComparisonToCsv(const Comparison& comparison, bool diffusion) {
-  const char* const columns[] = {"mean_error_percent",
-                                 "max_error_percent",
-                                 "rmse_V",
-                                 "cost_V2",
-                                 "gap_percent",
-                                 "wall_s",
-                                 "iterations",
-                                 "evaluations",
-                                 "gradient_evaluations",
-                                 "termination",
-                                 "starts",
-                                 "successes",
-                                 "success_rate",
-                                 "time_to_target_s",
-                                 "evaluations_to_target"};
-  std::string text = "optimizer";
-  for (const char* column : columns) text += fmt::format(",{}", column);
+std::string ComparisonToCsv(const Comparison& comparison,
+                            const std::string& campaign,
+                            bool diffusion) {
+  std::string text = fmt::format(
+      "# lipoid {} ({}), lipoid compare {}: one row per optimizer and start; start 0 is "
+      "the data's, cost is half the sum of squares; beta in s^-1/2, r in Ohm, c in F, "
+      "tau in s\n",
+      Version(),
+      GitCommit(),
+      ForeignText(campaign));
+  text +=
+      "optimizer,start,seed,cost_V2,gap_percent,reached,iterations,evaluations,"
+      "gradient_evaluations,wall_s,termination,reason";
   bool header = true;
   std::string rows;
   // null is an empty cell; names hold neither commas nor quotes.
-  const auto cell = [](const Json& value) {
-    return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
-  };
-  for (const auto& result : comparison.results) {
-    const Json json = ResultToJson(result, diffusion);
-    rows += result.optimizer;
-    for (const char* column : columns) rows += "," + cell(json.at(column));
-    for (const auto& [name, value] : json.at("parameters").items()) {
+  const auto cell = [](const Json& value) { return value.is_null() ? "" : value.dump(); };
+  for (const auto& run : comparison.runs) {
+    const OptimizationSummary& summary = run.summary;
+    rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}",
+                        run.optimizer,
+                        run.start,
+                        run.seed,
+                        cell(NumberOrNull(summary.cost)),
+                        cell(NumberOrNull(100.0 * run.gap)),
+                        run.reached ? "yes" : "no",
+                        summary.iterations,
+                        summary.evaluations,
+                        summary.gradient_evaluations,
+                        cell(NumberOrNull(summary.wall_s)),
+                        options_internal::ToText(summary.termination),
+                        Quoted(summary.message));
+    const Json parameters = SweepParametersToJson(run.parameters.sweep, diffusion);
+    for (const auto& [name, value] : parameters.items()) {
       if (header) text += "," + name;
       rows += "," + cell(value);
     }

@@ -11,10 +11,13 @@
 
 namespace lipoid {
 
-/// problem[].{parameter, unit, start, lower, upper, box_upper}, best.{optimizer, cost}, results[].
+/// problem[].{parameter, unit, start, lower, upper, box_upper}, best.{optimizer, cost, tied}, results[].
 [[nodiscard]] Json ComparisonToJson(const Comparison& comparison, bool diffusion);
 
-/// One line per optimizer.
-[[nodiscard]] std::string ComparisonToCsv(const Comparison& comparison, bool diffusion);
+/// A line that begins with # and says by which lipoid, a header with units, and one line per
+/// optimizer and start.
+[[nodiscard]] std::string ComparisonToCsv(const Comparison& comparison,
+                                          const std::string& campaign,
+                                          bool diffusion);
 
 }  // namespace lipoid

@@ -1,15 +1,16 @@
 #pragma once
 
 /// @file
-/// The cell along a log as the fits see it: the state of charge, and at every point the voltage as a
-/// row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h and i_0.
+/// The cell along a log as the fits see it: the state of charge, and at every point the voltage as
+/// a row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h and
+/// i_0.
 ///
-/// This is the one other statement of (4.46)-(4.51) beside cell_model.h, which simulations step; the
-/// two are held against each other row by row. A step costs a row two nodes of every table and the
-/// few nodes of a branch whose share has not decayed. Nothing here knows how logs are condensed:
-/// joint_sweep.cc walks points, voltage_sweep.cc blocks whose sums are exact. Symbols:
-/// docs/joint.md, 1. Tests:
-/// tests/identify/joint/joint_sweep_test.cc, tests/identify/stages/voltage_sweep_test.cc.
+/// This is the one other statement of (4.46)-(4.51) beside cell_model.h, which simulations step;
+/// the two are held against each other row by row. A step costs a row two nodes of every table and
+/// the few nodes of a branch whose share has not decayed. Nothing here knows how logs are
+/// condensed: joint_sweep.cc walks points, voltage_sweep.cc blocks whose sums are exact. Symbols:
+/// docs/joint.md, 1. Tests: tests/identify/joint/joint_sweep_test.cc,
+/// tests/identify/stages/voltage_sweep_test.cc.
 
 #include <algorithm>
 #include <cmath>
@@ -84,9 +85,9 @@ class SocState {
   Eigen::ArrayXd slope_C_;
 };
 
-/// One point of a log: y = sum_e value[e] x[index[e]], with rising indices; y is the measured voltage
-/// above the reference curve. Where slopes are asked for, slope[p] is that of the predicted voltage
-/// in nonlinear parameter p (RateSlots). It holds until the next point.
+/// One point of a log: y = sum_e value[e] x[index[e]], with rising indices; y is the measured
+/// voltage above the reference curve. Where slopes are asked for, slope[p] is that of the predicted
+/// voltage in nonlinear parameter p (RateSlots). It holds until the next point.
 struct CellRow {
   int entries;
   const int* index;
@@ -189,7 +190,8 @@ class CellRows {
         index_(static_cast<std::size_t>(layout_.size())),
         value_(static_cast<std::size_t>(layout_.size())),
         slope_(static_cast<std::size_t>(slots_.size())) {
-    for (const double a : structure.voltage_soc) reference_V_.push_back(setup.open_circuit_voltage(a));
+    for (const double a : structure.voltage_soc)
+      reference_V_.push_back(setup.open_circuit_voltage(a));
     for (auto& b : branches_) b.Reset(layout_.nodes());
     if (x != nullptr) FindCurveSlopes(curve);
   }
@@ -244,9 +246,9 @@ class CellRows {
     if (structure_.self_heating) {
       const int h = structure_.branches;
       const double square_A2 = current_A * current_A;
-      warmth_slope_ = decay[h] * warmth_slope_ + decay_slope[h] * warmth_A2_ +
-                      gain_slope[h] * square_A2;
-      warmth_A2_ = decay[h] * warmth_A2_ + gain[h] * square_A2;
+      thermal_slope_ = decay[h] * thermal_slope_ + decay_slope[h] * thermal_state_A2_ +
+                       gain_slope[h] * square_A2;
+      thermal_state_A2_ = decay[h] * thermal_state_A2_ + gain[h] * square_A2;
     }
   }
 
@@ -312,13 +314,11 @@ class CellRows {
     }
     if (structure_.self_heating) {
       const double per_A3 = per_A_ * per_A_ * per_A_ * current_A;
-      put(layout_.heating(), warmth_A2_ * per_A3);
-      if (x_ != nullptr)
-        slope_[slots_.heating()] = x_[layout_.heating()] * warmth_slope_ * per_A3;
+      put(layout_.heating(), thermal_state_A2_ * per_A3);
+      if (x_ != nullptr) slope_[slots_.heating()] = x_[layout_.heating()] * thermal_slope_ * per_A3;
     }
     if (x_ != nullptr)
-      slope_[slots_.beta()] =
-          setup_.diffusion ? slope_beta + slope_V * soc_slope : 0.0;  // (4.51)
+      slope_[slots_.beta()] = setup_.diffusion ? slope_beta + slope_V * soc_slope : 0.0;  // (4.51)
     return {entries, index_.data(), value_.data(), voltage_V - reference_V, slope_.data()};
   }
 
@@ -338,7 +338,8 @@ class CellRows {
     for (std::size_t k = 1; k < last; ++k) {
       const double before = nodes[k] - nodes[k - 1];
       const double after = nodes[k + 1] - nodes[k];
-      const double slope_V = (after * of_segment[k - 1] + before * of_segment[k]) / (before + after);
+      const double slope_V =
+          (after * of_segment[k - 1] + before * of_segment[k]) / (before + after);
       curve_slope_V_[k - 1].second = curve_slope_V_[k].first = slope_V;
     }
   }
@@ -353,11 +354,11 @@ class CellRows {
   NodeFinder of_voltage_;
   NodeFinder of_resistance_;
   NodeFinder of_start_;
-  std::vector<double> reference_V_;                        // at the nodes
+  std::vector<double> reference_V_;                       // at the nodes
   std::vector<std::pair<double, double>> curve_slope_V_;  // of v_oc at both ends of a segment
   std::vector<cell_rows_internal::BranchState> branches_;
-  double warmth_A2_ = 0.0;
-  double warmth_slope_ = 0.0;  // in tau_h
+  double thermal_state_A2_ = 0.0;
+  double thermal_slope_ = 0.0;  // in tau_h
   std::vector<int> index_;
   std::vector<double> value_;
   std::vector<double> slope_;

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "model/battery/cell_parameters.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
@@ -58,8 +59,8 @@ class HeldFit {
     JointRates rates = fit.Base(last_.structure);
     for (const JointFit::Rate& rate : fit.Rates(last_.structure))
       *rate.entry(rates, rate.index) = *rate.entry(last_.rates, rate.index);
-    JointSolution found = of_.refit(
-        fit, fit.Solve(last_.structure, rates, last_.smoothness, last_.active));
+    JointSolution found =
+        of_.refit(fit, fit.Solve(last_.structure, rates, last_.smoothness, last_.active));
     if (found.x.size() == 0 || !std::isfinite(found.cost)) return {};
     last_ = std::move(found);
     return {.cost = last_.cost,

@@ -8,6 +8,7 @@
 
 #include "identify/joint/joint_sweep.h"
 #include "identify/trust/cell_uncertainty.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {

@@ -30,7 +30,7 @@ FlightPlan DesignPlan(const GainDesign& design) {
     high.altitude_m += design.options.step_m;
     plan = {.commands = {{0.0, low}, {kControlStep_s, high}}, .duration_s = 5.0};
   } else {
-    plan = AttitudeDoubletsPlan({});
+    plan = AttitudeDoublets().plan({});
   }
   if (design.options.duration_s > 0.0) plan.duration_s = design.options.duration_s;
   return plan;

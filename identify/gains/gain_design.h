@@ -31,14 +31,20 @@ struct GainDesignOptions {
       self.proportional_bound,
       bound,
       "largest K_e in 1/s²; 0: 10 for the altitude, 1 for the attitude, as the thesis");
-    v("integral_bound", self.integral_bound, bound, "largest K_eI in 1/s³; 0: likewise");
-    v("derivative_bound", self.derivative_bound, bound, "largest K_edot in 1/s; 0: likewise");
-    v("step_m", self.step_m, Range{1e-6, 100.0}, "height of the step of the altitude");
+    v("integral_bound",
+      self.integral_bound,
+      bound,
+      "largest K_eI in 1/s³; 0: 10 for the altitude, 1 for the attitude, as the thesis");
+    v("derivative_bound",
+      self.derivative_bound,
+      bound,
+      "largest K_edot in 1/s; 0: 10 for the altitude, 1 for the attitude, as the thesis");
+    v("step_m", self.step_m, Range{1e-6, 100.0}, "height of the commanded step of the altitude, m");
     v("duration_s",
       self.duration_s,
       Range{0.0, 1e4},
-      "t_f; 0: 5 s for the altitude, 50 s for the attitude, as the thesis");
-    v("motor_lag", self.motor_lag, Names(), "motors have inertia");
+      "simulated time t_f, s; 0: 5 s for the altitude, 50 s for the attitude, as the thesis");
+    v("motor_lag", self.motor_lag, Names(), "whether motors take time to change their speed");
   }
 };
 

@@ -19,9 +19,9 @@ constexpr int kFewNodes = 13;
 constexpr int kManyNodes = 34;
 
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
-// overtaken by following the noise. Discharges that are left out whole are an experiment of their own:
-// the richer structure is asked for where it predicts them better by more than chance. Pieces share
-// what disturbed their log with their neighbours, and the thresholds above decide.
+// overtaken by following the noise. Discharges that are left out whole are an experiment of their
+// own: the richer structure is asked for where it predicts them better by more than chance. Pieces
+// share what disturbed their log with their neighbours, and the thresholds above decide.
 bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
   if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
   if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
@@ -182,9 +182,8 @@ class Choosing {
   }
 
   [[nodiscard]] PairedGain Gain(std::size_t simple, std::size_t rich) const {
-    return CompareErrors(choice_.tried[simple].errors.unit_V,
-                         choice_.tried[rich].errors.unit_V,
-                         logs_.unit_weight);
+    return CompareErrors(
+        choice_.tried[simple].errors.unit_V, choice_.tried[rich].errors.unit_V, logs_.unit_weight);
   }
   [[nodiscard]] bool IsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) const {
     return Better(rich, simple, logs_);
@@ -202,9 +201,8 @@ class Choosing {
           row.solution.rates,
           options_.smoothness > 0.0 ? std::vector<double>{options_.smoothness} : kSmoothness);
     }
-    const bool taking =
-        choice_.tried.empty() ||
-        (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
+    const bool taking = choice_.tried.empty() ||
+                        (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
     choice_.tried.push_back(std::move(row));
     if (taking) Take(choice_.tried.size() - 1);
     Tell(0.1 * static_cast<double>(choice_.tried.size()));
@@ -258,10 +256,10 @@ class Choosing {
 
   // A term that was asked for beside other tables must be asked for beside these too.
   void DropTerms() {
-    for (bool JointStructure::* term :
+    for (bool JointStructure::*term :
          {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
-      const Presence wish = term == &JointStructure::self_heating ? options_.self_heating
-                                                                   : options_.charge_transfer;
+      const Presence wish =
+          term == &JointStructure::self_heating ? options_.self_heating : options_.charge_transfer;
       if (!(best().*term) || wish != Presence::kAuto) continue;
       JointStructure simpler = best();
       simpler.*term = false;
@@ -282,7 +280,7 @@ class Choosing {
     Judge(std::move(solution));
   }
 
-  // The last polish follows the fit. Where rows left out are predicted worse for it, it followed
+  // The last polish follows the fit. Where held-out rows are predicted worse for it, it followed
   // noise along a flat valley.
   void PolishBest() {
     // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
@@ -314,8 +312,7 @@ class Choosing {
         row.weight = 0.5;
       } else if (row.solution.x.size() > 0) {
         row.weight =
-            CompareErrors(
-                choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
+            CompareErrors(choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
                 .Probability();
       }
       sum += row.weight;
@@ -328,8 +325,7 @@ class Choosing {
     finer.voltage_soc = Halved(finer.voltage_soc);
     if (finer.nodes() < kManyNodes) finer.resistance_soc = Halved(finer.resistance_soc);
     if (finer == best() || choice_.best.x.size() == 0) return;
-    choice_.finer =
-        fit_.Approach(fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness));
+    choice_.finer = fit_.Approach(fit_.Solve(finer, choice_.best.rates, choice_.best.smoothness));
   }
 
   const JointFit& fit_;

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// How many nodes, how many branches, which terms: chosen by what they say of rows left out.
+/// How many nodes, how many branches, which terms: chosen by what they say of held-out rows.
 ///
 /// The way goes from simple to rich. A richer structure is taken where it predicts better by kGain,
 /// or where it predicts better at all and fits better by kBetterFit; so that neither noise nor a
@@ -39,38 +39,49 @@ struct JointOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("branches", self.branches, Range{-1.0, 5.0}, "resistor-capacitor branches; -1: the data say");
-    v("most_branches", self.most_branches, Range{0.0, 5.0}, "branches that are tried at most");
+    v("branches",
+      self.branches,
+      Range{-1.0, 5.0},
+      "number of resistor-capacitor branches; -1: automatic");
+    v("most_branches",
+      self.most_branches,
+      Range{0.0, 5.0},
+      "largest number of branches that is tried where their number is automatic");
     v("resistance_nodes",
       self.resistance_nodes,
       Range{0.0, 100.0},
-      "nodes of every resistance over the state of charge; 0: the data say; 1: constant");
-    v("voltage_nodes", self.voltage_nodes, Range{0.0, 1000.0}, "nodes of v_oc(A); 0: the data say");
+      "number of nodes of every resistance over the state of charge; 0: automatic; 1: constant");
+    v("voltage_nodes",
+      self.voltage_nodes,
+      Range{0.0, 1000.0},
+      "number of nodes of v_oc(A); 0: automatic");
     v("self_heating",
       self.self_heating,
       Names{},
-      "a resistance that falls with the low pass of i²; auto: the data say");
+      "whether the series resistance falls as the current heats the cell (a low pass of i²)");
     v("charge_transfer",
       self.charge_transfer,
       Names{},
-      "a drop that grows as asinh(i/i_0); auto: the data say");
+      "whether a charge-transfer drop that grows as asinh(i/i_0) is added");
     v("smoothness",
       self.smoothness,
       Range{0.0, 1e3},
-      "weight of the tables' second differences; 0: the data say");
+      "weight of the tables' second differences; 0: automatic");
     v("charge_uncertainty",
       self.charge_uncertainty,
       Range{0.0, 1.0},
-      "share of alpha by which discharges of one cell differ: weighs rows down where v_oc is "
-      "steep");
+      "share of alpha by which the charge of repeated discharges differs; rows where v_oc is steep "
+      "weigh less by it");
     v("voltage_uncertainty_V",
       self.voltage_uncertainty_V,
       Range{1e-9, 1e3},
-      "error of a voltage, beside the former");
+      "standard error of a voltage that the model cannot help, V, added to that by "
+      "charge_uncertainty");
     v("iterations_per_variable",
       self.iterations_per_variable,
       Range{0.0, 1e6},
-      "evaluations of the last polish at most, for each rate (beta, tau_j, ...)");
+      "largest number of evaluations of the final search, per nonlinear parameter (beta, tau_j, "
+      "i_0)");
   }
 };
 

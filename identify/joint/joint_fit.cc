@@ -10,7 +10,7 @@
 
 #include "identify/fit/bounded_quadratic.h"
 #include "identify/fit/grid.h"
-#include "identify/optimizers/bobyqa.h"
+#include "identify/optimizers/nlopt_methods.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -91,8 +91,7 @@ class RatesProblem : public LeastSquaresProblem {
     const double cost = last_.cost;
     if (cost < best_.cost) best_ = last_;
     if (!std::isfinite(cost)) {
-      return Eigen::MatrixXd::Constant(
-          p + 1, p + 1, std::numeric_limits<double>::quiet_NaN());
+      return Eigen::MatrixXd::Constant(p + 1, p + 1, std::numeric_limits<double>::quiet_NaN());
     }
     Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(p + 1, p + 1);
     const double norm = std::sqrt(std::max(cost, 0.0));
@@ -182,23 +181,19 @@ JointRates JointFit::Base(const JointStructure& structure) const {
 std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) const {
   std::vector<Rate> rates;
   const RateSlots slots(structure);
-  const auto add = [&](std::string name,
-                       double lower,
-                       double upper,
-                       auto entry,
-                       int index,
-                       int slot) {
-    if (known_.Fixed(name)) return;
-    if (const auto bounds = known_.Bounds(name)) {
-      if (bounds->first > 0.0) lower = bounds->first;  // its logarithm is searched
-      upper = bounds->second;
-      if (upper < lower) {
-        throw OptionError(
-            fmt::format("--bounds {}: expected an upper bound of at least {}", name, lower));
-      }
-    }
-    rates.push_back({std::move(name), lower, upper, entry, index, slot});
-  };
+  const auto add =
+      [&](std::string name, double lower, double upper, auto entry, int index, int slot) {
+        if (known_.Fixed(name)) return;
+        if (const auto bounds = known_.Bounds(name)) {
+          if (bounds->first > 0.0) lower = bounds->first;  // its logarithm is searched
+          upper = bounds->second;
+          if (upper < lower) {
+            throw OptionError(
+                fmt::format("--bounds {}: expected an upper bound of at least {}", name, lower));
+          }
+        }
+        rates.push_back({std::move(name), lower, upper, entry, index, slot});
+      };
   if (setup_.diffusion) {
     // Slower than the longest log there is no diffusion to be seen.
     add(
@@ -332,7 +327,8 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
     const auto c = known_.Range(fmt::format("c_{}", j + 1));
     const auto table = static_cast<std::size_t>(layout.branch(j));
     const double per_F = rates.time_constant_s[static_cast<std::size_t>(j)] * scales_.typical_A;
-    const double at = solution.active[table] == 2 ? upper[layout.branch(j)] : lower[layout.branch(j)];
+    const double at =
+        solution.active[table] == 2 ? upper[layout.branch(j)] : lower[layout.branch(j)];
     solution.follows.push_back(c && solution.active[table] != 0 &&
                                (at == per_F / c->second || at == per_F / c->first) &&
                                !known_.Fixed(fmt::format("tau_{}", j + 1)));
@@ -364,8 +360,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
     const int t = slots.tau(j);
     const int r = layout.branch(j);
     const double rise = solution.x[r] / rates.time_constant_s[static_cast<std::size_t>(j)];
-    const Eigen::VectorXd row = all.matrix.selfadjointView<Eigen::Lower>() *
-                                Eigen::VectorXd::Unit(solution.x.size(), r);
+    const Eigen::VectorXd row =
+        all.matrix.selfadjointView<Eigen::Lower>() * Eigen::VectorXd::Unit(solution.x.size(), r);
     sums.of_rates.row(t) += rise * sums.with_linear.col(r).transpose();
     sums.of_rates.col(t) += rise * sums.with_linear.col(r);
     sums.of_rates(t, t) += rise * rise * row[r];
@@ -382,9 +378,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
     if (!solution.active[k]) free.push_back(static_cast<int>(k));
   }
   const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
-  const Eigen::LLT<Eigen::MatrixXd> llt(information.selfadjointView<Eigen::Lower>()
-                                            .toDenseMatrix()(free, free)
-                                            .eval());
+  const Eigen::LLT<Eigen::MatrixXd> llt(
+      information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free).eval());
   slopes->square = sums.of_rates(searched, searched);
   slopes->square -= across.transpose() * llt.solve(across);
   slopes->with_residual = -sums.with_residual(searched);
@@ -447,13 +442,14 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   double upper_tau_s = scales_.longest_tau_s;
   for (const Rate& rate : Rates(structure)) {
     if (rate.name == "tau_h") {
-      auto choices =
-          Choices(GeometricGrid(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
+      auto choices = Choices(
+          GeometricGrid(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
       if (near != nullptr && std::isfinite(near->heating_time_constant_s))
         choices = {{near->heating_time_constant_s}};
       with(choices, [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
     } else if (rate.name == "i_0") {
-      auto choices = Choices(GeometricGrid(0.1 * scales_.largest_A, 0.5 * scales_.largest_A, values), 1);
+      auto choices =
+          Choices(GeometricGrid(0.1 * scales_.largest_A, 0.5 * scales_.largest_A, values), 1);
       if (near != nullptr && std::isfinite(near->charge_transfer_A))
         choices = {{near->charge_transfer_A}};
       with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
@@ -467,7 +463,8 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   // Not at the ends: there a branch is one with r_s, or with v_oc.
   const auto count = static_cast<int>(branches.size());
   const double margin = std::pow(upper_tau_s / lower_tau_s, 0.08);
-  const auto taus = GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
+  const auto taus =
+      GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
   // The neighbour's branches stay where they are, and one more is looked for beside them.
   const std::size_t known = near == nullptr ? 0 : near->time_constant_s.size();
   if (known > 0 && known + 1 >= branches.size() && known <= branches.size()) {
@@ -476,9 +473,8 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
         rates.time_constant_s[branches[j]] = near->time_constant_s[branches[j]];
     }
     if (known == branches.size()) return grid;
-    with(Choices(taus, 1), [&](JointRates& r, const auto& c) {
-      r.time_constant_s[branches[known]] = c[0];
-    });
+    with(Choices(taus, 1),
+         [&](JointRates& r, const auto& c) { r.time_constant_s[branches[known]] = c[0]; });
     return grid;
   }
   with(Choices(taus, count), [&](JointRates& r, const auto& c) {
@@ -580,10 +576,9 @@ JointSolution JointFit::Polish(JointSolution from,
   DirectSearchOptions options;
   options.step_tolerance = step_tolerance;
   options.iterations_per_variable = iterations_per_variable;
-  return Descend(std::move(from),
-                 [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
-                   return MinimizeBobyqa(problem, start, options);
-                 });
+  return Descend(std::move(from), [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
+    return MinimizeWithNlopt(NloptMethod::kBobyqa, problem, start, options);
+  });
 }
 
 }  // namespace lipoid

@@ -9,8 +9,8 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
-#include "identify/median.h"
 #include "identify/stages/condensed_log.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -117,15 +117,16 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);
     return {pulse % kGroups, pulse};
   };
-  const auto add = [&](double time_s, double step_A, double current_A, double v, double w, Place at) {
-    log.time_s.push_back(time_s);
-    log.step_A.push_back(step_A);
-    log.current_A.push_back(current_A);
-    log.voltage_V.push_back(v);
-    log.count.push_back(w);
-    log.group.push_back(at.group);
-    log.unit.push_back(at.unit);
-  };
+  const auto add =
+      [&](double time_s, double step_A, double current_A, double v, double w, Place at) {
+        log.time_s.push_back(time_s);
+        log.step_A.push_back(step_A);
+        log.current_A.push_back(current_A);
+        log.voltage_V.push_back(v);
+        log.count.push_back(w);
+        log.group.push_back(at.group);
+        log.unit.push_back(at.unit);
+      };
   const CondensedLog condensed(record, HowToCondense(record));
   const bool backward = record.hold == Hold::kBackward;
   for (const CondensedPiece& piece : condensed.pieces()) {

@@ -11,14 +11,15 @@
 ///         [- sum_k C_k psi_k(A) i_0 asinh(i/i_0)] [+ rho h i]                 (4.51)
 ///
 /// with straight-line nodes phi_k, psi_k (psi constant, phi straight beyond the ends), the low pass
-/// L_j of branch j (4.50), and the warmth h, the low pass of i² by tau_h. A constant resistance is
-/// a table of one node. Symbols: docs/joint.md.
+/// L_j of branch j (4.50), and the thermal state h, the low pass of i² by tau_h. A constant
+/// resistance is a table of one node. Symbols: docs/joint.md.
 
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "model/battery/cell.h"
+#include "model/battery/ranges.h"
 
 namespace lipoid {
 
@@ -26,8 +27,8 @@ namespace lipoid {
 struct JointSetup {
   double alpha_C = 0.0;
   bool diffusion = true;
-  int terms = 10;
-  bool tail = true;
+  int terms = kUsualModes;
+  bool tail = kUsualTail;
   /// The curve itself where it is given; else what the nodes of v_oc(A) are counted from.
   OpenCircuitVoltage open_circuit_voltage;
   /// What steps of the current show between two rows: r_s and a part of the rest. NaN: no step.

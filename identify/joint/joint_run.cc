@@ -88,8 +88,7 @@ class JointRun {
         options_(options),
         given_(given),
         progress_(progress),
-        known_(Checked(
-            given.parameters, options.branches, staged_options.pulses.diffusion)) {}
+        known_(Checked(given.parameters, options.branches, staged_options.pulses.diffusion)) {}
 
   JointResult Run() {
     const auto began = std::chrono::steady_clock::now();
@@ -156,8 +155,9 @@ class JointRun {
     setup.edge_resistance_Ohm = staged.start.series_resistance_Ohm;
     setup.open_circuit_voltage = staged.cell.open_circuit_voltage;
     if (!curve_given_) {
-      setup.open_circuit_voltage = AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),
-                                OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
+      setup.open_circuit_voltage =
+          AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),
+                  OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
     }
     result_.logs = MakeJointLogs(logs_,
                                  alpha_C,
@@ -196,7 +196,7 @@ class JointRun {
       }
     }
     result_.alpha_source = "cut-off";
-    // Twice: the nodes move with the gauge, and where they lie matters a little.
+    // Twice: the nodes move with the capacity reference, and where they lie matters a little.
     const double charge_C = alpha_C;
     JointSolution rough;
     const auto search = [&] {
@@ -223,8 +223,8 @@ class JointRun {
       alpha_C = next_C;
       if (change < 1e-5) break;
     }
-    // Where logs say at which state of charge they start, alpha is no gauge: it moves them against
-    // one another, and one that fits clearly better is taken.
+    // Where logs say at which state of charge they start, alpha is no mere reference: it moves them
+    // against one another, and one that fits clearly better is taken.
     if (!AllStartFull(logs_)) {
       const double cutoff_C = alpha_C;
       const double rmse_of_cutoff_V = search();
@@ -235,8 +235,8 @@ class JointRun {
       };
       constexpr int kBits = 9;  // of the ratio: the cost is flat at its least
       std::uintmax_t most = 20;
-      const auto [log_ratio, rmse_V] = boost::math::tools::brent_find_minima(
-          rmse_at, -kAlphaReach, kAlphaReach, kBits, most);
+      const auto [log_ratio, rmse_V] =
+          boost::math::tools::brent_find_minima(rmse_at, -kAlphaReach, kAlphaReach, kBits, most);
       if (rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
         alpha_C = charge_C * std::exp(log_ratio);
         result_.alpha_source = "least-squares";
@@ -253,8 +253,7 @@ class JointRun {
     const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
     const ReachedSoc reached{soc.lowest, soc.highest};
     const std::size_t first = reached.Of(nodes, 2).first;
-    const OpenCircuitVoltage curve =
-        CurveOf(solution, result_.setup.open_circuit_voltage, reached);
+    const OpenCircuitVoltage curve = CurveOf(solution, result_.setup.open_circuit_voltage, reached);
     CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), *campaign_.cutoff_V);
     point.lower += first;
     point.upper += first;
@@ -285,8 +284,8 @@ class JointRun {
     result_.converged = best.termination == Termination::kConverged;
   }
 
-  // The first gauge was rough. Where the model is right to within the noise, kinks of v_oc a part
-  // in a hundred thousand off the nodes would be the largest error left.
+  // The first capacity reference was rough. Where the model is right to within the noise, kinks of
+  // v_oc a part in a hundred thousand off the nodes would be the largest error left.
   void FitInItsOwnGauge() {
     JointSolution& best = result_.choice.best;
     const CutoffPoint cutoff = Cutoff(best);
@@ -311,7 +310,8 @@ class JointRun {
     if (!curve_given_)
       cell.open_circuit_voltage = CurveOf(best, setup.open_circuit_voltage, reached);
     PutInto(cell, best, result_.logs.typical_A, reached);
-    // Every log that starts full is the same in any gauge: the last word on alpha costs nothing.
+    // Every log that starts full is the same with any capacity reference: the last word on alpha
+    // costs nothing.
     double alpha_C = setup.alpha_C;
     if (result_.alpha_source == "cut-off") {
       result_.cutoff = Cutoff(best);
@@ -374,11 +374,12 @@ class JointRun {
     for (const auto& name : best.at_bound) {
       say.push_back(
           name == "beta"
-              ? fmt::format("beta stands at its bound, {:.3g} s^-1/2: the logs need no "
-                            "diffusion beside the branches",
-                            best.rates.beta_per_sqrt_s)
-              : fmt::format("{} stands at a bound: the logs ask for a value beyond it, or "
-                            "do not need it",
+              ? fmt::format(
+                    "beta is at its limit, {:.3g} s^-1/2: these logs show no diffusion apart "
+                    "from the branches",
+                    best.rates.beta_per_sqrt_s)
+              : fmt::format("{} is at a limit of its range: these logs would be fitted as well or "
+                            "better beyond it",
                             name));
     }
     constexpr double kWorthSaying_V = 0.02;

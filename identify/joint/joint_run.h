@@ -4,10 +4,10 @@
 /// All logs at once: the staged method gives the start and stays for comparison; then one fit of
 /// every log together, with resistances that depend on the state of charge where the data say so.
 ///
-/// alpha is a gauge: scaling it rescales the axis of v_oc(A) and moves no voltage. Convention: A =
-/// 0 where v_oc reaches the cut-off. The fit starts with the charge of the low-rate log and is
-/// moved to the convention by its own curve, which is the low-rate voltage corrected for drop and
-/// lag. The method, its derivation and its limits: docs/joint.md. Tests:
+/// alpha is a mere capacity reference: scaling it rescales the axis of v_oc(A) and moves no
+/// voltage. Convention: A = 0 where v_oc reaches the cut-off. The fit starts with the charge of the
+/// low-rate log and is moved to the convention by its own curve, which is the low-rate voltage
+/// corrected for drop and lag. The method, its derivation and its limits: docs/joint.md. Tests:
 /// tests/identify/joint/joint_run_test.cc.
 
 #include <map>
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "identify/constant_current_validation.h"
+#include "identify/joint/capacity_reference.h"
 #include "identify/joint/joint_choice.h"
-#include "identify/joint/joint_gauge.h"
 #include "identify/stages/staged_run.h"
 
 namespace lipoid {
@@ -36,7 +36,7 @@ struct JointResult {
   std::vector<ConstantCurrentErrors> constant_current;  ///< with the time until cut-off
   std::vector<std::string> cautions;
   double wall_s = 0.0;  ///< of the joint part and the staged one together
-  /// For standard errors: what the fit saw, in the final gauge.
+  /// For standard errors: what the fit saw, with the final capacity reference.
   JointLogs logs;
   JointSetup setup;
   std::map<std::string, double> fixed;  ///< what the user held

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "identify/trust/trust.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 
@@ -68,12 +69,8 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   const auto total_of = [&](const std::vector<double>& units) {
     return std::accumulate(units.begin(), units.end(), 0.0) / weight;
   };
-  const auto fitted = SumErrors(logs,
-                                setup,
-                                structure,
-                                soc,
-                                rates,
-                                std::vector(held.without.size(), held.whole));
+  const auto fitted =
+      SumErrors(logs, setup, structure, soc, rates, std::vector(held.without.size(), held.whole));
   const auto errors = SumErrors(logs, setup, structure, soc, rates, held.without);
   std::vector<LeftOutErrors> all;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
@@ -99,8 +96,8 @@ ExpectedError ExpectError(const JointFit& fit,
   ExpectedError expected;
   if (logs.groups < 2 || solution.x.size() == 0) return expected;
   const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates.beta_per_sqrt_s);
-  const Held held = SolveWithoutEach(
-      fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
+  const Held held =
+      SolveWithoutEach(fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
   const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
     return SumErrors(logs,
                      fit.seen().setup(),

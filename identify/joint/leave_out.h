@@ -18,18 +18,18 @@ struct LeftOutErrors {
   double smoothness = 0.0;
   double fitted_V = std::numeric_limits<double>::quiet_NaN();    ///< with the groups in the fit
   double left_out_V = std::numeric_limits<double>::quiet_NaN();  ///< each predicted by the others
-  /// 0.368 fitted + 0.632 left out: what to expect of new rows (Efron 1983). A piece that is left
+  /// 0.368 fitted + 0.632 held out: what to expect of new rows (Efron 1983). A piece that is left
   /// out whole is harder to predict than a new log of the same cell is.
   double expected_V = std::numeric_limits<double>::quiet_NaN();
   /// What is expected of each unit (paired_errors.h), times its weight.
   std::vector<double> unit_V = {};
 };
 
-/// A smoothness that predicts rows left out no worse than the best one by this share is as good:
+/// A smoothness that predicts held-out rows no worse than the best one by this share is as good:
 /// the least such is taken, as it follows the data most closely.
 inline constexpr double kSmoothnessLoss = 0.02;
 
-/// The least smoothness of the rising ladder that predicts rows left out as well as any, but for
+/// The least smoothness of the rising ladder that predicts held-out rows as well as any, but for
 /// kSmoothnessLoss. `fit` is one of these logs.
 [[nodiscard]] LeftOutErrors LeaveOut(const JointFit& fit,
                                      const JointLogs& logs,
@@ -37,9 +37,10 @@ inline constexpr double kSmoothnessLoss = 0.02;
                                      const JointRates& rates,
                                      const std::vector<double>& ladder);
 
-/// The mean error (4.57) that a new log of the kinds of these is to be expected to have, by the same
-/// rule, in percent of the voltage: every log counts the same. The 95 % interval is that of the mean
-/// over such logs, from the scatter of the units; one log scatters more. NaN without two groups.
+/// The mean error (4.57) that a new log of the kinds of these is to be expected to have, by the
+/// same rule, in percent of the voltage: every log counts the same. The 95 % interval is that of
+/// the mean over such logs, from the scatter of the units; one log scatters more. NaN without two
+/// groups.
 struct ExpectedError {
   double percent = std::numeric_limits<double>::quiet_NaN();
   double low_percent = std::numeric_limits<double>::quiet_NaN();

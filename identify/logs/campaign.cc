@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "model/battery/ranges.h"
 #include "model/core/json.h"
 #include "model/core/toml_reader.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostCells = 100000;
 // A row counts as often as this: beyond it the sums over rows know nothing of the other logs.
 constexpr double kLeastWeight = 1e-6;
 constexpr double kMostWeight = 1e6;
@@ -134,8 +134,11 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
     reader.Expected(
         *reader.Find("end_s"), "end_s", fmt::format("a time after start_s = {}", log.read.start_s));
   }
-  reader.Number(
-      "initial_soc", -0.1, 1.1, "a state of charge from -0.1 to 1.1 (1 is full)", log.initial_soc);
+  reader.Number("initial_soc",
+                kInitialSocs.lo,
+                kInitialSocs.hi,
+                "a state of charge from -0.5 to 1.5 (1 is full)",
+                log.initial_soc);
   reader.Number("lead_resistance_Ohm",
                 0.0,
                 1000.0,
@@ -180,8 +183,8 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
               "cutoff_V", 0.5, 6.0, "the cut-off of one cell, from 0.5 V to 6 V", cutoff_V)) {
         campaign.cutoff_V = cutoff_V;
       }
-      cell.Integer("series", 1, kMostCells, campaign.series);
-      cell.Integer("parallel", 1, kMostCells, campaign.parallel);
+      cell.Integer("series", 1, static_cast<int>(kPackSizes.hi), campaign.series);
+      cell.Integer("parallel", 1, static_cast<int>(kPackSizes.hi), campaign.parallel);
     } else {
       top.Expected(*node, "cell", "a table [cell]");
     }

@@ -5,6 +5,7 @@
 
 #include "identify/logs/columns.h"
 #include "model/core/errors.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -109,10 +110,9 @@ double RowNoise(const std::vector<double>& values, std::size_t first, std::size_
     distances.push_back(
         std::abs(values[k] - std::clamp(values[k], std::min(a, b), std::max(a, b))));
   }
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(
-                                          kQuantile * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), at, distances.end());
-  return *at / kOfNormalNoise;
+  const auto place =
+      static_cast<std::size_t>(kQuantile * static_cast<double>(distances.size() - 1));
+  return ValueAtPlace(distances, place) / kOfNormalNoise;
 }
 
 Constancy MeasureConstancy(const Record& record, std::size_t first, std::size_t last) {

@@ -10,15 +10,15 @@
 #include <string_view>
 
 #include "identify/logs/columns.h"
-#include "identify/median.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
 
-// A cell whose discharge is positive has a voltage that falls as R i + g q, with R and g above 0 and
-// the charge q that has left; where its discharge is negative, both are below 0. How much better
-// one side explains the voltage than the other is a log-likelihood ratio in nats, above 0 for
-// "discharge is positive". It is taken twice, and the two add up:
+// A cell whose discharge is positive has a voltage that falls as R i + g q, with R and g above 0
+// and the charge q that has left; where its discharge is negative, both are below 0. How much
+// better one side explains the voltage than the other is a log-likelihood ratio in nats, above 0
+// for "discharge is positive". It is taken twice, and the two add up:
 //
 //   edges   from row to row, where the current changes and only R counts:
 //           sum of ln(1 + ((dv - R di)/s)^2) - ln(1 + ((dv + R di)/s)^2). The tails are heavy
@@ -89,9 +89,9 @@ struct Look {
   }
 };
 
-// The noise of one row, from a quantile of |a - 2 b + c| over `unit(k)`, which is 0 for rows that do
-// not count; for unit normal scatter that quantile is `expected`. Slow moves hardly show in it. None
-// where there are so few rows that the shape of the curve might be all there is.
+// The noise of one row, from a quantile of |a - 2 b + c| over `unit(k)`, which is 0 for rows that
+// do not count; for unit normal scatter that quantile is `expected`. Slow moves hardly show in it.
+// None where there are so few rows that the shape of the curve might be all there is.
 template <class Unit>
 std::optional<double> NoiseOf(const std::vector<double>& column,
                               double quantile,
@@ -104,10 +104,8 @@ std::optional<double> NoiseOf(const std::vector<double>& column,
   }
   constexpr std::size_t kEnough = 5;
   if (bends.size() < kEnough) return std::nullopt;
-  const auto at =
-      bends.begin() + static_cast<std::ptrdiff_t>(quantile * static_cast<double>(bends.size()));
-  std::nth_element(bends.begin(), at, bends.end());
-  return *at / expected;
+  const auto place = static_cast<std::size_t>(quantile * static_cast<double>(bends.size()));
+  return ValueAtPlace(bends, place) / expected;
 }
 
 Look LookAt(const Record& record, double largest_A) {
@@ -136,17 +134,15 @@ Look LookAt(const Record& record, double largest_A) {
   constexpr double kMedian = 1.652;
   const std::vector<double>& load = look.load;
   look.noise = NoiseOf(load, 0.25, kQuartile, [](std::size_t) { return 1.0; }).value_or(0.0);
-  look.noise_of_load =
-      NoiseOf(load, 0.25, kQuartile, [&](std::size_t k) {
-        const double least =
-            std::min({std::abs(load[k]), std::abs(load[k - 1]), std::abs(load[k - 2])});
-        return least > kRestShare ? least : 0.0;
-      }).value_or(0.0);
+  look.noise_of_load = NoiseOf(load, 0.25, kQuartile, [&](std::size_t k) {
+                         const double least = std::min(
+                             {std::abs(load[k]), std::abs(load[k - 1]), std::abs(load[k - 2])});
+                         return least > kRestShare ? least : 0.0;
+                       }).value_or(0.0);
   constexpr double kUnknown_V = 2e-3;
-  const double bend_V =
-      NoiseOf(look.voltage_V, 0.5, kMedian, [&](std::size_t k) {
-        return look.Calm(k) && look.Calm(k - 1) ? 1.0 : 0.0;
-      }).value_or(kUnknown_V);
+  const double bend_V = NoiseOf(look.voltage_V, 0.5, kMedian, [&](std::size_t k) {
+                          return look.Calm(k) && look.Calm(k - 1) ? 1.0 : 0.0;
+                        }).value_or(kUnknown_V);
   look.noise_V = std::max({bend_V, resolution_V / 2.0, 1e-7});
   const Extent extent = FindExtent(load);
   look.one_sided = extent.least >= -look.Least(0.0) || extent.most <= look.Least(0.0);
@@ -193,15 +189,14 @@ Edge StepAt(const Look& look, std::size_t row, std::size_t rows) {
   double anyway_V = 0.0;
   if (row - first > 1) {
     const double moved_V = std::abs(look.voltage_V[row - 1] - look.voltage_V[first]);
-    anyway_V = std::max(0.0, moved_V - kNoise * std::sqrt(2.0) * look.noise_V) *
-               step(look.time_s) / (look.time_s[row - 1] - look.time_s[first]);
+    anyway_V = std::max(0.0, moved_V - kNoise * std::sqrt(2.0) * look.noise_V) * step(look.time_s) /
+               (look.time_s[row - 1] - look.time_s[first]);
   } else if (row > 1) {
     anyway_V = std::abs(look.dv_V(row - 1)) *
                (look.Calm(row - 1) ? look.dt_s(row) / look.dt_s(row - 1) : kAftermath);
   }
   const double noise_V = look.noise_V * std::sqrt(1.0 / before + 1.0 / after);
-  return {
-      row, look.di(row), step(look.voltage_V), std::hypot(kNoise * noise_V, anyway_V)};
+  return {row, look.di(row), step(look.voltage_V), std::hypot(kNoise * noise_V, anyway_V)};
 }
 
 Edges LookAtEdges(const Look& look) {
@@ -328,8 +323,8 @@ Flow LookAtFlow(const Look& look) {
   double net = 0.0;
   for (std::size_t k = 0; k < look.size(); ++k) {
     if (shares[k] == 0.0) continue;
-    const auto number = std::min(
-        kParts - 1, static_cast<std::size_t>((before + 0.5 * shares[k]) * double{kParts}));
+    const auto number =
+        std::min(kParts - 1, static_cast<std::size_t>((before + 0.5 * shares[k]) * double{kParts}));
     if (parts.empty() || parts.back().number != number) parts.push_back({number, k});
     parts.back().share += shares[k];
     parts.back().sum_V += shares[k] * (look.voltage_V[k] + better.drop_V * look.load[k]);
@@ -360,8 +355,7 @@ Flow LookAtFlow(const Look& look) {
       parts.size() == kParts && fall_V(0) > 0.0 && fall_V(6) >= kKeepsUp * fall_V(0);
   const double missed_V2 = std::max(0.0, covariance[2][2] - better.variance_V2);
   const double drift_V = look.drift_V(steady ? kSteadyDrift : kDrift);
-  flow.evidence =
-      6.0 * (plus.variance_V2 - minus.variance_V2) / (drift_V * drift_V + missed_V2);
+  flow.evidence = 6.0 * (plus.variance_V2 - minus.variance_V2) / (drift_V * drift_V + missed_V2);
   return flow;
 }
 
@@ -438,8 +432,8 @@ SignFinding FindSignFromPhysics(const Record& record) {
       std::max(0.0, side * edges.evidence) + std::max(0.0, side * flow.evidence);
   double against = in_favour - side * sum;
   if (look.one_sided) {
-    // Here even one edge counts, and a rise of the voltage, unless the edges during it still say the
-    // same: then it is a recovery under a lighter load.
+    // Here even one edge counts, and a rise of the voltage, unless the edges during it still say
+    // the same: then it is a recovery under a lighter load.
     against = std::max(0.0, -side * flow.evidence);
     double edges_in_rise = 0.0;
     for (const Edge& edge : edges.all) {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <map>
 
-#include "identify/median.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -246,7 +246,8 @@ class Drafting {
     double cutoff_V = FindCutoff(discharges);
     if (!(cutoff_V >= kLowestCutoff_V)) {
       draft_.remarks.push_back(fmt::format(
-          "The discharges end at {:.3g} V, below what any cell may be used to; {} V is typical, look "
+          "The discharges end at {:.3g} V, below what any cell may be used to; {} V is typical, "
+          "look "
           "it up.",
           std::max(cutoff_V, 0.0),
           kTypicalCutoff_V));

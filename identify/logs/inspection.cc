@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/logs/read_logs.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -14,9 +15,7 @@ Spread SpreadOf(std::vector<double> values) {
   if (values.empty()) return {};
   const auto [least, largest] = std::minmax_element(values.begin(), values.end());
   Spread spread{.least = *least, .largest = *largest};
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  spread.median = *middle;
+  spread.median = UpperMedian(std::move(values));
   return spread;
 }
 

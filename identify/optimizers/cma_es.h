@@ -23,7 +23,7 @@ struct CmaEsOptions : PopulationOptions {
     v("initial_step",
       self.initial_step,
       Range{1e-6, 10.0},
-      "standard deviation of the first points, of the width of the box");
+      "standard deviation of the first points, as a share of the width of the box");
   }
 };
 

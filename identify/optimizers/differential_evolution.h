@@ -21,7 +21,7 @@ struct DifferentialEvolutionOptions : PopulationOptions {
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     PopulationOptions::Visit(self, v);
-    v("weight", self.weight, Range{0.0, 1.0}, "of the difference between two points");
+    v("weight", self.weight, Range{0.0, 1.0}, "weight of the difference between two points");
     v("crossover",
       self.crossover,
       Range{0.0, 1.0},

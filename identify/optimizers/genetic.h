@@ -24,17 +24,18 @@ struct GeneticOptions : PopulationOptions {
     v("generations",
       self.generations,
       Range{0.0, 1e6},
-      "generations at most, besides iterations_per_variable");
+      "largest number of generations, besides iterations_per_variable");
     v("crossover", self.crossover, Range{0.0, 1.0}, "probability that two parents are mixed");
     v("crossover_index",
       self.crossover_index,
       Range{1.0, 100.0},
-      "children lie the nearer to their parents the larger it is");
+      "distribution index of the crossover: children lie the nearer to their parents the larger it "
+      "is");
     v("mutation", self.mutation, Range{0.0, 1.0}, "probability that a parameter is changed");
     v("mutation_width",
       self.mutation_width,
       Range{0.0, 1.0},
-      "standard deviation of the change, of the width of the box");
+      "standard deviation of the change, as a share of the width of the box");
   }
 };
 

@@ -25,17 +25,20 @@ struct PopulationOptions {
     v("step_tolerance",
       self.step_tolerance,
       Range{0.0, 1.0},
-      "relative extent of the population, of the scaled parameters");
+      "relative extent of the population, in scaled parameters, below which the search ends");
     v("function_tolerance",
       self.function_tolerance,
       Range{0.0, 1.0},
       "relative improvement below which an iteration counts as stalled");
-    v("population", self.population, Range{5.0, 1e6}, "points in a generation");
-    v("stall", self.stall, Range{1.0, 1e6}, "iterations without improvement");
+    v("population", self.population, Range{5.0, 1e6}, "number of points in a generation");
+    v("stall",
+      self.stall,
+      Range{1.0, 1e6},
+      "number of iterations without improvement after which the search ends");
     v("iterations_per_variable",
       self.iterations_per_variable,
       Range{0.0, 1e6},
-      "iterations at most, for each parameter");
+      "largest number of iterations per parameter");
   }
 };
 

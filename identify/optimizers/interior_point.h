@@ -31,7 +31,11 @@ struct InteriorPointOptions : LocalSearchOptions {
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     LocalSearchOptions::Visit(self, v);
-    v("hessian", self.hessian, Names{}, "of least squares; other costs have only the latter");
+    v("hessian",
+      self.hessian,
+      Names{},
+      "Hessian of least squares: Gauss-Newton's, or the limited-memory one, which other costs "
+      "always have");
   }
 };
 

@@ -37,13 +37,19 @@ struct LevenbergMarquardtOptions {
     v("function_tolerance",
       self.function_tolerance,
       Range{0.0, 1.0},
-      "relative change of the cost");
-    v("step_tolerance", self.step_tolerance, Range{0.0, 1.0}, "relative size of the step");
+      "relative change of the cost below which the search ends");
+    v("step_tolerance",
+      self.step_tolerance,
+      Range{0.0, 1.0},
+      "relative size of the step below which the search ends");
     v("gradient_tolerance",
       self.gradient_tolerance,
       Range{0.0, 1.0},
-      "largest component of the gradient");
-    v("max_iterations", self.max_iterations, Range{1.0, 1e6}, "accepted and rejected steps");
+      "largest component of the gradient below which the search ends");
+    v("max_iterations",
+      self.max_iterations,
+      Range{1.0, 1e6},
+      "largest number of steps, accepted and rejected");
   }
 };
 

@@ -20,15 +20,15 @@ struct LocalSearchOptions {
     v("step_tolerance",
       self.step_tolerance,
       Range{0.0, 1.0},
-      "relative size of the step, of the scaled parameters");
+      "relative size of the step, in scaled parameters, below which the search ends");
     v("function_tolerance",
       self.function_tolerance,
       Range{0.0, 1.0},
-      "relative change of the cost in one step");
+      "relative change of the cost in one step below which the search ends");
     v("iterations_per_variable",
       self.iterations_per_variable,
       Range{0.0, 1e6},
-      "iterations at most, for each parameter");
+      "largest number of iterations per parameter");
   }
 };
 
@@ -44,15 +44,15 @@ struct DirectSearchOptions {
     v("step_tolerance",
       self.step_tolerance,
       Range{0.0, 1.0},
-      "relative size of the step, of the scaled parameters");
+      "relative size of the step, in scaled parameters, below which the search ends");
     v("iterations_per_variable",
       self.iterations_per_variable,
       Range{0.0, 1e6},
-      "evaluations at most, for each parameter");
+      "largest number of evaluations per parameter");
     v("initial_step",
       self.initial_step,
       Range{1e-9, 10.0},
-      "first step, relative to each scaled parameter");
+      "size of the first step, relative to each scaled parameter");
   }
 };
 

@@ -6,12 +6,9 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "identify/optimizers/active_set.h"
-#include "identify/optimizers/bobyqa.h"
 #include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/levenberg_marquardt.h"
-#include "identify/optimizers/nelder_mead.h"
-#include "identify/optimizers/sqp.h"
+#include "identify/optimizers/nlopt_methods.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 
@@ -35,6 +32,13 @@ OptimizationSummary Call(const OptimizationProblem& problem,
                          const Eigen::VectorXd& start,
                          const OptimizerSettings& settings) {
   return kMinimize(problem, start, settings.*kMember);
+}
+
+template <auto kMember, NloptMethod kMethod>
+OptimizationSummary Nlopt(const OptimizationProblem& problem,
+                          const Eigen::VectorXd& start,
+                          const OptimizerSettings& settings) {
+  return MinimizeWithNlopt(kMethod, problem, start, settings.*kMember);
 }
 
 // Of methods that search a box.
@@ -77,13 +81,13 @@ const std::vector<OptimizerEntry>& Optimizers() {
                       .summary = "sequential quadratic programming (SLSQP)",
                       .in_thesis = true,
                       .needs_gradient = true,
-                      .run = &Call<&S::sqp, &MinimizeSqp>}),
+                      .run = &Nlopt<&S::sqp, NloptMethod::kSequentialQuadratic>}),
       Entry<&S::active_set>({.name = "active-set",
                              .library = "NLopt",
                              .summary = "quasi-Newton steps with an active set of bounds (L-BFGS)",
                              .in_thesis = true,
                              .needs_gradient = true,
-                             .run = &Call<&S::active_set, &MinimizeActiveSet>}),
+                             .run = &Nlopt<&S::active_set, NloptMethod::kActiveSet>}),
       Entry<&S::levenberg_marquardt>(
           {.name = "levenberg-marquardt",
            .library = "Ceres",
@@ -130,12 +134,12 @@ const std::vector<OptimizerEntry>& Optimizers() {
       Entry<&S::nelder_mead>({.name = "nelder-mead",
                               .library = "NLopt",
                               .summary = "a simplex that moves downhill, without gradients",
-                              .run = &Call<&S::nelder_mead, &MinimizeNelderMead>}),
+                              .run = &Nlopt<&S::nelder_mead, NloptMethod::kNelderMead>}),
       Entry<&S::bobyqa>(
           {.name = "bobyqa",
            .library = "NLopt",
            .summary = "a trust region on an interpolated quadratic, without gradients",
-           .run = &Call<&S::bobyqa, &MinimizeBobyqa>}),
+           .run = &Nlopt<&S::bobyqa, NloptMethod::kBobyqa>}),
   };
   return table;
 }

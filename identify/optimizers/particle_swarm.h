@@ -29,16 +29,19 @@ struct ParticleSwarmOptions : PopulationOptions {
     v("own_attraction",
       self.own_attraction,
       Range{0.0, 4.0},
-      "towards the best point of the particle");
+      "attraction to the best point that the particle has seen");
     v("social_attraction",
       self.social_attraction,
       Range{0.0, 4.0},
-      "towards the best point of its neighbours");
-    v("neighbours", self.neighbours, Range{2.0, 1e6}, "neighbours of a particle on a ring");
+      "attraction to the best point that its neighbours have seen");
+    v("neighbours",
+      self.neighbours,
+      Range{2.0, 1e6},
+      "number of neighbours of a particle on a ring");
     v("maximum_velocity",
       self.maximum_velocity,
       Range{1e-6, 1.0},
-      "in one iteration, of the width of the box");
+      "largest velocity, as a share of the width of the box per iteration");
   }
 };
 

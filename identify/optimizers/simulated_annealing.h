@@ -32,26 +32,30 @@ struct SimulatedAnnealingOptions {
     v("step_tolerance",
       self.step_tolerance,
       Range{0.0, 1.0},
-      "relative move of the best point in a round, of the scaled parameters");
+      "relative move of the best point in a round, in scaled parameters, below which the search "
+      "ends");
     v("function_tolerance",
       self.function_tolerance,
       Range{0.0, 1.0},
       "relative improvement below which a round counts as stalled");
-    v("stall", self.stall, Range{1.0, 1e6}, "temperatures of a round, all without improvement");
+    v("stall", self.stall, Range{1.0, 1e6}, "number of temperatures in a round of cooling");
     v("iterations_per_variable",
       self.iterations_per_variable,
       Range{0.0, 1e6},
-      "temperatures at most, for each parameter");
-    v("moves", self.moves, Range{1.0, 1e6}, "steps of each parameter at a temperature");
+      "largest number of temperatures per parameter");
+    v("moves", self.moves, Range{1.0, 1e6}, "number of steps of each parameter at a temperature");
     v("first_temperature",
       self.first_temperature,
       Range{1e-300, 1e300},
-      "at the beginning of a round, relative to the best cost");
+      "temperature at the beginning of a round, relative to the best cost");
     v("last_temperature",
       self.last_temperature,
       Range{1e-300, 1e300},
-      "at the end of a round; at most the first");
-    v("range", self.range, Range{1e-9, 1.0}, "first range of the steps, of the width of the box");
+      "temperature at the end of a round, relative to the best cost; at most the first");
+    v("range",
+      self.range,
+      Range{1e-9, 1.0},
+      "first range of the steps, as a share of the width of the box");
   }
 };
 

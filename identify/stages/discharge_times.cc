@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "identify/optimizers/levenberg_marquardt.h"
@@ -12,6 +11,7 @@
 #include "model/battery/discharge_time.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
@@ -177,7 +177,7 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
   // One-sided 95 % bound: the lag is at most its estimate plus t standard errors.
   const auto freedom = static_cast<double>(discharges.size()) - (given_alpha_C ? 1.0 : 2.0);
   if (freedom > 0 && std::isfinite(estimate.lag_standard_error_s)) {
-    const double t = boost::math::quantile(boost::math::students_t(freedom), 0.95);
+    const double t = StudentQuantile(freedom, 0.95);
     const double largest_lag =
         std::max(estimate.unconstrained_lag_s, 0.0) + t * estimate.lag_standard_error_s;
     result.beta_lower_bound_per_sqrt_s = std::min(BetaOfSteadyLag(largest_lag), kLargestBeta);

@@ -41,8 +41,15 @@ struct DischargeTimesOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("form", self.form, Names{}, "steady: (4.53) in closed form; exact: (4.37) at finite times");
-    v("weighting", self.weighting, Names{}, "errors in seconds, or relative to each time");
+    v("form",
+      self.form,
+      Names{},
+      "equation of the discharge time: (4.53) in closed form (steady), or (4.37) at finite times "
+      "(exact)");
+    v("weighting",
+      self.weighting,
+      Names{},
+      "whether errors of discharge times count in seconds or relative to each time");
   }
 };
 

@@ -15,6 +15,7 @@
 #include "identify/stages/row_factor.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -33,7 +34,7 @@ struct Points {
 struct Share {
   int every = 0;  // 0: all rows are shown
 
-  // The rows left out.
+  // The held-out rows.
   [[nodiscard]] std::size_t first() const { return static_cast<std::size_t>(every / 2); }
   [[nodiscard]] std::size_t step() const { return static_cast<std::size_t>(every); }
 
@@ -572,9 +573,7 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   for (std::size_t k = loaded.first; k < loaded.end; k += stride) {
     if (record.current_A[k] > rest_A) loads.push_back(record.current_A[k]);
   }
-  const auto median = loads.begin() + static_cast<std::ptrdiff_t>(loads.size() / 2);
-  std::nth_element(loads.begin(), median, loads.end());
-  result.current_A = *median;
+  result.current_A = UpperMedian(std::move(loads));
   result.soc_lo = result.curve.soc_lo();
   result.soc_hi = result.curve.soc_hi();
   return result;

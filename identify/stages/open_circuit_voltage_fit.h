@@ -32,27 +32,28 @@ struct OcvFitOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("method", self.method, Names{}, "how v_oc(A) is written");
+    v("method", self.method, Names{}, "form of v_oc(A)");
     v("knots",
       self.knots,
       Range{4.0, 100000.0},
-      "nodes of linear and monotone-cubic, at most a third of the rows");
+      "number of nodes of the forms linear and monotone-cubic; at most a third of the rows");
     v("interpolate_up_to",
       self.interpolate_up_to,
       Range{0.0, 1e6},
-      "a log of so few rows is joined row by row, as in the thesis, instead of fitted");
-    v("degree", self.degree, Range{1.0, 60.0}, "of the polynomial");
-    v("harmonics", self.harmonics, Range{1.0, 30.0}, "of the Fourier series");
+      "number of rows up to which v_oc(A) is interpolated row by row, as in the thesis, instead of "
+      "fitted");
+    v("degree", self.degree, Range{1.0, 60.0}, "degree of the form polynomial");
+    v("harmonics", self.harmonics, Range{1.0, 30.0}, "number of harmonics of the form fourier");
     v("leave_out_every",
       self.leave_out_every,
       Range{2.0, 1e6},
-      "one row in so many judges the fit and is not shown to it");
+      "one row in so many is held out of the fit and judges it");
   }
 };
 
 struct OcvFitResult {
   OpenCircuitVoltage curve;
-  /// On the rows left out.
+  /// On the held-out rows.
   double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
   double max_error_percent = std::numeric_limits<double>::quiet_NaN();
   double rmse_V = std::numeric_limits<double>::quiet_NaN();

@@ -7,10 +7,10 @@
 ///   (4.61)  the same and beta, in [0, 1]
 ///
 /// minimize the squared voltage error over all rows. It is the joint problem (joint_fit.h) with
-/// constant resistances, the curve given and nothing smoothed: r_s and r_j follow exactly from beta and
-/// tau_j, which are searched over a grid on a coarse view of the logs, so that the optimum is found
-/// from the best of many starts. Then all rows decide. A capacitance that is given or bounded holds
-/// r_j = tau_j/c_j. Tests: tests/identify/stages/pulse_fit_test.cc.
+/// constant resistances, the curve given and nothing smoothed: r_s and r_j follow exactly from beta
+/// and tau_j, which are searched over a grid on a coarse view of the logs, so that the optimum is
+/// found from the best of many starts. Then all rows decide. A capacitance that is given or bounded
+/// holds r_j = tau_j/c_j. Tests: tests/identify/stages/pulse_fit_test.cc.
 
 #include <limits>
 #include <string>
@@ -20,35 +20,46 @@
 #include "identify/stages/start_values.h"
 #include "identify/stages/voltage_sweep.h"
 #include "model/battery/error_metrics.h"
+#include "model/battery/ranges.h"
 #include "model/core/options.h"
 
 namespace lipoid {
 
 struct PulseFitOptions {
   int branches = 1;
-  int terms = 10;
-  bool tail = true;
+  int terms = kUsualModes;
+  bool tail = kUsualTail;
   bool diffusion = true;
   int starts = 4;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("branches", self.branches, Range{0.0, 5.0}, "resistor-capacitor branches");
-    v("terms", self.terms, Range{0.0, 1000.0}, "diffusion modes, M in (4.46)");
-    v("tail", self.tail, Names{}, "quasi-static share of the modes beyond M; off as in the thesis");
-    v("diffusion", self.diffusion, Names{}, "off: beta is infinite, the plain equivalent circuit");
-    v("starts", self.starts, Range{1.0, 100.0}, "starts that are polished on the coarse view");
+    v("branches", self.branches, Range{0.0, 5.0}, "number of resistor-capacitor branches");
+    v("terms", self.terms, kModeNumbers, "number of diffusion modes, M in (4.46)");
+    v("tail",
+      self.tail,
+      Names{},
+      "whether the diffusion modes beyond M count by their steady value; the thesis leaves them "
+      "out");
+    v("diffusion",
+      self.diffusion,
+      Names{},
+      "whether charge diffuses; if false beta is infinite, the plain equivalent circuit");
+    v("starts",
+      self.starts,
+      Range{1.0, 100.0},
+      "number of starts that are refined on the condensed logs");
   }
 };
 
 struct PulseFitResult {
   SweepParameters parameters;
   std::string optimizer = "levenberg-marquardt";
-  JointSolution solution;              ///< the same, as the fit found it
+  JointSolution solution;                          ///< the same, as the fit found it
   Termination termination = Termination::kNotRun;  ///< of the final fit on all rows
   std::string message;                             ///< why that ended
-  int evaluations = 0;                 ///< of the sweep over all rows
-  int starts = 0;                      ///< compared on the coarse view
+  int evaluations = 0;                             ///< of the sweep over all rows
+  int starts = 0;                                  ///< compared on the coarse view
   std::vector<std::string> at_bound;   ///< names; r_j: the branch is gone, or merged into r_s
   std::vector<std::string> fixed;      ///< names that were held
   ErrorMetrics errors;                 ///< over all rows, (4.56)-(4.58)

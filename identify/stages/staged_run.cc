@@ -193,8 +193,9 @@ class StagedRun {
       throw LoadError(
           {campaign_.file.empty() ? "(command line)" : campaign_.file},
           fmt::format(
-              "expected a way to alpha (two constant currents, a low-rate log, capacity_Ah or "
-              "--alpha-C), found {}",
+              "expected a log that gives the capacity (two constant currents, or a low-rate log), "
+              "or capacity_Ah or "
+              "--alpha-C, found {}",
               found));
     }
     beta_start_ = kTypicalBeta;
@@ -413,7 +414,8 @@ class StagedRun {
     for (const auto& name : result_.pulses.at_bound) {
       if (name.rfind("r_", 0) == 0 && name != "r_s") continue;  // said above: the branch is gone
       say.push_back(fmt::format(
-          "{} stands at a bound: the logs ask for a value beyond it, or do not need it", name));
+          "{} is at a limit of its range: these logs would be fitted as well or better beyond it",
+          name));
     }
   }
 

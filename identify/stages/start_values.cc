@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "identify/logs/columns.h"
-#include "identify/median.h"
 #include "model/core/errors.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {

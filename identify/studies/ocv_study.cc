@@ -94,7 +94,7 @@ StudyResult StudyOcv(const StudyInput& input, const StudyProgress& progress) {
                     {"mean_error_percent", "mean / %", 1.0, 3},
                     {"max_error_percent", "max / %", 1.0, 3},
                     {"rmse_V", "rmse / mV", 1e3, 4},
-                    {"left_out_mean_error_percent", "left out: mean / %", 1.0, 3},
+                    {"left_out_mean_error_percent", "held out: mean / %", 1.0, 3},
                     {"left_out_max_error_percent", "max / %", 1.0, 3},
                     {"left_out_rmse_V", "rmse / mV", 1e3, 4}};
   const auto forms = Forms(input.options.open_circuit_voltage);
@@ -119,7 +119,7 @@ StudyResult StudyOcv(const StudyInput& input, const StudyProgress& progress) {
   result.facts = {
       {"file", log.entry.file}, {"charge_C", alpha_C * soc}, {"data_rows", record.size()}};
   result.remarks.emplace_back(
-      "rows left out of the fit judge it; the time is that of two fits, without them and with all");
+      "held-out rows of the fit judge it; the time is that of two fits, without them and with all");
   return result;
 }
 

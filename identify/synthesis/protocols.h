@@ -38,27 +38,30 @@ struct SynthesisOptions {
     v("rates_C",
       self.rates_C,
       Names(),
-      "constant-current rates, 1,2,3; empty: up to what suits the cell");
-    v("low_rate_h", self.low_rate_h, Range{0.01, 1e4}, "hours the low-rate discharge takes");
+      "constant-current rates in C, as 1,2,3; empty: 1C, 2C, ... up to what suits the cell");
+    v("low_rate_h", self.low_rate_h, Range{0.01, 1e4}, "duration of the low-rate discharge, h");
     v("pulse_rate_C",
       self.pulse_rate_C,
       Range{0.0, 1e4},
-      "rate of the pulses; 0: what suits the cell");
-    v("pulse_s", self.pulse_s, Range{kTiny, kYear_s}, "length of a pulse");
-    v("rest_s", self.rest_s, Range{0.0, kYear_s}, "rest after each pulse");
-    v("sampling_s", self.sampling_s, Range{kTiny, 1e6}, "time between rows, at most nine decimals");
+      "rate of the pulses in C; 0: what suits the cell");
+    v("pulse_s", self.pulse_s, Range{kTiny, kYear_s}, "length of a pulse, s");
+    v("rest_s", self.rest_s, Range{0.0, kYear_s}, "rest after each pulse, s");
+    v("sampling_s",
+      self.sampling_s,
+      Range{kTiny, 1e6},
+      "time between rows, s, with at most nine decimals");
     v("voltage_noise_V",
       self.voltage_noise_V,
       Range{0.0, 1e3},
-      "standard deviation of the voltage's noise");
+      "standard deviation of the voltage's noise, V");
     v("current_noise_A",
       self.current_noise_A,
       Range{0.0, 1e6},
-      "standard deviation of the current's noise");
+      "standard deviation of the current's noise, A");
     v("voltage_resolution_V",
       self.voltage_resolution_V,
       Range{0.0, 1e3},
-      "voltages are rounded to multiples of this; 0: not rounded");
+      "step to which voltages are rounded, V; 0: not rounded");
     v("hold",
       self.hold,
       Names(),

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "model/battery/cell_parameters.h"
+#include "model/statistics/order_statistics.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
@@ -35,9 +37,7 @@ double MiddleFreedom(const TrustReport& trust) {
       all.push_back(q.degrees_of_freedom);
   }
   if (all.empty()) return 0.0;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  return UpperMedian(std::move(all));
 }
 
 std::vector<NamedCombination> CellParametersAmong(const std::vector<TrustedQuantity>& quantities) {
@@ -78,8 +78,8 @@ CellUncertainty UncertaintyOf(const TrustReport& trust, const Cell& cell, bool s
     if (q.name != "alpha" || Contains(trust.drawn, q.name) || !HasError(q)) continue;
     if (!CellParameter(cell, q.name)) continue;
     if (found.degrees_of_freedom == 0.0) found.degrees_of_freedom = q.degrees_of_freedom;
-    const double error = q.standard_error * Reach95(q.degrees_of_freedom) /
-                         Reach95(found.degrees_of_freedom);
+    const double error =
+        q.standard_error * Reach95(q.degrees_of_freedom) / Reach95(found.degrees_of_freedom);
     Append(found, q.name, error * error);
   }
   found.soc_follows_alpha = soc_follows_alpha && Contains(found.parameters, "alpha");

@@ -5,10 +5,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
@@ -55,8 +55,7 @@ const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& n
 double Reach95(const QuantityTrust& quantity) {
   if (!std::isfinite(quantity.standard_error) || !(quantity.degrees_of_freedom > 0.0))
     return quantity.standard_error;
-  return quantity.standard_error *
-         boost::math::quantile(boost::math::students_t(quantity.degrees_of_freedom), 0.975);
+  return quantity.standard_error * Reach95(quantity.degrees_of_freedom);
 }
 
 std::vector<double> ProfileGrid(const ProfileTask& task, const TrustReport& trust) {
@@ -135,9 +134,7 @@ std::vector<Profile> FindProfiles(const std::vector<ProfileTask>& tasks, const T
     const bool upward = walk % 2 == 0;
     const Refit refit = tasks[t].begin();
     found[walk].resize(points.size());
-    const auto visit = [&](std::size_t k) {
-      Keep(found[walk][k], refit(points[k].value));
-    };
+    const auto visit = [&](std::size_t k) { Keep(found[walk][k], refit(points[k].value)); };
     const std::size_t size = points.size();
     for (std::size_t k = centre[t]; upward && k < size; ++k) visit(k);
     for (std::size_t k = upward ? size - 1 : centre[t] + 1; k-- > 0;) visit(k);
@@ -162,13 +159,12 @@ void CheckProfileNames(const std::vector<std::string>& names,
   };
   for (const std::string& name : names) {
     if (has(available, name)) continue;
-    throw OptionError(
-        fmt::format("option --profile: {}; {}",
-                    has(fixed, name) ? fmt::format("'{}' is given, or follows from what is", name)
-                                     : fmt::format("no parameter '{}' in this fit", name),
-                    available.empty()
-                        ? std::string("every parameter was given")
-                        : fmt::format("profiles can be had of {}", fmt::join(available, ", "))));
+    throw OptionError(fmt::format(
+        "option --profile: {}; {}",
+        has(fixed, name) ? fmt::format("'{}' is given, or follows from what is", name)
+                         : fmt::format("no parameter '{}' in this fit", name),
+        available.empty() ? std::string("every parameter was given")
+                          : fmt::format("profiles can be had of {}", fmt::join(available, ", "))));
   }
 }
 

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "model/core/errors.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/non_negative.h"
+#include "model/statistics/normal_noise.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -26,49 +28,6 @@ constexpr double kMeanSquareWorth = 20.0;
 constexpr double kOffsetFrom = 1.5;
 // The weights of the fit follow the fitted variogram: a few rounds settle it.
 constexpr int kRounds = 5;
-
-// min ||A x - b||, x >= 0 (Lawson and Hanson): variables enter while the slope asks for it and
-// leave where the solution would pass zero.
-Eigen::VectorXd NonNegative(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  const Eigen::Index n = a.cols();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<bool> active(static_cast<std::size_t>(n), false);
-  const double tolerance = 1e-12 * (a.transpose() * b).cwiseAbs().maxCoeff();
-  for (int rounds = 0; rounds < 3 * static_cast<int>(n); ++rounds) {
-    const Eigen::VectorXd slope = a.transpose() * (b - a * x);
-    Eigen::Index enters = -1;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (!active[static_cast<std::size_t>(k)] && slope[k] > tolerance &&
-          (enters < 0 || slope[k] > slope[enters]))
-        enters = k;
-    }
-    if (enters < 0) break;
-    active[static_cast<std::size_t>(enters)] = true;
-    while (true) {
-      std::vector<Eigen::Index> free;
-      for (Eigen::Index k = 0; k < n; ++k) {
-        if (active[static_cast<std::size_t>(k)]) free.push_back(k);
-      }
-      if (free.empty()) break;
-      const Eigen::VectorXd y = a(Eigen::all, free).colPivHouseholderQr().solve(b);
-      double share = 1.0;
-      for (std::size_t k = 0; k < free.size(); ++k) {
-        const double to = y[static_cast<Eigen::Index>(k)];
-        if (to <= 0.0) share = std::min(share, x[free[k]] / (x[free[k]] - to));
-      }
-      for (std::size_t k = 0; k < free.size(); ++k) {
-        double& value = x[free[k]];
-        value += share * (y[static_cast<Eigen::Index>(k)] - value);
-        if (share < 1.0 && value <= 1e-15 * x.maxCoeff()) {
-          value = 0.0;
-          active[static_cast<std::size_t>(free[k])] = false;
-        }
-      }
-      if (share >= 1.0) break;
-    }
-  }
-  return x.cwiseMax(0.0);
-}
 
 // e^{-dt/T} of the last step, which is most often that of the next.
 class Decay {
@@ -103,9 +62,7 @@ CorrelationModel::CorrelationModel(const std::vector<double>& time_s, Eigen::Vec
   if (rows > 1) {
     // The shortest steps that are more than an exception.
     std::vector<double> steps(step_s_.data() + 1, step_s_.data() + rows);
-    const auto tenth = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 10);
-    std::nth_element(steps.begin(), tenth, steps.end());
-    const double shortest_s = *tenth;
+    const double shortest_s = ValueAtPlace(steps, steps.size() / 10);
     const double span_s = time_s.back() - time_s.front();
     for (double tau_s = 2.0 * shortest_s; tau_s <= span_s; tau_s *= kTimeRatio)
       time_constant_s_.push_back(tau_s);
@@ -191,7 +148,8 @@ Eigen::VectorXd CorrelationModel::Fit(const Eigen::VectorXd& variogram,
     for (int round = 0; round < kRounds; ++round) {
       near = near.cwiseMax(1e-9 * largest);
       const Eigen::VectorXd weight = worth_.cwiseSqrt().cwiseQuotient(near);
-      found = NonNegative(weight.asDiagonal() * columns, weight.cwiseProduct(variogram));
+      found =
+          NonNegativeLeastSquares(weight.asDiagonal() * columns, weight.cwiseProduct(variogram));
       near = columns * found;
     }
     return near[last];

@@ -5,20 +5,20 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <optional>
 
 #include "identify/trust/trust_sentence.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/core/errors.h"
+#include "model/statistics/order_statistics.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kConfidence = 0.95;
 // A vector has a part in a direction if that is more than this share of it.
 constexpr double kHasPart = 1e-4;
 // Series that tell what the fit leaves of a component of the noise.
@@ -110,7 +110,8 @@ Eigen::MatrixXd Gram(std::span<const FittedRows> logs) {
   return lanes[0].selfadjointView<Eigen::Lower>();
 }
 
-// Adds that to the covariance of quantities or combinations that varies already: what is held stays.
+// Adds that to the covariance of quantities or combinations that varies already: what is held
+// stays.
 template <class Combinations>
 void AddSpread(const Combinations& of, Eigen::MatrixXd& covariance) {
   Eigen::Index moves = 0;
@@ -123,8 +124,8 @@ void AddSpread(const Combinations& of, Eigen::MatrixXd& covariance) {
   if (moves > 0) covariance += spread * spread.transpose();
 }
 
-// Makes a covariance symmetric and, where rounding left a combination a variance that is negative by
-// more than a cell file lets pass, no longer negative; in units in which each own variance is 1.
+// Makes a covariance symmetric and, where rounding left a combination a variance that is negative
+// by more than a cell file lets pass, no longer negative; in units in which each own variance is 1.
 void EndRounding(Eigen::MatrixXd& covariance) {
   covariance = 0.5 * (covariance + covariance.transpose()).eval();
   const Eigen::VectorXd unit = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -404,10 +405,9 @@ class Assessment {
       std::vector<double> steps;
       for (std::size_t k = 1; k < log.time_s.size(); ++k)
         steps.push_back(log.time_s[k] - log.time_s[k - 1]);
-      const auto hundredth = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 100);
-      std::nth_element(steps.begin(), hundredth, steps.end());
+      const double shortest_s = ValueAtPlace(steps, steps.size() / 100);
       report_.sampling_s =
-          report_.sampling_s > 0.0 ? std::min(report_.sampling_s, *hundredth) : *hundredth;
+          report_.sampling_s > 0.0 ? std::min(report_.sampling_s, shortest_s) : shortest_s;
     }
   }
 
@@ -474,7 +474,7 @@ class Assessment {
       trust.white_standard_error = known_at_all ? std::sqrt(white * spread) : trust.standard_error;
       trust.objective_rise_95 = known_at_all ? reach * reach * variance / spread : kNaN;
       for (Eigen::Index n = 0; n < term.size(); ++n)
-        trust.silent = trust.silent || (term[n] != 0.0 && !(information_(n, n) > 0.0));
+        trust.insensitive = trust.insensitive || (term[n] != 0.0 && !(information_(n, n) > 0.0));
       if (held) {
         trust.verdict = Verdict::kAtBound;
       } else if (reach * trust.relative_standard_error <= kIdentifiedHalfWidth) {
@@ -489,7 +489,7 @@ class Assessment {
     }
     tbb::parallel_for(std::size_t{0}, quantities_.size(), [&](std::size_t k) {
       QuantityTrust& trust = report_.quantities[k];
-      if (trust.verdict == Verdict::kWeak && !trust.silent)
+      if (trust.verdict == Verdict::kWeak && !trust.insensitive)
         FindPartners(static_cast<Eigen::Index>(k), scatter, trust);
     });
   }
@@ -646,11 +646,6 @@ class Assessment {
 };
 
 }  // namespace
-
-double Reach95(double degrees_of_freedom) {
-  return boost::math::quantile(boost::math::students_t(degrees_of_freedom),
-                               0.5 + 0.5 * kConfidence);
-}
 
 TrustReport AssessTrust(std::span<const FittedRows> logs,
                         const Eigen::MatrixXd& penalty,

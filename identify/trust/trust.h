@@ -108,7 +108,7 @@ struct QuantityTrust {
   double high = 0.0;
   Verdict verdict = Verdict::kWeak;
   std::vector<std::string> with;  ///< partners of kOnlyInCombination
-  bool silent = false;            ///< no prediction of any log depends on it
+  bool insensitive = false;       ///< no prediction of any log is sensitive to it
   double degrees_of_freedom = 0.0;
   /// What the formula for independent residuals of the same size would have said.
   double white_standard_error = 0.0;
@@ -117,14 +117,15 @@ struct QuantityTrust {
   double objective_rise_95 = 0.0;
 };
 
-/// What a pulse test would measure from rest: (v_b(0) - v_b(t))/i (identify/fit/pulse_resistance.h).
+/// What a pulse test would measure from rest: (v_b(0) - v_b(t))/i
+/// (identify/fit/pulse_resistance.h).
 struct PulseResistance {
   double soc = 0.5;
   double after_s = 0.0;
   double current_A = 0.0;
   double resistance_Ohm = 0.0;
-  double low_Ohm = 0.0;  ///< 95 %
-  double high_Ohm = 0.0; ///< infinite where the error is not known
+  double low_Ohm = 0.0;   ///< 95 %
+  double high_Ohm = 0.0;  ///< infinite where the error is not known
 };
 
 /// A combination of the quantities, each over its scale.
@@ -142,15 +143,12 @@ struct TrustReport {
   /// Of TrustOptions::drawn, in its order. Parameters that are held, and directions of which the
   /// rows know nothing, do not vary in it.
   Eigen::MatrixXd drawn_covariance;
-  std::vector<std::string> drawn;  ///< their names
+  std::vector<std::string> drawn;           ///< their names
   std::vector<PulseResistance> resistance;  ///< often known where its parts are not
-  double sampling_s = 0.0;                                ///< the shortest usual step of the logs
-  double span_s = 0.0;                                    ///< the longest log
-  std::string sentence;                                   ///< the one that a user needs
+  double sampling_s = 0.0;                  ///< the shortest usual step of the logs
+  double span_s = 0.0;                      ///< the longest log
+  std::string sentence;                     ///< the one that a user needs
 };
-
-/// A 95 % interval reaches so many standard errors to either side.
-[[nodiscard]] double Reach95(double degrees_of_freedom);
 
 /// `penalty` is P, p x p, or empty. Weights, residuals and sensitivities are finite.
 [[nodiscard]] TrustReport AssessTrust(std::span<const FittedRows> logs,

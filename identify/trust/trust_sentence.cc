@@ -89,7 +89,7 @@ class Advisor {
       const bool at_zero = q.verdict == Verdict::kAtBound && !(q.estimate > 0.0);
       // Noise leaves a branch that is not there a little resistance.
       const bool maybe_zero = q.verdict == Verdict::kWeak && !(q.low > 0.0);
-      if (!at_zero && !maybe_zero && !(inertia != nullptr && inertia->silent)) continue;
+      if (!at_zero && !maybe_zero && !(inertia != nullptr && inertia->insensitive)) continue;
       gone.push_back(branch);
       Done(branch);
     }
@@ -192,12 +192,12 @@ class Advisor {
     if (names.empty()) return std::nullopt;
     return names.size() == 1
                ? fmt::format(
-                     "{} stands at its bound: the logs ask for a value beyond it, which the "
-                     "model may owe to what it leaves out",
+                     "{} is at a limit of its range: these logs would be fitted better beyond it, "
+                     "which suggests an effect that the model lacks",
                      names[0])
                : fmt::format(
-                     "{} stand at their bounds: the logs ask for values beyond them, which "
-                     "the model may owe to what it leaves out",
+                     "{} are at limits of their ranges: these logs would be fitted better beyond "
+                     "them, which suggests an effect that the model lacks",
                      Join(names));
   }
 

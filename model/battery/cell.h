@@ -13,6 +13,7 @@
 
 #include "model/battery/cell_model.h"
 #include "model/battery/open_circuit_voltage.h"
+#include "model/battery/ranges.h"
 #include "model/battery/resistance.h"
 #include "model/core/json.h"
 
@@ -22,8 +23,8 @@ struct Cell {
   struct Diffusion {
     double alpha_C = 0.0;          ///< charge from A = 1 to A = 0 at vanishing rate, > 0
     double beta_per_sqrt_s = 0.0;  ///< in (0, 1]
-    int terms = 10;                ///< M in (4.46), 0 .. 1000
-    bool tail = true;              ///< quasi-static share of the modes beyond M
+    int terms = kUsualModes;       ///< M in (4.46), 0 .. 1000
+    bool tail = kUsualTail;        ///< quasi-static share of the modes beyond M
   };
   struct Branch {
     Resistance<double> resistance_Ohm;

@@ -22,8 +22,8 @@ struct ParameterComparison {
 
 struct CellComparison {
   std::vector<ParameterComparison> parameters;
-  /// v_oc after equal charge delivered, over what empties the truth: alpha is a gauge of the soc
-  /// axis, so that equal soc would compare different states.
+  /// v_oc after equal charge delivered, over what empties the truth: alpha is a capacity reference
+  /// of the soc axis, so that equal soc would compare different states.
   double open_circuit_max_V = 0.0;
   double open_circuit_rms_V = 0.0;
 };

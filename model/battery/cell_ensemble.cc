@@ -11,7 +11,7 @@
 
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 namespace lipoid {
 namespace {
@@ -98,8 +98,8 @@ class Drawing {
     if (freedom_ < kNormalFrom) {
       // A normal number says which quantile of chi².
       const double above = 0.5 * std::erfc(normal() / std::sqrt(2.0));
-      const double chi_squared = boost::math::quantile(
-          boost::math::complement(boost::math::chi_squared(freedom_), above));
+      const double chi_squared =
+          boost::math::quantile(boost::math::complement(boost::math::chi_squared(freedom_), above));
       z *= std::sqrt(freedom_ / chi_squared);
     }
     Eigen::VectorXd x = estimate_ + factor_ * z;
@@ -253,8 +253,7 @@ class Drawing {
         auto cosine_V = curve.coefficients_V();
         auto sine_V = curve.sine_V();
         for (std::size_t k = 1; k < cosine_V.size(); ++k) {
-          const double phase =
-              static_cast<double>(k) * curve.frequency_rad() * (1.0 - 1.0 / ratio);
+          const double phase = static_cast<double>(k) * curve.frequency_rad() * (1.0 - 1.0 / ratio);
           const double a = cosine_V[k];
           const double b = sine_V[k - 1];
           cosine_V[k] = a * std::cos(phase) + b * std::sin(phase);

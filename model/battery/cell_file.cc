@@ -11,12 +11,17 @@
 #include "generated/shipped_cells.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/ranges.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 
 namespace lipoid {
 namespace {
+
+int Within(const JsonReader& json, const Range& range) {
+  return json.Integer(static_cast<int>(range.lo), static_cast<int>(range.hi));
+}
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = std::numeric_limits<double>::min();  // of what must be above 0
@@ -250,8 +255,8 @@ Cell ParseCell(const std::string& text, const std::string& file) {
                  "uncertainty"});
   Cell cell;
   cell.name = json.At("name").Text();
-  if (const auto series = json.Find("series")) cell.series = series->Integer(1, 100000);
-  if (const auto parallel = json.Find("parallel")) cell.parallel = parallel->Integer(1, 100000);
+  if (const auto series = json.Find("series")) cell.series = Within(*series, kPackSizes);
+  if (const auto parallel = json.Find("parallel")) cell.parallel = Within(*parallel, kPackSizes);
   cell.capacity_Ah = json.At("capacity_Ah").Number(kLeast, kInfinity);
   cell.cutoff_V = json.At("cutoff_V").Number(0.0, kInfinity);
   if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
@@ -259,7 +264,7 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     cell.diffusion =
         Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(kLeast, kInfinity),
                         .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(kLeast, 1.0),
-                        .terms = diffusion.At("terms").Integer(0, 1000),
+                        .terms = Within(diffusion.At("terms"), kModeNumbers),
                         .tail = diffusion.At("tail").Boolean()};
   }
   const auto curve = json.At("open_circuit_voltage");

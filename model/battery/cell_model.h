@@ -33,6 +33,7 @@
 #include "model/battery/charge_transfer.h"
 #include "model/battery/exact_hold.h"
 #include "model/battery/open_circuit_voltage.h"
+#include "model/battery/ranges.h"
 #include "model/battery/resistance.h"
 #include "model/battery/self_heating.h"
 
@@ -51,8 +52,8 @@ struct CellParameters {
   T alpha_C = T(1.0);          ///< charge from A = 1 to A = 0 at vanishing rate, > 0
   T beta_per_sqrt_s = T(0.0);  ///< > 0 where diffusion is on
   bool diffusion = true;       ///< false: beta is infinite, A follows the charge alone
-  int terms = 10;              ///< M >= 0
-  bool tail = true;
+  int terms = kUsualModes;     ///< M >= 0
+  bool tail = kUsualTail;
   Resistance<T> series_resistance_Ohm;
   std::vector<Branch> branches;
   OpenCircuitVoltage open_circuit_voltage;
@@ -67,7 +68,7 @@ class CellModel {
     T delivered_C = T(0.0);        ///< sigma_d
     std::vector<T> unavailable_C;  ///< sigma_um, m = 1 .. M
     std::vector<T> branch_V;       ///< v_cj
-    T warmth_A2 = T(0.0);          ///< h
+    T thermal_state_A2 = T(0.0);   ///< h
   };
 
   /// What a step of one length needs; computed once per distinct length.
@@ -76,7 +77,7 @@ class CellModel {
     std::vector<HoldCoefficients<T>> diffusion;
     std::vector<HoldCoefficients<T>>
         branch;  ///< gain is per second of tau: multiply by r_j i/tau_j
-    HoldCoefficients<T> warmth{T(0.0), T(0.0)};  ///< likewise: multiply by i²/tau_h
+    HoldCoefficients<T> thermal_state{T(0.0), T(0.0)};  ///< likewise: multiply by i²/tau_h
   };
 
   explicit CellModel(CellParameters<T> parameters) : p_(std::move(parameters)) {
@@ -120,7 +121,8 @@ class CellModel {
     for (std::size_t j = 0; j < p_.branches.size(); ++j) {
       step.branch[j] = ExactHold(T(1.0) / p_.branches[j].time_constant_s, dt_s);  // (4.50)
     }
-    if (p_.self_heating) step.warmth = ExactHold(T(1.0) / p_.self_heating->time_constant_s, dt_s);
+    if (p_.self_heating)
+      step.thermal_state = ExactHold(T(1.0) / p_.self_heating->time_constant_s, dt_s);
   }
 
   /// The state after `current_A` has flowed for step.dt_s.
@@ -145,9 +147,10 @@ class CellModel {
     }
     state.delivered_C = state.delivered_C + step.dt_s * current_A;  // (4.46)
     if (p_.self_heating) {
-      state.warmth_A2 =
-          step.warmth.decay * state.warmth_A2 +
-          (step.warmth.gain / p_.self_heating->time_constant_s * (current_A * current_A) + kAlive);
+      state.thermal_state_A2 =
+          step.thermal_state.decay * state.thermal_state_A2 +
+          (step.thermal_state.gain / p_.self_heating->time_constant_s * (current_A * current_A) +
+           kAlive);
     }
   }
 
@@ -170,10 +173,10 @@ class CellModel {
     return p_.open_circuit_voltage(Soc(state, current_A));  // (4.49)
   }
 
-  /// r_s at this A, as the cell's warmth leaves it.
+  /// r_s at this A, as the cell's thermal state leaves it.
   [[nodiscard]] T SeriesResistance(const State& state, const T& soc) const {
     const T cold_Ohm = p_.series_resistance_Ohm(soc);
-    return p_.self_heating ? p_.self_heating->Warm(cold_Ohm, state.warmth_A2) : cold_Ohm;
+    return p_.self_heating ? p_.self_heating->Warm(cold_Ohm, state.thermal_state_A2) : cold_Ohm;
   }
 
   /// Terminal voltage v_b while current_A flows.

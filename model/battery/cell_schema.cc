@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
 
 namespace lipoid {
 namespace {
@@ -15,6 +16,9 @@ Json AtLeast(double least) { return {{"type", "number"}, {"minimum", least}}; }
 Json Above(double bound) { return {{"type", "number"}, {"exclusiveMinimum", bound}}; }
 Json Whole(int least, int most) {
   return {{"type", "integer"}, {"minimum", least}, {"maximum", most}};
+}
+Json Whole(const Range& range) {
+  return Whole(static_cast<int>(range.lo), static_cast<int>(range.hi));
 }
 Json Boolean() { return {{"type", "boolean"}}; }
 Json ListOf(Json item, int least = 0) {
@@ -43,17 +47,15 @@ Json Described(Json schema, const char* description) {
 }
 
 Json ResistanceSchema() {
-  return {{"oneOf",
-           {AtLeast(0.0),
-            Strict({{"soc", Numbers(1)}, {"resistance_Ohm", ListOf(AtLeast(0.0), 1)}})}}};
+  return {
+      {"oneOf",
+       {AtLeast(0.0), Strict({{"soc", Numbers(1)}, {"resistance_Ohm", ListOf(AtLeast(0.0), 1)}})}}};
 }
 
 Json Curve() {
   Json forms = Json::array();
-  const Json range = {{"type", "array"},
-                      {"items", {{"type", "number"}}},
-                      {"minItems", 2},
-                      {"maxItems", 2}};
+  const Json range = {
+      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}};
   for (const auto& [method, least] : {std::pair{"linear", 2}, std::pair{"monotone-cubic", 4}}) {
     forms.push_back(Strict({{"method", Constant(method)},
                             {"assumed", Boolean()},
@@ -85,23 +87,24 @@ Json CellSchema() {
                         {"capacitance_F", AtLeast(0.0)},
                         {"time_constant_s", AtLeast(0.0)}},
                        {"capacitance_F", "time_constant_s"});
-  branch["oneOf"] = {{{"required", {"capacitance_F"}},
-                      {"properties", {{"resistance_Ohm", {{"type", "number"}}}}}},
-                     {{"required", {"time_constant_s"}}}};
-  Json diffusion = Strict({{"alpha_C", Above(0.0)},
-                           {"beta_per_sqrt_s",
-                            {{"type", "number"}, {"exclusiveMinimum", 0.0}, {"maximum", 1.0}}},
-                           {"terms", Whole(0, 1000)},
-                           {"tail", Boolean()}});
+  branch["oneOf"] = {
+      {{"required", {"capacitance_F"}}, {"properties", {{"resistance_Ohm", {{"type", "number"}}}}}},
+      {{"required", {"time_constant_s"}}}};
+  Json diffusion = Strict(
+      {{"alpha_C", Above(0.0)},
+       {"beta_per_sqrt_s", {{"type", "number"}, {"exclusiveMinimum", 0.0}, {"maximum", 1.0}}},
+       {"terms", Whole(kModeNumbers)},
+       {"tail", Boolean()}});
   diffusion["type"] = {"object", "null"};
   Json properties = {
       {"schema", Constant(kCellSchema)},
       {"name", {{"type", "string"}}},
-      {"series", Described(Whole(1, 100000), "cells in series; 1 where it is not given")},
-      {"parallel", Described(Whole(1, 100000), "cells in parallel; 1 where it is not given")},
+      {"series", Described(Whole(kPackSizes), "cells in series; 1 where it is not given")},
+      {"parallel", Described(Whole(kPackSizes), "cells in parallel; 1 where it is not given")},
       {"capacity_Ah", Described(Above(0.0), "nominal capacity of one cell")},
       {"cutoff_V", Described(AtLeast(0.0), "end of discharge of one cell")},
-      {"diffusion", Described(std::move(diffusion), "null: the state of charge follows the charge")},
+      {"diffusion",
+       Described(std::move(diffusion), "null: the state of charge follows the charge")},
       {"open_circuit_voltage", Curve()},
       {"series_resistance_Ohm", resistance},
       {"branches", ListOf(std::move(branch))},
@@ -118,8 +121,9 @@ Json CellSchema() {
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                  {"$id", "urn:lipoid:cell:1"},
                  {"title", "A lithium-polymer cell as lipoid identifies it"}};
-  schema.update(Strict(std::move(properties),
-                       {"series", "parallel", "self_heating", "charge_transfer", "run", "uncertainty"}));
+  schema.update(
+      Strict(std::move(properties),
+             {"series", "parallel", "self_heating", "charge_transfer", "run", "uncertainty"}));
   schema["$defs"] = {{"resistance", ResistanceSchema()}};
   return schema;
 }

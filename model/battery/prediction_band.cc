@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "model/core/errors.h"
-#include "model/core/interval_95.h"
+#include "model/statistics/interval_95.h"
 
 namespace lipoid {
 namespace {

@@ -12,7 +12,7 @@
 
 namespace lipoid {
 
-/// 95 % of the cells lie within, at each row by itself (model/core/interval_95.h).
+/// 95 % of the cells lie within, at each row by itself (model/statistics/interval_95.h).
 struct PredictionBand {
   std::vector<double> voltage_low_V;
   std::vector<double> voltage_high_V;

@@ -56,32 +56,50 @@ struct EstimatorOptions {
   static void Visit(Self& self, Visitor&& v) {
     const Range variance{1e-12, 1e6};
     const Range gate{0.0, 1e6};
-    v("calibrate", self.calibrate, Names(), "finds the biases at rest before the flight");
+    v("calibrate",
+      self.calibrate,
+      Names(),
+      "whether the biases of gyroscope and accelerometer are found at rest before the flight");
     v("calibration_samples",
       self.calibration_samples,
       Range{1, 1'000'000},
-      "readings at rest, 5 ms apart");
+      "number of readings at rest that the biases are found from, 5 ms apart");
     v("accelerometer_weight",
       self.accelerometer_weight,
       Range{0.0, 1.0},
-      "share of the accelerometer in roll and pitch, per step");
+      "share of the accelerometer in roll and pitch per step of 5 ms; the rest is the gyroscope's");
     v("gravity_band_m_per_s2",
       self.gravity_band_m_per_s2,
       gate,
-      "while the specific force is this near to g");
+      "m/s² by which the specific force may differ from g where the accelerometer counts");
     v("altitude_q_m2_per_s2",
       self.altitude_q_m2_per_s2,
       variance,
-      "variance that the vertical speed gains per step");
-    v("altitude_r_m2", self.altitude_r_m2, variance, "variance of a reading of the altitude");
-    v("sonar_gate_m", self.sonar_gate_m, gate, "readings further from the estimate are refused");
-    v("pressure_gate_m", self.pressure_gate_m, gate, "the same for the pressure");
-    v("reacquire_s", self.reacquire_s, Range{0.005, 1e6}, "refused so long, a reading is believed");
+      "variance that the estimate of the vertical speed gains per step of 5 ms");
+    v("altitude_r_m2",
+      self.altitude_r_m2,
+      variance,
+      "variance of one reading of the altitude, in m²");
+    v("sonar_gate_m",
+      self.sonar_gate_m,
+      gate,
+      "metres from the estimate beyond which a reading of the sonar is refused");
+    v("pressure_gate_m",
+      self.pressure_gate_m,
+      gate,
+      "metres from the estimate beyond which an altitude by pressure is refused");
+    v("reacquire_s",
+      self.reacquire_s,
+      Range{0.005, 1e6},
+      "seconds of refused readings after which the estimate starts again from a reading");
     v("velocity_q_m2_per_s2",
       self.velocity_q_m2_per_s2,
       variance,
-      "variance that a horizontal velocity gains per step");
-    v("velocity_r_m2_per_s2", self.velocity_r_m2_per_s2, variance, "variance of its reading");
+      "variance that the estimate of a horizontal velocity gains per step of 5 ms");
+    v("velocity_r_m2_per_s2",
+      self.velocity_r_m2_per_s2,
+      variance,
+      "variance of one reading of the horizontal velocity");
   }
 };
 

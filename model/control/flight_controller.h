@@ -45,35 +45,49 @@ struct ControllerOptions {
   static void Visit(Self& self, Visitor&& v) {
     const Range omega{0.01, 1e4};
     const Range damping{0.01, 100.0};
-    v("law", self.law, Names(), "how the inner loops turn errors into torques: list controllers");
+    v("law",
+      self.law,
+      Names(),
+      "control law of the inner loops, a name of `lipoid list controllers`");
     v("altitude_omega_rad_per_s",
       self.altitude_omega_rad_per_s,
       omega,
-      "reference of the altitude, omega_0");
-    v("altitude_damping", self.altitude_damping, damping, "and its zeta_0");
+      "natural frequency of the altitude's reference model, rad/s");
+    v("altitude_damping",
+      self.altitude_damping,
+      damping,
+      "damping ratio of the altitude's reference model");
     v("attitude_omega_rad_per_s",
       self.attitude_omega_rad_per_s,
       omega,
-      "reference of roll and pitch, omega_0");
-    v("attitude_damping", self.attitude_damping, damping, "and its zeta_0");
+      "natural frequency of the reference models of roll and pitch, rad/s");
+    v("attitude_damping",
+      self.attitude_damping,
+      damping,
+      "damping ratio of the reference models of roll and pitch");
     v("yaw_omega_rad_per_s",
       self.yaw_omega_rad_per_s,
       omega,
-      "reference of the heading, omega_0, critically damped");
+      "natural frequency of the heading's reference model, which is critically damped, rad/s");
     v("position_omega_rad_per_s",
       self.position_omega_rad_per_s,
       omega,
-      "reference of x and y, omega_0, critically damped");
-    v("position_speed_m_per_s", self.position_speed_m_per_s, omega, "and its speed at most");
-    v("saturate", self.saturate, Names(), "duty cycles stay in [0, 1]");
+      "natural frequency of the reference models of x and y, which are critically damped, rad/s");
+    v("position_speed_m_per_s",
+      self.position_speed_m_per_s,
+      omega,
+      "largest speed of the reference models of x and y, m/s");
+    v("saturate", self.saturate, Names(), "whether duty cycles are limited to [0, 1]");
     v("pwm",
       self.pwm,
       Names(),
-      "integers of the hardware: rounded, with the remainder carried on, or none");
+      "how duty cycles become the integers of the hardware: rounded, rounded with the remainder "
+      "carried to the next step, or not at all");
     v("limit_reference",
       self.limit_reference,
       Names(),
-      "references of the angles, and the yaw torque, keep within what the motors can do");
+      "whether the references of the angles and the yaw torque are limited to what the motors can "
+      "do");
   }
 };
 

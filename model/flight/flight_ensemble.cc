@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "model/core/errors.h"
-#include "model/core/interval_95.h"
+#include "model/statistics/interval_95.h"
 
 namespace lipoid {
 

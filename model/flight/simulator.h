@@ -45,18 +45,26 @@ struct SimulationOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("integrator", self.integrator, Names(), "fixed steps, or adaptive ones as a check of them");
+    v("integrator",
+      self.integrator,
+      Names(),
+      "integrator of the plant: fixed steps (rk4), or adaptive steps as a check of them "
+      "(dormand-prince)");
     v("substeps",
       self.substeps,
       Range{1, 10000},
-      "steps of the plant (and of the cell) in a control step of 5 ms");
-    v("tolerance", self.tolerance, Range{1e-14, 1e-2}, "of dormand-prince, absolute and relative");
+      "number of steps of the plant and of the cell in a control step of 5 ms");
+    v("tolerance",
+      self.tolerance,
+      Range{1e-14, 1e-2},
+      "absolute and relative tolerance of dormand-prince");
     v("motor_lag",
       self.motor_lag,
       Names(),
-      "off: motors are at their equilibrium (5.10), an ideal source only");
-    v("ground", self.ground, Names(), "off: there is none");
-    v("drag", self.drag, Names(), "the vehicle's linear drag against the air");
+      "whether motors take time to change their speed; if false they are at their equilibrium "
+      "(5.10), for an ideal source only");
+    v("ground", self.ground, Names(), "whether there is a ground at zero height");
+    v("drag", self.drag, Names(), "whether the vehicle's linear drag against the air acts");
   }
 };
 

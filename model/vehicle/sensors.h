@@ -23,8 +23,8 @@
 #include <array>
 #include <cstdint>
 
-#include "model/core/normal_noise.h"
 #include "model/core/options.h"
+#include "model/statistics/normal_noise.h"
 #include "model/vehicle/rigid_body.h"
 
 namespace lipoid {
@@ -55,19 +55,40 @@ struct SensorOptions {
   static void Visit(Self& self, Visitor&& v) {
     const Range factor{0.0, 100.0};
     const Range noise{0.0, 10.0};
-    v("accelerometer_bias", self.accelerometer_bias, factor, "times the published bias");
-    v("accelerometer_noise", self.accelerometer_noise, factor, "times the published noise");
-    v("gyro_bias", self.gyro_bias, factor, "times the published bias");
-    v("gyro_noise", self.gyro_noise, factor, "times the published noise");
-    v("sonar_noise_m", self.sonar_noise_m, noise, "rms");
-    v("pressure_noise_m", self.pressure_noise_m, noise, "rms, as altitude");
-    v("pressure_bias_m", self.pressure_bias_m, Range{-1e4, 1e4}, "of the altitude by pressure");
+    v("accelerometer_bias",
+      self.accelerometer_bias,
+      factor,
+      "bias of the accelerometer, as a multiple of the published one");
+    v("accelerometer_noise",
+      self.accelerometer_noise,
+      factor,
+      "noise of the accelerometer, as a multiple of the published one");
+    v("gyro_bias",
+      self.gyro_bias,
+      factor,
+      "bias of the gyroscope, as a multiple of the published one");
+    v("gyro_noise",
+      self.gyro_noise,
+      factor,
+      "noise of the gyroscope, as a multiple of the published one");
+    v("sonar_noise_m", self.sonar_noise_m, noise, "rms noise of the sonar's height, m");
+    v("pressure_noise_m", self.pressure_noise_m, noise, "rms noise of the altitude by pressure, m");
+    v("pressure_bias_m",
+      self.pressure_bias_m,
+      Range{-1e4, 1e4},
+      "constant error of the altitude by pressure, m");
     v("flow_noise_m_per_s",
       self.flow_noise_m_per_s,
       noise,
-      "rms, of each velocity by optical flow");
-    v("voltage_noise_V", self.voltage_noise_V, noise, "rms, of the measured battery voltage");
-    v("voltage_step_V", self.voltage_step_V, noise, "to which it is rounded; 0: not");
+      "rms noise of each velocity by optical flow, m/s");
+    v("voltage_noise_V",
+      self.voltage_noise_V,
+      noise,
+      "rms noise of the measured battery voltage, V");
+    v("voltage_step_V",
+      self.voltage_step_V,
+      noise,
+      "step to which the measured battery voltage is rounded, V; 0: not rounded");
   }
 };
 

@@ -22,8 +22,8 @@
 #include <array>
 #include <cstdint>
 
-#include "model/core/normal_noise.h"
 #include "model/core/options.h"
+#include "model/statistics/normal_noise.h"
 #include "model/vehicle/rigid_body.h"
 
 namespace lipoid {
@@ -37,16 +37,17 @@ struct WindOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    v("wind_x_m_per_s",
-      self.wind_x_m_per_s,
+    v("wind_x_m_per_s", self.wind_x_m_per_s, kSpeedRange, "constant speed of the air along x, m/s");
+    v("wind_y_m_per_s", self.wind_y_m_per_s, kSpeedRange, "constant speed of the air along y, m/s");
+    v("wind_z_m_per_s",
+      self.wind_z_m_per_s,
       kSpeedRange,
-      "constant wind, what the air moves along X");
-    v("wind_y_m_per_s", self.wind_y_m_per_s, kSpeedRange, "and along Y");
-    v("wind_z_m_per_s", self.wind_z_m_per_s, kSpeedRange, "and along Z, down");
+      "constant speed of the air downwards, m/s");
     v("gusts_m_per_s",
       self.gusts_m_per_s,
       Range{0.0, 60.0},
-      "Dryden gusts by the wind speed at 20 ft: 7.7 light, 15.4 moderate, 23.2 severe");
+      "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 "
+      "severe");
   }
 };
 

@@ -34,16 +34,16 @@ void Run(benchmark::State& state, const FlightSetup& setup, const FlightPlan& pl
   state.SetItemsProcessed(static_cast<std::int64_t>(steps));
 }
 
-void FlightAltitudeSteps(benchmark::State& state) { Run(state, Setup(), AltitudeStepsPlan({})); }
+void FlightAltitudeSteps(benchmark::State& state) { Run(state, Setup(), AltitudeSteps().plan({})); }
 BENCHMARK(FlightAltitudeSteps)->UseManualTime()->Unit(benchmark::kMillisecond);
 
-void FlightSquare(benchmark::State& state) { Run(state, Setup(), SquarePlan({})); }
+void FlightSquare(benchmark::State& state) { Run(state, Setup(), Square().plan({})); }
 BENCHMARK(FlightSquare)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 void FlightEstimated(benchmark::State& state) {
   FlightSetup setup = Setup();
   setup.estimate = true;
-  Run(state, setup, AltitudeStepsPlan({}));
+  Run(state, setup, AltitudeSteps().plan({}));
 }
 BENCHMARK(FlightEstimated)->UseManualTime()->Unit(benchmark::kMillisecond);
 
@@ -52,7 +52,7 @@ void FlightEstimatedInGusts(benchmark::State& state) {
   setup.vehicle = LoadVehicle("mambo-physical");  // mambo-coupled has too little to spare
   setup.estimate = true;
   setup.wind.gusts_m_per_s = 2.0;
-  Run(state, setup, AltitudeStepsPlan({}));
+  Run(state, setup, AltitudeSteps().plan({}));
 }
 BENCHMARK(FlightEstimatedInGusts)->UseManualTime()->Unit(benchmark::kMillisecond);
 

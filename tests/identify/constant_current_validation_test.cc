@@ -8,6 +8,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "tests/support/synthetic_campaign.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
@@ -15,11 +16,7 @@ namespace {
 
 constexpr double kSampling_s = 1.0;
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 // A minute of rest, the discharge down to the first row at cut-off, and ten rows of rest.
 LoadedLog Discharged(const Cell& cell, double current_A, double initial_soc = 1.0) {

@@ -14,11 +14,7 @@
 namespace lipoid {
 namespace {
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 TEST(Identification, HasTheSameShapeForEitherMethod) {
   auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);

@@ -181,8 +181,8 @@ TEST(Recovery, FromTheLogsAloneIsAsGoodAsTheMethod) {
       result.discharge_times->beta_per_sqrt_s / truth.diffusion->beta_per_sqrt_s, 1.0, 0.03);
   const Eigen::Vector4d wanted = ParametersOf(truth);
   const Eigen::Vector4d found = ParametersOf(result.cell);
-  // alpha is a gauge that the axis of the curve follows: 0.2 % of alpha is 0.2 % of sigma_u, no
-  // more.
+  // alpha is a capacity reference that the axis of the curve follows: 0.2 % of alpha is 0.2 % of
+  // sigma_u, no more.
   const double tolerance[] = {0.04, 0.01, 0.1, 0.1};
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(found[k] / wanted[k], 1.0, tolerance[k]) << kNames[k];
   for (int k = 0; k < 4; ++k)

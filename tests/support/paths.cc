@@ -9,8 +9,12 @@ std::string SourcePath(const std::string& relative) {
 }
 
 std::string LabDataPath(const std::string& relative) {
-  const auto path = std::filesystem::path(LIPOID_SOURCE_DIR) / ".." / "shared" / "data" / relative;
-  return std::filesystem::exists(path) ? path.lexically_normal().string() : std::string();
+  const std::filesystem::path source(LIPOID_SOURCE_DIR);
+  for (const auto& folder : {source / "fixtures" / "lab", source / ".." / "shared" / "data"}) {
+    if (std::filesystem::exists(folder / relative))
+      return (folder / relative).lexically_normal().string();
+  }
+  return {};
 }
 
 std::string ScratchPath(const std::string& relative) {

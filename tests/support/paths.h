@@ -12,7 +12,8 @@ namespace lipoid::test {
 /// A file of the project, "fixtures/cells/x.json".
 std::string SourcePath(const std::string& relative);
 
-/// A real lab log beside the project, or "" where that folder is absent: then skip and say so.
+/// A real lab log: of fixtures/lab, or a larger one from a folder beside the project. "" where it
+/// is in neither: then skip and say so.
 std::string LabDataPath(const std::string& relative);
 
 /// A file or folder that tests may write to, in the build folder; it need not be there.
@@ -26,4 +27,5 @@ std::string FreshFolder(const std::string& name);
 /// Skips a test, and says so, where the real lab logs are absent.
 #define LIPOID_SKIP_WITHOUT(path) \
   if ((path).empty())             \
-  GTEST_SKIP() << "skipped: the real lab logs (../shared/data) are not beside the project"
+  GTEST_SKIP()                    \
+      << "skipped: this lab log is larger than what stands in fixtures/lab, and not beside the project"

@@ -12,9 +12,17 @@
 #include <vector>
 
 #include "identify/logs/load_campaign.h"
+#include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 
 namespace lipoid::test {
+
+/// A shipped cell with a branch that logs of minutes can see: 0.03 Ohm and 1500 F.
+inline Cell Truth() {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
+  return cell;
+}
 
 /// A log of the cell under a current that is a function of time, to cut-off, sampled every dt_s;
 /// voltages carry white noise.

@@ -2,9 +2,11 @@
 // of everything that a command may do.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 
@@ -29,6 +31,46 @@ TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
             "log          mean / %\n"
             "zelle_ä.csv    0.2234\n"
             "b                  12\n");
+}
+
+TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
+  TextTable table({{"log", Align::kLeft}, {"cost / V²"}});
+  table.Row({"a_b&c#1$", "0.22"});
+  EXPECT_EQ(table.Latex("Errors in %."),
+            "\\begin{table}\n"
+            "  \\centering\n"
+            "  \\caption{Errors in \\%.}\n"
+            "  \\begin{tabular}{lr}\n"
+            "    \\toprule\n"
+            "    log & cost / V\\textsuperscript{2} \\\\\n"
+            "    \\midrule\n"
+            "    a\\_b\\&c\\#1\\$ & 0.22 \\\\\n"
+            "    \\bottomrule\n"
+            "  \\end{tabular}\n"
+            "\\end{table}\n");
+  EXPECT_EQ(LatexText("beta / s^-1/2 \\x{y}~"),
+            "beta / s\\textsuperscript{-1/2} \\textbackslash{}x\\{y\\}\\textasciitilde{}");
+}
+
+TEST(Wrapped, BreaksAtBlanksAndWhereThereAreNoneAfterCommas) {
+  const std::string words(60, 'a');
+  EXPECT_EQ(Wrapped(words + " " + words, 2), words + "\n  " + words);
+  EXPECT_EQ(Wrapped("a b"), "a b");
+  EXPECT_EQ(Wrapped(""), "");
+  std::string names = "default ";
+  for (int k = 0; k < 30; ++k) names += "name" + std::to_string(k) + (k < 29 ? "," : "");
+  std::string whole;
+  std::istringstream lines(Wrapped(names, 30));
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 100U);
+    whole += whole.empty() ? line : line.substr(30);
+  }
+  whole.erase(std::remove(whole.begin(), whole.end(), ' '), whole.end());
+  names.erase(std::remove(names.begin(), names.end(), ' '), names.end());
+  EXPECT_EQ(whole, names) << "no letter is lost";
+  EXPECT_EQ(Wrapped(std::string(150, 'x')), std::string(150, 'x'))
+      << "what cannot be broken is not";
+  EXPECT_EQ(WrappedLines("one\n\n" + words + " " + words), "one\n\n" + words + "\n" + words);
 }
 
 TEST(Significant, KeepsSoManyDigitsAndNoMore) {

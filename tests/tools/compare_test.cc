@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -84,9 +85,69 @@ TEST(Compare, RunsTheSevenOfTheThesisUnlessToldOtherwise) {
   EXPECT_NEAR(lm.at("c_1").get<double>(), 1500.0, 0.1);
   EXPECT_NE(run.out.find("box up to"), std::string::npos) << "the box is stated";
 
+  // One line says which lipoid, one what the columns are, then one run of each.
   const auto csv = ReadText(folder + "/table.csv");
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 8);
-  EXPECT_EQ(csv.rfind("optimizer,", 0), 0U);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9);
+  EXPECT_EQ(csv.rfind("# lipoid 0.", 0), 0U);
+  EXPECT_NE(csv.find("\noptimizer,start,seed,cost_V2,"), std::string::npos);
+}
+
+TEST(Compare, WritesOneRowPerStartAndTablesForAPaperAndCallsATieATie) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto run = RunLipoid(folder,
+                             Compare({"--optimizers",
+                                      "levenberg-marquardt,interior-point",
+                                      "--starts",
+                                      "2",
+                                      "--fix",
+                                      "beta=0.25",
+                                      "--csv",
+                                      "runs.csv",
+                                      "--latex",
+                                      "tables.tex"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::istringstream lines(ReadText(folder + "/runs.csv"));
+  std::string line;
+  std::vector<std::string> found;
+  const Json summary = ReadJson(folder, "s.json");
+  const double best = summary.at("best").at("cost_V2");
+  while (std::getline(lines, line)) {
+    if (line[0] == '#' || line.rfind("optimizer,", 0) == 0) continue;
+    std::istringstream cells(line);
+    std::string optimizer, start, seed, cost, gap, reached;
+    for (std::string* cell : {&optimizer, &start, &seed, &cost, &gap, &reached})
+      std::getline(cells, *cell, ',');
+    found.push_back(optimizer + " " + start + " " + seed);
+    // `reached` is what the cost says it is, at the target that the summary states.
+    EXPECT_EQ(reached, std::stod(cost) <= best * 1.001 ? "yes" : "no") << line;
+    EXPECT_NEAR(std::stod(gap), 100.0 * (std::stod(cost) / best - 1.0), 1e-9) << line;
+    EXPECT_EQ(line.find(",\"") != std::string::npos, true) << "the reason is quoted: " << line;
+  }
+  EXPECT_EQ(found,
+            (std::vector<std::string>{"levenberg-marquardt 0 0",
+                                      "levenberg-marquardt 1 1",
+                                      "levenberg-marquardt 2 2",
+                                      "interior-point 0 0",
+                                      "interior-point 1 1",
+                                      "interior-point 2 2"}));
+
+  // Both find the one minimum that there is with beta held off the truth.
+  ASSERT_EQ(summary.at("best").at("tied").size(), 1U) << run.out;
+  EXPECT_NE(run.out.find("A tie: "), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("Best: "), std::string::npos) << run.out;
+
+  const auto tex = ReadText(folder + "/tables.tex");
+  const auto count = [&](const std::string& what) {
+    std::size_t times = 0;
+    for (auto at = tex.find(what); at != std::string::npos; at = tex.find(what, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_EQ(count("\\begin{tabular}"), 4U) << tex;
+  EXPECT_EQ(count("\\bottomrule"), 4U);
+  EXPECT_EQ(tex.rfind("% lipoid 0.", 0), 0U);
+  EXPECT_NE(tex.find("mean / \\%"), std::string::npos) << tex;
+  EXPECT_NE(tex.find("levenberg-marquardt & "), std::string::npos) << tex;
 }
 
 TEST(Compare, TriesRandomStartsAndGivesTheSameForAnyNumberOfThreads) {
@@ -166,8 +227,7 @@ TEST(Compare, RefusesWhatMakesNoSense) {
     std::vector<std::string> more;
     const char* says;
   } cases[] = {
-      {{"--optimizers", "sqp,newton"},
-       "unknown optimizer 'newton'. Known: interior-point"},
+      {{"--optimizers", "sqp,newton"}, "unknown optimizer 'newton'. Known: interior-point"},
       {{"--optimizers", "sqp,sqp"}, "sqp stands there twice"},
       {{"--optimizers", ""}, "unknown optimizer ''"},
       {{"--starts", "-1"}, "--starts"},

@@ -9,6 +9,7 @@
 
 #include "model/battery/cell_file.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid::test {
 namespace {
@@ -171,10 +172,35 @@ TEST(Fly, SaysWhatDoesNotGoTogether) {
             "'1,2,3,4'\n");
   EXPECT_EQ(error({"hover", "--wind", "strong"}),
             "2 lipoid fly: error: option --wind: expected -60 .. 60, found 'strong'\n");
+  EXPECT_EQ(error({"hover", "--set", "square.side_m=2"}),
+            "2 lipoid fly: error: option --set square.side_m: the maneuver is hover\n");
+  EXPECT_NE(error({"square", "--set", "square.side_m=wide"}).find("expected 0.01 .. 10000"),
+            std::string::npos);
   EXPECT_NE(error({"loop"}).find("unknown maneuver 'loop'"), std::string::npos);
   EXPECT_EQ(error({"hover", "--cell", "none.json"}).substr(0, 2), "3 ");
   EXPECT_EQ(error({"hover", "--initial-soc", "-0.1"}).substr(0, 2), "2 ");
   EXPECT_TRUE(FilesIn(folder).empty());
+}
+
+TEST(Fly, ManeuversTakeOptionsOfTheirOwn) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"fly",
+                              "hover",
+                              "--battery",
+                              "ideal",
+                              "--duration",
+                              "1",
+                              "--set",
+                              "hover.altitude_m=3",
+                              "-o",
+                              "f.csv",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("maneuver_options").at("altitude_m"), "3");
+  const auto log = ReadText(folder + "/f.csv");
+  EXPECT_NE(log.find(",3,"), std::string::npos) << "the height that was asked for";
 }
 
 TEST(Fly, AFailedRunWritesNothing) {

@@ -71,7 +71,7 @@ TEST(Identify, RecoversEveryParameterOfASynthesizedCell) {
   EXPECT_EQ(summary.at("stages").at("pulses").at("termination"), "converged");
 }
 
-// All logs at once: no gauge and no curve is given, and the noise is all that is left.
+// All logs at once: no capacity and no curve is given, and the noise is all that is left.
 TEST(Identify, JointFindsTheTruthAndSaysHowFarToBelieveIt) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder,

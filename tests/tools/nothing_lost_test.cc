@@ -88,6 +88,8 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
        "logs/low.csv"},
       {"compare", "c.toml", "--csv", "logs/pulses.csv"},
       {"compare", "c.toml", "--summary", "c.toml"},
+      {"compare", "c.toml", "--latex", "logs/cc.csv"},
+      {"study", "branches", "c.toml", "--latex", "c.toml"},
       {"study", "branches", "c.toml", "--csv", "linked/pulses.csv"},
       {"study", "branches", "c.toml", "--open-circuit-voltage", "cell.json", "--csv", "cell.json"},
       {"fly", "hover", "--cell", "cell.json", "-o", "cell.json"},

@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "model/core/errors.h"
-#include "tools/cli/command_description.h"
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
+#include "tools/cli/command_description.h"
 #include "tools/cli/text_table.h"
 
 namespace po = boost::program_options;
@@ -74,28 +74,6 @@ bool IsFile(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
 }
 
-// Words of `text` in lines of at most `width`, each but the first indented.
-std::string Wrap(const std::string& text, std::size_t indent, std::size_t width) {
-  std::string wrapped;
-  std::size_t column = indent;
-  for (std::size_t from = 0; from < text.size();) {
-    const auto to = std::min(text.find(' ', from), text.size());
-    const auto word = text.substr(from, to - from);
-    if (column > indent && column + 1 + word.size() > width) {
-      wrapped += '\n' + std::string(indent, ' ');
-      column = indent;
-    }
-    if (column > indent) {
-      wrapped += ' ';
-      ++column;
-    }
-    wrapped += word;
-    column += word.size();
-    from = to + 1;
-  }
-  return wrapped;
-}
-
 // "  --name VALUE    help", the help wrapped beside it.
 void AddHelpLine(std::string& text, const std::string& left, const std::string& help) {
   constexpr std::size_t kColumn = 30;
@@ -105,7 +83,7 @@ void AddHelpLine(std::string& text, const std::string& left, const std::string& 
   } else {
     text += std::string(kColumn - 2 - left.size(), ' ');
   }
-  text += Wrap(help, kColumn, 100) + '\n';
+  text += Wrapped(help, kColumn) + '\n';
 }
 
 // How many of the threads that there are cores for may be started: `ulimit -u` or a container may
@@ -500,7 +478,9 @@ bool CommandLine::Given(std::string_view name) const {
 
 void CommandLine::WriteMessage(std::string text) {
   progress_->Wipe();
-  text = ForeignLines(text) + '\n';
+  text = ForeignLines(text);
+  if (ErrorIsTerminal()) text = WrappedLines(text);
+  text += '\n';
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
@@ -516,7 +496,7 @@ std::string CommandLine::Help() const {
     usage += option->letter == '\0' ? fmt::format(" --{} {}", option->name, option->word)
                                     : fmt::format(" -{} {}", option->letter, option->word);
   }
-  std::string text = fmt::format("Usage: {} [options]\n\n{}\n", usage, Wrap(what_, 0, 100));
+  std::string text = fmt::format("Usage: {} [options]\n\n{}\n", usage, Wrapped(what_));
   text += examples_.size() > 1 ? "\nExamples:\n" : "\nExample:\n";
   for (const auto& example : examples_) text += "  " + example + "\n";
 
@@ -600,9 +580,7 @@ void CheckWritable(const std::string& file) {
   if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
 }
 
-bool LeadToOneFile(const std::string& a, const std::string& b) {
-  return PlaceOf(a) == PlaceOf(b);
-}
+bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(a) == PlaceOf(b); }
 
 std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }
 

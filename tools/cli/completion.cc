@@ -50,9 +50,9 @@ std::string BashScript(std::span<const CommandDescription> commands) {
       "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options\n"
       "  COMPREPLY=()\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n";
-  text += fmt::format("    mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\")\n    return\n  fi\n",
-                      Quoted(fmt::format("{} help --help --version",
-                                         fmt::join(CommandNames(commands), " "))));
+  text += fmt::format(
+      "    mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\")\n    return\n  fi\n",
+      Quoted(fmt::format("{} help --help --version", fmt::join(CommandNames(commands), " "))));
   text += "  case ${COMP_WORDS[1]} in\n";
   for (const auto& command : commands) {
     std::string options;
@@ -62,10 +62,11 @@ std::string BashScript(std::span<const CommandDescription> commands) {
       const auto pattern = fmt::format("{}", fmt::join(Spellings(option), "|"));
       const auto words = option.name == "set" ? SettingNames(command) : option.Choices();
       if (!words.empty()) {
-        values += fmt::format("        {}) {}mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\"); return ;;\n",
-                              pattern,
-                              option.name == "set" ? "compopt -o nospace 2> /dev/null; " : "",
-                              Quoted(fmt::format("{}", fmt::join(words, " "))));
+        values += fmt::format(
+            "        {}) {}mapfile -t COMPREPLY < <(compgen -W {} -- \"$word\"); return ;;\n",
+            pattern,
+            option.name == "set" ? "compopt -o nospace 2> /dev/null; " : "",
+            Quoted(fmt::format("{}", fmt::join(words, " "))));
       } else if (!option.value.empty() && !option.TakesFile()) {
         values += fmt::format("        {}) return ;;\n", pattern);
       }
@@ -135,9 +136,10 @@ std::string ZshScript(std::span<const CommandDescription> commands) {
       }
       const bool again = option.several || option.name == "set";
       for (const auto& spelling : Spellings(option)) {
-        text += fmt::format(
-            " \\\n        {}",
-            Quoted(fmt::format("{}{}[{}]{}", again ? "*" : "", spelling, ForZsh(option.help), value)));
+        text +=
+            fmt::format(" \\\n        {}",
+                        Quoted(fmt::format(
+                            "{}{}[{}]{}", again ? "*" : "", spelling, ForZsh(option.help), value)));
       }
     }
     text += " \\\n        '*:file:_files'\n      ;;\n";
@@ -168,8 +170,7 @@ std::string FishScript(std::span<const CommandDescription> commands) {
       line += " -l " + option.name;
       if (!option.value.empty()) line += option.TakesFile() ? " -r" : " -x";
       const auto words = option.name == "set" ? SettingNames(command) : option.Choices();
-      if (!words.empty())
-        line += " -a " + QuotedForFish(fmt::format("{}", fmt::join(words, " ")));
+      if (!words.empty()) line += " -a " + QuotedForFish(fmt::format("{}", fmt::join(words, " ")));
       text += line + " -d " + QuotedForFish(option.help) + "\n";
     }
   }

@@ -80,9 +80,10 @@ std::string ManualPage(std::span<const CommandDescription> commands) {
     }
     if (!command.settings.empty()) text += ".PP\nFor \\-\\-set OPTION=VALUE:\n";
     for (const auto& setting : command.settings) {
-      AddItem(text,
-              setting.name,
-              fmt::format("{}; {} (default {})", setting.help, setting.valid, setting.default_text));
+      AddItem(
+          text,
+          setting.name,
+          fmt::format("{}; {} (default {})", setting.help, setting.valid, setting.default_text));
     }
     text += ".PP\nExamples:\n";
     for (const auto& example : command.examples) {

@@ -21,10 +21,12 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
-#include "model/core/run_record.h"
 #include "model/core/nearest_name.h"
+#include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/text_table.h"
 
 namespace lipoid::cli {
 namespace {
@@ -119,6 +121,7 @@ void PrintFailure(const std::string& program, const Failure& failure) {
   } else {
     text = program + ": error: " + failure.message;
   }
+  if (ErrorIsTerminal()) text = WrappedLines(text);
   if (ErrorIsColoured()) {
     constexpr std::string_view kWord = "error:";
     for (auto at = text.find(kWord); at != std::string::npos; at = text.find(kWord, at + 16)) {
@@ -213,7 +216,8 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     }
     if (name == "--schema") return WriteStandardOutput(JsonText(CellSchema()));
     if (name == "--completion") {
-      if (arguments.size() != 2) throw OptionError("option --completion: expected bash, zsh or fish");
+      if (arguments.size() != 2)
+        throw OptionError("option --completion: expected bash, zsh or fish");
       return WriteStandardOutput(CompletionScript(arguments[1], DescribeCommands(commands)));
     }
     if (name == "--version" || name == "-V") {
@@ -224,6 +228,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     line = std::make_unique<CommandLine>(
         command, std::vector<std::string>(arguments.begin() + 1, arguments.end()));
     exit_code = command.run(*line);
+    line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
     if (!summary_file.empty() && line->parsed()) {
       WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));

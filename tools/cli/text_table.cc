@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "model/core/errors.h"
 
@@ -48,6 +49,67 @@ std::string TextTable::Text() const {
   return text;
 }
 
+std::string LatexText(std::string_view words) {
+  constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
+      {"\\", "\\textbackslash{}"},
+      {"{", "\\{"},
+      {"}", "\\}"},
+      {"%", "\\%"},
+      {"_", "\\_"},
+      {"&", "\\&"},
+      {"#", "\\#"},
+      {"$", "\\$"},
+      {"~", "\\textasciitilde{}"},
+      {"^-1/2", "\\textsuperscript{-1/2}"},
+      {"^", "\\textasciicircum{}"},
+      {"<", "\\textless{}"},
+      {">", "\\textgreater{}"},
+      {"²", "\\textsuperscript{2}"},
+      {"³", "\\textsuperscript{3}"},
+      {"Ω", "$\\Omega$"},
+      {"°", "$^\\circ$"},
+      {"√", "$\\surd$"},
+      {"µ", "$\\mu$"},
+      {"±", "$\\pm$"},
+      {"–", "--"},
+  };
+  std::string text;
+  while (!words.empty()) {
+    const auto* const found =
+        std::find_if(std::begin(kReplaced), std::end(kReplaced), [&](const auto& replaced) {
+          return words.substr(0, replaced.first.size()) == replaced.first;
+        });
+    if (found == std::end(kReplaced)) {
+      text += words.front();
+      words.remove_prefix(1);
+    } else {
+      text += found->second;
+      words.remove_prefix(found->first.size());
+    }
+  }
+  return text;
+}
+
+std::string TextTable::Latex(std::string_view caption) const {
+  std::string kinds;
+  for (const auto& column : columns_) kinds += column.align == Align::kRight ? 'r' : 'l';
+  const auto line = [](const auto& cells, auto&& text_of) {
+    std::string text = "    ";
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      text += (c > 0 ? " & " : "") + LatexText(text_of(cells[c]));
+    return text + " \\\\\n";
+  };
+  std::string text = fmt::format(
+      "\\begin{{table}}\n  \\centering\n  \\caption{{{}}}\n  \\begin{{tabular}}{{{}}}\n    "
+      "\\toprule\n",
+      LatexText(caption),
+      kinds);
+  text += line(columns_, [](const Column& column) { return column.header; });
+  text += "    \\midrule\n";
+  for (const auto& row : rows_) text += line(row, [](const std::string& cell) { return cell; });
+  return text + "    \\bottomrule\n  \\end{tabular}\n\\end{table}\n";
+}
+
 std::string Significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   if (value == 0.0 || std::isinf(value)) return fmt::format("{}", value);
@@ -58,22 +120,51 @@ std::string Significant(double value, int digits) {
   return fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent));
 }
 
+std::string Wrapped(const std::string& text, std::size_t indent) {
+  constexpr std::size_t kColumns = 100;
+  std::string wrapped;
+  std::size_t column = indent;
+  for (std::size_t from = 0; from < text.size();) {
+    const auto to = std::min(text.find(' ', from), text.size());
+    auto word = text.substr(from, to - from);
+    // A list of names without blanks that fills more than a line breaks after a comma.
+    while (word.size() > kColumns - indent) {
+      const auto comma = word.rfind(',', kColumns - indent - 1);
+      if (comma == std::string::npos) break;
+      if (column > indent) wrapped += '\n' + std::string(indent, ' ');
+      wrapped += word.substr(0, comma + 1) + '\n' + std::string(indent, ' ');
+      word.erase(0, comma + 1);
+      column = indent;
+    }
+    if (column > indent && column + 1 + word.size() > kColumns) {
+      wrapped += '\n' + std::string(indent, ' ');
+      column = indent;
+    }
+    if (column > indent) {
+      wrapped += ' ';
+      ++column;
+    }
+    wrapped += word;
+    column += word.size();
+    from = to + 1;
+  }
+  return wrapped;
+}
+
+std::string WrappedLines(const std::string& text) {
+  std::string wrapped;
+  for (std::size_t from = 0; from <= text.size();) {
+    const auto to = std::min(text.find('\n', from), text.size());
+    wrapped += (from > 0 ? "\n" : "") + Wrapped(text.substr(from, to - from));
+    from = to + 1;
+  }
+  return wrapped;
+}
+
 std::string Bullets(std::string_view title, const std::vector<std::string>& sentences) {
   if (sentences.empty()) return "";
   std::string text = fmt::format("{}\n", title);
-  for (const auto& sentence : sentences) {
-    std::string line = "   -";
-    for (std::size_t from = 0; from < sentence.size();) {
-      const auto to = std::min(sentence.find(' ', from), sentence.size());
-      if (line.size() + 1 + (to - from) > 100) {
-        text += line + "\n";
-        line = "    ";
-      }
-      line += " " + sentence.substr(from, to - from);
-      from = to + 1;
-    }
-    text += line + "\n";
-  }
+  for (const auto& sentence : sentences) text += "   - " + Wrapped(sentence, 5) + "\n";
   return text;
 }
 

@@ -28,15 +28,28 @@ class TextTable {
   /// As many cells as there are columns.
   void Row(std::vector<std::string> cells);
   [[nodiscard]] std::string Text() const;
+  /// The same for a paper: a table with booktabs' rules. The caption is words, not LaTeX.
+  [[nodiscard]] std::string Latex(std::string_view caption) const;
 
  private:
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// Words as LaTeX shows them: what LaTeX reads as commands is escaped, and the letters that units
+/// need (square, Ohm, degree, root, micro) become its own.
+[[nodiscard]] std::string LatexText(std::string_view words);
+
 /// A number with so many significant digits, trailing zeros kept: "0.2234", "1354", "2.400e-05".
 /// "-" where it is not a number.
 [[nodiscard]] std::string Significant(double value, int digits = 4);
+
+/// Words in lines that end before column 100. The first begins at column `indent`, where the caller
+/// has put it; the others are indented as far.
+[[nodiscard]] std::string Wrapped(const std::string& text, std::size_t indent = 0);
+
+/// The same of each line of a text.
+[[nodiscard]] std::string WrappedLines(const std::string& text);
 
 /// A title, and sentences under it in lines of at most 100 characters, each marked; "" without any.
 [[nodiscard]] std::string Bullets(std::string_view title,

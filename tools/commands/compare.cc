@@ -12,6 +12,7 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/latex_option.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
@@ -64,7 +65,7 @@ std::string UnitOf(const PulseVariable& v) {
   return "F";
 }
 
-std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
+std::string ProblemText(const PulseTask& task, const Comparison& comparison, LatexOption& latex) {
   std::string text = fmt::format("Problem {}: {} rows of {} logs, {} points after condensing\n",
                                  task.sweep.setup().diffusion ? "(4.61)" : "without diffusion",
                                  task.sweep.rows(),
@@ -88,10 +89,10 @@ std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
                Significant(comparison.boxed[k].upper),
                v.logarithmic ? fmt::format("log({})", over) : over});
   }
-  return text + table.Text();
+  return text + latex.Table(table, "The problem: what is free, where it starts and its bounds.");
 }
 
-std::string ResultsText(const Comparison& comparison, int random_starts) {
+std::string ResultsText(const Comparison& comparison, int random_starts, LatexOption& latex) {
   TextTable table({{"optimizer", Align::kLeft},
                    {"mean / %"},
                    {"max / %"},
@@ -100,9 +101,9 @@ std::string ResultsText(const Comparison& comparison, int random_starts) {
                    {"time / s"},
                    {"evaluations"},
                    {"gradients"},
-                   {"ended", Align::kLeft},
-                   {"success"},
-                   {"to target / s"}});
+                   {"ended", Align::kLeft}});
+  TextTable reached(
+      {{"optimizer", Align::kLeft}, {"success"}, {"to target / s"}, {"evaluations to target"}});
   std::string why;
   for (const auto& r : comparison.results) {
     table.Row({r.optimizer,
@@ -113,20 +114,22 @@ std::string ResultsText(const Comparison& comparison, int random_starts) {
                Significant(r.summary.wall_s, 3),
                fmt::format("{}", r.summary.evaluations),
                fmt::format("{}", r.summary.gradient_evaluations),
-               options_internal::ToText(r.summary.termination),
-               fmt::format("{}/{}", r.successes, r.starts),
-               Significant(r.time_to_target_s, 3)});
-    why += fmt::format("  {}: {}\n", r.optimizer, r.summary.message);
+               options_internal::ToText(r.summary.termination)});
+    reached.Row({r.optimizer,
+                 fmt::format("{}/{}", r.successes, r.starts),
+                 Significant(r.time_to_target_s, 3),
+                 Significant(r.evaluations_to_target, 4)});
+    why += "  " + cli::Wrapped(fmt::format("{}: {}", r.optimizer, r.summary.message), 2) + "\n";
   }
-  return fmt::format("{}\nSuccess and time to target: {}.\nWhy each ended\n{}",
-                     table.Text(),
-                     random_starts > 0
-                         ? fmt::format("of {} random starts, the same for all", random_starts)
-                         : "of the data's start; --starts N tries random ones",
-                     why);
+  const std::string starts =
+      random_starts > 0 ? fmt::format("Of {} random starts, the same for all", random_starts)
+                        : "Of the data's start alone (--starts N tries random ones)";
+  const std::string results = latex.Table(table, "Optimizers on the same problem.");
+  return fmt::format(
+      "{}\nWhy each ended\n{}\n{}\n{}", results, why, starts, latex.Table(reached, starts + "."));
 }
 
-std::string ParametersText(const Comparison& comparison) {
+std::string ParametersText(const Comparison& comparison, LatexOption& latex) {
   std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
   for (const auto& v : comparison.variables) {
     columns.push_back({fmt::format("{} / {}", v.name, UnitOf(v))});
@@ -139,7 +142,22 @@ std::string ParametersText(const Comparison& comparison) {
     }
     table.Row(std::move(row));
   }
-  return table.Text();
+  return latex.Table(table, "What each optimizer found.");
+}
+
+// "sqp", or all that found the same.
+std::string BestText(const Comparison& comparison) {
+  const std::string cost = Significant(comparison.best_cost, 6);
+  if (comparison.best_optimizer.empty()) return "Best: none\n";
+  if (comparison.tied.empty())
+    return fmt::format("Best: {}, cost {} V²\n", comparison.best_optimizer, cost);
+  return cli::Wrapped(fmt::format(
+             "A tie: {} and {} fit equally well (cost {} V²; their errors differ by less "
+             "than a millionth).",
+             comparison.best_optimizer,
+             fmt::join(comparison.tied, ", "),
+             cost)) +
+         "\n";
 }
 
 }  // namespace
@@ -151,6 +169,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   ComparisonOptions options;
   std::string names = ThesisNames();
   std::string csv;
+  LatexOption latex;
   int starts = 0;
   bool time_constants = false;
 
@@ -170,7 +189,12 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
             "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
   line.Option("starts", starts, Range{0, 100000}, "random starts of each, besides the data's");
   line.Flag("time-constants", time_constants, "tau_j as unknowns, instead of c_j");
-  line.OutputOption("csv", csv, "CSV", "write the table, one line per optimizer");
+  line.OutputOption(
+      "csv",
+      csv,
+      "CSV",
+      "write one line per optimizer and start: start, seed, cost, time, why it ended");
+  latex.AddTo(line);
   staged.AddTo(line);
   line.Group("", options);
   staged.AddGroupsTo(line);
@@ -192,15 +216,14 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
   const PulseTask task = PreparePulses(campaign, logs, staged.options, staged.given);
-  const PulseUnknowns unknowns =
-      FindPulseUnknowns(task.sweep.setup(),
-                        task.data,
-                        {.branches = staged.options.pulses.branches,
-                         .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
-                         .unknown = time_constants ? BranchUnknown::kTimeConstant
-                                                   : BranchUnknown::kCapacitance,
-                         .scale = options.scaling},
-                        staged.given.parameters);
+  const PulseUnknowns unknowns = FindPulseUnknowns(
+      task.sweep.setup(),
+      task.data,
+      {.branches = staged.options.pulses.branches,
+       .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
+       .unknown = time_constants ? BranchUnknown::kTimeConstant : BranchUnknown::kCapacitance,
+       .scale = options.scaling},
+      staged.given.parameters);
   if (unknowns.variables.empty()) {
     throw OptionError("every parameter is held by --fix: there is nothing to compare");
   }
@@ -224,15 +247,14 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
     for (const auto& [name, value] : optimizer->values(settings)) own[name] = value;
   }
   line.summary().update(report);
-  if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, diffusion));
+  if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, campaign.name, diffusion));
 
   for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
-  line.Print("{}\n{}\n{}\nBest: {}, cost {} V²\n",
-             ProblemText(task, comparison),
-             ResultsText(comparison, starts),
-             ParametersText(comparison),
-             comparison.best_optimizer.empty() ? "none" : comparison.best_optimizer,
-             Significant(comparison.best_cost, 6));
+  const std::string problem = ProblemText(task, comparison, latex);
+  const std::string results = ResultsText(comparison, starts, latex);
+  const std::string parameters = ParametersText(comparison, latex);
+  line.Print("{}\n{}\n{}\n{}", problem, results, parameters, BestText(comparison));
+  latex.Write(line);
   const bool found = !comparison.best_optimizer.empty();
   if (!found) line.Message("no optimizer found a finite cost; the table says why");
   return found ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

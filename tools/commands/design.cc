@@ -3,11 +3,11 @@
 
 #include "identify/gains/gain_design.h"
 #include "model/control/gains.h"
-#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
-#include "model/core/run_record.h"
+#include "model/core/json_text.h"
 #include "model/core/nearest_name.h"
+#include "model/core/run_record.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
@@ -138,7 +138,6 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   const ErrorGains& from = altitude ? start.altitude : start.attitude;
   line.progress().Update(0.0, "designing");
   const GainDesignResult result = DesignGains(problem, from, optimizer, settings);
-  line.progress().Wipe();
 
   Json& summary = line.summary();
   summary["loop"] = loop_name;
@@ -182,7 +181,6 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     line.progress().Update(0.0, "checking with a run ten times longer");
     const GainDesignResult longer =
         DesignGains(problem, from, optimizer, TenTimesLonger(optimizer, settings));
-    line.progress().Wipe();
     row("ten times longer", longer.gains, longer.cost);
     summary["longer_run"] = {{"gains", ToJson(longer.gains)},
                              {"cost", longer.cost},

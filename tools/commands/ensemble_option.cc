@@ -1,16 +1,16 @@
 #include "tools/commands/ensemble_option.h"
 
 #include "model/core/errors.h"
-#include "model/core/interval_95.h"
+#include "model/statistics/interval_95.h"
 
 namespace lipoid {
 
 void EnsembleOption::AddTo(cli::CommandLine& line, std::string_view what_is_shown) {
-  line.Option("ensemble",
-              count,
-              Range{0, 100000},
-              fmt::format(
-                  "draw so many cells from the uncertainty in the cell file and show {}; 0: none",
+  line.Option(
+      "ensemble",
+      count,
+      Range{0, 100000},
+      fmt::format("draw so many cells from the uncertainty in the cell file and show {}; 0: none",
                   what_is_shown));
 }
 

@@ -155,6 +155,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::string output;
   std::string wind;
   ManeuverRequest request;
+  std::map<std::string_view, ManeuverRequest> values;  // of each maneuver
   FlightSetup setup;
   StartOptions start;
   EnsembleOption ensemble;
@@ -227,6 +228,16 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                     output,
                     "CSV",
                     "flight log: state, references, motors, battery (docs/formats.md)");
+  for (const Maneuver& maneuver : Maneuvers()) {
+    if (maneuver.options == nullptr) continue;
+    line.Group(maneuver.name,
+               maneuver.options(),
+               [&maneuver, &values](std::string_view name, std::string_view text) {
+                 auto& own = values[maneuver.name].values;
+                 own[std::string(name)] = text;
+                 (void)maneuver.values(values[maneuver.name]);  // the value is checked here
+               });
+  }
   line.Group("controller", setup.controller);
   line.Group("simulation", setup.simulation);
   line.Group("sensors", setup.sensors);
@@ -239,6 +250,15 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                           ? "maneuver waypoints needs a file of places: --waypoints FILE"
                           : fmt::format("option --waypoints is for the maneuver waypoints, not {}",
                                         maneuver.name));
+  }
+  for (const auto& [name, own] : values) {
+    if (name != maneuver.name) {
+      throw OptionError(fmt::format("option --set {}.{}: the maneuver is {}",
+                                    name,
+                                    own.values.begin()->first,
+                                    maneuver.name));
+    }
+    request.values = own.values;
   }
   const Battery source =
       battery.value_or(xi && cell_name.empty() ? Battery::kIdeal : Battery::kCell);
@@ -299,7 +319,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       FlyOnEach(setup, plan, drawn.cells, drawn.initial_soc, [&](double fraction) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
-  line.progress().Wipe();
   if (log) log->Commit();
   if (log && !log_step_s && step_s > kControlStep_s) {
     line.Message("{}: a row each {} s of a long flight; --log-step-s {} writes every control step",
@@ -310,6 +329,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
 
   line.summary() = Summary(flight);
   line.summary()["maneuver"] = maneuver.name;
+  line.summary()["maneuver_options"] = Json::object();
+  if (maneuver.values != nullptr) {
+    for (const auto& [name, value] : maneuver.values(request))
+      line.summary()["maneuver_options"][name] = value;
+  }
   line.summary()["vehicle"] = setup.vehicle.name;
   line.summary()["battery"] =
       setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);

@@ -139,9 +139,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       "ends with exit code 1. Several campaigns give one cell file each, in a folder, and a table "
       "of their spread.",
       "lipoid identify campaign.toml -o cell.json");
-  line.Example(
-      "lipoid identify --constant-current 1C.csv 2C.csv --low-rate c20.csv --pulses hppc.csv "
-      "--cutoff-V 3.0 -o cell.json");
+  line.Example("lipoid identify --low-rate c20.csv --pulses hppc.csv --cutoff-V 3 -o cell.json");
   line.Example("lipoid identify campaign.toml --method staged -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
   line.InputArguments(

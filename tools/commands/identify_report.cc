@@ -96,7 +96,7 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
                             method,
                             stage.curve.coefficients_V().size() + stage.curve.sine_V().size())
               : fmt::format("   {}, {} nodes", method, stage.curve.soc().size());
-  text += fmt::format(" from {} rows; on rows left out: mean {} %, max {} %, rmse {} mV\n",
+  text += fmt::format(" from {} rows; on held-out rows: mean {} %, max {} %, rmse {} mV\n",
                       stage.rows,
                       Significant(stage.mean_error_percent, 3),
                       Significant(stage.max_error_percent, 3),

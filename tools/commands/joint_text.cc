@@ -18,28 +18,18 @@ using cli::Significant;
 using cli::TextTable;
 
 std::string TriedText(const JointChoice& choice) {
-  TextTable table({{"structure tried", Align::kLeft},
-                   {"fitted_mV"},
-                   {"left_out_mV"},
-                   {"gain_mV"},
-                   {"beta"},
-                   {"tau / s"},
-                   {"", Align::kLeft}});
+  // beta and tau_j of each stand in the summary.
+  TextTable table(
+      {{"structure tried (errors in mV)", Align::kLeft}, {"fitted"}, {"held out"}, {"gain"}});
   for (const auto& row : choice.tried) {
-    std::string taus;
-    for (const double tau : row.solution.rates.time_constant_s)
-      taus += (taus.empty() ? "" : " ") + Significant(tau, 3);
-    table.Row({"   " + row.what,
+    table.Row({(row.taken ? "=> " : "   ") + row.what,
                Significant(1e3 * row.errors.fitted_V, 3),
                Significant(1e3 * row.errors.left_out_V, 3),
                std::isnan(row.gain.standard_error)
                    ? "-"
                    : fmt::format("{} +- {}",
                                  Significant(1e3 * row.gain.gain, 2),
-                                 Significant(1e3 * row.gain.standard_error, 2)),
-               Significant(row.solution.rates.beta_per_sqrt_s, 3),
-               taus.empty() ? "-" : taus,
-               row.taken ? "taken" : ""});
+                                 Significant(1e3 * row.gain.standard_error, 2))});
   }
   return table.Text();
 }
@@ -68,7 +58,8 @@ std::string FoundText(const JointResult& result) {
   for (const std::string& name : CellResistanceNames(cell))
     row(name + " / Ohm", RangeText(*CellResistance(cell, name)));
   for (const std::string& name : CellParameterNames(cell)) {
-    if (name == "alpha" || name.starts_with("c_") || CellResistance(cell, name) != nullptr) continue;
+    if (name == "alpha" || name.starts_with("c_") || CellResistance(cell, name) != nullptr)
+      continue;
     row(fmt::format("{} / {}", name, CellParameterUnit(name)),
         Significant(*CellParameter(cell, name), 5));
   }

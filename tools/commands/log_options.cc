@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/commands/split.h"
 
@@ -58,8 +59,8 @@ ReadOptions LogOptions::ToReadOptions() const {
 }
 
 void PackOptions::AddTo(cli::CommandLine& line) {
-  line.Option("series", series, Range{1, 100000}, "cells in series in the logs");
-  line.Option("parallel", parallel, Range{1, 100000}, "cells in parallel in the logs");
+  line.Option("series", series, kPackSizes, "cells in series in the logs");
+  line.Option("parallel", parallel, kPackSizes, "cells in parallel in the logs");
 }
 
 void PackOptions::ApplyTo(int& series_of, int& parallel_of) const {

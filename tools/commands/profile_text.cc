@@ -27,22 +27,17 @@ int Digits(const Profile& profile) {
 }
 
 std::string IntervalText(const Profile& profile) {
-  const auto text = [digits = Digits(profile)](double value) {
-    return Significant(value, digits);
-  };
+  const auto text = [digits = Digits(profile)](double value) { return Significant(value, digits); };
   const bool low = std::isfinite(profile.low);
   const bool high = std::isfinite(profile.high);
-  if (low && high)
-    return fmt::format("95 % from {} to {}", text(profile.low), text(profile.high));
+  if (low && high) return fmt::format("95 % from {} to {}", text(profile.low), text(profile.high));
   const double first = profile.points.front().value;
   const double last = profile.points.back().value;
   if (low) {
-    return fmt::format(
-        "95 % from {}, no end up to {}", text(profile.low), text(last));
+    return fmt::format("95 % from {}, no end up to {}", text(profile.low), text(last));
   }
   if (high) {
-    return fmt::format(
-        "95 % to {}, no end down to {}", text(profile.high), text(first));
+    return fmt::format("95 % to {}, no end down to {}", text(profile.high), text(first));
   }
   return fmt::format("no end from {} to {}", text(first), text(last));
 }
@@ -72,8 +67,8 @@ std::string ProfilesText(const std::vector<Profile>& profiles) {
                           profile.name);
       continue;
     }
-    text += fmt::format(
-        "profile of {} / {}: {}\n", profile.name, profile.unit, IntervalText(profile));
+    text +=
+        fmt::format("profile of {} / {}: {}\n", profile.name, profile.unit, IntervalText(profile));
     const int digits = Digits(profile);
     for (const ProfilePoint& point : profile.points) {
       text += fmt::format("{} {:>13}  {}\n",

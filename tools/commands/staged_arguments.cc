@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/stages/open_circuit_voltage_file.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/commands/assignments.h"
 
@@ -39,8 +40,8 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
       "cutoff-V", typed_.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
   line.Option("capacity-Ah", capacity_Ah_, Range{1e-9, 1e9}, "nominal capacity of one cell");
   line.Text("name", typed_.name, "TEXT", "name of the cell");
-  line.Option("series", typed_.series, Range{1, 100000}, "cells in series in the logs");
-  line.Option("parallel", typed_.parallel, Range{1, 100000}, "cells in parallel in the logs");
+  line.Option("series", typed_.series, kPackSizes, "cells in series in the logs");
+  line.Option("parallel", typed_.parallel, kPackSizes, "cells in parallel in the logs");
   log_options_.AddTo(line);
   start_options_.AddTo(line);
   line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");

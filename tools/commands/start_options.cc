@@ -1,6 +1,7 @@
 #include "tools/commands/start_options.h"
 
 #include "identify/validation.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -8,7 +9,7 @@ namespace lipoid {
 void StartOptions::AddTo(cli::CommandLine& line) {
   line.Option("initial-soc",
               initial_soc,
-              Range{-0.5, 1.5},
+              kInitialSocs,
               "state of charge of the first row; 1 is full, the default");
   line.Option("initial-voltage-V",
               initial_voltage_V,

@@ -11,6 +11,7 @@
 #include "model/core/nearest_name.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/latex_option.h"
 #include "tools/commands/log_options.h"
 
 namespace lipoid {
@@ -41,7 +42,7 @@ std::string Shown(const Json& value, const StudyColumn& column) {
   return value.is_null() ? "-" : value.dump();
 }
 
-std::string TableText(const StudyResult& result) {
+cli::TextTable TableOf(const StudyResult& result) {
   std::vector<cli::TextTable::Column> columns;
   for (const StudyColumn& column : result.columns) {
     const Json& first = result.rows.at(0).at(std::string(column.key));
@@ -55,7 +56,7 @@ std::string TableText(const StudyResult& result) {
       cells.push_back(Shown(row.at(std::string(column.key)), column));
     table.Row(std::move(cells));
   }
-  return table.Text();
+  return table;
 }
 
 // A cell for programs: all digits; words that hold a comma are quoted.
@@ -85,6 +86,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   std::string what;
   std::string campaign_file;
   std::string csv;
+  LatexOption latex;
   std::string curve_file;
   std::optional<int> branches;
   bool no_diffusion = false;
@@ -99,6 +101,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.Argument("WHAT", what, known);
   line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
+  latex.AddTo(line);
   line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
   line.Input(
       "open-circuit-voltage",
@@ -133,7 +136,8 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.summary().update(result.facts);
   line.summary()["rows"] = result.rows;
   if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
-  line.Print("{}", TableText(result));
+  line.Print("{}", latex.Table(TableOf(result), study.summary));
+  latex.Write(line);
   for (const auto& remark : result.remarks) line.Message("{}", remark);
   return cli::ExitCode::kDone;
 }

@@ -8,6 +8,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"
 #include "tools/commands/assignments.h"
@@ -49,12 +50,9 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
       "NAME=VALUE",
       "change parameters of the cell: alpha, beta, r_s, r_1, c_1, tau_1, ..., tau_h and rho_h "
       "(self-heating), i_0 and r_ct (charge transfer)");
+  line.Option("series", series, kPackSizes, "cells in series, instead of what the cell file says");
   line.Option(
-      "series", series, Range{1, 100000}, "cells in series, instead of what the cell file says");
-  line.Option("parallel",
-              parallel,
-              Range{1, 100000},
-              "cells in parallel, instead of what the cell file says");
+      "parallel", parallel, kPackSizes, "cells in parallel, instead of what the cell file says");
   line.Flags(options);
   if (!line.Parse()) return cli::ExitCode::kDone;
 

@@ -44,18 +44,15 @@ std::string KnownText(const Identification& found) {
                         {"95 % from"},
                         {"to"},
                         {"unit", Align::kLeft}});
-  const auto row = [&](const std::string& what,
-                       double value,
-                       double low,
-                       double high,
-                       const std::string& unit) {
-    const int digits = Digits(value, 0.5 * std::max(high - value, value - low));
-    table.Row({"   " + what,
-               Significant(value, std::min(digits, 6)),
-               std::isnan(low) ? "-" : End(low, digits),
-               std::isnan(high) ? "-" : End(high, digits),
-               unit});
-  };
+  const auto row =
+      [&](const std::string& what, double value, double low, double high, const std::string& unit) {
+        const int digits = Digits(value, 0.5 * std::max(high - value, value - low));
+        table.Row({"   " + what,
+                   Significant(value, std::min(digits, 6)),
+                   std::isnan(low) ? "-" : End(low, digits),
+                   std::isnan(high) ? "-" : End(high, digits),
+                   unit});
+      };
   constexpr double kAhPerC = 1.0 / 3600.0;
   const double alpha_C = found.joint ? found.joint->alpha_C : found.staged->alpha_C;
   double low_C = std::numeric_limits<double>::quiet_NaN();

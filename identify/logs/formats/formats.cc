@@ -24,16 +24,16 @@ namespace lipoid {
 namespace {
 
 // The only list of log formats.
-constexpr std::array<const Layout*, 10> kFormats{&kArbin,
-                                                 &kBasytec,
-                                                 &kBdf,
-                                                 &kBiologic,
-                                                 &kBitrode,
-                                                 &kDigatron,
-                                                 &kMaccor,
-                                                 &kNeware,
-                                                 &kNovonix,
-                                                 &kPlainCsv};
+constexpr const Layout* kFormats[] = {&kArbin,
+                                      &kBasytec,
+                                      &kBdf,
+                                      &kBiologic,
+                                      &kBitrode,
+                                      &kDigatron,
+                                      &kMaccor,
+                                      &kNeware,
+                                      &kNovonix,
+                                      &kPlainCsv};
 
 // A header stands within this many lines.
 constexpr std::size_t kPreambleLines = 2000;

@@ -1,15 +1,40 @@
 #include "model/flight/maneuvers/maneuvers.h"
 
 namespace lipoid {
+namespace {
 
-FlightPlan AltitudeStepsPlan(const ManeuverRequest&) {
-  FlightPlan plan{.commands = {{0.0, {.altitude_m = 1.1}}}, .duration_s = 50.0};
-  double altitude_m = 1.1;
-  for (double time_s = 12.5; time_s < plan.duration_s; time_s += 7.5) {
-    altitude_m = altitude_m == 1.1 ? 1.5 : 1.1;
-    plan.commands.push_back({time_s, {.altitude_m = altitude_m}});
+struct AltitudeStepsOptions {
+  double low_m = 1.1;
+  double high_m = 1.5;
+  double first_s = 12.5;
+  double every_s = 7.5;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("low_m", self.low_m, kManeuverHeights, "height at the start and after every second step, m");
+    v("high_m", self.high_m, kManeuverHeights, "height after the first step, m");
+    v("first_s", self.first_s, Range{kControlStep_s, 1e4}, "time of the first step, s");
+    v("every_s", self.every_s, Range{0.1, 1e4}, "time between steps, s");
+  }
+};
+
+FlightPlan Plan(const AltitudeStepsOptions& options) {
+  FlightPlan plan{.commands = {{0.0, {.altitude_m = options.low_m}}}, .duration_s = 50.0};
+  bool high = false;
+  for (double time_s = options.first_s; time_s < plan.duration_s; time_s += options.every_s) {
+    high = !high;
+    plan.commands.push_back({time_s, {.altitude_m = high ? options.high_m : options.low_m}});
   }
   return plan;
+}
+
+}  // namespace
+
+Maneuver AltitudeSteps() {
+  return ManeuverWith<AltitudeStepsOptions, &Plan>(
+      {.name = "altitude-steps",
+       .summary = "0.4 m up and down between 1.1 m and 1.5 m, five times",
+       .source = "Fig 6.7, read off the picture"});
 }
 
 }  // namespace lipoid

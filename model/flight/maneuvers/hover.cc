@@ -1,9 +1,39 @@
 #include "model/flight/maneuvers/maneuvers.h"
 
 namespace lipoid {
+namespace {
 
-FlightPlan HoverPlan(const ManeuverRequest&) {
-  return {.commands = {{0.0, {.altitude_m = 1.1}}}, .duration_s = 50.0};
+struct HoverOptions {
+  double altitude_m = 1.1;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("altitude_m", self.altitude_m, kManeuverHeights, "height to stay at, m");
+  }
+};
+
+FlightPlan Plan(const HoverOptions& options) {
+  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}}, .duration_s = 50.0};
+}
+
+// Eleven days: no cell that carries a quadrotor lasts as long.
+FlightPlan LongPlan(const HoverOptions& options) {
+  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}}, .duration_s = 1e6};
+}
+
+}  // namespace
+
+Maneuver Hover() {
+  return ManeuverWith<HoverOptions, &Plan>(
+      {.name = "hover", .summary = "stay at 1.1 m for 50 s", .source = "section 6.1.5's height"});
+}
+
+Maneuver Endurance() {
+  return ManeuverWith<HoverOptions, &LongPlan>(
+      {.name = "endurance",
+       .summary = "hover at 1.1 m until the battery is empty",
+       .source = "ours",
+       .until_empty = true});
 }
 
 }  // namespace lipoid

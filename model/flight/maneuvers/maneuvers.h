@@ -1,41 +1,70 @@
 #pragma once
 
 /// @file
-/// The only list of maneuvers: help, `list maneuvers` and messages are made from it. To add one: a
-/// file here and a row in maneuvers.cc. Tests: tests/model/flight/maneuvers_test.cc.
+/// The only list of maneuvers: help, `list maneuvers`, `--set square.side_m=2` and messages are made
+/// from it. To add one: a file here, which CMake finds, and its name in maneuvers.cc. Tests:
+/// tests/model/flight/maneuvers_test.cc.
 
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "model/core/options.h"
 #include "model/flight/flight_plan.h"
 
 namespace lipoid {
 
 struct ManeuverRequest {
-  std::string waypoints_file;  ///< for `waypoints`
+  std::string waypoints_file;                 ///< for `waypoints`
+  std::map<std::string, std::string> values;  ///< options of the maneuver, as text
 };
 
 struct Maneuver {
   std::string_view name;
   std::string_view summary;
   std::string_view source;  ///< where its times and heights are from
-  FlightPlan (*plan)(const ManeuverRequest&);
+  /// OptionError for a value that the maneuver does not take, LoadError for a file that is no list
+  /// of waypoints.
+  FlightPlan (*plan)(const ManeuverRequest&) = nullptr;
+  std::vector<OptionDescription> (*options)() = nullptr;
+  /// Every option with the value that it has in the request.
+  std::vector<std::pair<std::string, std::string>> (*values)(const ManeuverRequest&) = nullptr;
   bool until_empty = false;  ///< meant to end with an empty battery
   bool needs_file = false;
 };
+
+/// A maneuver whose options are the struct `Options` (model/core/options.h).
+template <class Options>
+[[nodiscard]] Options OptionsOf(const ManeuverRequest& request) {
+  Options options;
+  for (const auto& [name, text] : request.values) SetOption(options, name, text);
+  return options;
+}
+template <class Options, FlightPlan (*kPlan)(const Options&)>
+[[nodiscard]] Maneuver ManeuverWith(Maneuver row) {
+  row.plan = [](const ManeuverRequest& request) { return kPlan(OptionsOf<Options>(request)); };
+  row.options = &DescribeOptions<Options>;
+  row.values = [](const ManeuverRequest& request) {
+    return OptionValues(OptionsOf<Options>(request));
+  };
+  return row;
+}
 
 [[nodiscard]] const std::vector<Maneuver>& Maneuvers();
 
 /// Throws OptionError naming all maneuvers.
 [[nodiscard]] const Maneuver& FindManeuver(std::string_view name);
 
-FlightPlan HoverPlan(const ManeuverRequest&);
-FlightPlan AltitudeStepsPlan(const ManeuverRequest&);
-FlightPlan AttitudeDoubletsPlan(const ManeuverRequest&);
-FlightPlan SquarePlan(const ManeuverRequest&);
-FlightPlan EndurancePlan(const ManeuverRequest&);
-/// LoadError for a file that is no list of waypoints.
-FlightPlan WaypointsPlan(const ManeuverRequest&);
+/// Heights that a maneuver may be flown at, m.
+inline constexpr Range kManeuverHeights{0.1, 1e4};
+
+Maneuver Hover();
+Maneuver AltitudeSteps();
+Maneuver AttitudeDoublets();
+Maneuver Square();
+Maneuver Endurance();
+Maneuver Waypoints();
 
 }  // namespace lipoid

@@ -33,9 +33,7 @@ Waypoint ReadWaypoint(const TomlReader& table) {
   return point;
 }
 
-}  // namespace
-
-FlightPlan WaypointsPlan(const ManeuverRequest& request) {
+FlightPlan Plan(const ManeuverRequest& request) {
   const std::string& file = request.waypoints_file;
   const toml::table document = ParseToml(ReadTextFile(file), file, "a list of waypoints");
   std::vector<Diagnostic> problems;
@@ -54,6 +52,16 @@ FlightPlan WaypointsPlan(const ManeuverRequest& request) {
   }
   ThrowProblems(std::move(problems));
   return plan;
+}
+
+}  // namespace
+
+Maneuver Waypoints() {
+  return {.name = "waypoints",
+          .summary = "from place to place as a file says",
+          .source = "the user's file",
+          .plan = &Plan,
+          .needs_file = true};
 }
 
 }  // namespace lipoid

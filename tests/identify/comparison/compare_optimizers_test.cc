@@ -168,18 +168,27 @@ TEST_F(CompareOptimizersTest, MovesWhatTheScalingSays) {
   for (const auto& v : natural.variables) EXPECT_EQ(v.unit, 1.0);
 }
 
-TEST_F(CompareOptimizersTest, WritesOneLinePerOptimizer) {
-  const auto comparison = Run({"sqp", "levenberg-marquardt"}, 0);
-  const std::string csv = ComparisonToCsv(comparison, true);
-  EXPECT_EQ(csv.rfind("optimizer,mean_error_percent,max_error_percent,rmse_V,cost_V2,gap_percent,"
-                      "wall_s,iterations,evaluations,gradient_evaluations,termination,starts,"
-                      "successes,success_rate,time_to_target_s,evaluations_to_target,beta,r_s,r_1,"
-                      "c_1,tau_1\nsqp,",
-                      0),
-            0U)
+TEST_F(CompareOptimizersTest, WritesOneLinePerOptimizerAndStart) {
+  const auto comparison = Run({"sqp", "levenberg-marquardt"}, 2);
+  const std::string csv = ComparisonToCsv(comparison, "my\ncampaign", true);
+  const auto header = csv.find('\n') + 1;
+  EXPECT_EQ(
+      csv.find("optimizer,start,seed,cost_V2,gap_percent,reached,iterations,evaluations,"
+               "gradient_evaluations,wall_s,termination,reason,beta,r_s,r_1,c_1,tau_1\nsqp,0,"),
+      header)
       << csv;
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), ','), 3 * 20);
+  EXPECT_NE(csv.find("compare my\\ncampaign: one row"), std::string::npos) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2 + 2 * 3);
+  // What the rows count is what the table sums up.
+  for (const auto& result : comparison.results) {
+    int successes = 0;
+    for (const auto& run : comparison.runs) {
+      if (run.optimizer != result.optimizer) continue;
+      if (run.start > 0 && run.reached) ++successes;
+      EXPECT_GE(run.gap, 0.0);
+    }
+    EXPECT_EQ(successes, result.successes) << result.optimizer;
+  }
 }
 
 }  // namespace

@@ -10,11 +10,7 @@
 namespace lipoid {
 namespace {
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 // What the cell file itself says when it is simulated: rest, then a current for so long.
 double Simulated(const Cell& cell, const PulseResistance& asked) {

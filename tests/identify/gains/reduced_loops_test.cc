@@ -46,7 +46,7 @@ TEST(ReducedLoops, TheAltitudeIsThatOfTheWholeFlight) {
     for (const double xi : {0.8, 0.9, 1.0}) {
       for (const bool lag : {false, true}) {
         for (const bool saturate : {false, true}) {
-          const LoopTask task = Task(xi, AltitudeStepsPlan({}), lag, saturate);
+          const LoopTask task = Task(xi, AltitudeSteps().plan({}), lag, saturate);
           const auto whole = FlyWhole(task, gains);
           std::vector<double> errors;
           RunAltitudeLoop(
@@ -75,7 +75,7 @@ TEST(ReducedLoops, ThePitchIsThatOfTheWholeFlight) {
     const Gains gains = LoadGains(name);
     for (const double xi : {0.85, 1.0}) {
       for (const bool lag : {false, true}) {
-        const LoopTask task = Task(xi, AttitudeDoubletsPlan({}), lag, true);
+        const LoopTask task = Task(xi, AttitudeDoublets().plan({}), lag, true);
         const auto whole = FlyWhole(task, gains);
         std::vector<double> errors;
         RunPitchLoop(task,

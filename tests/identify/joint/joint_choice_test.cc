@@ -14,11 +14,7 @@ namespace {
 
 constexpr double kNoise_V = 0.0005;
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 JointResult Identify(const Cell& truth, const JointOptions& options = {}) {
   const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);

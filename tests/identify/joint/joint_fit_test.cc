@@ -9,13 +9,9 @@
 namespace lipoid {
 namespace {
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
-// What a fit needs, from logs of a cell in its own gauge.
+// What a fit needs, from logs of a cell with its own capacity reference.
 struct Bench {
   explicit Bench(const Cell& cell, const std::vector<LoadedLog>& made) : truth(cell) {
     setup = {.alpha_C = cell.alpha_C(),

@@ -65,7 +65,7 @@ TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
 TEST(JointRun, ItsCellIsWhatWasFitted) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
   const JointResult result = Identify(logs);
-  // The gauge moves alpha and the nodes together: no voltage changes.
+  // The capacity reference moves alpha and the nodes together: no voltage changes.
   const JointSolution& best = result.choice.best;
   const auto rows =
       JointObservations(result.logs, result.setup).Rows(best.structure, best.rates, best.x);
@@ -92,8 +92,8 @@ TEST(JointRun, AlphaEndsWhereTheCurveReachesTheCutOff) {
   const JointResult with_alpha = Identify(logs, given);
   EXPECT_EQ(with_alpha.alpha_C, 1400.0);
   EXPECT_EQ(with_alpha.alpha_source, "given");
-  // Another gauge of the same cell: only the nodes of v_oc lie elsewhere, off the kinks of the
-  // truth.
+  // Another capacity reference of the same cell: only the nodes of v_oc lie elsewhere, off the
+  // kinks of the truth.
   EXPECT_LT(with_alpha.rmse_V, 1.5 * result.rmse_V);
 }
 
@@ -175,9 +175,8 @@ std::string OptionErrorOf(const GivenParameters& parameters, int branches = 1) {
   JointOptions options;
   options.branches = branches;
   const auto logs = test::SyntheticLogs(Truth(), 30.0);
-  return test::MessageOf<OptionError>([&] {
-    static_cast<void>(IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given));
-  });
+  return test::MessageOf<OptionError>(
+      [&] { static_cast<void>(IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given)); });
 }
 
 TEST(JointRun, RefusesWhatItCannotUse) {
@@ -229,9 +228,9 @@ TEST(JointRun, ABranchThatIsNamedKeepsItsNumber) {
   EXPECT_LT(result.cell.branches[1].time_constant_s, 60.0);
   std::vector<std::string> reported;
   for (const auto& quantity : AssessJoint(result).quantities) reported.push_back(quantity.name);
-  EXPECT_EQ(reported,
-            (std::vector<std::string>{
-                "alpha", "beta", "r_s", "r_2", "tau_2", "c_2", "r_total(0.5)"}));
+  EXPECT_EQ(
+      reported,
+      (std::vector<std::string>{"alpha", "beta", "r_s", "r_2", "tau_2", "c_2", "r_total(0.5)"}));
 }
 
 TEST(JointRun, WithoutDiffusionThereIsNoBeta) {

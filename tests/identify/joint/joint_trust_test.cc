@@ -15,11 +15,7 @@
 namespace lipoid {
 namespace {
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 // The structure is known: what is tested is how far to believe its parameters.
 constexpr JointOptions kPlain{.branches = 1,

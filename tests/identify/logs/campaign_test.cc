@@ -203,7 +203,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"weight = 1e308",
                 "4:10: error: weight: expected a number from 1e-6 to 1e6, found 1e+308"},
         BadLine{"initial_soc = 98",
-                "4:15: error: initial_soc: expected a state of charge from -0.1 to 1.1 (1 is "
+                "4:15: error: initial_soc: expected a state of charge from -0.5 to 1.5 (1 is "
                 "full), found 98"},
         BadLine{"lead_resistance_Ohm = -0.1",
                 "4:23: error: lead_resistance_Ohm: expected a resistance from 0 to 1000 Ohm, found "

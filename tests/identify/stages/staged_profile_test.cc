@@ -9,7 +9,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 namespace lipoid {
 namespace {

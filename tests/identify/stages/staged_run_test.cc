@@ -25,11 +25,7 @@ bool OneSays(const std::vector<std::string>& sentences, const std::string& words
 }
 
 // Table 4.11 with a branch that can be seen.
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 using test::AsLog;
 using test::CampaignOf;

@@ -12,7 +12,7 @@
 #include "identify/stages/start_values.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 #include "tests/support/paths.h"
 
 namespace lipoid {
@@ -168,7 +168,7 @@ TEST(StagedTrust, NamesTheLostBranchOfARealCell) {
   const Campaign campaign = ReadCampaign(file);
   const auto result = IdentifyStaged(campaign, LoadCampaign(campaign));
   EXPECT_EQ(Of(result.trust, "r_1").verdict, Verdict::kAtBound);
-  EXPECT_TRUE(Of(result.trust, "tau_1").silent);
+  EXPECT_TRUE(Of(result.trust, "tau_1").insensitive);
   EXPECT_EQ(result.trust.sentence.find("branch 1 was not found"), 0U) << result.trust.sentence;
   const auto& r_s = Of(result.trust, "r_s");
   EXPECT_GT(r_s.standard_error, 10.0 * r_s.white_standard_error);

@@ -88,7 +88,7 @@ TEST(StudyOcv, FormsThatCanFollowReachTheNoiseOnRowsLeftOut) {
 
 TEST(StudyOcv, RowsLeftOutShowWhatTheFitHides) {
   // 400 nodes follow the noise of 5000 rows: in the fit they look better than the truth, a
-  // polynomial of degree 5, and on the same rows left out worse.
+  // polynomial of degree 5, and on the same held-out rows worse.
   const auto& nodes = Row("linear, 400 nodes");
   const auto& truth = Row("polynomial, degree 5");
   EXPECT_LT(nodes.at("rmse_V").get<double>(), 0.98 * truth.at("rmse_V").get<double>());

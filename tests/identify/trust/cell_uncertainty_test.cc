@@ -15,7 +15,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction_band.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -23,11 +23,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Cell Truth() {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
-  return cell;
-}
+using test::Truth;
 
 QuantityTrust Quantity(std::string name, double error, double freedom) {
   QuantityTrust q;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 namespace lipoid {
 namespace {

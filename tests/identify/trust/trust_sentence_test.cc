@@ -57,7 +57,7 @@ TEST(TrustSentence, AsksForFasterSamplingWhereABranchHidesInTheEdge) {
 
 TEST(TrustSentence, SaysThatABranchWasNotFound) {
   auto tau = Quantity("tau_1", 2.4e-4, Verdict::kWeak);
-  tau.silent = true;
+  tau.insensitive = true;
   tau.relative_standard_error = std::numeric_limits<double>::infinity();
   EXPECT_EQ(
       SentenceOf({Quantity("beta", 0.2, kGood), Quantity("r_1", 0.0, Verdict::kAtBound), tau}),
@@ -86,7 +86,7 @@ TEST(TrustSentence, SaysAtMostTwoThings) {
                                 Quantity("tau_2", 30.0, Verdict::kWeak),
                                 Quantity("r_s", 0.1, Verdict::kWeak)});
   EXPECT_NE(text.find("branch 1 was not found"), std::string::npos) << text;
-  EXPECT_NE(text.find("; also, beta stands at its bound"), std::string::npos) << text;
+  EXPECT_NE(text.find("; also, beta is at a limit of its range"), std::string::npos) << text;
   EXPECT_EQ(text.find("r_s"), std::string::npos) << text;
 }
 

@@ -11,7 +11,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 namespace lipoid {
 namespace {
@@ -155,14 +155,14 @@ TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
   total[1] = total[2] = 1.0;
   options.drawn.push_back({"r_s + r_1", total, spread.row(1) + spread.row(2)});
   const auto report = AssessTrust({&fit.rows, 1}, {}, quantities, options);
-  ASSERT_EQ(report.drawn,
-            (std::vector<std::string>{"beta", "r_s", "r_1", "tau_1", "r_s + r_1"}));
+  ASSERT_EQ(report.drawn, (std::vector<std::string>{"beta", "r_s", "r_1", "tau_1", "r_s + r_1"}));
   const MatrixXd& drawn = report.drawn_covariance;
   for (Index i = 0; i < 4; ++i) {
     for (Index j = 0; j < 4; ++j) {
       const double size = std::sqrt(report.covariance(i, i) * report.covariance(j, j));
       EXPECT_NEAR(drawn(i, j), report.covariance(i, j), kRounding * size) << i << " " << j;
-      EXPECT_NEAR(report.covariance(i, j), scattered(i, j) + spread.row(i).dot(spread.row(j)),
+      EXPECT_NEAR(report.covariance(i, j),
+                  scattered(i, j) + spread.row(i).dot(spread.row(j)),
                   kRounding * size);
     }
     const auto& q = report.quantities[static_cast<std::size_t>(i)];
@@ -377,7 +377,7 @@ TEST(Trust, NamesABranchThatWasNotFound) {
     const auto report = Assess(rows, quantities);
     EXPECT_EQ(report.quantities[0].verdict, Verdict::kIdentified);
     EXPECT_EQ(report.quantities[3].verdict, Verdict::kWeak);
-    EXPECT_TRUE(report.quantities[3].silent);
+    EXPECT_TRUE(report.quantities[3].insensitive);
     EXPECT_EQ(report.quantities[3].standard_error, std::numeric_limits<double>::infinity());
     EXPECT_NE(report.sentence.find("branch 1 was not found"), std::string::npos) << report.sentence;
     if (!at_bound) {

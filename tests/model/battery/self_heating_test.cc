@@ -42,7 +42,7 @@ TEST(SelfHeating, WarmthUnderConstantCurrentApproachesItsSquare) {
   std::uniform_real_distribution<double> logarithm(std::log(0.003), std::log(60.0));
   for (const double current_A : {3.0, -1.2}) {  // charging warms as well
     auto state = model.Relaxed(0.9);
-    EXPECT_EQ(state.warmth_A2, 0.0);
+    EXPECT_EQ(state.thermal_state_A2, 0.0);
     double time_s = 0.0;
     for (int k = 0; k < 200; ++k) {
       const double dt_s = std::exp(logarithm(engine));
@@ -50,7 +50,7 @@ TEST(SelfHeating, WarmthUnderConstantCurrentApproachesItsSquare) {
       time_s += dt_s;
       const double expected = current_A * current_A * -std::expm1(-time_s / kTau_s);
       // Four roundings of each step.
-      ASSERT_NEAR(state.warmth_A2, expected, 200 * 4.0 * kEpsilon * expected) << time_s;
+      ASSERT_NEAR(state.thermal_state_A2, expected, 200 * 4.0 * kEpsilon * expected) << time_s;
       // Two roundings of the voltage, 4 V.
       ASSERT_NEAR(Drop(model, state, current_A),
                   (kSeries_Ohm - kRho * expected) * current_A,
@@ -64,9 +64,9 @@ TEST(SelfHeating, WarmthIsLostInARestWithItsTimeConstant) {
   const CellModel<double> model(WarmingCell());
   auto state = model.Relaxed(0.9);
   model.Advance(state, 2.0, model.MakeStep(1e9));
-  EXPECT_NEAR(state.warmth_A2, 4.0, 8.0 * kEpsilon);
+  EXPECT_NEAR(state.thermal_state_A2, 4.0, 8.0 * kEpsilon);
   model.Advance(state, 0.0, model.MakeStep(kTau_s));
-  EXPECT_NEAR(state.warmth_A2, 4.0 * std::exp(-1.0), 8.0 * kEpsilon);
+  EXPECT_NEAR(state.thermal_state_A2, 4.0 * std::exp(-1.0), 8.0 * kEpsilon);
 }
 
 TEST(SelfHeating, NeverTakesMoreThanAResistanceCanLose) {
@@ -75,8 +75,8 @@ TEST(SelfHeating, NeverTakesMoreThanAResistanceCanLose) {
   // 3/4 of r_s is gone where rho h = 0.75 r_s, at 6.98 A in the long run.
   const double edge_A = std::sqrt(0.75 * kSeries_Ohm / kRho);
   for (const double current_A : {0.5, 0.999, 1.001, 3.0, 1e3}) {
-    state.warmth_A2 = current_A * current_A * edge_A * edge_A;
-    const double straight_Ohm = kSeries_Ohm - kRho * state.warmth_A2;
+    state.thermal_state_A2 = current_A * current_A * edge_A * edge_A;
+    const double straight_Ohm = kSeries_Ohm - kRho * state.thermal_state_A2;
     const double expected = current_A < 1.0 ? straight_Ohm : kLeastSeriesShare * kSeries_Ohm;
     EXPECT_NEAR(Drop(model, state, 1.0), expected, 16.0 * kEpsilon) << current_A;
   }
@@ -87,7 +87,7 @@ TEST(SelfHeating, LowersTheTableAtTheChargeItIsAt) {
   cell.series_resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.4, 0.1});
   const CellModel<double> model(cell);
   auto state = model.Relaxed(0.5);
-  state.warmth_A2 = 10.0;
+  state.thermal_state_A2 = 10.0;
   EXPECT_NEAR(model.SeriesResistance(state, 0.5), 0.25 - kRho * 10.0, 2.0 * kEpsilon);
 }
 

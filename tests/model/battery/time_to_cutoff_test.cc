@@ -112,7 +112,7 @@ TEST(TimeToCutoff, StepsThroughATableOfABranch) {
 }
 
 TEST(TimeToCutoff, IsFirstWhereTheVoltageComesBack) {
-  // The warmth gives back what the branch took: a dip at the beginning.
+  // The thermal state gives back what the branch took: a dip at the beginning.
   Cell cell = StraightCell();
   cell.cutoff_V = 3.24;
   cell.series_resistance_Ohm = 0.2;

@@ -7,7 +7,7 @@
 #include <complex>
 #include <limits>
 
-#include "model/core/normal_noise.h"
+#include "model/statistics/normal_noise.h"
 
 namespace lipoid {
 namespace {

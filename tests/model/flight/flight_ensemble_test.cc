@@ -20,8 +20,8 @@ FlightSetup Coupled() {
   FlightSetup setup;
   setup.vehicle = LoadVehicle("mambo-coupled");
   setup.cell = LoadCell("gifi-600mAh-1");
-  setup.cell->uncertainty = Cell::Uncertainty{
-      .parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 1e7};
+  setup.cell->uncertainty =
+      Cell::Uncertainty{.parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 1e7};
   setup.gains = LoadGains("aware");
   setup.estimate = true;  // noise of the sensors takes part
   setup.seed = 5;
@@ -29,7 +29,7 @@ FlightSetup Coupled() {
 }
 
 FlightPlan Steps() {
-  FlightPlan plan = AltitudeStepsPlan({});
+  FlightPlan plan = AltitudeSteps().plan({});
   plan.duration_s = 12.0;
   return plan;
 }
@@ -76,8 +76,7 @@ TEST(FlightEnsemble, OutcomesAreCountedAndNumbersHaveIntervals) {
 TEST(FlightEnsemble, AnUncertainResistanceIsAnUncertainVoltage) {
   const FlightSetup setup = Coupled();
   const auto ensemble = DrawCells(*setup.cell, 12, 1);
-  const auto flights =
-      FlyOnEach(setup, Steps(), ensemble.cells, std::vector<double>(12, 1.0));
+  const auto flights = FlyOnEach(setup, Steps(), ensemble.cells, std::vector<double>(12, 1.0));
   std::vector<std::pair<double, double>> by_resistance;
   for (std::size_t k = 0; k < flights.size(); ++k)
     by_resistance.emplace_back(ensemble.cells[k].series_resistance_Ohm.resistance_Ohm[0],

@@ -33,7 +33,7 @@ TEST(Maneuvers, HaveNamesOfTheirOwnAndPlansInOrder) {
 }
 
 TEST(Maneuvers, AltitudeStepsAreThoseOfTheCorrections) {
-  const FlightPlan plan = AltitudeStepsPlan({});
+  const FlightPlan plan = AltitudeSteps().plan({});
   EXPECT_EQ(plan.duration_s, 50.0);
   EXPECT_EQ(plan.AltitudeSteps(), (std::vector<double>{12.5, 20.0, 27.5, 35.0, 42.5}));
   double up = 1.0;
@@ -46,7 +46,7 @@ TEST(Maneuvers, AltitudeStepsAreThoseOfTheCorrections) {
 
 TEST(Maneuvers, DoubletsComeBackToWhereTheyBegan) {
   // X'' = -g Theta, integrated exactly over the pieces of constant pitch.
-  const FlightPlan plan = AttitudeDoubletsPlan({});
+  const FlightPlan plan = AttitudeDoublets().plan({});
   double x = 0.0;
   double speed = 0.0;
   double farthest = 0.0;
@@ -66,7 +66,7 @@ TEST(Maneuvers, DoubletsComeBackToWhereTheyBegan) {
 
 TEST(Maneuvers, TheSquareRunsCounterClockwise) {
   // Seen from above with x ahead and y to the right, the shoelace sum of such a tour is negative.
-  const FlightPlan plan = SquarePlan({});
+  const FlightPlan plan = Square().plan({});
   double twice_area = 0.0;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto& a = plan.commands[k].command;
@@ -75,6 +75,43 @@ TEST(Maneuvers, TheSquareRunsCounterClockwise) {
     EXPECT_NEAR(std::hypot(b.x_m - a.x_m, b.y_m - a.y_m), 1.5, 1e-15);
   }
   EXPECT_NEAR(twice_area, -2.0 * 1.5 * 1.5, 1e-15);
+}
+
+TEST(Maneuvers, TakeOptionsOfTheirOwnAndKeepTheThesisWithout) {
+  const Maneuver& square = FindManeuver("square");
+  ManeuverRequest request;
+  request.values = {{"side_m", "4"}, {"corner_s", "10"}};
+  const FlightPlan wide = square.plan(request);
+  ASSERT_EQ(wide.commands.size(), 5U);  // 50 s
+  EXPECT_EQ(wide.commands[1].time_s, 10.0);
+  EXPECT_EQ(wide.commands[1].command.x_m, 4.0);
+  EXPECT_EQ(wide.commands[1].command.altitude_m, 1.0);
+  EXPECT_EQ(square.values(request),
+            (std::vector<std::pair<std::string, std::string>>{
+                {"side_m", "4"}, {"altitude_m", "1"}, {"corner_s", "10"}}));
+  request.values = {{"low_m", "2"}, {"high_m", "3"}, {"first_s", "1"}, {"every_s", "20"}};
+  const FlightPlan steps = FindManeuver("altitude-steps").plan(request);
+  ASSERT_EQ(steps.commands.size(), 4U);
+  EXPECT_EQ(steps.commands[0].command.altitude_m, 2.0);
+  EXPECT_EQ(steps.commands[1].command.altitude_m, 3.0);
+  EXPECT_EQ(steps.commands[3].time_s, 41.0);
+
+  // Twice as far at half the angle takes twice as long; ways do not overlap.
+  request.values = {{"pitch_deg", "2"}, {"distance_m", "3"}, {"every_s", "0.1"}};
+  const FlightPlan ways = FindManeuver("attitude-doublets").plan(request);
+  const FlightPlan usual = FindManeuver("attitude-doublets").plan({});
+  EXPECT_NEAR(ways.commands[2].time_s - ways.commands[1].time_s,
+              2.0 * (usual.commands[2].time_s - usual.commands[1].time_s),
+              1e-12);
+  for (std::size_t k = 1; k < ways.commands.size(); ++k)
+    EXPECT_GT(ways.commands[k].time_s, ways.commands[k - 1].time_s);
+
+  request.values = {{"side_m", "-1"}};
+  EXPECT_NE(test::MessageOf<OptionError>([&] { (void)square.plan(request); }).find("side_m"),
+            std::string::npos);
+  request.values = {{"radius_m", "1"}};
+  EXPECT_NE(test::MessageOf<OptionError>([&] { (void)square.plan(request); }).find("radius_m"),
+            std::string::npos);
 }
 
 TEST(Maneuvers, UnknownNamesAreAnswered) {
@@ -94,7 +131,7 @@ altitude_m = 1.5
 yaw_deg = 90
 stay_s = 7.5
 )");
-  const FlightPlan plan = WaypointsPlan({.waypoints_file = file});
+  const FlightPlan plan = Waypoints().plan({.waypoints_file = file, .values = {}});
   ASSERT_EQ(plan.commands.size(), 2U);
   EXPECT_EQ(plan.commands[1].time_s, 5.0);
   EXPECT_EQ(plan.duration_s, 12.5);
@@ -110,8 +147,8 @@ height = 3
 altitude_m = -1
 stay_s = "long"
 )");
-  const std::string message =
-      test::MessageOf<LoadError>([&] { (void)WaypointsPlan({.waypoints_file = file}); });
+  const std::string message = test::MessageOf<LoadError>(
+      [&] { (void)Waypoints().plan({.waypoints_file = file, .values = {}}); });
   for (const char* part :
        {":3:1: error: expected one of the keys",
         "found 'height'",
@@ -122,7 +159,7 @@ stay_s = "long"
   }
   const std::string empty = test::WriteText("empty.toml", "waypoint = 3\n");
   EXPECT_NE(test::MessageOf<LoadError>([&] {
-              (void)WaypointsPlan({.waypoints_file = empty});
+              (void)Waypoints().plan({.waypoints_file = empty, .values = {}});
             }).find("expected tables [[waypoint]]"),
             std::string::npos);
 }

@@ -43,13 +43,13 @@ FlightPlan For(FlightPlan plan, double duration_s) {
 }
 
 double Peak(const FlightSetup& setup) {
-  return Fly(setup, For(AltitudeStepsPlan({}), 17.5)).peak_altitude_error_m.at(0);
+  return Fly(setup, For(AltitudeSteps().plan({}), 17.5)).peak_altitude_error_m.at(0);
 }
 
 TEST(Fly, StaysInTrimWhereNothingDisturbsIt) {
   FlightSetup setup = Ideal(0.9, "unaware");
   setup.controller.pwm = Pwm::kContinuous;
-  const auto samples = Record(setup, For(HoverPlan({}), 10.0));
+  const auto samples = Record(setup, For(Hover().plan({}), 10.0));
   for (const auto& s : samples) {
     // An equilibrium up to rounding: 1e-9 m is 6 digits below what PWM does.
     ASSERT_NEAR(s.altitude_m(), 1.1, 1e-9) << s.time_s;
@@ -61,7 +61,7 @@ TEST(Fly, ChargeIsTheIntegralOfTheCurrentAndWhatTheCellHasLost) {
   const FlightSetup setup = Coupled();
   std::vector<double> time_s;
   std::vector<double> current_A;
-  const FlightPlan plan = For(HoverPlan({}), 60.0);
+  const FlightPlan plan = For(Hover().plan({}), 60.0);
   const FlightResult flight = Fly(setup, plan, [&](const FlightSample& s) {
     time_s.push_back(s.time_s);
     current_A.push_back(s.battery_A);
@@ -95,7 +95,7 @@ TEST(Fly, TheBatteryIsTheCellWithItsTablesAndTerms) {
   std::vector<double> current_A;
   std::vector<double> voltage_V;
   const FlightResult flight =
-      Fly(setup, For(AltitudeStepsPlan({}), 60.0), [&](const FlightSample& s) {
+      Fly(setup, For(AltitudeSteps().plan({}), 60.0), [&](const FlightSample& s) {
         time_s.push_back(s.time_s);
         current_A.push_back(s.battery_A);
         voltage_V.push_back(s.battery_V);
@@ -130,7 +130,7 @@ TEST(Fly, TheDefaultStepIsFineEnough) {
   FlightSetup adaptive = coarse;
   adaptive.simulation.integrator = Integrator::kDormandPrince;
   adaptive.simulation.tolerance = 1e-12;
-  const FlightPlan plan = For(AltitudeStepsPlan({}), 25.0);
+  const FlightPlan plan = For(AltitudeSteps().plan({}), 25.0);
   const auto a = Record(coarse, plan);
   const auto b = Record(fine, plan);
   const auto c = Record(adaptive, plan);
@@ -170,7 +170,7 @@ TEST(Fly, TheSameSeedGivesTheSameBits) {
   setup.estimate = true;
   setup.wind.gusts_m_per_s = 3.0;
   setup.seed = 7;
-  const FlightPlan plan = For(SquarePlan({}), 8.0);
+  const FlightPlan plan = For(Square().plan({}), 8.0);
   const auto a = Record(setup, plan);
   const auto b = Record(setup, plan);
   setup.seed = 8;
@@ -211,14 +211,14 @@ TEST(Fly, LagAndClippingMakeItWorse) {
   quasistatic.controller.saturate = false;
   const FlightSetup real = Ideal(0.8, "unaware");
   EXPECT_GT(Peak(real), 1.5 * Peak(quasistatic));
-  EXPECT_GT(Fly(real, AltitudeStepsPlan({})).saturated_share, 0.0);
+  EXPECT_GT(Fly(real, AltitudeSteps().plan({})).saturated_share, 0.0);
 }
 
 TEST(Fly, CompensationTracksBetterForTheSameCharge) {
   FlightSetup setup = Coupled();
-  const FlightResult without = Fly(setup, AltitudeStepsPlan({}));
+  const FlightResult without = Fly(setup, AltitudeSteps().plan({}));
   setup.controller.compensate = true;
-  const FlightResult with = Fly(setup, AltitudeStepsPlan({}));
+  const FlightResult with = Fly(setup, AltitudeSteps().plan({}));
   EXPECT_LT(with.mse_altitude_m2, 0.1 * without.mse_altitude_m2);
   // (5.61) promises more charge; at equal thrust D v_b is the same, so it is little.
   EXPECT_GT(with.charge_C, without.charge_C);
@@ -227,7 +227,7 @@ TEST(Fly, CompensationTracksBetterForTheSameCharge) {
 
 TEST(Fly, EndsWithAnEmptyBattery) {
   FlightSetup setup = Coupled();
-  const FlightResult flight = Fly(setup, EndurancePlan({}));
+  const FlightResult flight = Fly(setup, Endurance().plan({}));
   EXPECT_EQ(flight.outcome, Outcome::kBatteryEmpty);
   // "about 4 minutes" of 600 mAh.
   EXPECT_NEAR(flight.simulated_s, 240.0, 20.0);
@@ -239,8 +239,8 @@ TEST(Fly, EndsWithAnEmptyBattery) {
 TEST(Fly, LandsWhenTheVoltageIsLow) {
   FlightSetup setup = Coupled();
   setup.land_below_V = 3.4;
-  const auto samples = Record(setup, EndurancePlan({}));
-  const FlightResult flight = Fly(setup, EndurancePlan({}));
+  const auto samples = Record(setup, Endurance().plan({}));
+  const FlightResult flight = Fly(setup, Endurance().plan({}));
   EXPECT_EQ(flight.outcome, Outcome::kCompleted);
   ASSERT_TRUE(flight.landed_s.has_value());
   EXPECT_GT(flight.final_soc, 0.2);
@@ -250,19 +250,19 @@ TEST(Fly, LandsWhenTheVoltageIsLow) {
 
 TEST(Fly, CrashesAreOutcomesWithAReason) {
   // It cannot hover: the ground comes.
-  const FlightResult weak = Fly(Ideal(0.6), HoverPlan({}));
+  const FlightResult weak = Fly(Ideal(0.6), Hover().plan({}));
   EXPECT_EQ(weak.outcome, Outcome::kCrashed);
   EXPECT_FALSE(weak.trim.possible());
   EXPECT_NE(weak.reason.find("ground"), std::string::npos) << weak.reason;
   // Without ground it falls on; nothing ends it.
   FlightSetup bottomless = Ideal(0.6);
   bottomless.simulation.ground = false;
-  EXPECT_EQ(Fly(bottomless, For(HoverPlan({}), 5.0)).outcome, Outcome::kCompleted);
+  EXPECT_EQ(Fly(bottomless, For(Hover().plan({}), 5.0)).outcome, Outcome::kCompleted);
   // References that no motor can follow, where nothing holds them back.
   FlightSetup wild = Ideal(1.0);
   wild.controller.limit_reference = false;
   wild.simulation.ground = false;
-  const FlightResult nose = Fly(wild, AttitudeDoubletsPlan({}));
+  const FlightResult nose = Fly(wild, AttitudeDoublets().plan({}));
   EXPECT_EQ(nose.outcome, Outcome::kCrashed);
   EXPECT_NE(nose.reason.find("gimbal lock"), std::string::npos) << nose.reason;
   // Unstable by sampling: gains beyond what 5 ms can do.
@@ -270,26 +270,26 @@ TEST(Fly, CrashesAreOutcomesWithAReason) {
   unstable.gains.altitude = {.proportional = 1e9, .integral = 1e9, .derivative = 1e9};
   unstable.controller.saturate = false;
   unstable.simulation.ground = false;
-  const FlightResult lost = Fly(unstable, AltitudeStepsPlan({}));
+  const FlightResult lost = Fly(unstable, AltitudeSteps().plan({}));
   EXPECT_EQ(lost.outcome, Outcome::kCrashed);
 }
 
 TEST(Fly, RefusesWhatCannotBeSimulated) {
   FlightSetup setup = Coupled();
   setup.simulation.motor_lag = false;
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
             "motor_lag=false needs an ideal source: the speeds of motors without lag depend on the "
             "battery's voltage and it on them. Give --battery ideal --xi X");
   setup = Coupled();
   setup.initial_soc = 0.0;
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
             "the cell is empty at a state of charge of 0: nothing to fly with. Give --initial-soc "
             "between 0 and 1");
   setup = Coupled();
   setup.vehicle.linear_drag_N_s_per_m = 0.0;
   setup.wind.wind_x_m_per_s = 1.0;
   EXPECT_EQ(
-      test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+      test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
       "drag and wind need a vehicle with linear_drag_N_s_per_m; mambo-coupled has none. Write "
       "it into a vehicle file and give that");
 }
@@ -298,18 +298,18 @@ TEST(Fly, AsksForStepsThatFollowTheInductance) {
   FlightSetup setup = Coupled();
   setup.vehicle.armature_inductance_H = 4.9e-6;
   EXPECT_EQ(
-      test::MessageOf<OptionError>([&] { (void)Fly(setup, HoverPlan({})); }),
+      test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
       "the armature current of mambo-coupled has a time constant of 1e-05 s, steps of 0.005 s "
       "cannot follow it. Give --set simulation.substeps=358 or more, or "
       "simulation.integrator=dormand-prince");
   setup.simulation.substeps = 358;
-  EXPECT_EQ(Fly(setup, For(HoverPlan({}), 0.2)).outcome, Outcome::kCompleted);
+  EXPECT_EQ(Fly(setup, For(Hover().plan({}), 0.2)).outcome, Outcome::kCompleted);
 }
 
 TEST(Fly, WindPushesAsFarAsDragSays) {
   FlightSetup setup = Coupled("mambo-physical");
   setup.wind.wind_x_m_per_s = 1.0;
-  const auto samples = Record(setup, For(HoverPlan({}), 30.0));
+  const auto samples = Record(setup, For(Hover().plan({}), 30.0));
   // At rest the tilt holds against the drag: m g tan(pitch) = k_d v_wind.
   const double tilt =
       std::atan(setup.vehicle.linear_drag_N_s_per_m / (setup.vehicle.mass_kg * kGravity_m_per_s2));
@@ -325,7 +325,7 @@ TEST(Fly, SquaresAreFlownOnEveryVehicle) {
   for (const char* vehicle : {"mambo-coupled", "mambo-physical"}) {
     for (const char* gains : {"aware", "unaware"}) {
       FlightSetup setup = Coupled(vehicle, gains);
-      EXPECT_EQ(Fly(setup, SquarePlan({})).outcome, Outcome::kCompleted) << vehicle << gains;
+      EXPECT_EQ(Fly(setup, Square().plan({})).outcome, Outcome::kCompleted) << vehicle << gains;
     }
   }
 }
@@ -335,7 +335,8 @@ TEST(Fly, TheEstimatorFliesToo) {
     FlightSetup setup = Coupled("mambo-physical");
     setup.estimate = true;
     setup.seed = seed;
-    for (const auto& plan : {AltitudeStepsPlan({}), AttitudeDoubletsPlan({}), SquarePlan({})}) {
+    for (const auto& plan :
+         {AltitudeSteps().plan({}), AttitudeDoublets().plan({}), Square().plan({})}) {
       const FlightResult flight = Fly(setup, plan);
       EXPECT_EQ(flight.outcome, Outcome::kCompleted) << flight.reason;
       EXPECT_LT(flight.mse_altitude_m2, 0.1 * 0.1);

@@ -1,0 +1,203 @@
+#include "identify/optimizers/nlopt_methods.h"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include "identify/optimizers/monitor.h"
+
+namespace lipoid {
+namespace {
+
+struct DestroyNlopt {
+  void operator()(nlopt_opt library) const { nlopt_destroy(library); }
+};
+using Nlopt = std::unique_ptr<nlopt_opt_s, DestroyNlopt>;
+
+struct Method {
+  nlopt_algorithm algorithm;
+  bool uses_gradient;
+  bool smooth;  // models the cost by a polynomial, which cannot pass through infinity
+};
+
+constexpr Method MethodOf(NloptMethod method) {
+  switch (method) {
+    case NloptMethod::kSequentialQuadratic:
+      return {NLOPT_LD_SLSQP, true, false};
+    case NloptMethod::kActiveSet:
+      return {NLOPT_LD_LBFGS, true, false};
+    case NloptMethod::kNelderMead:
+      return {NLOPT_LN_NELDERMEAD, false, false};
+    case NloptMethod::kBobyqa:
+      break;
+  }
+  return {NLOPT_LN_BOBYQA, false, true};
+}
+
+struct Limits {
+  double step_tolerance = 0.0;
+  double function_tolerance = 0.0;
+  int iterations_per_variable = 0;
+  double initial_step = 0.0;  // relative to |x|; 0: the library's
+};
+
+struct Call {
+  Monitor& monitor;
+  nlopt_opt library;
+  bool uses_gradient;
+  bool smooth;
+  int max_iterations;
+  double unit;     // NLopt sees costs relative to that of the start: some tolerances are absolute
+  double highest;  // cost seen
+};
+
+// Called from C: nothing is thrown.
+double Objective(unsigned n, const double* x, double* gradient, void* data) {
+  Call& call = *static_cast<Call*>(data);
+  const auto size = static_cast<Eigen::Index>(n);
+  const Eigen::VectorXd point = Eigen::Map<const Eigen::VectorXd>(x, size);
+  double cost = 0.0;
+  if (gradient == nullptr) {
+    cost = call.monitor.Cost(point);
+  } else {
+    Eigen::VectorXd slope;
+    cost = call.monitor.Gradient(point, slope);
+    if (!std::isfinite(cost)) slope.setZero();
+    Eigen::Map<Eigen::VectorXd>(gradient, size) = slope / call.unit;
+  }
+  if (gradient != nullptr || !call.uses_gradient) call.monitor.CountIterations();
+  if (call.monitor.must_stop() || call.monitor.iterations() >= call.max_iterations) {
+    nlopt_force_stop(call.library);
+  }
+  // A quadratic model cannot pass through infinity: there the wall is as high as the hills.
+  if (!std::isfinite(cost)) return call.smooth ? call.highest / call.unit : HUGE_VAL;
+  call.highest = std::max(call.highest, cost);
+  return cost / call.unit;
+}
+
+// NLopt knows no bound by its infinity.
+std::vector<double> Bounds(const Eigen::VectorXd& bounds) {
+  std::vector<double> all;
+  for (const double bound : bounds) {
+    all.push_back(IsBound(bound) ? bound : std::copysign(HUGE_VAL, bound));
+  }
+  return all;
+}
+
+// A tenth of each parameter, say, as far as a quarter of the room between its bounds.
+std::vector<double> InitialSteps(const Monitor& monitor, double relative) {
+  std::vector<double> steps;
+  for (Eigen::Index k = 0; k < monitor.size(); ++k) {
+    const double x = std::abs(monitor.start()[k]);
+    const double wanted = relative * (x > 0.0 ? x : 1.0);
+    const bool bounded = IsBound(monitor.lower()[k]) && IsBound(monitor.upper()[k]);
+    const double room = bounded ? monitor.upper()[k] - monitor.lower()[k] : kUnbounded;
+    steps.push_back(std::min(wanted, 0.25 * room));
+  }
+  return steps;
+}
+
+// The first step of a quasi-Newton method is its gradient: in this unit no longer than x.
+double Unit(Monitor& monitor, bool uses_gradient) {
+  double unit = std::abs(monitor.best_cost());
+  if (uses_gradient) {
+    Eigen::VectorXd gradient;
+    monitor.Gradient(monitor.start(), gradient);
+    const double length = monitor.start().norm();
+    unit = std::max(unit, gradient.norm() / (length > 0.0 ? length : 1.0));
+  }
+  return unit > 0.0 ? unit : 1.0;
+}
+
+OptimizationSummary Ended(
+    Monitor& monitor, nlopt_result result, const char* why, bool limit, bool uses_gradient) {
+  switch (result) {
+    case NLOPT_XTOL_REACHED:
+      return monitor.Finish(Termination::kConverged, "The steps became small (step_tolerance).");
+    case NLOPT_FTOL_REACHED:
+      return monitor.Finish(Termination::kConverged,
+                            "The cost changed little (function_tolerance).");
+    case NLOPT_SUCCESS:
+      return monitor.Finish(
+          Termination::kConverged,
+          uses_gradient ? "The gradient vanished." : "The search region became small.");
+    case NLOPT_ROUNDOFF_LIMITED:
+      return monitor.Finish(Termination::kConverged, "Rounding errors allow no further step.");
+    case NLOPT_FORCED_STOP:
+      if (limit) {
+        return monitor.Finish(Termination::kMaxIterations, "The most iterations were made.");
+      }
+      break;
+    default:
+      break;
+  }
+  return monitor.Finish(Termination::kFailure,
+                        why != nullptr ? why : "NLopt found no step that helps.");
+}
+
+OptimizationSummary Minimize(const Method& method,
+                             const OptimizationProblem& problem,
+                             const Eigen::VectorXd& start,
+                             const Limits& limits) {
+  Monitor monitor(problem, start);
+  const int most = limits.iterations_per_variable * monitor.size();
+  if (auto done = monitor.Begin(method.uses_gradient, most)) return *std::move(done);
+
+  const Nlopt library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
+  if (library == nullptr) throw std::bad_alloc();
+  Call call{.monitor = monitor,
+            .library = library.get(),
+            .uses_gradient = method.uses_gradient,
+            .smooth = method.smooth,
+            .max_iterations = most,
+            .unit = Unit(monitor, method.uses_gradient),
+            .highest = monitor.best_cost()};
+  nlopt_set_min_objective(library.get(), &Objective, &call);
+  nlopt_set_lower_bounds(library.get(), Bounds(monitor.lower()).data());
+  nlopt_set_upper_bounds(library.get(), Bounds(monitor.upper()).data());
+  nlopt_set_xtol_rel(library.get(), limits.step_tolerance);
+  nlopt_set_ftol_rel(library.get(), limits.function_tolerance);
+  if (limits.initial_step > 0.0) {
+    nlopt_set_initial_step(library.get(), InitialSteps(monitor, limits.initial_step).data());
+  }
+  std::vector<double> x(monitor.start().begin(), monitor.start().end());
+  double cost = 0.0;
+  const nlopt_result result = nlopt_optimize(library.get(), x.data(), &cost);
+  return Ended(monitor,
+               result,
+               nlopt_get_errmsg(library.get()),
+               monitor.iterations() >= most,
+               method.uses_gradient);
+}
+
+}  // namespace
+
+OptimizationSummary MinimizeWithNlopt(NloptMethod method,
+                                      const OptimizationProblem& problem,
+                                      const Eigen::VectorXd& start,
+                                      const LocalSearchOptions& options) {
+  return Minimize(MethodOf(method),
+                  problem,
+                  start,
+                  {.step_tolerance = options.step_tolerance,
+                   .function_tolerance = options.function_tolerance,
+                   .iterations_per_variable = options.iterations_per_variable});
+}
+
+OptimizationSummary MinimizeWithNlopt(NloptMethod method,
+                                      const OptimizationProblem& problem,
+                                      const Eigen::VectorXd& start,
+                                      const DirectSearchOptions& options) {
+  return Minimize(MethodOf(method),
+                  problem,
+                  start,
+                  {.step_tolerance = options.step_tolerance,
+                   .iterations_per_variable = options.iterations_per_variable,
+                   .initial_step = options.initial_step});
+}
+
+}  // namespace lipoid

@@ -1,0 +1,23 @@
+#pragma once
+
+/// @file
+/// Ranges and defaults of what several files, options and fits say of a cell, once.
+
+#include "model/core/options.h"
+
+namespace lipoid {
+
+/// Diffusion modes, M in (4.46).
+inline constexpr Range kModeNumbers{0.0, 1000.0};
+inline constexpr int kUsualModes = 10;
+/// Whether the modes beyond M count by their steady value; the thesis leaves them out.
+inline constexpr bool kUsualTail = true;
+
+/// Cells in series or in parallel.
+inline constexpr Range kPackSizes{1.0, 100000.0};
+
+/// State of charge of the first row. It may pass 0 and 1: alpha of a cell file that was fitted to
+/// other logs may be smaller than the charge that this cell holds.
+inline constexpr Range kInitialSocs{-0.5, 1.5};
+
+}  // namespace lipoid

@@ -1,0 +1,45 @@
+#pragma once
+
+/// @file
+/// The interval that holds 95 % of what a sample was drawn from.
+/// Tests: tests/model/statistics/interval_95_test.cc.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace lipoid {
+
+/// With fewer values the interval is that from the least to the greatest.
+inline constexpr std::size_t kLeastForQuantiles = 39;
+
+/// The quantiles at 2.5 % and 97.5 %: of n values the one at place p (n + 1), with a straight line
+/// between two, because of n + 1 values from one distribution each is as likely the k-th. Changes
+/// the order of the values. NaN where there are none.
+[[nodiscard]] inline std::pair<double, double> Interval95(std::span<double> values) {
+  const auto n = static_cast<std::ptrdiff_t>(values.size());
+  if (n == 0) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, nan};
+  }
+  constexpr double kTail = 0.025;
+  const double place = std::max(0.0, kTail * static_cast<double>(n + 1) - 1.0);
+  const auto whole = static_cast<std::ptrdiff_t>(place);
+  const double share = place - static_cast<double>(whole);
+  const auto between = [&](auto begin, auto end, auto before) {
+    const auto at = begin + whole;
+    std::nth_element(begin, at, end, before);
+    const double first = *at;
+    if (share == 0.0 || at + 1 == end) return first;
+    return first + share * (*std::min_element(at + 1, end, before) - first);
+  };
+  const double low = between(values.begin(), values.end(), std::less<>());
+  const double high = between(values.begin(), values.end(), std::greater<>());
+  return {low, high};
+}
+
+}  // namespace lipoid
