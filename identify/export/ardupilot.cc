@@ -89,6 +89,7 @@ Exported ExportArduPilot(const ExportRequest& request) {
             "resistance from the frame alone."
           : "Builds since June 2026 have SIM_BATT_RES_OHM as a parameter, which the target version "
             "2026-06 writes; older ones take the resistance from the frame alone."};
+  AddStartNote(request, exported);
   AddBoundNotes(found, exported);
 
   const std::string comment = Commented(ProvenanceLines(request, exported), "# ");

@@ -2,7 +2,7 @@
 
 /// @file
 /// The target ardupilot: a frame model (JSON) for SITL's option --model and a parameter file. Law:
-/// model/export/ardupilot_law.h. Tests: tests/identify/export/ardupilot_test.cc.
+/// model/export/ardupilot_law.h. Tests: tests/identify/export/target_files_test.cc.
 
 #include "model/export/exported.h"
 

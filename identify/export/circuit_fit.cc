@@ -181,9 +181,12 @@ EquivalentCircuit NaiveCircuit(const Cell& cell, int branches) {
   circuit.series_Ohm = table(cell.series_resistance_Ohm);
   for (const auto& branch : cell.branches) {
     constexpr double kShortest_s = 0.01;
-    if (IsNegligible(cell, branch, kShortest_s) ||
-        static_cast<int>(circuit.branches.size()) >= branches)
+    if (IsNegligible(cell, branch, kShortest_s)) {  // it acts at once
+      const auto extra_Ohm = table(branch.resistance_Ohm);
+      for (std::size_t k = 0; k < extra_Ohm.size(); ++k) circuit.series_Ohm[k] += extra_Ohm[k];
       continue;
+    }
+    if (static_cast<int>(circuit.branches.size()) >= branches) continue;
     circuit.branches.push_back({table(branch.resistance_Ohm), branch.time_constant_s});
   }
   return circuit;

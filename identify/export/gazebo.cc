@@ -119,6 +119,7 @@ Exported ExportGazebo(const ExportRequest& request) {
       "The battery drains from the first command of a joint on, or from a message on a topic of "
       "power_draining_topic.",
       "The plugin's voltage does not reach an autopilot's own estimate of the battery."};
+  AddStartNote(request, exported);
   AddBoundNotes(found, exported);
 
   const bool ignition = request.target_version == "fortress";

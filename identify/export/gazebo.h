@@ -2,7 +2,7 @@
 
 /// @file
 /// The target gazebo: the SDF element of a LinearBatteryPlugin. Law: model/export/gazebo_law.h.
-/// Tests: tests/identify/export/gazebo_test.cc.
+/// Tests: tests/identify/export/target_files_test.cc.
 
 #include "model/export/exported.h"
 

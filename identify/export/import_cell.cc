@@ -53,11 +53,11 @@ ImportedCell FromFrame(const JsonReader& frame, const ImportOptions& options) {
   const int series =
       options.series.value_or(std::max(1, static_cast<int>(std::lround(full_V / kUsualFull_V))));
   if (!options.series) {
-    imported.notes.push_back(
-        fmt::format("{} cells in series are assumed from maxVoltage {:g} V; --series says another "
-                    "number.",
-                    series,
-                    full_V));
+    imported.notes.push_back(fmt::format(
+        "The pack is taken as {} in series, from maxVoltage {:g} V; --series says another "
+        "number.",
+        series,
+        full_V));
   }
   const int parallel = options.parallel.value_or(1);
   // The drop is behind a low-pass of 10 Hz; that of the resting voltage, which moves far more

@@ -152,6 +152,32 @@ std::size_t CutAtCutoff(const Cell& cell, ExportMission& mission) {
   return removed;
 }
 
+// How many steps of at most kMostPowerStep_s lead from row k-1 to row k.
+double PiecesOf(const PowerProfile& power, std::size_t k) {
+  if (k == 0) return 1.0;
+  const double length_s = power.time_s[k] - power.time_s[k - 1];
+  return std::max(1.0, std::ceil(length_s / kMostPowerStep_s - 1e-9));
+}
+
+double RowsOf(const PowerProfile& power) {
+  double rows = 0.0;
+  for (std::size_t k = 0; k < power.time_s.size(); ++k) rows += PiecesOf(power, k);
+  return rows;
+}
+
+void RequireLength(const std::vector<double>& time_s, double rows, const std::string& file) {
+  const double duration_s = time_s.empty() ? 0.0 : time_s.back() - time_s.front();
+  if (rows <= static_cast<double>(kMostRows) && duration_s <= kLongestMission_s) return;
+  throw LoadError(
+      {file},
+      fmt::format("expected a mission of at most {} rows and {:g} days, since a simulator's steps "
+                  "are walked through, found {:g} rows over {:.3g} days; give a part of it",
+                  kMostRows,
+                  kLongestMission_s / 86400.0,
+                  rows,
+                  duration_s / 86400.0));
+}
+
 void Append(ExportMission& mission, double duration_s, double current_A) {
   const double begin_s = mission.time_s.back();
   const auto rows = static_cast<int>(std::lround(duration_s / kDefaultRow_s));
@@ -168,9 +194,8 @@ double RoundedDown(double value) {
 
 }  // namespace
 
-ExportMission DefaultMission(const Cell& cell) {
-  // The current that would empty the cell in kDefaultEmpty_s: less at most than what the charge
-  // alone allows, and the time falls with the current.
+double DefaultCurrent_A(const Cell& cell) {
+  // Less at most than what the charge alone allows; the time falls with the current.
   double high_A = 2.0 * cell.parallel * cell.alpha_C() / kDefaultEmpty_s;
   double low_A = 0.0;
   for (int n = 0; n < 60; ++n) {
@@ -178,10 +203,14 @@ ExportMission DefaultMission(const Cell& cell) {
     const auto lasts_s = TimeToCutoff(cell, middle_A, 1.0, 2.0 * kDefaultEmpty_s);
     (lasts_s && *lasts_s < kDefaultEmpty_s ? high_A : low_A) = middle_A;
   }
-  Require(low_A > 0.0 && RoundedDown(low_A) > 0.0,
-          "a full cell is above its cut-off",
+  return low_A > 0.0 ? RoundedDown(low_A) : 0.0;
+}
+
+ExportMission DefaultMission(const Cell& cell) {
+  const double current_A = DefaultCurrent_A(cell);
+  Require(current_A > 0.0,
+          "a full cell lasts at some current",
           {{"v_oc(1)", cell.open_circuit_voltage(1.0)}, {"cutoff_V", cell.cutoff_V}});
-  const double current_A = RoundedDown(low_A);
   ExportMission mission;
   mission.time_s = {0.0};
   mission.current_A = {0.0};
@@ -234,12 +263,8 @@ ExportMission MissionOf(const Cell& cell,
     const double power_W = power.power_W[backward || k == 0 ? k : k - 1] / cells;
     const double begin_s = k > 0 ? power.time_s[k - 1] : power.time_s[k];
     const double length_s = power.time_s[k] - begin_s;
-    const int pieces =
-        k > 0
-            ? std::max(
-                  1, static_cast<int>(std::ceil(std::min(1e8, length_s / kMostPowerStep_s - 1e-9))))
-            : 1;
-    for (int piece = 1; piece <= pieces; ++piece) {
+    const double pieces = PiecesOf(power, k);
+    for (double piece = 1.0; piece <= pieces; piece += 1.0) {
       const double time_s = piece == pieces ? power.time_s[k] : begin_s + length_s * piece / pieces;
       const double dt_s = k > 0 ? time_s - mission.time_s.back() : 0.0;
       model.MakeStep(dt_s, step);
@@ -262,6 +287,7 @@ ReadMission ReadMissionFile(const Cell& cell,
   ReadMission read;
   if (Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a")) {
     const PowerProfile profile = ReadPower(file, options.hold);
+    RequireLength(profile.time_s, RowsOf(profile), file);
     read.power = true;
     read.rows_of_file = profile.time_s.size();
     read.mission = MissionOf(cell, profile, file, initial_soc);
@@ -288,6 +314,7 @@ ReadMission ReadMissionFile(const Cell& cell,
     read.rows_of_file = log.record.size();
     read.mission = MissionOf(log.record, file, initial_soc);
   }
+  if (!read.power) RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
   read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
   if (read.mission.time_s.size() < kLeastRows) {
     throw LoadError(

@@ -30,8 +30,11 @@ inline constexpr double kDefaultEmpty_s = 720.0;
 inline constexpr double kDefaultRests_s[3] = {30.0, 120.0, 180.0};
 inline constexpr double kDefaultRow_s = 0.1;
 
-/// Its currents are rounded down to four digits. PreconditionError where the cell is below its
-/// cut-off at any current (its v_oc is).
+/// The high current of the pack, rounded down to four digits; 0 where no current lasts so long (its
+/// v_oc is below its cut-off, its resistance beyond measure).
+[[nodiscard]] double DefaultCurrent_A(const Cell& cell);
+
+/// PreconditionError where DefaultCurrent_A() is 0.
 [[nodiscard]] ExportMission DefaultMission(const Cell& cell);
 
 /// The rows of a record, from initial_soc.
@@ -63,9 +66,12 @@ struct ReadMission {
 };
 
 /// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from the
-/// first one on in which the cell is below its cut-off. LoadError where it is none of these, or
-/// fewer than kLeastRows remain, or no current flows.
+/// first one on in which the cell is below its cut-off. LoadError where it is none of these, where
+/// fewer than kLeastRows remain or no current flows, and where it is too long for the steps of a
+/// simulator.
 inline constexpr std::size_t kLeastRows = 10;
+inline constexpr std::size_t kMostRows = 2'000'000;
+inline constexpr double kLongestMission_s = 7.0 * 86400.0;
 [[nodiscard]] ReadMission ReadMissionFile(const Cell& cell,
                                           const std::string& file,
                                           const ReadOptions& options,

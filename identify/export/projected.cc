@@ -53,12 +53,22 @@ void AddBoundNotes(const Projection& projection, Exported& exported) {
     exported.notes.emplace_back(
         "The search for the best numbers was cut short: they may not be the best ones.");
   if (!projection.at_bound.empty()) {
-    exported.notes.push_back(
-        fmt::format("{} {} at the bound that keeps it physical: this mission does not settle {}.",
-                    fmt::join(projection.at_bound, ", "),
-                    projection.at_bound.size() == 1 ? "stands" : "stand",
-                    projection.at_bound.size() == 1 ? "it" : "them"));
+    exported.notes.push_back(fmt::format(
+        "{} {} at the bound that keeps {} physical: beyond it this law would be nearer to "
+        "the cell over this mission, and farther over others.",
+        fmt::join(projection.at_bound, ", "),
+        projection.at_bound.size() == 1 ? "stands" : "stand",
+        projection.at_bound.size() == 1 ? "it" : "them"));
   }
+}
+
+void AddStartNote(const ExportRequest& request, Exported& exported) {
+  const double first_A = request.mission.current_A.front();
+  if (first_A == 0.0) return;
+  exported.notes.push_back(
+      fmt::format("The mission starts under a load of {:.3g} A and this battery at rest: the first "
+                  "rows carry the whole drop as an error.",
+                  first_A));
 }
 
 }  // namespace lipoid

@@ -31,4 +31,7 @@ struct SingleCell {
 /// A note on parameters that stand at a bound and on a search that was cut short.
 void AddBoundNotes(const Projection& projection, Exported& exported);
 
+/// A note where the mission starts under load and the law, whose drop is filtered, at rest.
+void AddStartNote(const ExportRequest& request, Exported& exported);
+
 }  // namespace lipoid

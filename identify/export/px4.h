@@ -2,7 +2,7 @@
 
 /// @file
 /// The target px4: the numbers of PX4's battery estimator as a parameter file of QGroundControl.
-/// Law: model/export/px4_law.h. Tests: tests/identify/export/px4_test.cc.
+/// Law: model/export/px4_law.h. Tests: tests/identify/export/target_files_test.cc.
 
 #include "model/export/exported.h"
 

@@ -436,6 +436,16 @@ Exported ExportTables(const ExportRequest& request) {
       "The numbers are those of one cell; between the rows are straight lines, beyond them v_oc goes "
       "on with its end slope and resistances keep their end values.",
       "The error is that of a cell imported from this file by lipoid."};
+  constexpr double kStiff_s = 0.01;
+  for (std::size_t j = 0; j < cell.branches.size(); ++j) {
+    if (cell.branches[j].time_constant_s < kStiff_s) {
+      exported.notes.push_back(fmt::format(
+          "Branch {} has a time constant of {:.3g} s: for an explicit solver add its resistance to "
+          "the series resistance and leave it out.",
+          j + 1,
+          cell.branches[j].time_constant_s));
+    }
+  }
   exported.files = {
       {".csv", CellTables(cell, Commented(ProvenanceLines(request, exported), "# "))}};
   return exported;

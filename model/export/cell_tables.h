@@ -7,7 +7,7 @@
 ///   soc,open_circuit_voltage_V,series_resistance_Ohm,resistance_1_Ohm,time_constant_1_s,...
 ///
 /// Straight lines between rows; beyond them v_oc continues with its end slope, and resistances keep
-/// their end values. Tests: tests/model/export/cell_tables_test.cc.
+/// their end values. Tests: tests/identify/export/import_cell_test.cc.
 
 #include <string>
 

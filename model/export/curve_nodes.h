@@ -2,7 +2,7 @@
 
 /// @file
 /// v_oc(A) as straight lines between nodes, for programs that read a table.
-/// Tests: tests/model/export/curve_nodes_test.cc.
+/// Tests: tests/model/export/laws_test.cc.
 
 #include <vector>
 

@@ -9,7 +9,7 @@
 ///   v     = v_oc(soc) - r_0(soc) i - sum_j v_cj
 ///
 /// Tables are straight lines and hold their end values. Volts, amperes and ohms of one cell.
-/// Tests: tests/model/export/equivalent_circuit_law_test.cc.
+/// Tests: tests/model/export/laws_test.cc.
 
 #include <vector>
 

@@ -8,7 +8,7 @@
 ///   s += (dt/tau)(i - s),   q -= s dt/3600,   v = e0 + e1 (1 - q/c) - r s
 ///
 /// tau is at least dt. Volts, amperes and ohms of the pack. Tests:
-/// tests/model/export/gazebo_law_test.cc.
+/// tests/model/export/laws_test.cc.
 
 #include <vector>
 

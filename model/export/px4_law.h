@@ -12,7 +12,7 @@
 ///   soc_v = (LP(v_cell + R i) - V_E)/(V_C - V_E) within 0 .. 1, LP a low-pass of 1 s
 ///   soc   = (1 - w) soc + w soc_v - dq/C,  w = 0.03 (1 - soc_v),  within 0 .. 1 - q/C
 ///
-/// Tests: tests/model/export/px4_law_test.cc.
+/// Tests: tests/model/export/laws_test.cc.
 
 #include <vector>
 

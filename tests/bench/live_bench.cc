@@ -17,7 +17,6 @@ void LiveFrame(benchmark::State& state) {
   ArduPilotPhysics physics(*plant);
   // 400 Hz, pulse widths of 1500 us: on the ground, where the feet are computed too.
   std::string frame("\x1a\x48\x90\x01\0\0\0\0", 8);
-  std::swap(frame[0], frame[1]);
   for (int k = 0; k < 16; ++k) frame += std::string("\xdc\x05", 2);
   std::uint32_t count = 0;
   for (auto _ : state) {

@@ -14,6 +14,8 @@
 
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
+#include "identify/identification.h"
+#include "identify/logs/load_campaign.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
@@ -159,6 +161,31 @@ TEST_F(ExportReferenceTest, ACellWithEveryTermIsExportedWithItsError) {
   Judge();
 }
 
+// Cells as the joint method finds them in lab logs: tables over the state of charge, charge transfer.
+std::vector<Cell> IdentifiedCells() {
+  std::vector<Cell> cells;
+  for (const auto* const lab : {"dmegc_inr18650_26_r1", "nissan_leaf_33ah"}) {
+    const std::string file = test::LabDataPath(std::string(lab) + "/campaign.toml");
+    if (file.empty()) continue;
+    const Campaign campaign = ReadCampaign(file);
+    Cell cell = Identify(campaign, LoadCampaign(campaign), {}).cell;
+    cell.uncertainty.reset();  // no part of a law
+    cells.push_back(std::move(cell));
+  }
+  return cells;
+}
+
+TEST_F(ExportReferenceTest, IdentifiedCellsAreExportedWithTheirError) {
+  const auto cells = IdentifiedCells();
+  ASSERT_EQ(cells.size(), 2U) << "their logs stand in fixtures/lab";
+  for (const Cell& cell : cells) {
+    Add(cell, "ardupilot", "ardupilot");
+    Add(cell, "gazebo", "gazebo");
+    Add(cell, "px4", "px4");
+  }
+  Judge();
+}
+
 // ns-3 itself, where Debian's libns3-dev is installed: its level, row by row, against the cell.
 TEST_F(ExportReferenceTest, Ns3StatesTheErrorOfItsOwnModel) {
   const std::string libraries = "/usr/lib/x86_64-linux-gnu/libns3-";
@@ -216,6 +243,7 @@ TEST_F(ExportReferenceTest, TheveninStatesTheErrorOfThePackage) {
   for (const auto& cell : Cells()) Add(cell, "thevenin", "", 2);
   Add(LoadCell("gifi-600mAh-1"), "thevenin", "", 1);
   Add(FullCell(), "thevenin", "", 2);
+  for (const Cell& cell : IdentifiedCells()) Add(cell, "thevenin", "", 2);
   Judge(python, "thevenin_peer.py");
 }
 

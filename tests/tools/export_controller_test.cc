@@ -299,6 +299,27 @@ TEST(ExportController, InFloatItStaysWithinTheStatedDistance) {
   }
 }
 
+TEST(ExportController, MotorsThatTurnTheOtherWayAreANumberOfTheVehicle) {
+  LIPOID_SKIP_WITHOUT_PROGRAM("cc");
+  const auto folder = TestFolder();
+  const std::string file = folder + "/other.toml";
+  std::ofstream(file) << "front_right_turns = \"counter-clockwise\"\n"
+                      << ReadTextFile(SourcePath("fixtures/vehicles/mambo-coupled.toml"));
+  Export(folder, {"--precision", "double", "--vehicle", "other.toml"});
+  Loaded code(folder, "cc -std=c99", "controller");
+  ASSERT_TRUE(code.usable());
+  FlightSetup setup = Coupled();
+  setup.vehicle = LoadVehicle(file);
+  FlightPlan plan = FindManeuver("altitude-steps").plan({});
+  for (auto& [time_s, command] : plan.commands) command.yaw_rad = 0.02 * time_s;
+  const Difference worst = Compare(setup, plan, &code);
+  EXPECT_LE(worst.place_m, kDoubleAgrees);
+  EXPECT_LE(worst.angle_rad, kDoubleAgrees);
+  EXPECT_NE(ReadTextFile(folder + "/code/lipoid_numbers.h")
+                .find("Front right and back left turn counter-clockwise"),
+            std::string::npos);
+}
+
 // The comparison would see another controller.
 TEST(ExportController, TheComparisonSeesAnotherController) {
   LIPOID_SKIP_WITHOUT_PROGRAM("cc");

@@ -191,6 +191,37 @@ TEST(ExportCommand, SaysWhatIsWrong) {
       << piped.err;
 }
 
+TEST(ImportCommand, WhatWasExportedSimulatesAlike) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", "time_s,current_A\n0,0\n100,1\n300,0.5\n400,0\n");
+  ASSERT_EQ(
+      RunLipoid(folder, {"export", "gifi-600mAh-2", "--to", "tables", "-o", "t.csv"}).exit_code, 0);
+  const auto imported =
+      RunLipoid(folder, {"import", "t.csv", "-o", "back.json", "--summary", "s.json"});
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary["format"], "tables");
+  EXPECT_EQ(summary["cell"]["name"], "gifi-600mAh-2");
+  EXPECT_EQ(summary["cell"]["run"]["inputs"][0]["file"], "t.csv") << summary["cell"]["run"].dump();
+  for (const auto& [cell, output] : {std::pair{"gifi-600mAh-2", "a.csv"}, {"back.json", "b.csv"}}) {
+    ASSERT_EQ(RunLipoid(folder, {"simulate", cell, "--current", "log.csv", "-o", output}).exit_code,
+              0);
+  }
+  EXPECT_EQ(ReadTextFile(folder + "/a.csv"), ReadTextFile(folder + "/b.csv"));
+}
+
+TEST(ImportCommand, RefusesAndWritesNothing) {
+  const auto folder = TestFolder();
+  Write(folder + "/frame.json",
+        "{\n\"maxVoltage\": 12.6, \"battCapacityAh\": 0, \"refBatRes\": 0}");
+  const auto run = RunLipoid(folder, {"import", "frame.json", "-o", "c.json"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("frame.json:2:39: error: /battCapacityAh: expected a capacity above 0"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"frame.json"});
+}
+
 TEST(ExportCommand, TargetsAreListed) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder, {"list", "targets", "--summary", "s.json"});

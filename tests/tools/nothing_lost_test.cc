@@ -115,6 +115,9 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"validate", "cell.json", "logs/pulses.csv", "--summary=link.csv"},
       {"simulate", "cell.json", "--current", "logs/cc.csv", "-o", "linked/cc.csv"},
       {"convert", "logs/cc.csv", "-o", "logs/cc.csv"},
+      {"import", "gains.json", "-o", "gains.json"},
+      {"import", "link.csv", "-o", "logs/pulses.csv"},
+      {"import", "gains.json", "-o", "new.json", "--summary", "gains.json"},
       {"plan", "cell.json", "--summary", "cell.json"},
       {"inspect", "logs", "--write-campaign", "logs/cc.csv"},
       {"inspect", "logs", "--summary", "link.csv"},
@@ -299,6 +302,9 @@ TEST(NothingLost, SeveralFilesAppearTogetherOrNotAtAll) {
   EXPECT_NE(run.err.find("cannot write '/dev/full': No space left on device"), std::string::npos)
       << run.err;
   EXPECT_EQ(ReadTextFile(folder + "/out.csv"), "old");
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"log.csv", "out.csv"}));
+  EXPECT_EQ(RunLipoid(folder, {"export-controller", "-o", "code", "--summary", "/dev/full"}).exit_code,
+            2);
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"log.csv", "out.csv"}));
 }
 

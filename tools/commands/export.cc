@@ -185,6 +185,12 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
           "options --initial-soc and --initial-voltage-V are of a --mission: the default one "
           "starts full");
     }
+    if (!(DefaultCurrent_A(request.cell) > 0.0)) {
+      throw LoadError(
+          {cell_name},
+          "expected a cell that lasts at some current, found one that is at its cut-off "
+          "under any; --mission gives another mission");
+    }
     request.mission = DefaultMission(request.cell);
   } else {
     ReadMission read = ReadMissionFile(

@@ -22,6 +22,9 @@ namespace {
 
 using cli::Align;
 
+// Of so many starts of the autopilot each is told of; beyond, someone plays.
+constexpr std::size_t kMostFlights = 1000;
+
 // From one start of the autopilot to the next.
 struct LiveFlight {
   LiveState last;
@@ -181,9 +184,10 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   double earlier_s = 0.0;  // flown before the last start of the autopilot
   BatteryNews news(line, setup.cell.series * setup.cell.cutoff_V);
   physics.OnRestart([&] {
-    flights.push_back({plant->state(), plant->report()});
     earlier_s += plant->state().time_s;
     news.Forget();
+    if (flights.size() >= kMostFlights) return;
+    flights.push_back({plant->state(), plant->report()});
     line.Message(
         "the autopilot started anew after {:.1f} s: so does the flight, on a battery as at "
         "first",

@@ -65,6 +65,13 @@ TEST(DefaultMission, StaysAboveTheCutOffOfAnyCellAndUsesMuchOfIt) {
   }
 }
 
+TEST(DefaultMission, OfACellThatGivesNothingIsNone) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.cutoff_V = 4.3;
+  EXPECT_EQ(DefaultCurrent_A(cell), 0.0);
+  EXPECT_THROW((void)DefaultMission(cell), PreconditionError);
+}
+
 TEST(DefaultMission, HasTwoLevelsWithRestsBeforeBetweenAndAfter) {
   const ExportMission mission = DefaultMission(LoadCell("gifi-600mAh-1"));
   std::vector<double> levels;
@@ -178,6 +185,14 @@ TEST(MissionFile, RefusesWhatIsNoMission) {
             ":1:1: error: expected a mission of at least 10 rows in which the cell stays above its "
             "cut-off of 3 V, found 1 of 2 rows; the current or the power may be too much for this "
             "pack (--series, --parallel)");
+  EXPECT_EQ(
+      message("time_s,current_A\n0,0\n1,0.01\n700000,0.01\n"),
+      ":1:1: error: expected a mission of at most 2000000 rows and 7 days, since a simulator's "
+      "steps are walked through, found 3 rows over 8.1 days; give a part of it");
+  EXPECT_EQ(
+      message("time_s,power_W\n0,1e-6\n1e12,1e-6\n"),
+      ":1:1: error: expected a mission of at most 2000000 rows and 7 days, since a simulator's "
+      "steps are walked through, found 1e+12 rows over 1.16e+07 days; give a part of it");
   EXPECT_EQ(message("time_s,power_W\n0,1\n1,nan\n"),
             ":3:3: error: expected a number for power_W, found 'nan'");
   EXPECT_EQ(message("time_s,power_W\n0,1\n0,2\n"),
