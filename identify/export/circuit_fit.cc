@@ -17,7 +17,7 @@ constexpr int kNodes = 11;  // every tenth of the charge
 class LinearPart {
  public:
   LinearPart(const SingleCell& one, const EquivalentCircuit& shape)
-      : one_(one), shape_(shape), columns_(kNodes * (1 + static_cast<int>(shape.branches.size()))) {
+      : one_(one), columns_(kNodes * (1 + static_cast<int>(shape.branches.size()))) {
     typical_Ohm_ = one.TypicalResistance();
   }
 
@@ -111,7 +111,6 @@ class LinearPart {
   }
 
   const SingleCell& one_;
-  const EquivalentCircuit& shape_;
   int columns_;
   double typical_Ohm_;
 };

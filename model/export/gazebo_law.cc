@@ -34,11 +34,20 @@ std::vector<double> GazeboVoltage(const GazeboBattery& battery,
   double smooth_A = 0.0;
   double out_Ah = drawn_Ah.front();
   volts[0] = VoltageOf(battery, out_Ah, smooth_A);
+  // Rows are evenly spaced, but for the rounding of their times: one power serves them all.
+  constexpr double kSameLength = 1e-9;
+  Steps steps = {};
+  double length_s = -1.0;
+  double left = 0.0;
   for (std::size_t k = 1; k < volts.size(); ++k) {
     const double current_A = mission.current_A[backward ? k : k - 1];
-    const Steps steps = StepsOf(battery, mission.time_s[k] - mission.time_s[k - 1]);
-    // A geometric series: all steps of a row at once.
-    const double left = steps.share < 1.0 ? std::exp(steps.count * std::log1p(-steps.share)) : 0.0;
+    const double row_s = mission.time_s[k] - mission.time_s[k - 1];
+    if (!(std::abs(row_s - length_s) <= kSameLength * row_s)) {
+      length_s = row_s;
+      steps = StepsOf(battery, length_s);
+      // A geometric series: all steps of a row at once.
+      left = steps.share < 1.0 ? std::exp(steps.count * std::log1p(-steps.share)) : 0.0;
+    }
     const double lag_A = smooth_A - current_A;
     out_Ah += steps.dt_s *
               (steps.count * current_A + lag_A * (1.0 - steps.share) * (1.0 - left) / steps.share) /
