@@ -45,7 +45,9 @@ class ExportReferenceTest : public testing::Test {
  protected:
   void SetUp() override {
     if (std::string(LIPOID_PYTHON).empty()) GTEST_SKIP() << "skipped: no python3 with numpy";
-    folder_ = FreshFolder("export_reference");
+    // Tests of one program may run side by side.
+    folder_ = FreshFolder(std::string("export_reference/") +
+                          testing::UnitTest::GetInstance()->current_test_info()->name());
   }
 
   // The cell, its mission and what was exported as a case of export_laws.py, or of thevenin_peer.py

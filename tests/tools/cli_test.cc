@@ -33,6 +33,23 @@ TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
             "b                  12\n");
 }
 
+TEST(TextTable, BreaksHeadersAndWordsWhereAScreenEnds) {
+  TextTable table({{"name", Align::kLeft}, {"mean error / %"}, {"what it does", Align::kLeft}});
+  std::string words;
+  for (int k = 0; k < 30; ++k) words += "word" + std::to_string(k) + " ";
+  table.Row({"a", "0.1", words + "end"});
+  table.Row({"b", "0.2", "short"});
+  const auto text = table.Text();
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << text;
+  EXPECT_EQ(
+      text.rfind("       mean\n      error\nname    / %  what it does\na       0.1  word0 ", 0), 0U)
+      << text;
+  EXPECT_NE(text.find(" end\nb       0.2  short\n"), std::string::npos) << text;
+  for (int k = 0; k < 30; ++k)
+    EXPECT_NE(text.find("word" + std::to_string(k)), std::string::npos) << k;
+}
+
 TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
   TextTable table({{"log", Align::kLeft}, {"cost / V²"}});
   table.Row({"a_b&c#1$", "0.22"});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "model/core/errors.h"
@@ -17,6 +18,39 @@ std::size_t Letters(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
+constexpr std::size_t kColumns = 100;      // of a screen
+constexpr std::size_t kLeastOfWords = 10;  // of a column of words: narrower is no pleasure to read
+
+std::size_t LongestWord(const std::string& text) {
+  std::size_t longest = 0;
+  for (std::size_t from = 0; from < text.size();) {
+    const auto to = std::min(text.find(' ', from), text.size());
+    longest = std::max(longest, Letters(text.substr(from, to - from)));
+    from = to + 1;
+  }
+  return longest;
+}
+
+// The text in lines of at most so many letters, if its words let it; it keeps its indent.
+std::vector<std::string> LinesOf(const std::string& text, std::size_t width) {
+  if (Letters(text) <= width) return {text};
+  const auto indent = std::min(text.find_first_not_of(' '), text.size());
+  std::vector<std::string> lines{std::string(indent, ' ')};
+  for (std::size_t from = indent; from < text.size();) {
+    const auto to = std::min(text.find(' ', from), text.size());
+    const std::string word = text.substr(from, to - from);
+    const bool first = lines.back().size() == indent;
+    if (!first && Letters(lines.back()) + 1 + Letters(word) > width) {
+      lines.emplace_back(indent, ' ');
+      lines.back() += word;
+    } else {
+      lines.back() += (first ? "" : " ") + word;
+    }
+    from = to + 1;
+  }
+  return lines;
+}
+
 }  // namespace
 
 void TextTable::Row(std::vector<std::string> cells) {
@@ -25,27 +59,63 @@ void TextTable::Row(std::vector<std::string> cells) {
 }
 
 std::string TextTable::Text() const {
+  // What a column wants, and what it needs at least: whole numbers, and words that may stand below
+  // one another.
   std::vector<std::size_t> width;
+  std::vector<std::size_t> least;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const bool words = columns_[c].align == Align::kLeft;
     width.push_back(Letters(columns_[c].header));
-    for (const auto& row : rows_) width[c] = std::max(width[c], Letters(row[c]));
+    least.push_back(LongestWord(columns_[c].header));
+    for (const auto& row : rows_) {
+      width[c] = std::max(width[c], Letters(row[c]));
+      least[c] = std::max(least[c], words ? LongestWord(row[c]) : Letters(row[c]));
+    }
+    if (words) least[c] = std::max(least[c], std::min(width[c], kLeastOfWords));
   }
+  // First the headers of numbers give way, then the widest words.
+  const auto total = [&] {
+    return std::accumulate(width.begin(), width.end(), 2 * (width.size() - 1));
+  };
+  for (const Align align : {Align::kRight, Align::kLeft}) {
+    while (total() > kColumns) {
+      std::size_t widest = columns_.size();
+      for (std::size_t c = 0; c < columns_.size(); ++c) {
+        if (columns_[c].align == align && width[c] > least[c] &&
+            (widest == columns_.size() || width[c] > width[widest]))
+          widest = c;
+      }
+      if (widest == columns_.size()) break;
+      --width[widest];
+    }
+  }
+
   std::string text;
-  const auto add = [&](std::size_t c, const std::string& cell) {
-    const std::string blank(width[c] - Letters(cell), ' ');
-    if (c > 0) text += "  ";
-    text += columns_[c].align == Align::kRight ? blank + cell : cell + blank;
+  const auto add = [&](const std::vector<std::string>& cells, bool header) {
+    std::vector<std::vector<std::string>> lines;
+    std::size_t height = 0;
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      lines.push_back(LinesOf(cells[c], width[c]));
+      height = std::max(height, lines.back().size());
+    }
+    for (auto& cell : lines) {  // a header stands right above its column
+      cell.insert(header ? cell.begin() : cell.end(), height - cell.size(), "");
+    }
+    for (std::size_t line = 0; line < height; ++line) {
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        const std::string& cell = lines[c][line];
+        const std::string blank(width[c] - std::min(width[c], Letters(cell)), ' ');
+        if (c > 0) text += "  ";
+        text += columns_[c].align == Align::kRight ? blank + cell : cell + blank;
+      }
+      text.erase(text.find_last_not_of(' ') + 1);
+      text += '\n';
+    }
   };
-  const auto end_line = [&] {
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
-  };
-  for (std::size_t c = 0; c < columns_.size(); ++c) add(c, columns_[c].header);
-  end_line();
-  for (const auto& row : rows_) {
-    for (std::size_t c = 0; c < columns_.size(); ++c) add(c, row[c]);
-    end_line();
-  }
+  std::vector<std::string> headers;
+  for (const auto& column : columns_) headers.push_back(column.header);
+  add(headers, true);
+  for (const auto& row : rows_) add(row, false);
   return text;
 }
 
@@ -121,7 +191,6 @@ std::string Significant(double value, int digits) {
 }
 
 std::string Wrapped(const std::string& text, std::size_t indent) {
-  constexpr std::size_t kColumns = 100;
   std::string wrapped;
   std::size_t column = indent;
   for (std::size_t from = 0; from < text.size();) {

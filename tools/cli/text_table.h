@@ -1,7 +1,9 @@
 #pragma once
 
 /// @file
-/// Tables for people: numbers to the right, words to the left, units in the header.
+/// Tables for people: numbers to the right, words to the left, units in the header. A table that
+/// is wider than a screen of 100 columns breaks the headers of its numbers, then its words, at
+/// blanks.
 ///
 ///   TextTable table({{"log", kLeft}, {"mean / %"}});
 ///   table.Row({"cc_1C.csv", Significant(0.2234)});

@@ -174,7 +174,8 @@ std::string Sign(const LogReport& report) {
 
 void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
   const auto item = [&](std::string_view name, const std::string& text) {
-    if (!text.empty()) line.Print("  {:<12} {}\n", name, text);
+    constexpr std::size_t kColumn = 15;
+    if (!text.empty()) line.Print("  {:<12} {}\n", name, cli::Wrapped(text, kColumn));
   };
   line.Print("{}\n", log.file);
   if (log.parts.empty()) {

@@ -105,11 +105,14 @@ Json ListOptimizers(cli::CommandLine& line) {
                          {"default", option.default_text},
                          {"valid", option.valid},
                          {"help", option.help}});
-      all_options += fmt::format("  {}: {}; {} (default {})\n",
-                                 option.name,
-                                 option.help,
-                                 option.valid,
-                                 option.default_text);
+      all_options += "  " +
+                     cli::Wrapped(fmt::format("{}: {}; {} (default {})",
+                                              option.name,
+                                              option.help,
+                                              option.valid,
+                                              option.default_text),
+                                  4) +
+                     "\n";
     }
     rows.push_back({{"name", optimizer.name},
                     {"library", optimizer.library},
