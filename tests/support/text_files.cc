@@ -27,6 +27,16 @@ std::string ReadText(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+std::string OnOneLine(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\n';
+    if (!blank) line += c;
+    if (blank && !line.empty() && line.back() != ' ') line += ' ';
+  }
+  return line;
+}
+
 std::string DocsExample(const std::string& document, const std::string& first_line) {
   const std::string text = ReadText(SourcePath(document));
   std::string example;

@@ -13,6 +13,9 @@ std::string WriteText(const std::string& name, std::string_view text);
 
 std::string ReadText(const std::string& file);
 
+/// The text with every run of blanks and line breaks as one blank: sentences wrap on a screen.
+std::string OnOneLine(std::string_view text);
+
 /// The rest of an indented example of the docs from the line that starts so, up to the first line
 /// of text after it.
 std::string DocsExample(const std::string& document, const std::string& first_line);

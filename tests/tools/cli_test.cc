@@ -48,6 +48,24 @@ TEST(TextTable, BreaksHeadersAndWordsWhereAScreenEnds) {
   EXPECT_NE(text.find(" end\nb       0.2  short\n"), std::string::npos) << text;
   for (int k = 0; k < 30; ++k)
     EXPECT_NE(text.find("word" + std::to_string(k)), std::string::npos) << k;
+
+  // Headers of numbers break before their unit; they stand right above the numbers.
+  std::vector<TextTable::Column> columns{{"log", Align::kLeft}};
+  for (int k = 0; k < 9; ++k) columns.push_back({"mean error / %"});
+  TextTable numbers(std::move(columns));
+  numbers.Row({"a", "1", "2", "3", "4", "5", "6", "7", "8", "9"});
+  const auto wrapped = numbers.Text();
+  std::vector<std::string> shown;
+  std::istringstream wrapped_lines(wrapped);
+  for (std::string line; std::getline(wrapped_lines, line);) {
+    EXPECT_LE(line.size(), 100U) << wrapped;
+    shown.push_back(line);
+  }
+  ASSERT_GE(shown.size(), 3U) << wrapped;
+  EXPECT_NE(shown[0].find("mean"), std::string::npos) << wrapped;
+  EXPECT_EQ(shown[0].find('%'), std::string::npos) << wrapped;
+  EXPECT_EQ(shown[shown.size() - 2].rfind("log ", 0), 0U) << wrapped;
+  EXPECT_NE(shown[shown.size() - 2].find("/ %"), std::string::npos) << wrapped;
 }
 
 TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {

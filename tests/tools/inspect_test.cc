@@ -7,6 +7,7 @@
 #include "identify/logs/campaign.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid::test {
 namespace {
@@ -56,8 +57,9 @@ TEST(Inspect, SaysWhichLogSettledTheSignOfAnother) {
   EXPECT_EQ(files[0].at("current_sign"), "discharge-positive");
   EXPECT_EQ(files[0].at("current_sign_is_of_others"), true);
   EXPECT_EQ(files[1].at("current_sign_is_of_others"), false);
-  EXPECT_NE(run.out.find("discharge is positive as in cc.csv, of the same format; by itself this "
-                         "log does not settle it: no current flows"),
+  EXPECT_NE(OnOneLine(run.out).find(
+                "discharge is positive as in cc.csv, of the same format; by itself this "
+                "log does not settle it: no current flows"),
             std::string::npos)
       << run.out;
   const auto alone = RunLipoid(folder, {"inspect", "rest.csv"});

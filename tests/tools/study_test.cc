@@ -74,8 +74,10 @@ TEST(Study, OcvAndTermsGiveRows) {
     const auto csv = ReadTextFile(folder + "/t.csv");
     const auto lines = static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n'));
     EXPECT_EQ(lines, rows + 1);
+    // A line each below the header, which may need several.
     const auto table = static_cast<std::size_t>(std::count(run.out.begin(), run.out.end(), '\n'));
-    EXPECT_EQ(table, rows + 1);
+    EXPECT_GE(table, rows + 1);
+    EXPECT_LE(table, rows + 4);
     for (const auto& row : summary.at("rows")) {
       EXPECT_GT(row.at("rmse_V").get<double>(), 0.0);
       EXPECT_GT(row.at("wall_s").get<double>(), 0.0);

@@ -18,13 +18,20 @@ std::size_t Letters(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-constexpr std::size_t kColumns = 100;      // of a screen
+constexpr std::size_t kColumns = 100;  // of a screen
+constexpr std::size_t kComfortable = 40;
 constexpr std::size_t kLeastOfWords = 10;  // of a column of words: narrower is no pleasure to read
+
+// A unit stays with its stroke: "/ mV" is one word.
+std::size_t EndOfWord(const std::string& text, std::size_t from) {
+  const auto to = std::min(text.find(' ', from), text.size());
+  return to == from + 1 && text[from] == '/' ? std::min(text.find(' ', to + 1), text.size()) : to;
+}
 
 std::size_t LongestWord(const std::string& text) {
   std::size_t longest = 0;
   for (std::size_t from = 0; from < text.size();) {
-    const auto to = std::min(text.find(' ', from), text.size());
+    const auto to = EndOfWord(text, from);
     longest = std::max(longest, Letters(text.substr(from, to - from)));
     from = to + 1;
   }
@@ -37,7 +44,7 @@ std::vector<std::string> LinesOf(const std::string& text, std::size_t width) {
   const auto indent = std::min(text.find_first_not_of(' '), text.size());
   std::vector<std::string> lines{std::string(indent, ' ')};
   for (std::size_t from = indent; from < text.size();) {
-    const auto to = std::min(text.find(' ', from), text.size());
+    const auto to = EndOfWord(text, from);
     const std::string word = text.substr(from, to - from);
     const bool first = lines.back().size() == indent;
     if (!first && Letters(lines.back()) + 1 + Letters(word) > width) {
@@ -73,15 +80,17 @@ std::string TextTable::Text() const {
     }
     if (words) least[c] = std::max(least[c], std::min(width[c], kLeastOfWords));
   }
-  // First the headers of numbers give way, then the widest words.
+  // The widest words give way first, down to lines that read well, then the headers of numbers.
   const auto total = [&] {
     return std::accumulate(width.begin(), width.end(), 2 * (width.size() - 1));
   };
-  for (const Align align : {Align::kRight, Align::kLeft}) {
+  for (const auto& [align, comfortable] : {std::pair{Align::kLeft, kComfortable},
+                                           std::pair{Align::kRight, std::size_t{0}},
+                                           std::pair{Align::kLeft, std::size_t{0}}}) {
     while (total() > kColumns) {
       std::size_t widest = columns_.size();
       for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (columns_[c].align == align && width[c] > least[c] &&
+        if (columns_[c].align == align && width[c] > std::max(least[c], comfortable) &&
             (widest == columns_.size() || width[c] > width[widest]))
           widest = c;
       }
