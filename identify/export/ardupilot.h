@@ -8,8 +8,8 @@
 
 namespace lipoid {
 
-/// Fits full voltage, capacity and resistance; writes the frame's three battery keys, into the frame
-/// of request.into_text where there is one. LoadError where that is no frame.
+/// Fits full voltage, capacity and resistance; writes the frame's three battery keys, into the
+/// frame of request.into_text where there is one. LoadError where that is no frame.
 [[nodiscard]] Exported ExportArduPilot(const ExportRequest& request);
 
 }  // namespace lipoid

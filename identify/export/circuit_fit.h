@@ -4,8 +4,8 @@
 /// The equivalent circuit that follows a cell best over a mission: for given time constants the
 /// voltage is linear in all nodes of all resistances, which are found exactly within their bounds;
 /// the time constants are searched (variable projection). v_oc and capacity are the cell's own, so
-/// that the circuit is at rest where the cell is. A node that the mission says nothing of is that of
-/// its neighbour. Tests: tests/identify/export/circuit_fit_test.cc.
+/// that the circuit is at rest where the cell is. A node that the mission says nothing of is that
+/// of its neighbour. Tests: tests/identify/export/circuit_fit_test.cc.
 
 #include "identify/export/projected.h"
 #include "model/export/equivalent_circuit_law.h"
@@ -17,8 +17,8 @@ struct FittedCircuit {
   Projection projection;  ///< of the logarithms of the time constants
 };
 
-/// Time constants are at least this; what is faster belongs to the series resistance, and an explicit
-/// solver with a step of 0.1 s stays stable.
+/// Time constants are at least this; what is faster belongs to the series resistance, and an
+/// explicit solver with a step of 0.1 s stays stable.
 inline constexpr double kShortestTimeConstant_s = 0.5;
 
 /// The circuit with so many branches, 0 to 2.

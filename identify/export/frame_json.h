@@ -15,9 +15,9 @@ namespace lipoid {
 /// LoadError where there is no brace.
 [[nodiscard]] std::string FrameWithoutComments(const std::string& text, const std::string& file);
 
-/// The frame with these numbers, given as text, in place of its own ones, or as its first keys where
-/// it has none; `lines`, each a comment with its line break, behind the first brace. All else stays
-/// as it is. LoadError where the text is no frame.
+/// The frame with these numbers, given as text, in place of its own ones, or as its first keys
+/// where it has none; `lines`, each a comment with its line break, behind the first brace. All else
+/// stays as it is. LoadError where the text is no frame.
 [[nodiscard]] std::string MergeIntoFrame(
     const std::string& text,
     const std::string& file,

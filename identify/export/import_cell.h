@@ -10,9 +10,9 @@
 ///   gazebo       an SDF with a LinearBatteryPlugin
 ///
 /// The format is recognised from the content. What has a law poorer than a cell's becomes the cell
-/// that has this law: no diffusion, v_oc as the table or the line that the program has, and where its
-/// drop is filtered a branch with this time constant in place of the series resistance.
-/// Tests: tests/identify/export/import_cell_test.cc.
+/// that has this law: no diffusion, v_oc as the table or the line that the program has, and where
+/// its drop is filtered a branch with this time constant in place of the series resistance. Tests:
+/// tests/identify/export/import_cell_test.cc.
 
 #include <optional>
 #include <string>
@@ -36,8 +36,8 @@ struct ImportedCell {
   std::vector<std::string> notes;  ///< sentences: what was assumed
 };
 
-/// LoadError with line and column where the text is none of these, has keys that nobody knows, numbers
-/// that are none, or is no battery (capacity 0, full below its cut-off).
+/// LoadError with line and column where the text is none of these, has keys that nobody knows,
+/// numbers that are none, or is no battery (capacity 0, full below its cut-off).
 [[nodiscard]] ImportedCell ImportCell(const std::string& text,
                                       const std::string& file,
                                       const ImportOptions& options = {});

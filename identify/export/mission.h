@@ -23,9 +23,9 @@ namespace lipoid {
 
 /// The shape of the default mission: rest, a high current, rest, a low current, rest. The high
 /// current is the one that would take the full cell to its cut-off in kDefaultEmpty_s; it flows for
-/// half of that time, and half of it again for as long. The cell cannot reach its cut-off then: what
-/// the diffusion holds back, and every drop, is at most what it would be had the high current flowed
-/// on.
+/// half of that time, and half of it again for as long. The cell cannot reach its cut-off then:
+/// what the diffusion holds back, and every drop, is at most what it would be had the high current
+/// flowed on.
 inline constexpr double kDefaultEmpty_s = 720.0;
 inline constexpr double kDefaultRests_s[3] = {30.0, 120.0, 180.0};
 inline constexpr double kDefaultRow_s = 0.1;
@@ -40,8 +40,8 @@ inline constexpr double kDefaultRow_s = 0.1;
 /// The rows of a record, from initial_soc.
 [[nodiscard]] ExportMission MissionOf(const Record& record, std::string name, double initial_soc);
 
-/// Powers of the pack in W at increasing times; power_W[k] flows since times[k-1] (backward) or until
-/// times[k+1] (forward).
+/// Powers of the pack in W at increasing times; power_W[k] flows since times[k-1] (backward) or
+/// until times[k+1] (forward).
 struct PowerProfile {
   std::vector<double> time_s;
   std::vector<double> power_W;
@@ -65,10 +65,10 @@ struct ReadMission {
   std::size_t rows_beyond_cutoff = 0;  ///< that were left out
 };
 
-/// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from the
-/// first one on in which the cell is below its cut-off. LoadError where it is none of these, where
-/// fewer than kLeastRows remain or no current flows, and where it is too long for the steps of a
-/// simulator.
+/// A log as simulate reads one, time_s,power_W, or a flight log of lipoid; without the rows from
+/// the first one on in which the cell is below its cut-off. LoadError where it is none of these,
+/// where fewer than kLeastRows remain or no current flows, and where it is too long for the steps
+/// of a simulator.
 inline constexpr std::size_t kLeastRows = 10;
 inline constexpr std::size_t kMostRows = 2'000'000;
 inline constexpr double kLongestMission_s = 7.0 * 86400.0;

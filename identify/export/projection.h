@@ -3,7 +3,8 @@
 /// @file
 /// The best numbers that a target's law can hold: least squares of its voltage against the cell's,
 /// within bounds that keep the numbers physical, by the optimizers of identify/optimizers. Nothing
-/// is random: the same request gives the same bits. Tests: tests/identify/export/projection_test.cc.
+/// is random: the same request gives the same bits. Tests:
+/// tests/identify/export/projection_test.cc.
 
 #include <functional>
 #include <span>

@@ -2,7 +2,8 @@
 
 /// @file
 /// The target thevenin: the YAML file of the Python package thevenin, an equivalent circuit of one
-/// cell. Law: model/export/equivalent_circuit_law.h. Tests: tests/identify/export/target_files_test.cc.
+/// cell. Law: model/export/equivalent_circuit_law.h. Tests:
+/// tests/identify/export/target_files_test.cc.
 
 #include "model/export/exported.h"
 

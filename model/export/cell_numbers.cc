@@ -151,7 +151,7 @@ class LawCell {
     numbers_.series = ohms(of.series);
     numbers_.warms = of.self_heating ? 1 : 0;
     if (of.self_heating) {
-      numbers_.warmth_s = static_cast<Real>(of.self_heating->time_constant_s);
+      numbers_.thermal_s = static_cast<Real>(of.self_heating->time_constant_s);
       numbers_.drop_Ohm_per_A2 = static_cast<Real>(of.self_heating->resistance_drop_Ohm_per_A2);
     }
     numbers_.least_share = static_cast<Real>(kLeastSeriesShare);
@@ -332,7 +332,7 @@ std::string NumbersAsC(const CellNumbers& n) {
   field(std::string(OrNull("cell_branch", !n.branch.empty())), "branch");
   field(series.initializer, "series");
   field(n.self_heating ? "1" : "0", "warms");
-  field(number(n.self_heating ? n.self_heating->time_constant_s : 0.0), "warmth_s");
+  field(number(n.self_heating ? n.self_heating->time_constant_s : 0.0), "thermal_s");
   field(number(n.self_heating ? n.self_heating->resistance_drop_Ohm_per_A2 : 0.0),
         "drop_Ohm_per_A2");
   field(number(kLeastSeriesShare), "least_share");

@@ -43,7 +43,8 @@ struct CellNumbers {
 /// Numbers that are not finite, or a capacity that is not positive, break a precondition.
 [[nodiscard]] CellNumbers NumbersOf(const Cell& cell);
 
-/// C source: the tables and `static const cell_numbers cell_of_file`, each number as CELL_NUMBER(1.25).
+/// C source: the tables and `static const cell_numbers cell_of_file`, each number as
+/// CELL_NUMBER(1.25).
 [[nodiscard]] std::string NumbersAsC(const CellNumbers& numbers);
 
 /// The same as little-endian doubles, which the library inside an FMU reads (runtime/fmu_cell.h).
@@ -69,9 +70,9 @@ struct CellNumbers {
 
 enum class LawNumbers { kDouble, kFloat };
 
-/// Terminal voltage of the pack at every row by cell_law.h, a row in so many steps: a step takes the
-/// resistance of a branch at the state of charge at its beginning, so that many of them are what a
-/// solver of differential equations finds.
+/// Terminal voltage of the pack at every row by cell_law.h, a row in so many steps: a step takes
+/// the resistance of a branch at the state of charge at its beginning, so that many of them are
+/// what a solver of differential equations finds.
 [[nodiscard]] std::vector<double> RunCellLaw(const Cell& cell,
                                              const ExportMission& mission,
                                              LawNumbers numbers,

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// A cell as a CSV table over its state of charge, and back. Lines that begin with "#:" hold its other
-/// numbers, "#: alpha_C = 1353.6"; other lines that begin with # are comments.
+/// A cell as a CSV table over its state of charge, and back. Lines that begin with "#:" hold its
+/// other numbers, "#: alpha_C = 1353.6"; other lines that begin with # are comments.
 ///
 ///   soc,open_circuit_voltage_V,series_resistance_Ohm,resistance_1_Ohm,time_constant_1_s,...
 ///
@@ -25,9 +25,9 @@ struct TableDefaults {
   std::string name = "imported";
 };
 
-/// Reads it strictly: an unknown column or key, a number that is none, a state of charge that does not
-/// rise are LoadErrors with line and column. What the file does not say is taken from `defaults`; a
-/// capacity must be said, a cut-off is v_oc(0) otherwise.
+/// Reads it strictly: an unknown column or key, a number that is none, a state of charge that does
+/// not rise are LoadErrors with line and column. What the file does not say is taken from
+/// `defaults`; a capacity must be said, a cut-off is v_oc(0) otherwise.
 [[nodiscard]] Cell ParseCellTables(const std::string& text,
                                    const std::string& file,
                                    const TableDefaults& defaults = {});

@@ -4,8 +4,8 @@
 /// The flight controller and its estimator as C: the code that flies in the simulator, for a
 /// microcontroller. The C is written by hand, once, in model/export/flight_code, and what differs
 /// from vehicle to vehicle is a file of constants. Generating it from the templates instead would
-/// need a translator of C++ to be trusted; a text of six hundred lines can be read, and a test holds
-/// it to the templates digit for digit (double) in flights through every option.
+/// need a translator of C++ to be trusted; a text of six hundred lines can be read, and a test
+/// holds it to the templates digit for digit (double) in flights through every option.
 ///
 ///   const auto files = ExportController({.vehicle = LoadVehicle("mambo-coupled"),
 ///                                        .gains = LoadGains("aware"), .lowest_V = 3.0});

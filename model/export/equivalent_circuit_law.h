@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// The equivalent circuit of the package thevenin and of Simscape's battery blocks: a state of charge
-/// that counts charge alone, a table of v_oc, resistances over the state of charge,
+/// The equivalent circuit of the package thevenin and of Simscape's battery blocks: a state of
+/// charge that counts charge alone, a table of v_oc, resistances over the state of charge,
 ///
 ///   soc'  = -i/(3600 capacity)
 ///   v_cj' = (r_j(soc) i - v_cj)/tau_j
@@ -40,8 +40,8 @@ struct EquivalentCircuit {
                                   const std::vector<double>& values,
                                   double at);
 
-/// A row over which the state of charge changes by more than this is taken in several steps, each of
-/// which takes r_j in its middle.
+/// A row over which the state of charge changes by more than this is taken in several steps, each
+/// of which takes r_j in its middle.
 inline constexpr double kLargestSocStep = 0.002;
 
 }  // namespace lipoid

@@ -1,8 +1,9 @@
 #pragma once
 
 /// @file
-/// How far a target's law is from the cell over a mission: what every export states. Both are looked
-/// at in the rows of the mission, each row once. Tests: tests/model/export/export_error_test.cc.
+/// How far a target's law is from the cell over a mission: what every export states. Both are
+/// looked at in the rows of the mission, each row once. Tests:
+/// tests/model/export/export_error_test.cc.
 
 #include <span>
 #include <vector>
@@ -29,8 +30,8 @@ struct ExportReference {
                                             const ExportMission& mission,
                                             std::span<const double> soc);
 
-/// The charge in Ah that has left the pack at each row since it was full, initial_soc included: what
-/// a target knows that counts charge alone.
+/// The charge in Ah that has left the pack at each row since it was full, initial_soc included:
+/// what a target knows that counts charge alone.
 [[nodiscard]] std::vector<double> ChargeDrawn_Ah(const Cell& cell, const ExportMission& mission);
 
 /// The numbers of a cell that a user would type into another program: its nominal capacity, the

@@ -2,9 +2,9 @@
 
 /// @file
 /// What every export is asked and what it answers. A target is another program's battery: its law
-/// may be the cell's own (exact), a poorer one whose free numbers were fitted so that it follows the
-/// cell over a mission (projected), or a table (data). Each target has a file in model/export, or in
-/// identify/export where its numbers are fitted; the registry of all of them is
+/// may be the cell's own (exact), a poorer one whose free numbers were fitted so that it follows
+/// the cell over a mission (projected), or a table (data). Each target has a file in model/export,
+/// or in identify/export where its numbers are fitted; the registry of all of them is
 /// identify/export/targets.h.
 
 #include <optional>

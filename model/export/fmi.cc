@@ -70,12 +70,13 @@ std::vector<State> StatesOf(const CellNumbers& numbers) {
   for (std::size_t j = 1; j <= numbers.branch.size(); ++j)
     states.push_back({fmt::format("branch_V[{}]", j), "V", "V/s", "voltage of an RC branch"});
   if (numbers.self_heating)
-    states.push_back({"warmth_A2", "A2", "A2/s", "square of the current, low-passed"});
+    states.push_back({"thermal_state_A2", "A2", "A2/s", "square of the current, low-passed"});
   return states;
 }
 
-// Only the attributes differ between the versions: `real` is the element of a real number, `integer`
-// of a whole one. FMI 2 counts variables from 1, FMI 3 calls them by their value reference.
+// Only the attributes differ between the versions: `real` is the element of a real number,
+// `integer` of a whole one. FMI 2 counts variables from 1, FMI 3 calls them by their value
+// reference.
 class Description {
  public:
   Description(const ExportRequest& request, const CellNumbers& numbers, bool three)

@@ -15,8 +15,8 @@ namespace lipoid {
 
 /// A branch is folded where it is faster than this, whatever its resistance ...
 inline constexpr double kFoldedTimeConstant_s = 5e-3;
-/// ... or where it has less than this share of r_s and is faster than the next number: a slow branch
-/// stays, however small, so that exact targets remain exact.
+/// ... or where it has less than this share of r_s and is faster than the next number: a slow
+/// branch stays, however small, so that exact targets remain exact.
 inline constexpr double kFoldedShare = 1e-3;
 inline constexpr double kFoldedSmallTimeConstant_s = 1.0;
 

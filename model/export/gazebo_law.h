@@ -26,8 +26,8 @@ struct GazeboBattery {
 
 inline constexpr double kGazeboStep_s = 1e-3;  ///< max_step_size of its default physics
 
-/// The voltage in every row with the current imposed. `drawn_Ah` as of ChargeDrawn_Ah(), of which the
-/// first one counts here. The smoothed current starts at 0, and so does the battery at rest.
+/// The voltage in every row with the current imposed. `drawn_Ah` as of ChargeDrawn_Ah(), of which
+/// the first one counts here. The smoothed current starts at 0, and so does the battery at rest.
 [[nodiscard]] std::vector<double> GazeboVoltage(const GazeboBattery& battery,
                                                 const ExportMission& mission,
                                                 const std::vector<double>& drawn_Ah);

@@ -36,8 +36,8 @@ inline constexpr double kPx4LargestResistance_Ohm = 0.2;
                                              const ExportMission& mission,
                                              const std::vector<double>& drawn_Ah);
 
-/// What the estimator shows in every row, given the pack's voltage there: a fraction. It starts with
-/// what the voltage says, and with no charge counted.
+/// What the estimator shows in every row, given the pack's voltage there: a fraction. It starts
+/// with what the voltage says, and with no charge counted.
 [[nodiscard]] std::vector<double> Px4StateOfCharge(const Px4Battery& battery,
                                                    const ExportMission& mission,
                                                    const std::vector<double>& voltage_V);

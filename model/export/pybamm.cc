@@ -258,7 +258,7 @@ Exported ExportPybamm(const ExportRequest& request) {
   if (cell.self_heating) {
     exported.cannot_hold.emplace_back(
         "Self-heating: the series resistance is a table over the mean state of charge that has what "
-        "the warmth of this mission left, by least squares of its drops.");
+        "the heating of this mission left, by least squares of its drops.");
   }
   if (tables && cell.diffusion) {
     exported.cannot_hold.emplace_back(
@@ -284,7 +284,8 @@ Exported ExportPybamm(const ExportRequest& request) {
       "The law is that of one cell: divide a pack's current by PARALLEL, multiply volts by SERIES. "
       "A full cell needs model.events cleared, as make_model() does, or an initial SoC of 0.9999.");
 
-  // PyBaMM divides by the resistance of a branch to have its capacitance: 0 becomes next to nothing.
+  // PyBaMM divides by the resistance of a branch to have its capacitance: 0 becomes next to
+  // nothing.
   constexpr double kLeastBranch_Ohm = 1e-9;
   for (auto& branch : cell.branches) {
     for (double& ohms : branch.resistance_Ohm.resistance_Ohm)

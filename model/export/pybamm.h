@@ -6,9 +6,9 @@
 ///
 ///   z_t = z_xx/tau_D on 0 .. 1, z_x(1) = -tau_D i/Q
 ///
-/// has the state of charge A of lipoid's diffusion at its surface where tau_D = pi²/beta² and
-/// Q = alpha, with all modes; what remains is the mesh. Its resistances see the mean state of charge instead of A. Tests:
-/// tests/model/export/pybamm_test.cc.
+/// has the state of charge A of lipoid's diffusion at its surface where tau_D = pi²/beta² and Q =
+/// alpha, with all modes; what remains is the mesh. Its resistances see the mean state of charge
+/// instead of A. Tests: tests/model/export/pybamm_test.cc.
 
 #include <vector>
 

@@ -91,14 +91,14 @@ class Circuit {
     }
     bool resistor = false;
     if (n_.self_heating) {
-      Comment("Square of the current, low-passed: the warmth lowers the series resistance.");
-      Line(fmt::format("Bwarmth 0 warmth I = {0} * {0}", Current()));
-      Line(fmt::format("Cwarmth warmth 0 {}", Number(n_.self_heating->time_constant_s)));
-      Line("Rwarmth warmth 0 1");
-      start += " V(warmth)=0";
+      Comment("Square of the current, low-passed: the thermal state lowers the series resistance.");
+      Line(fmt::format("Bheat 0 heat I = {0} * {0}", Current()));
+      Line(fmt::format("Cheat heat 0 {}", Number(n_.self_heating->time_constant_s)));
+      Line("Rheat heat 0 1");
+      start += " V(heat)=0";
       Comment("Series resistance of a cell, cold and warm.");
       Line("Bcold cold 0 V = " + Table(n_.series));
-      Line(fmt::format("Bwarm warm 0 V = max(V(cold) - {} * V(warmth), {} * V(cold))",
+      Line(fmt::format("Bwarm warm 0 V = max(V(cold) - {} * V(heat), {} * V(cold))",
                        Number(n_.self_heating->resistance_drop_Ohm_per_A2),
                        Number(kLeastSeriesShare)));
       voltage += " - V(warm) * " + Current();

@@ -7,10 +7,11 @@
 ///   uint16 magic (18458; 29569 with 32 channels), uint16 frame_rate in Hz, uint32 frame_count,
 ///   uint16 pwm[16 or 32] in microseconds
 ///
-/// and each new frame moves the plant on by 1/frame_rate; the answer is the state then. A frame that
-/// comes again, because the answer was lost, gets the same answer and moves nothing. A count that
-/// jumps ahead is one step, and what is missing is counted: the autopilot's clock is the timestamp
-/// of the answers. A count that falls means that the autopilot was started anew: the plant is reset.
+/// and each new frame moves the plant on by 1/frame_rate; the answer is the state then. A frame
+/// that comes again, because the answer was lost, gets the same answer and moves nothing. A count
+/// that jumps ahead is one step, and what is missing is counted: the autopilot's clock is the
+/// timestamp of the answers. A count that falls means that the autopilot was started anew: the
+/// plant is reset.
 ///
 /// The first four channels are the motors of ArduCopter's quad X: front right, back left, front
 /// left, back right; 1000 is off, 2000 is full. Front right must turn counter-clockwise there, with

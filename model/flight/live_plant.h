@@ -9,9 +9,9 @@
 ///   plant->Advance({0.6, 0.6, 0.6, 0.6}, 0.0025);
 ///   plant->state().battery_V;
 ///
-/// An empty battery (state of charge 0) gives nothing any more: the motors run out. A flight is over
-/// only where its numbers are: at a pitch of 90 degrees, where Euler angles end (so there are no
-/// flips), or where they are not finite. Tests: tests/model/flight/live_plant_test.cc.
+/// An empty battery (state of charge 0) gives nothing any more: the motors run out. A flight is
+/// over only where its numbers are: at a pitch of 90 degrees, where Euler angles end (so there are
+/// no flips), or where they are not finite. Tests: tests/model/flight/live_plant_test.cc.
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
-// lipoid export CELL --to TARGET -o FILE: the battery of another program, and how far it is from the
-// cell.
+// lipoid export CELL --to TARGET -o FILE: the battery of another program, and how far it is from
+// the cell.
 #include <fmt/ranges.h>
 
 #include <algorithm>

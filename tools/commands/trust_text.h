@@ -13,8 +13,8 @@ namespace lipoid {
 /// what the intervals take as exact where that is not empty.
 [[nodiscard]] std::string TrustText(const TrustReport& report, const std::string& exact = "");
 
-/// What the logs know best, first of all: the charge, what a pulse test would measure, and the error
-/// that a new log is to be expected to have.
+/// What the logs know best, first of all: the charge, what a pulse test would measure, and the
+/// error that a new log is to be expected to have.
 [[nodiscard]] std::string KnownText(const Identification& found);
 
 /// "identified", or "only with r_1, beta".

@@ -31,7 +31,8 @@ struct UdpServer::Network {
                               sender,
                               [this](const boost::system::error_code& error, std::size_t bytes) {
                                 if (error == asio::error::operation_aborted) return;
-                                // What else fails is about an earlier answer that nobody took (connection refused).
+                                // What else fails is about an earlier answer that nobody took
+                                // (connection refused).
                                 if (!error && Answered({buffer.data(), bytes})) return io.stop();
                                 Receive();
                               });

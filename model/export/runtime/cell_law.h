@@ -6,7 +6,7 @@
 //   u_m' = -beta^2 m^2 u_m + i,  m = 1 .. modes;  q' = i      unavailable and delivered charge
 //   A    = 1 - (q + 2 sum_m u_m + tail i)/alpha               state of charge, a fraction
 //   v_j' = (r_j(A) i - v_j)/tau_j                             branches
-//   h'   = (i^2 - h)/tau_h                                    warmth of the current
+//   h'   = (i^2 - h)/tau_h                                    thermal state
 //   v    = v_oc(A) - r_s(A, h) i - sum_j v_j - r_ct(A) i_0 asinh(i/i_0)
 //
 // One cell: amperes (discharge positive), volts, seconds, coulombs. Each step is the exact solution for a
@@ -41,7 +41,7 @@ typedef struct {
   const cell_resistance *branch;
   cell_resistance series;
   int warms;                    // whether the cell has self-heating
-  cell_real warmth_s;           // tau_h
+  cell_real thermal_s;           // tau_h
   cell_real drop_Ohm_per_A2;    // r_s(A, h) = r_s(A) - drop h, at least least_share r_s(A)
   cell_real least_share;
   int transfers;                // whether the cell has charge transfer
@@ -133,7 +133,7 @@ static cell_real cell_soc(const cell_numbers *cell, const cell_real *x, cell_rea
   return (cell->alpha_C - (x[0] + (cell_real)2 * sum_C + cell->tail_s * current_A)) / cell->alpha_C;
 }
 
-// r_s at this A and warmth; `scale` multiplies the resistance of the cell where it is relaxed.
+// r_s at this A and thermal state; `scale` multiplies the resistance of the cell where it is relaxed.
 static cell_real cell_series(const cell_numbers *cell, const cell_real *x, cell_real soc, cell_real scale) {
   const cell_real cold_Ohm = scale * cell_ohms(&cell->series, soc);
   if (cell->warms) {
@@ -174,7 +174,7 @@ static void cell_prepare(const cell_numbers *cell, cell_real dt_s, cell_real *lo
     gain[n] = loss[n];
   }
   if (cell->warms) {
-    loss[n] = -CELL_MATH(expm1)(-dt_s / cell->warmth_s);
+    loss[n] = -CELL_MATH(expm1)(-dt_s / cell->thermal_s);
     gain[n] = loss[n];
   }
 }

@@ -187,7 +187,7 @@ static int fmu_read_numbers(fmu_cell *cell, const char *file, const char *token)
   own->branch = cell->branch;
   own->series = fmu_ohms(&reader);
   own->warms = fmu_next(&reader) > 0.0;
-  own->warmth_s = fmu_next(&reader);
+  own->thermal_s = fmu_next(&reader);
   own->drop_Ohm_per_A2 = fmu_next(&reader);
   own->least_share = fmu_next(&reader);
   own->transfers = fmu_next(&reader) > 0.0;
@@ -214,7 +214,7 @@ static int fmu_read_numbers(fmu_cell *cell, const char *file, const char *token)
   for (j = 0; j < 2; ++j) own->end_V[j] = fmu_next(&reader);
   for (j = 0; j < 2; ++j) own->end_slope_V[j] = fmu_next(&reader);
   if (reader.at != reader.end || !(own->alpha_C > 0.0) || (own->modes > 0 && !(own->rate_per_s[0] > 0.0)) ||
-      (own->warms && !(own->warmth_s > 0.0)) || (own->transfers && !(own->transfer_A > 0.0))) {
+      (own->warms && !(own->thermal_s > 0.0)) || (own->transfers && !(own->transfer_A > 0.0))) {
     reader.bad = 1;
   }
   cell->numbers = own;
@@ -477,7 +477,7 @@ static int fmu_get(const fmu_cell *cell, unsigned reference, double *value) {
           cell_ohms(&numbers->branch[j], cell_soc(numbers, cell->x, current_A)) * current_A;
       *value = (steady_V - cell->x[n]) / numbers->time_constant_s[j];
     } else {
-      *value = (current_A * current_A - cell->x[n]) / numbers->warmth_s;
+      *value = (current_A * current_A - cell->x[n]) / numbers->thermal_s;
     }
     return enough ? 1 : 2;
   }
