@@ -1,6 +1,8 @@
 #include "model/export/curve_nodes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lipoid {
 namespace {
@@ -40,6 +42,20 @@ CurveNodes NodesOf(const OpenCircuitVoltage& curve) {
     nodes.voltage_V.push_back(curve(ends[k]));
   }
   return nodes;
+}
+
+OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve) {
+  if (curve.method() == OcvMethod::kLinear) return curve;
+  CurveNodes nodes = NodesOf(curve);
+  // The curve goes on with its own end slopes: a last line of that slope, too short to matter.
+  constexpr double kShort = 1e-6;
+  const auto low = curve.Evaluate(curve.soc_lo());
+  const auto high = curve.Evaluate(curve.soc_hi());
+  nodes.soc.insert(nodes.soc.begin(), curve.soc_lo() - kShort);
+  nodes.voltage_V.insert(nodes.voltage_V.begin(), low.value_V - kShort * low.slope_V);
+  nodes.soc.push_back(curve.soc_hi() + kShort);
+  nodes.voltage_V.push_back(high.value_V + kShort * high.slope_V);
+  return OpenCircuitVoltage::Linear(std::move(nodes.soc), std::move(nodes.voltage_V));
 }
 
 CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve) {

@@ -17,8 +17,12 @@ struct CurveNodes {
 
 /// The nodes of a linear curve are its own; of another curve there are as many as keep the straight
 /// lines within kCurveTolerance_V of it.
-inline constexpr double kCurveTolerance_V = 2e-5;
+inline constexpr double kCurveTolerance_V = 1e-5;
 [[nodiscard]] CurveNodes NodesOf(const OpenCircuitVoltage& curve);
+
+/// The same lines as a curve, which goes on beyond its ends with the slopes of `curve`: its own where
+/// that is linear.
+[[nodiscard]] OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve);
 
 /// The same with a node `beyond` before the first and after the last one, on the end slopes: for
 /// programs that hold the end value instead.

@@ -11,15 +11,14 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/export/cell_numbers.h"
+#include "model/export/curve_nodes.h"
 #include "model/export/folded_branches.h"
 #include "model/export/provenance.h"
-#include "model/export/spice.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kCurveTolerance_V = 1e-5;  // of a curve made of straight lines
-constexpr double kBeyond = 10.0;            // how far the last lines of a table go on
+constexpr double kBeyond = 10.0;  // how far the last lines of a table go on
 
 std::string PythonList(const std::vector<double>& values) {
   std::string text = "[";
@@ -293,7 +292,7 @@ Exported ExportPybamm(const ExportRequest& request) {
   }
 
   Cell in_lines = cell;
-  in_lines.open_circuit_voltage = StraightLines(cell.open_circuit_voltage, kCurveTolerance_V);
+  in_lines.open_circuit_voltage = StraightLines(cell.open_circuit_voltage);
   exported.error = MissionError(request, RunPybammLaw(in_lines, request.mission, kPybammPoints));
 
   Module module;

@@ -8,6 +8,7 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/export/cell_numbers.h"
+#include "model/export/curve_nodes.h"
 #include "model/export/folded_branches.h"
 #include "model/export/provenance.h"
 
@@ -15,7 +16,6 @@ namespace lipoid {
 namespace {
 
 // Cubic, polynomial and Fourier curves become straight lines this close.
-constexpr double kCurveTolerance_V = 1e-5;
 // How far straight lines go on beyond the ends of a table, in states of charge. The iterations of a
 // solver may go far.
 constexpr double kBeyond = 10.0;
@@ -155,7 +155,7 @@ class Circuit {
     return Points(x, y);
   }
   [[nodiscard]] std::string Curve() const {
-    const OpenCircuitVoltage lines = StraightLines(cell_.open_circuit_voltage, kCurveTolerance_V);
+    const OpenCircuitVoltage lines = StraightLines(cell_.open_circuit_voltage);
     std::vector<double> x = lines.soc();
     std::vector<double> y = lines.voltage_V();
     x.insert(x.begin(), x.front() - kBeyond);
@@ -174,49 +174,6 @@ class Circuit {
 
 }  // namespace
 
-OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve, double tolerance_V) {
-  if (curve.method() == OcvMethod::kLinear) return curve;
-  // Between nodes of the curve the formula is smooth: pieces are halved until the curve is close to
-  // its chord at three points within.
-  std::vector<double> ends = curve.soc();
-  if (ends.empty()) {
-    constexpr int kFirstPieces = 16;  // so that no bump of a series hides between three points
-    for (int k = 0; k <= kFirstPieces; ++k)
-      ends.push_back(curve.soc_lo() + (curve.soc_hi() - curve.soc_lo()) * k / kFirstPieces);
-  }
-  std::vector<double> soc{ends.front()};
-  std::vector<double> wanted(ends.rbegin(), ends.rend() - 1);  // the nearest last
-  constexpr std::size_t kMostLines = 20000;
-  while (!wanted.empty()) {
-    const double from = soc.back();
-    const double to = wanted.back();
-    const double from_V = curve(from);
-    const double to_V = curve(to);
-    double off_V = 0.0;
-    for (const double share : {0.25, 0.5, 0.75}) {
-      const double chord_V = from_V + share * (to_V - from_V);
-      off_V = std::max(off_V, std::abs(curve(from + share * (to - from)) - chord_V));
-    }
-    if (off_V > tolerance_V && soc.size() + wanted.size() < kMostLines) {
-      wanted.push_back(0.5 * (from + to));
-    } else {
-      soc.push_back(to);
-      wanted.pop_back();
-    }
-  }
-  std::vector<double> voltage_V;
-  for (const double at : soc) voltage_V.push_back(curve(at));
-  // The curve goes on with its own end slopes: a last line of that slope, too short to matter.
-  constexpr double kShort = 1e-6;
-  const auto low = curve.Evaluate(curve.soc_lo());
-  const auto high = curve.Evaluate(curve.soc_hi());
-  soc.insert(soc.begin(), curve.soc_lo() - kShort);
-  voltage_V.insert(voltage_V.begin(), low.value_V - kShort * low.slope_V);
-  soc.push_back(curve.soc_hi() + kShort);
-  voltage_V.push_back(high.value_V + kShort * high.slope_V);
-  return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
-}
-
 Exported ExportSpice(const ExportRequest& request) {
   const std::string version = request.target_version.empty() ? "ngspice" : request.target_version;
   if (version != "ngspice" && version != "ltspice") {
@@ -227,7 +184,7 @@ Exported ExportSpice(const ExportRequest& request) {
   const Cell& cell = folded.cell;
   const CellNumbers numbers = NumbersOf(cell);
   Cell in_lines = cell;
-  in_lines.open_circuit_voltage = StraightLines(cell.open_circuit_voltage, kCurveTolerance_V);
+  in_lines.open_circuit_voltage = StraightLines(cell.open_circuit_voltage);
 
   Exported exported;
   constexpr int kStepsOfRow = 20;

@@ -21,8 +21,4 @@ namespace lipoid {
 /// OptionError where the version is another.
 [[nodiscard]] Exported ExportSpice(const ExportRequest& request);
 
-/// The curve as straight lines that are off by at most tolerance_V within its range: its own nodes
-/// where it is linear.
-[[nodiscard]] OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve, double tolerance_V);
-
 }  // namespace lipoid

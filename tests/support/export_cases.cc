@@ -129,8 +129,6 @@ int RunCommand(const std::string& command, std::string& output) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string PythonOfSimulators() { return ExtraPython(); }
-
 std::vector<double> ReadNumbers(const std::string& file) {
   std::vector<double> numbers;
   std::ifstream in(file);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/export/exported.h"
+#include "tests/support/paths.h"
 
 namespace lipoid::test {
 
@@ -37,10 +38,6 @@ std::string WriteExported(const Exported& exported,
 /// Runs a command of the shell; what it printed is added to `output`. Its exit code.
 int RunCommand(const std::string& command, std::string& output);
 
-/// The Python of build/python-extra, into which tools/setup --extra installs the simulators of
-/// PyPI; "" where it is absent.
-std::string PythonOfSimulators();
-
 /// One number a line.
 std::vector<double> ReadNumbers(const std::string& file);
 
@@ -52,6 +49,6 @@ std::string CCompiler();
 
 /// Skips a test, and says so, where the simulators of PyPI are absent.
 #define LIPOID_SKIP_WITHOUT_SIMULATORS()              \
-  if (lipoid::test::PythonOfSimulators().empty())     \
+  if (lipoid::test::ExtraPython().empty())            \
   GTEST_SKIP() << "skipped: tools/setup --extra has " \
                   "not installed the simulators of PyPI (build/python-extra)"

@@ -1,9 +1,12 @@
 """docs/benchmarks.md from the JSON that tools/bench leaves: nothing in it is typed by hand."""
 
+import json
 import math
+import subprocess
 
 from . import build_times, figure
 from .goals import PEER_DIGITS_V
+from .process import ROOT
 
 
 def number(value, digits=4):
@@ -40,6 +43,8 @@ def write(result, figure_name):
             parts.append(section(stages[name], stages))
     if "limits" in stages:
         parts.append(limits(result))
+    if "step_times" in result:
+        parts.append(steps(result["step_times"]))
     if "build_times" in result:
         parts.append(builds(result["build_times"]))
     svg = None
@@ -323,6 +328,30 @@ def growth(stage, figure_name):
             [[f"{point[series['unit']]:,}", number(1e3 * point["wall_s"]),
               number(point["rows_per_s"] / 1e6)] for point in series["points"]])
     return text
+
+
+STEPS = {
+    "CellStep": "lipoid's own cell, a step and its voltage",
+    "Exported/CellStepInDouble": "the same as exported C, double",
+    "Exported/CellStepInFloat": "the same as exported C, float",
+    "LiveFrame": "a frame of `lipoid sitl`: sensors, motors, body, battery; without the network",
+}
+
+
+def steps(rows):
+    lines = [[STEPS.get(row["name"], row["name"]), number(1e9 * row["processor_s"], 3)]
+             for row in rows]
+    return ("## Short steps\n\nMeasured by `tools/step-times --out docs/benchmarks.json` (processor "
+            "time, build of the preset dev, one core), the cell\ngifi-600mAh-1 with ten diffusion "
+            "modes:\n\n" + table(["", "ns"], lines))
+
+
+def keep(file, key, measured):
+    """Puts what a tool of its own measured into a JSON of tools/bench, and makes its report anew."""
+    result = json.loads(file.read_text(encoding="utf-8"))
+    result[key] = measured
+    file.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    subprocess.run([ROOT / "tools/bench", "--report", file], check=True)
 
 
 def builds(facts):

@@ -63,7 +63,7 @@ TEST_P(FmiTest, RunsInFmpyAsTheCellModelDoes) {
   }
   std::string output;
   const int code = test::RunCommand(fmt::format("{} -B {} {} {} {}",
-                                                test::PythonOfSimulators(),
+                                                test::ExtraPython(),
                                                 test::SourcePath("tests/reference/run_fmu.py"),
                                                 file,
                                                 folder + "/rows.txt",

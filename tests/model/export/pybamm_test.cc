@@ -33,7 +33,7 @@ std::vector<double> RunModule(const ExportRequest& request, const Exported& expo
       fmt::format("cd {} && PYBAMM_DISABLE_TELEMETRY=true {} -B cell.py mission.csv "
                   "> out.csv && tail -n +2 out.csv | cut -d, -f2 > voltage.txt",
                   folder,
-                  test::PythonOfSimulators()),
+                  test::ExtraPython()),
       output);
   EXPECT_EQ(code, 0) << output;
   return test::ReadNumbers(folder + "/voltage.txt");

@@ -11,6 +11,7 @@
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
 #include "model/export/cell_numbers.h"
+#include "model/export/curve_nodes.h"
 #include "tests/support/export_cases.h"
 #include "tests/support/paths.h"
 
@@ -151,7 +152,7 @@ TEST(Spice, StartsRelaxedUnderLoadAndAtAnyCharge) {
 TEST(Spice, LinesStraightenACurveWithinTheToleranceAndGoOnWithItsEndSlopes) {
   for (const Cell& cell : test::ExportCells()) {
     const auto& curve = cell.open_circuit_voltage;
-    const auto lines = StraightLines(curve, 1e-5);
+    const auto lines = StraightLines(curve);
     for (double soc = -0.2; soc < 1.2; soc += 0.00037)
       ASSERT_NEAR(lines(soc), curve(soc), 1.2e-5) << cell.name << " " << soc;
     EXPECT_LT(lines.soc().size(), 400U);
