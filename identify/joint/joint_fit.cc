@@ -381,7 +381,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   const Eigen::LLT<Eigen::MatrixXd> llt(
       information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free).eval());
   slopes->square = sums.of_rates(searched, searched);
-  slopes->square -= across.transpose() * llt.solve(across);
+  // Eigen looks at the first entry of what it solves for, which is none where nothing is searched.
+  if (across.size() > 0) slopes->square -= across.transpose() * llt.solve(across);
   slopes->with_residual = -sums.with_residual(searched);
   return solution;
 }
