@@ -1,11 +1,13 @@
 #include "tools/commands/udp_server.h"
 
 #include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/time.h>
 
 #include <array>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 
 #include "model/core/errors.h"
@@ -16,48 +18,13 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 
+// How soon a server that hears nothing sees that it was stopped, or that it waited long enough.
+constexpr timeval kLook{.tv_sec = 0, .tv_usec = 50'000};
+
 struct UdpServer::Network {
   asio::io_context io;
   udp::socket socket{io};
-  asio::steady_timer idle{io};
-  udp::endpoint sender;
-  std::array<char, 2048> buffer{};  // longer datagrams come cut, and have the wrong length then
-  Clock::time_point last_came;
-  std::function<Reply(std::string_view)> answer;
-  Ended ended = Ended::kStopped;
-
-  void Receive() {
-    socket.async_receive_from(asio::buffer(buffer),
-                              sender,
-                              [this](const boost::system::error_code& error, std::size_t bytes) {
-                                if (error == asio::error::operation_aborted) return;
-                                // What else fails is about an earlier answer that nobody took
-                                // (connection refused).
-                                if (!error && Answered({buffer.data(), bytes})) return io.stop();
-                                Receive();
-                              });
-  }
-
-  bool Answered(std::string_view datagram) {
-    last_came = Clock::now();
-    const Reply reply = answer(datagram);
-    if (!reply.bytes.empty()) {
-      boost::system::error_code lost;  // as any datagram may be
-      socket.send_to(asio::buffer(reply.bytes.data(), reply.bytes.size()), sender, 0, lost);
-    }
-    if (reply.last) ended = Ended::kLast;
-    return reply.last;
-  }
-
-  void WatchIdle(Clock::duration limit) {
-    idle.expires_at(last_came + limit);
-    idle.async_wait([this, limit](const boost::system::error_code& error) {
-      if (error) return;
-      if (Clock::now() < last_came + limit) return WatchIdle(limit);
-      ended = Ended::kIdle;
-      io.stop();
-    });
-  }
+  std::atomic<bool> stopped = false;
 };
 
 UdpServer::UdpServer(const std::string& address, std::uint16_t port)
@@ -89,21 +56,33 @@ bool UdpServer::is_loopback() const {
   return network_->socket.local_endpoint().address().is_loopback();
 }
 
+// The datagram is waited for in the kernel, without Asio's reactor: one call to receive and one to
+// answer, where lock step makes each of them a part of every frame.
 UdpServer::Ended UdpServer::Run(const std::function<Reply(std::string_view)>& answer,
                                 std::optional<double> idle_s) {
-  Network& n = *network_;
-  n.answer = answer;
-  n.ended = Ended::kStopped;
-  n.last_came = Clock::now();
-  n.Receive();
-  if (idle_s) {
-    n.WatchIdle(
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*idle_s)));
+  const int socket = network_->socket.native_handle();
+  (void)::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &kLook, sizeof kLook);
+  std::array<char, 2048> buffer{};  // longer datagrams come cut, and have the wrong length then
+  auto last_came = Clock::now();
+  while (!network_->stopped) {
+    udp::endpoint sender;
+    auto size = static_cast<socklen_t>(sender.capacity());
+    const ssize_t bytes = ::recvfrom(socket, buffer.data(), buffer.size(), 0, sender.data(), &size);
+    if (bytes < 0) {
+      // Nothing came; what else fails is about an earlier answer that nobody took.
+      if (idle_s && Clock::now() - last_came > std::chrono::duration<double>(*idle_s))
+        return Ended::kIdle;
+      continue;
+    }
+    last_came = Clock::now();
+    const Reply reply = answer({buffer.data(), static_cast<std::size_t>(bytes)});
+    if (!reply.bytes.empty())  // an answer may be lost, as any datagram may be
+      (void)::sendto(socket, reply.bytes.data(), reply.bytes.size(), 0, sender.data(), size);
+    if (reply.last) return Ended::kLast;
   }
-  n.io.run();
-  return n.ended;
+  return Ended::kStopped;
 }
 
-void UdpServer::Stop() { network_->io.stop(); }
+void UdpServer::Stop() { network_->stopped = true; }
 
 }  // namespace lipoid

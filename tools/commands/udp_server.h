@@ -2,7 +2,7 @@
 
 /// @file
 /// A server that answers datagrams, each to where it came from. The one place that knows of the
-/// network (Boost.Asio). Tests: tests/tools/sitl_test.cc.
+/// network (Boost.Asio for addresses, the system for datagrams). Tests: tests/tools/sitl_test.cc.
 
 #include <cstdint>
 #include <functional>
