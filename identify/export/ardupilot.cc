@@ -37,7 +37,6 @@ Exported ExportArduPilot(const ExportRequest& request) {
 
   // The table falls off a cliff below 2 % of its capacity: the mission stays above it.
   constexpr double kCliff = 0.02;
-  constexpr double kFullTolerance = 0.02;
   const double least_Ah = std::max(0.5 * capacity_Ah, drawn_Ah / (1.0 - kCliff));
   const std::vector<FreeParameter> parameters = {
       {"maxVoltage", (1.0 - kFullTolerance) * full_V, (1.0 + kFullTolerance) * full_V, full_V},

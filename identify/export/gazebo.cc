@@ -52,7 +52,6 @@ Exported ExportGazebo(const ExportRequest& request) {
   const double full_V = cell.open_circuit_voltage(1.0);
   const double capacity_Ah = UsableCapacity_Ah(cell);
   const double drop_Ohm = one.TypicalResistance();
-  constexpr double kFullTolerance = 0.02;
   const std::vector<FreeParameter> parameters = {
       {"open_circuit_voltage_constant_coef",
        (1.0 - kFullTolerance) * full_V,

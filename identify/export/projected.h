@@ -11,6 +11,10 @@
 
 namespace lipoid {
 
+/// The full voltage of a law stays within this share of the cell's own, v_oc(1): a mission alone
+/// would let it wander (a resistance and a voltage do the same to a current that hardly changes).
+inline constexpr double kFullTolerance = 0.02;
+
 /// One cell of the pack over its share of the mission: what numbers are fitted to.
 struct SingleCell {
   explicit SingleCell(const ExportRequest& request);

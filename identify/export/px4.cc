@@ -19,7 +19,6 @@ Exported ExportPx4(const ExportRequest& request) {
   const double capacity_mAh = 1000.0 * UsableCapacity_Ah(cell);
   const double drop_Ohm = one.TypicalResistance();
   const double most_Ohm = std::min(20.0 * drop_Ohm, kPx4LargestResistance_Ohm * cell.parallel);
-  constexpr double kFullTolerance = 0.02;
   const std::vector<FreeParameter> parameters = {
       {"BAT1_V_EMPTY", 0.2 * full_V, (1.0 - 2.0 * kFullTolerance) * full_V, full_V},
       {"BAT1_V_CHARGED", (1.0 - kFullTolerance) * full_V, (1.0 + kFullTolerance) * full_V, full_V},

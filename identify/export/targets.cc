@@ -15,6 +15,7 @@
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/export/c_code.h"
+#include "model/export/cell_numbers.h"
 #include "model/export/cell_tables.h"
 #include "model/export/fmi.h"
 #include "model/export/pybamm.h"
@@ -106,17 +107,8 @@ Exported Export(const ExportTarget& target, ExportRequest request) {
 }
 
 std::string IdentifierOf(std::string_view name) {
-  std::string identifier;
-  for (const char c : name) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-    identifier += plain ? c : '_';
-  }
-  constexpr std::size_t kLongest = 60;
-  identifier.resize(std::min(identifier.size(), kLongest));
-  if (identifier.empty() || (identifier[0] >= '0' && identifier[0] <= '9'))
-    identifier.insert(0, "cell_");
-  return identifier;
+  constexpr std::size_t kLongest = 60;  // MATLAB's limit is 63 letters
+  return Identifier(name).substr(0, kLongest);
 }
 
 }  // namespace lipoid

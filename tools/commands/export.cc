@@ -9,6 +9,7 @@
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
@@ -122,9 +123,8 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
              "LOG",
              "what the numbers are fitted and compared over: a log as simulate reads it, "
              "time_s,power_W, or a flight of lipoid; default: two levels of current with rests");
-  line.Option("series", pack.series, Range{1, 100000}, "cells in series of the pack to export");
-  line.Option(
-      "parallel", pack.parallel, Range{1, 100000}, "cells in parallel of the pack to export");
+  line.Option("series", pack.series, kPackSizes, "cells in series of the pack to export");
+  line.Option("parallel", pack.parallel, kPackSizes, "cells in parallel of the pack to export");
   line.Text("target-version",
             version,
             "VERSION",

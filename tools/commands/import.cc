@@ -3,6 +3,7 @@
 
 #include "identify/export/import_cell.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
 
@@ -22,11 +23,11 @@ cli::ExitCode ImportCommand(cli::CommandLine& line) {
   line.Text("name", options.name, "NAME", "of the cell, instead of the file's own");
   line.Option("series",
               options.series,
-              Range{1, 100000},
+              kPackSizes,
               "cells in series of the pack whose numbers the file has");
   line.Option("parallel",
               options.parallel,
-              Range{1, 100000},
+              kPackSizes,
               "cells in parallel of the pack whose numbers the file has");
   line.Option("capacity-Ah",
               options.capacity_Ah,

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/flight/ardupilot_json.h"
 #include "model/flight/coupling.h"
@@ -122,12 +123,9 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
       "lipoid sitl --cell gifi-600mAh-1 --vehicle mambo-coupled");
   line.Example("sim_vehicle.py -v ArduCopter --model JSON:127.0.0.1   # in another terminal");
   line.Input("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
+  line.Option("series", series, kPackSizes, "cells in series, instead of what the cell file says");
   line.Option(
-      "series", series, Range{1, 100000}, "cells in series, instead of what the cell file says");
-  line.Option("parallel",
-              parallel,
-              Range{1, 100000},
-              "cells in parallel, instead of what the cell file says");
+      "parallel", parallel, kPackSizes, "cells in parallel, instead of what the cell file says");
   line.Input("vehicle",
              vehicle_name,
              "VEHICLE",
