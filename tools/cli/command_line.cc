@@ -231,6 +231,13 @@ void CommandLine::Output(std::string& value, std::string_view word, std::string_
   options_.back()->required = true;
 }
 
+void CommandLine::ReportOption() {
+  OutputOption("report",
+               report_file_,
+               "HTML",
+               "write the result as one page with plots, to be opened in a browser");
+}
+
 void CommandLine::OutputOption(std::string_view name,
                                std::string& value,
                                std::string_view word,
@@ -343,6 +350,7 @@ bool CommandLine::Parse() {
   }
   if (!summary_file_.empty()) output_files_.push_back({"--summary", OutputPath(summary_file_)});
   CheckOutputs();
+  if (!report_file_.empty()) RequireReport();
   for (const OutputFile& output : output_files_) CheckWritable(output.path);
   const int allowed = ThreadsAllowed();
   if (allowed < static_cast<int>(std::thread::hardware_concurrency())) {

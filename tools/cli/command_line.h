@@ -45,6 +45,7 @@
 #include "model/core/json.h"
 #include "model/core/options.h"
 #include "tools/cli/progress.h"
+#include "tools/report/report.h"
 
 namespace lipoid::cli {
 
@@ -150,6 +151,9 @@ class CommandLine {
                     std::string_view word,
                     std::string_view help);
 
+  /// --report HTML: the result as one page with plots, written when the command is done.
+  void ReportOption();
+
   /// Options of a struct (model/core/options.h) for --set prefix.name=value; no dot where prefix is
   /// empty.
   template <class Options>
@@ -204,6 +208,11 @@ class CommandLine {
 
   /// Results for --summary; docs/formats.md has the keys.
   [[nodiscard]] Json& summary() { return summary_; }
+
+  /// Where --report asks for a page: "" where it does not, and no series need be made.
+  [[nodiscard]] const std::string& report_file() const { return report_file_; }
+  /// What the charts of the page need beside the summary.
+  [[nodiscard]] std::vector<Series>& report_series() { return report_series_; }
 
   /// Data for standard output. Kept until the command is done: a command that fails prints nothing.
   template <class... Args>
@@ -281,6 +290,8 @@ class CommandLine {
   std::vector<OptionGroup> groups_;
 
   std::string summary_file_;
+  std::string report_file_;
+  std::vector<Series> report_series_;
   std::uint64_t seed_ = 0;
   int threads_ = 0;
   bool quiet_ = false;

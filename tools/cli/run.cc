@@ -80,10 +80,10 @@ std::string SummaryFile(const std::vector<std::string>& arguments) {
   return "";
 }
 
-std::string SummaryText(const std::string& command,
-                        ExitCode exit_code,
-                        const Json& results,
-                        const Failure* failure) {
+Json SummaryJson(const std::string& command,
+                 ExitCode exit_code,
+                 const Json& results,
+                 const Failure* failure) {
   Json json = {{"command", command}, {"exit_code", static_cast<int>(exit_code)}};
   if (failure != nullptr) {
     Json error = {
@@ -98,8 +98,7 @@ std::string SummaryText(const std::string& command,
   } else {
     json.update(results);
   }
-  // Names of files may be anything but UTF-8: JSON must not.
-  return JsonText(json);
+  return json;
 }
 
 // Data reach standard output whole. A reader who left early had enough; a full disk is an error.
@@ -231,7 +230,13 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
     if (!summary_file.empty() && line->parsed()) {
-      WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));
+      WriteFileAtomically(summary_file,
+                          JsonText(SummaryJson(name, exit_code, line->summary(), nullptr)));
+    }
+    if (!line->report_file().empty()) {
+      const ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
+                                std::move(line->report_series())};
+      WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
     line->CommitOutputs();
   });
@@ -242,8 +247,9 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     const std::string why = WhyNoSummary(summary_file, arguments, inputs);
     if (why.empty()) {
       (void)Guarded([&] {
-        WriteFileAtomically(summary_file,
-                            SummaryText(name, failure->exit_code, Json::object(), &*failure));
+        WriteFileAtomically(
+            summary_file,
+            JsonText(SummaryJson(name, failure->exit_code, Json::object(), &*failure)));
       });
     } else {
       failure->message += fmt::format(
