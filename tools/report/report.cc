@@ -95,6 +95,8 @@ std::string ReportPage(std::span<const ReportResult> results) {
     Json shown = Json::object();
     shown["summary"] = result.summary;
     shown["series"] = std::move(series);
+    shown["notes"] = result.notes;
+    shown["file"] = result.file;
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));
