@@ -461,9 +461,8 @@ void CommandLine::CheckInputsOfReplay() const {
     // The name of something shipped, or a folder, whose files are inputs of their own.
     if (!std::filesystem::exists(input, none) || std::filesystem::is_directory(input, none))
       continue;
-    if (std::none_of(known.begin(), known.end(), [&](const Json& one) {
-          return one.at("file") == input;
-        })) {
+    if (std::none_of(
+            known.begin(), known.end(), [&](const Json& one) { return one.at("file") == input; })) {
       throw OptionError(fmt::format("'{}' is not among the inputs that the summary names", input));
     }
   }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "model/core/errors.h"
@@ -58,6 +59,24 @@ void Check(const Json& schema, const Json& value, const JsonReader& at) {
   for (std::size_t k = 0; k < value.size(); ++k) Check(schema["items"], value[k], at.Item(k));
 }
 
+// Of any command: the runs that the schemas were found from need not have had an input.
+const Json& SchemaOfRun() {
+  static const Json schema = [] {
+    const Json text = {{"type", "string"}};
+    const Json input = {{"type", "object"},
+                        {"required", {"file", "sha256"}},
+                        {"properties", {{"file", text}, {"sha256", text}}}};
+    return Json{{"type", "object"},
+                {"required", {"arguments", "version", "commit", "inputs"}},
+                {"properties",
+                 {{"arguments", {{"type", "array"}, {"items", text}}},
+                  {"version", text},
+                  {"commit", text},
+                  {"inputs", {{"type", "array"}, {"items", input}}}}}};
+  }();
+  return schema;
+}
+
 const Json& SchemaOf(const std::string& command, const JsonReader& at) {
   static std::map<std::string, Json> parsed;
   for (const auto& [name, text] : kSummarySchemas) {
@@ -88,6 +107,7 @@ Json ReadSummary(const std::string& file) {
   const auto command = reader.At("command");
   const Json& schema = SchemaOf(command.Text(), command);
   Check(schema.at(summary.contains("error") ? "then" : "else"), summary, reader);
+  if (const auto run = reader.Find("run")) Check(SchemaOfRun(), summary.at("run"), *run);
   return summary;
 }
 
