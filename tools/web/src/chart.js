@@ -1,7 +1,7 @@
 // A chart of lines, points, bars or bands over a common axis, by uPlot.
 import uPlot from "uplot";
 
-import { element } from "./dom.js";
+import { element, note } from "./dom.js";
 import { significant } from "./format.js";
 import { legend, nearest } from "./legend.js";
 import { endOfGuide, printed } from "./picture.js";
@@ -16,28 +16,30 @@ const HEIGHT = 280;
 const LEAST_WIDTH = 240;
 const FONT = "12px system-ui, sans-serif";
 
-// What is no number is a gap, which uPlot knows as null.
+// Beyond this no axis has ticks. Nothing that is measured comes near; a damaged summary might.
+const MOST = 1e100;
+const drawable = (value, log) => value !== null && Math.abs(value) < MOST && (!log || value > 0);
+
+// What cannot be drawn is a gap, which uPlot knows as null.
 function withGaps(values, log) {
-  const bad = (value) => value === null || !Number.isFinite(value) || (log && value <= 0);
-  return values.some(bad) ? Array.from(values, (value) => (bad(value) ? null : value)) : values;
+  return values.every((value) => drawable(value, log)) ? values : Array.from(values, (value) => (drawable(value, log) ? value : null));
 }
 
-// Samples of a line that has its own x, in the order of x, the first of equal ones.
-function ordered(xs, ys) {
-  const order = Array.from(xs.keys()).filter((k) => Number.isFinite(xs[k])).sort((a, b) => xs[a] - xs[b]);
-  const kept = order.filter((k, n) => n === 0 || xs[k] !== xs[order[n - 1]]);
-  return kept;
+// Samples that have a place on the axis, in the order of x, the first of equal ones.
+function ordered(xs, log) {
+  const order = Array.from(xs.keys()).filter((k) => drawable(xs[k], log)).sort((a, b) => xs[a] - xs[b]);
+  return order.filter((k, n) => n === 0 || xs[k] !== xs[order[n - 1]]);
 }
 
 // One table for all lines: [x, y of the first line, ...], the edges of a line's band right behind it.
 function tableOf(x, lines, log) {
   const columnsOf = (line) => [line.values, ...(line.band ?? [])];
-  if (lines.every((line) => !line.x)) {
-    return [withGaps(x.values, x.log), ...lines.flatMap((line) => columnsOf(line).map((ys) => withGaps(ys, log)))];
+  if (lines.every((line) => !line.x) && x.values.every((value) => drawable(value, x.log))) {
+    return [x.values, ...lines.flatMap((line) => columnsOf(line).map((ys) => withGaps(ys, log)))];
   }
   const tables = lines.map((line) => {
     const xs = line.x ?? x.values;
-    const order = ordered(xs, line.values);
+    const order = ordered(xs, x.log);
     const pick = (values) => order.map((k) => values[k]);
     return [pick(xs), ...columnsOf(line).map((ys) => withGaps(pick(ys), log))];
   });
@@ -67,7 +69,8 @@ function padding(x, lines) {
 function scaleOfY(y) {
   if (y.log) return { distr: 3 };
   const end = (soft) => ({ pad: 0.08, soft, mode: soft === undefined ? 0 : 1 });
-  return { range: { min: end(y.zero ? 0 : undefined), max: end(y.zero ? 0 : undefined) } };
+  const [low, high] = y.reach ?? (y.zero ? [0, 0] : [undefined, undefined]);
+  return { range: { min: end(low), max: end(high) } };
 }
 
 function axesOf(x, y, time) {
@@ -91,8 +94,15 @@ function axesOf(x, y, time) {
       ...(x.categories || x.whole ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
       values: x.categories ? names : time?.values ?? numbers,
     },
-    { ...shared, label: y.label, size: (_, values) => sizeOf(values), values: numbers },
+    { ...shared, ...(y.log ? { grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
   ];
+}
+
+// Over many decades the grid of a logarithmic axis has its powers of ten alone.
+function fewLines(_, splits) {
+  const decades = Math.log10(splits[splits.length - 1] / splits[0]);
+  const power = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6;
+  return decades < 5 ? splits : splits.map((value) => (power(value) ? value : null));
 }
 
 // Room for the longest number beside the axis, at least as in other charts, so that they align.
@@ -229,17 +239,18 @@ function drawRings(plot, rings) {
  * @param lines   [{label, values, x, points, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
  *                each, values as long as x, or as its own x. `points`: samples alone; `dots`: samples on their line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
- * @param y       {label, log, zero}; `zero`: the axis begins at zero
+ * @param y       {label, log, zero, reach}; `zero`: the axis begins at zero; `reach`: [low, high] that it shows at least
  * @param link    charts with the same key zoom and show their cursor together
  * @param spans   [{from, to, colour}]: stretches of x with a coloured ground
  * @param marks   [{x}]: places of x with a dashed line
  * @param guides  [{from: [x, y], to: [x, y], label}]: straight lines behind the samples
  * @param rings   [{at: [x, y], colour}]: samples with a circle; figure.showRings(rings) changes them
  * @param name    of the files that it is saved as
- * @returns a figure; its `plot` is uPlot's, its data-points the number of samples that it shows
+ * @returns a figure, or a sentence where there is nothing to draw; its `plot` is uPlot's, its data-points the number of samples that it shows
  */
 export function lineChart({ title, x, lines, y, link, spans = [], marks = [], guides = [], rings = [], name, height = HEIGHT }) {
   const data = tableOf(x, lines, y.log);
+  if (data.length === 0 || data[0].length === 0) return note(`${title}: there is nothing to draw.`);
   const { series, bands, entries } = seriesOf(lines);
   const xs = data[0];
   const time = x.time ? timeAxis(xs[0], xs[xs.length - 1]) : null;

@@ -41,10 +41,12 @@ function plane(rows, name, reach) {
     return { label: kind.label, x: poles.map(({ re }) => re), values: poles.map(({ im }) => im), points: true, size: kind.size, colour: kind.colour };
   }).filter((line) => line.x.length > 0);
   if (lines.length === 0) return null;
+  // Where all poles are real the plane has a height all the same; those on the axis are not cut.
+  const height = Math.max(...lines.flatMap((line) => line.x.map((re, k) => Math.max(0.1 * Math.abs(re), line.values[k]))));
   return lineChart({
     title: `Poles of ${name}: upper half of the complex plane`,
     x: { label: "real part / (1/s)", values: [], include: [0] },
-    y: { label: "imaginary part / (1/s)" },
+    y: { label: "imaginary part / (1/s)", reach: [-0.04 * height, height] },
     lines,
     guides: guidesWithin(reach),
     marks: [{ x: 0 }],
@@ -124,7 +126,7 @@ export function rootLocus(allRows, name) {
   const holder = element("div", {});
   const control = slider(rows, (row) => {
     holder.replaceChildren(tableAt(row));
-    chart?.showRings(ringsAt(row, reach));
+    chart?.showRings?.(ringsAt(row, reach));
   });
   const unstable = rows.filter((row) => polesOf(row, KINDS[2]).some(({ re }) => re >= 0));
   const far = rows.some((row) => polesOf(row, KINDS[2]).some(({ size }) => size > reach));

@@ -109,9 +109,9 @@ function success(results, target) {
 function resultsTable(results) {
   return table(
     [
-      { title: "optimizer", of: (r) => r.optimizer },
-      { title: "mean error / %", of: (r) => r.mean_error_percent },
-      { title: "maximum / %", of: (r) => r.max_error_percent },
+      { title: "optimizer", of: (r) => r.optimizer, class: "name" },
+      { title: "mean / %", of: (r) => r.mean_error_percent },
+      { title: "max / %", of: (r) => r.max_error_percent },
       { title: "rmse / mV", of: (r) => times(1e3, r.rmse_V) },
       { title: "above the best / %", of: (r) => r.gap_percent, digits: 2 },
       { title: "time / s", of: (r) => r.wall_s, digits: 3 },
@@ -120,14 +120,14 @@ function resultsTable(results) {
       { title: "ended", of: (r) => r.termination },
     ],
     results,
-    { sort: true, caption: "From the data's start; a click on a header sorts" },
+    { sort: true, caption: "From the data's start: mean and maximum error of the voltage, and what it took; a click on a header sorts" },
   );
 }
 
 function successTable(results) {
   return table(
     [
-      { title: "optimizer", of: (r) => r.optimizer },
+      { title: "optimizer", of: (r) => r.optimizer, class: "name" },
       { title: "success", of: (r) => `${r.successes} of ${r.starts}`, by: (r) => r.success_rate, class: "number" },
       { title: "median time to there / s", of: (r) => r.time_to_target_s, digits: 3 },
       { title: "median evaluations", of: (r) => r.evaluations_to_target },
@@ -145,7 +145,7 @@ function foundTable(results) {
   const names = [...new Set(results.flatMap((r) => Object.keys(r.parameters ?? {})))];
   return table(
     [
-      { title: "optimizer", of: (r) => r.optimizer },
+      { title: "optimizer", of: (r) => r.optimizer, class: "name" },
       ...names.map((name) => ({ title: withUnit(name), of: (r) => (isNumber(r.parameters?.[name]) ? r.parameters[name] : null), digits: 6 })),
     ],
     results,
@@ -187,7 +187,7 @@ export const compare = {
       listOf(summary.done_instead).map((text) => note(text)),
       resultsTable(results),
       disclosure("Why each ended", table(
-        [{ title: "optimizer", of: (r) => r.optimizer }, { title: "its words", of: (r) => r.message }], results)),
+        [{ title: "optimizer", of: (r) => r.optimizer, class: "name" }, { title: "its words", of: (r) => r.message }], results)),
       progress(results, best.cost_V2),
       random ? success(results, summary.options?.target)
         : section("Success over starts", note("Each ran once, from the data's start; `lipoid compare --starts 20` tries random starts, too.")),

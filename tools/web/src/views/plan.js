@@ -49,10 +49,10 @@ function planTable(rows, names, varied) {
   return table(
     [
       ...(varied.length > 0 ? varied : VARIED).map(({ key, label }) => ({ title: label, of: (row) => row[key] })),
-      { title: "duration", of: (row) => duration(row.duration_s), by: (row) => row.duration_s },
+      { title: "duration", of: (row) => duration(row.duration_s), by: (row) => row.duration_s, class: "number" },
       { title: "rows", of: (row) => row.rows },
       ...names.map((name) => ({ title: `${name} / %`, of: (row) => percentOf(row, name), digits: 3 })),
-      { title: "identifiability", of: doubts },
+      { title: "identifiability", of: doubts, class: "name" },
     ],
     rows,
     { sort: true, caption: "Standard errors that each experiment would give, in % of the parameter; a click on a header sorts" },
