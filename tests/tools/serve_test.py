@@ -403,7 +403,7 @@ class Bench(unittest.TestCase):
         names = {"..%2f..%2fetc%2fpasswd": "passwd", "..": "log", "%2ehidden.csv": "hidden.csv", "a%5cb.csv": "b.csv",
                  "-rf": "rf", "campaign.toml": "campaign-2.toml", "CELL.json": "CELL-2.json",
                  "%3Cscript%3Ealert(1).csv": "script_alert(1).csv", "%00.csv": None, "": None, "a" * 1001: None,
-                 "%C3%BCber.csv": "über.csv", "%ff.csv": "log.csv", "%e2%80%ae.csv": "log.csv", "a%0ab.csv": "a_b.csv",
+                 "%C3%BCber.csv": "über.csv", "%ff.csv": "log.csv", "%e2%80%ae.csv": "log-2.csv", "a%0ab.csv": "a_b.csv",
                  "lock": "lock", "$(id).csv": "id).csv", "x" * 300 + ".csv": "x" * 96 + ".csv",
                  "%2e%2e%2f%2e%2e%2flock": "lock-2"}
         for name, kept in names.items():
@@ -459,13 +459,12 @@ class Bench(unittest.TestCase):
 
     def test_reads_logs_as_it_is_told(self):
         odd = SCRATCH / "odd.csv"
-        rows = [line.split(",") for line in (LAB / "pulse.csv").read_text().splitlines()]
-        odd.write_text("\n".join(["Zeit,Strom,U", *(",".join(row[:3]) for row in rows[1:])]))
-        header = rows[0]
+        rows = (LAB / "pulse.csv").read_text().splitlines()
+        self.assertEqual(rows[0], "time_s,current_a,voltage_v")
+        odd.write_text("\n".join(["Uhr,x,y", *rows[1:]]))
         state = self.serve.drop(odd)
         self.assertEqual(state["files"][0]["status"], "refused")
-        names = dict(zip(header, ("Zeit", "Strom", "U")))
-        columns = [f"{key}={names[key]}" for key in ("time_s", "current_A", "voltage_V")]
+        columns = ["time_s=Uhr", "current_A=x", "voltage_V=y"]
         self.serve.post("api/change", {"reading": {"columns": columns, "units": "s,A,V"}})
         state = self.serve.inspected()
         self.assertEqual(state["files"][0]["status"], "read", state["files"][0])
@@ -622,6 +621,10 @@ def children_of(process):
 
 if __name__ == "__main__":
     LIPOID = pathlib.Path(sys.argv[1]).resolve()
+    tried = subprocess.run([LIPOID, "serve", "--idle-s", "0.01"], capture_output=True, text=True, check=False)
+    if "built without reports" in tried.stderr:
+        print(f"skipped: {tried.stderr}")
+        sys.exit(77)
     SCRATCH = pathlib.Path(sys.argv[2]).resolve()
     shutil.rmtree(SCRATCH, ignore_errors=True)
     SCRATCH.mkdir(parents=True)

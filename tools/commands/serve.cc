@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "identify/logs/draft.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/cli/command_description.h"
@@ -83,6 +84,7 @@ cli::ExitCode ServeCommand(cli::CommandLine& line) {
                        {"total_bytes", limits.total_bytes},
                        {"files", limits.files},
                        {"jobs", limits.jobs},
+                       {"no_logs", EndingsOfNoLogs()},
                        {"commands", options.ToJson()}});
   HttpServer server(address, static_cast<std::uint16_t>(port), {});
   std::atomic<bool> interrupted = false;

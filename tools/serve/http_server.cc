@@ -84,7 +84,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     sink_.reset();
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(limits_.header_bytes));
-    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // whoever takes the body counts
+    parser_->body_limit(
+        std::numeric_limits<std::uint64_t>::max());  // whoever takes the body counts
     stream_.expires_after(Seconds(limits_.idle_s));
     http::async_read_header(
         stream_, buffer_, *parser_, [self = shared_from_this()](Error error, std::size_t) {

@@ -4,7 +4,7 @@
 /// A small HTTP/1.1 server over Boost.Beast, which parses and writes messages. What a client may take
 /// is bounded: bytes of a header, seconds for a header and for each piece of a body, connections. A
 /// body is never held in memory by the server: it is handed on piece by piece. Tests:
-/// tests/tools/serve/http_server_test.cc, tests/tools/serve_test.py.
+/// tests/tools/serve_test.py.
 
 #include <cstddef>
 #include <cstdint>

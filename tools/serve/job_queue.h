@@ -2,7 +2,7 @@
 
 /// @file
 /// Runs of lipoid that wait, run and are done: each a process in a folder of its own (child.h), so
-/// many at once. Tests: tests/tools/serve/job_queue_test.cc, tests/tools/serve_test.py.
+/// many at once. Tests: tests/tools/serve_test.py.
 
 #include <condition_variable>
 #include <cstddef>

@@ -9,7 +9,7 @@
 ///
 /// Only options of a list are taken, and none of these names a file: whoever has the address can make
 /// lipoid read what was dropped on the page, and nothing else. Whether a value is right is for the
-/// command itself to say. Tests: tests/tools/serve/job_request_test.cc.
+/// command itself to say. Tests: tests/tools/serve_test.py.
 
 #include <nlohmann/json.hpp>
 #include <optional>

@@ -33,17 +33,15 @@ std::string SafeName(std::string_view given, const std::set<std::string>& taken)
     const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80 && !foreign;
     if (!IsAlphanumeric(c) && kOthers.find(c) == kOthers.npos && !beyond_ascii) c = '_';
   }
-  const auto first = std::find_if(name.begin(), name.end(), [](char c) {
-    return IsAlphanumeric(c) || static_cast<unsigned char>(c) >= 0x80;
-  });
-  name.erase(name.begin(), first);
   while (!name.empty() && (name.back() == ' ' || name.back() == '.')) name.pop_back();
-  if (name.empty()) name = "log";
   const auto dot = name.rfind('.');
-  const bool has_extension =
-      dot != name.npos && dot > 0 && name.size() - dot <= kMostBytesOfExtension;
+  const bool has_extension = dot != name.npos && name.size() - dot <= kMostBytesOfExtension;
   const std::string extension = has_extension ? name.substr(dot) : "";
   std::string stem = name.substr(0, name.size() - extension.size());
+  stem.erase(stem.begin(), std::find_if(stem.begin(), stem.end(), [](char c) {
+               return IsAlphanumeric(c) || static_cast<unsigned char>(c) >= 0x80;
+             }));
+  if (stem.empty()) stem = "log";
   if (stem.size() + extension.size() > kMostBytes) {
     stem.resize(kMostBytes - extension.size());
     // Not within a character of several bytes.

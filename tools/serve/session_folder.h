@@ -4,7 +4,7 @@
 /// A folder for as long as the server runs, in the system's folder of temporary files (TMPDIR). Only
 /// its owner may look into it (mode 0700). It is removed at the end; what a killed server left behind
 /// is removed by the next one: each holds a lock on a file in its folder, which ends with it. Tests:
-/// tests/tools/serve/session_folder_test.cc.
+/// tests/tools/serve_test.py.
 
 #include <string>
 

@@ -660,7 +660,8 @@ int Workbench::Start(const Json& asked) {
   plan.arguments.insert(plan.arguments.end(), request.options.begin(), request.options.end());
   plan.prepare = [&, files = plan.files](const std::string& folder) {
     LinkLogs(files, folder);
-    if (request.command == "identify") WriteText(folder + "/campaign.toml", CampaignToToml(campaign));
+    if (request.command == "identify")
+      WriteText(folder + "/campaign.toml", CampaignToToml(campaign));
     if (!cell_file.empty()) fs::copy_file(cell_file, folder + "/cell.json");
   };
   return jobs_->Add(std::move(plan));

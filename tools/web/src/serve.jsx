@@ -46,9 +46,12 @@ function Bench({ program }) {
       location.hash = id === null ? "" : `job-${id}`;
     },
     compare: (id, wanted) =>
-      setCompared(wanted ? [...compared.filter((each) => each !== id), id].slice(-2) : compared.filter((each) => each !== id)),
+      setCompared((now) => {
+        const others = now.filter((each) => each !== id);
+        return wanted ? [...others, id].slice(-2) : others;
+      }),
     again: (job) => {
-      setChosen({ ...chosen, [job.command]: chosenOf(program.commands[job.command], job.options) });
+      setChosen((now) => ({ ...now, [job.command]: chosenOf(program.commands[job.command], job.options) }));
       document.getElementById(job.command)?.scrollIntoView({ block: "center" });
     },
   };
@@ -57,7 +60,7 @@ function Bench({ program }) {
     program,
     act,
     chosen: chosen[command],
-    onChange: (changed) => setChosen({ ...chosen, [command]: changed }),
+    onChange: (change) => setChosen((now) => ({ ...now, [command]: change(now[command]) })),
   });
   const shown = state.jobs.find(({ id, status }) => id === selected && status === "done");
   const pair = compared.map((id) => state.jobs.find((job) => job.id === id && job.status === "done")).filter(Boolean);

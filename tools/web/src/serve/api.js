@@ -101,7 +101,7 @@ export function useWorkbench() {
   return { state, lost, ask: () => ask.current() };
 }
 
-/** What a person chose in this tab, kept over a reload. */
+/** What a person chose in this tab, kept over a reload; `change` takes the value now to the next. */
 export function useKept(name, initial) {
   const key = `${location.pathname}${name}`;
   const [value, setValue] = useState(() => {
@@ -110,9 +110,11 @@ export function useKept(name, initial) {
   });
   return [
     value,
-    (changed) => {
-      sessionStorage.setItem(key, JSON.stringify(changed));
-      setValue(changed);
-    },
+    (change) =>
+      setValue((now) => {
+        const next = change(now);
+        sessionStorage.setItem(key, JSON.stringify(next));
+        return next;
+      }),
   ];
 }

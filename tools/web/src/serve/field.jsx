@@ -8,7 +8,7 @@ export function TextField({ label, hint, value, placeholder, onCommit, inputMode
   useEffect(() => {
     if (document.activeElement !== input.current) setText(value);
   }, [value]);
-  const commit = () => text !== value && onCommit(text);
+  const commit = ({ currentTarget: { value: typed } }) => typed !== value && onCommit(typed);
   return (
     <label class="field">
       <span class="label">{label}</span>
@@ -22,7 +22,7 @@ export function TextField({ label, hint, value, placeholder, onCommit, inputMode
         spellcheck={false}
         onInput={(event) => setText(event.currentTarget.value)}
         onBlur={commit}
-        onKeyDown={(event) => event.key === "Enter" && commit()}
+        onKeyDown={(event) => event.key === "Enter" && commit(event)}
       />
       {hint && <span class="hint">{hint}</span>}
     </label>

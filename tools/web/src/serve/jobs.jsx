@@ -1,5 +1,5 @@
 // What runs, what waits and what is done.
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 import { getText, post, remove } from "./api.js";
 import { bytes, count, duration } from "./words.js";
@@ -55,7 +55,7 @@ function Job({ job, selected, compared, act }) {
         <h3>
           {job.id}. {titleOf(job)}
         </h3>
-        <span class={`status ${job.status}`}>
+        <span class={`status ${job.status}`} role="status">
           {statusText(job)}
           {took && `, ${took}`}
         </span>
@@ -106,7 +106,7 @@ function Job({ job, selected, compared, act }) {
 export function Jobs({ state, selected, compared, act }) {
   if (state.jobs.length === 0) return <p class="hint">Nothing was run yet.</p>;
   return (
-    <ul class="cards" id="jobs" aria-live="polite">
+    <ul class="cards" id="jobs">
       {[...state.jobs].reverse().map((job) => (
         <Job key={job.id} job={job} selected={job.id === selected} compared={compared.includes(job.id)} act={act} />
       ))}
@@ -117,7 +117,9 @@ export function Jobs({ state, selected, compared, act }) {
 /** The report of a job, and what the command printed. */
 export function Result({ job, program }) {
   const [text, setText] = useState("");
+  const section = useRef(null);
   useEffect(() => {
+    section.current.scrollIntoView({ block: "start" });
     let shown = true;
     setText("");
     getText(`jobs/${job.id}/output.txt`).then(
@@ -131,7 +133,7 @@ export function Result({ job, program }) {
   const report = job.outputs.some(({ name }) => name === "report.html");
   const address = `../${program.report_key}/jobs/${job.id}/report.html`;
   return (
-    <section class="result" aria-label={`Result of job ${job.id}`}>
+    <section ref={section} class="result" aria-label={`Result of job ${job.id}`}>
       <h2>
         {job.id}. {titleOf(job)}
       </h2>
@@ -147,7 +149,7 @@ export function Result({ job, program }) {
       )}
       <details open={!report}>
         <summary>What lipoid printed</summary>
-        <pre class="printed">{text}</pre>
+        <pre class="terminal">{text}</pre>
       </details>
     </section>
   );

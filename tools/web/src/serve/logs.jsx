@@ -8,14 +8,16 @@ import { KINDS, bytes, count, duration, spread } from "./words.js";
 
 const LEFT_OUT = "";
 
-// The files of a drop, and those of the folders in it.
-async function filesOf(transfer) {
+// The files of a drop, and those of the folders in it that may be logs.
+async function filesOf(transfer, no_logs) {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   if (entries.length === 0) return [...transfer.files];
   const files = [];
+  const may_be_log = (name) => !name.startsWith(".") && !no_logs.some((extension) => name.endsWith(extension));
   const take = async (entry, depth) => {
+    if (depth > 0 && !may_be_log(entry.name)) return;
     if (entry.isFile) files.push(await new Promise((done, failed) => entry.file(done, failed)));
-    else if (depth < 4 && !entry.name.startsWith(".")) {
+    else if (depth < 4) {
       const reader = entry.createReader();
       for (;;) {
         const some = await new Promise((done, failed) => reader.readEntries(done, failed));
@@ -25,7 +27,7 @@ async function filesOf(transfer) {
     }
   };
   for (const entry of entries) await take(entry, 0);
-  return files.filter(({ name }) => !name.startsWith("."));
+  return files;
 }
 
 /** Uploads one file after another. */
@@ -70,7 +72,7 @@ export function DropZone({ program, ask }) {
         onDrop={async (event) => {
           event.preventDefault();
           setOver(false);
-          send(await filesOf(event.dataTransfer));
+          send(await filesOf(event.dataTransfer, program.no_logs));
         }}
       >
         <p>Drop logs of one cell here, or a folder of them.</p>
@@ -154,7 +156,7 @@ function Facts({ inspection }) {
     .join(", ");
   return (
     <>
-      <p class="facts">{facts.join(" · ")}</p>
+      <p class="read">{facts.join(" · ")}</p>
       {inspection.warnings.map((warning) => (
         <p key={warning} class="warning">
           {warning}
@@ -242,7 +244,7 @@ export function ReadingForm({ state, act }) {
           label="A row's current holds (--hold)"
           value={hold}
           choices={[
-            ["", "since the row before (as it is)"],
+            ["", "since the row before (default)"],
             ["forward", "until the next row"],
           ]}
           onCommit={change("hold")}

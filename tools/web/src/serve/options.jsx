@@ -9,7 +9,7 @@ function OptionField({ option, value, onCommit }) {
   if (option.value === "")
     return <CheckField label={label} hint={option.help} value={value === true} onCommit={onCommit} />;
   if (option.choices.length > 0) {
-    const as_is = option.default ? `${option.default} (as it is)` : "as it is";
+    const as_is = option.default ? `${option.default} (default)` : "not given";
     const choices = [[AS_IS, as_is], ...option.choices.filter((each) => each !== option.default).map((each) => [each, each])];
     return <SelectField label={label} hint={option.help} value={value ?? AS_IS} choices={choices} onCommit={onCommit} />;
   }
@@ -32,7 +32,7 @@ function SettingField({ setting, value, onCommit }) {
   const hint = `${setting.help}; ${setting.valid}`;
   const words = setting.valid.split(" | ");
   if (words.length > 1) {
-    const choices = [[AS_IS, `${setting.default} (as it is)`], ...words.filter((each) => each !== setting.default).map((each) => [each, each])];
+    const choices = [[AS_IS, `${setting.default} (default)`], ...words.filter((each) => each !== setting.default).map((each) => [each, each])];
     return <SelectField label={setting.name} hint={hint} value={value ?? AS_IS} choices={choices} onCommit={onCommit} />;
   }
   return <TextField label={setting.name} hint={hint} value={value ?? ""} placeholder={setting.default} onCommit={onCommit} />;
@@ -73,7 +73,7 @@ export function chosenOf(command, pairs) {
 
 /** `first` names the options that are always shown; the others are behind "More options". */
 export function OptionsForm({ command, first, chosen, onChange }) {
-  const change = (name) => (value) => onChange({ ...chosen, [name]: value });
+  const change = (name) => (value) => onChange((now) => ({ ...now, [name]: value }));
   const field = (option) => (
     <OptionField key={option.name} option={option} value={chosen[option.name]} onCommit={change(option.name)} />
   );

@@ -2,6 +2,7 @@
 import { useKept } from "./api.js";
 import { SelectField } from "./field.jsx";
 import { OptionsForm, optionsOf } from "./options.jsx";
+import { count } from "./words.js";
 
 export function IdentifyForm({ state, program, chosen, onChange, act }) {
   const command = program.commands.identify;
@@ -26,6 +27,7 @@ export function IdentifyForm({ state, program, chosen, onChange, act }) {
         >
           Identify
         </button>
+        {taking_part > 0 && <span class="hint">{count(taking_part, "test")} of these logs take part</span>}
         {taking_part > 0 && (
           <a href="campaign.toml" download>
             campaign.toml
@@ -63,12 +65,12 @@ export function FlyForm({ state, program, chosen, onChange, act }) {
   return (
     <>
       <div class="fields">
-        <SelectField label="Cell" value={cell} choices={cells} onCommit={setCell} />
+        <SelectField label="Cell" value={cell} choices={cells} onCommit={(name) => setCell(() => name)} />
         <SelectField
           label="Maneuver"
           value={maneuver}
           choices={command.maneuvers.map((name) => [name, name])}
-          onCommit={setManeuver}
+          onCommit={(name) => setManeuver(() => name)}
         />
       </div>
       <OptionsForm command={command} first={["vehicle", "compensate"]} chosen={chosen} onChange={onChange} />
@@ -98,7 +100,7 @@ export function ValidateForm({ state, program, chosen, onChange, act }) {
   return (
     <>
       <div class="fields">
-        <SelectField label="Cell" value={cell} choices={cells} onCommit={setCell} />
+        <SelectField label="Cell" value={cell} choices={cells} onCommit={(name) => setCell(() => name)} />
       </div>
       <fieldset>
         <legend>Logs</legend>
@@ -108,8 +110,8 @@ export function ValidateForm({ state, program, chosen, onChange, act }) {
             <input
               type="checkbox"
               checked={!unmarked.includes(id)}
-              onChange={(event) =>
-                setUnmarked(event.currentTarget.checked ? unmarked.filter((each) => each !== id) : [...unmarked, id])
+              onChange={({ currentTarget: { checked } }) =>
+                setUnmarked((now) => (checked ? now.filter((each) => each !== id) : [...now, id]))
               }
             />{" "}
             {name}
