@@ -106,7 +106,8 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     int group, unit;
   };
   const auto place_of = [&](std::size_t row) -> Place {
-    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
+    if (log.kind == LogKind::kLowRate || log.kind == LogKind::kLowRateCharge)
+      return {JointLog::kAlways, JointLog::kAlways};
     if (log.kind == LogKind::kConstantCurrent) {
       const double share = (record.time_s[row] - from_s) / length_s;
       const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);

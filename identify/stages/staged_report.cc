@@ -105,7 +105,7 @@ Json SweepParametersToJson(const SweepParameters& p, bool diffusion) {
 }
 
 Json LogErrorsToJson(const LogErrors& errors) {
-  return {{"file", errors.file},
+  Json json = {{"file", errors.file},
           {"mean_error_percent", NumberOrNull(errors.all.mean_error_percent)},
           {"max_error_percent", NumberOrNull(errors.all.max_error_percent)},
           {"rmse_V", NumberOrNull(errors.all.rmse)},
@@ -113,6 +113,9 @@ Json LogErrorsToJson(const LogErrors& errors) {
           {"rmse_V_above_10_soc", NumberOrNull(errors.above_10_soc.rmse)},
           {"rows", errors.all.rows},
           {"rows_outside_curve", errors.rows_outside_curve}};
+  if (std::isfinite(errors.temperature_rmse_K))
+    json["temperature_rmse_K"] = errors.temperature_rmse_K;
+  return json;
 }
 
 Json ConstantCurrentErrorsToJson(const ConstantCurrentErrors& errors) {

@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
+#include "tools/commands/surroundings_options.h"
 
 namespace lipoid {
 
@@ -18,6 +19,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   LogOptions log_options;
   PackOptions pack;
   StartOptions start;
+  SurroundingsOptions surroundings;
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
@@ -26,6 +28,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");
   start.AddTo(line);
+  surroundings.AddTo(line);
   log_options.AddTo(line);
   pack.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
@@ -49,7 +52,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
   for (const auto& loaded : LoadLogs(line, CampaignFromArguments(arguments))) {
-    LogErrors errors = Validate(one, loaded.log.record, initial_soc);
+    LogErrors errors =
+        Validate(one, loaded.log.record, initial_soc, surroundings.Of(loaded.log.record));
     errors.file = loaded.entry.file;
     if (const std::string doubt =
             DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
@@ -63,6 +67,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.mean_error_percent),
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
+    if (std::isfinite(errors.temperature_rmse_K)) {
+      line.Message("{}: the predicted temperature is {:.2f} degC rms off the measured one",
+                   errors.file,
+                   errors.temperature_rmse_K);
+    }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(
         "{}: {} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
