@@ -35,7 +35,8 @@ LogErrors Validate(const Cell& cell,
     const double predicted_degC = row.stepper.state().temperature_K - kZeroCelsius_K;
     squares_K2 += std::pow(predicted_degC - record.temperature_degC[k], 2);
   };
-  PredictRows(cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings, compare);
+  PredictRows(
+      cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings, compare);
   LogErrors errors{record.file, all.Result(), above.Result(), outside};
   if (warms) errors.temperature_rmse_K = std::sqrt(squares_K2 / static_cast<double>(record.size()));
   return errors;

@@ -16,6 +16,8 @@ Json TriedToJson(const TriedStructure& row) {
           {"voltage_nodes", s.voltage_soc.size()},
           {"self_heating", s.self_heating},
           {"charge_transfer", s.charge_transfer},
+          {"temperature", s.temperature},
+          {"entropy", !s.entropy_soc.empty()},
           {"smoothness", row.errors.smoothness},
           {"fitted_V", NumberOrNull(row.errors.fitted_V)},
           {"left_out_V", NumberOrNull(row.errors.left_out_V)},
@@ -47,6 +49,20 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
   for (const auto& errors : result.constant_current)
     constant_current.push_back(ConstantCurrentErrorsToJson(errors));
   const JointSolution& best = result.choice.best;
+  Json heat = nullptr;
+  if (const auto& found = result.heat) {
+    heat = {{"heat_capacity_J_per_K", found->balance.heat_capacity_J_per_K},
+            {"heat_capacity_standard_error_J_per_K",
+             NumberOrNull(found->heat_capacity_standard_error_J_per_K)},
+            {"thermal_resistance_K_per_W", found->balance.thermal_resistance_K_per_W},
+            {"thermal_resistance_standard_error_K_per_W",
+             NumberOrNull(found->thermal_resistance_standard_error_K_per_W)},
+            {"rmse_K", found->rmse_K},
+            {"reversible", found->reversible},
+            {"rmse_reversible_K", NumberOrNull(found->rmse_reversible_K)},
+            {"largest_rise_K", found->largest_rise_K},
+            {"logs", found->logs}};
+  }
   return {{"method", "joint"},
           {"converged", result.converged},
           {"alpha_C", result.alpha_C},
@@ -63,6 +79,9 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
             {"voltage_nodes", best.structure.voltage_soc.size()},
             {"self_heating", best.structure.self_heating},
             {"charge_transfer", best.structure.charge_transfer},
+            {"temperature", best.structure.temperature},
+            {"entropy", !best.structure.entropy_soc.empty()},
+            {"heat", std::move(heat)},
             {"smoothness", best.smoothness},
             {"at_bound", best.at_bound},
             {"tried", tried}}},

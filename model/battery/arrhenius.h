@@ -25,10 +25,13 @@ inline constexpr double kZeroCelsius_K = 273.15;
 
 /// f(T).
 template <class T>
-[[nodiscard]] T ArrheniusFactor(const T& energy_J_per_mol, const T& temperature_K, double reference_K) {
+[[nodiscard]] T ArrheniusFactor(const T& energy_J_per_mol,
+                                const T& temperature_K,
+                                double reference_K) {
   const double at_K = ScalarPart(temperature_K);
   const T inverse = Linearized(1.0 / at_K, -1.0 / (at_K * at_K), temperature_K);
-  const T z = energy_J_per_mol * (inverse - T(1.0 / reference_K)) * (1.0 / kGasConstant_J_per_mol_K);
+  const T z =
+      energy_J_per_mol * (inverse - T(1.0 / reference_K)) * (1.0 / kGasConstant_J_per_mol_K);
   const double f = std::exp(ScalarPart(z));
   return Linearized(f, f, z);
 }

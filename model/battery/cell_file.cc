@@ -175,13 +175,14 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
                  "heat_capacity_J_per_K",
                  "thermal_resistance_K_per_W",
                  "entropy",
+                 "reversible_heat",
                  "assumed"});
   const auto energy = [](const JsonReader& value) {
     return value.Number(kActivationEnergies_J_per_mol.lo, kActivationEnergies_J_per_mol.hi);
   };
   Cell::Temperature term;
-  term.reference_K = kZeroCelsius_K + json.At("reference_degC")
-                                          .Number(kTemperatures_degC.lo, kTemperatures_degC.hi);
+  term.reference_K = kZeroCelsius_K +
+                     json.At("reference_degC").Number(kTemperatures_degC.lo, kTemperatures_degC.hi);
   const auto energies = json.At("activation_energy_J_per_mol");
   energies.OnlyKeys({"series", "branches", "diffusion", "charge_transfer"});
   term.series_J_per_mol = energy(energies.At("series"));
@@ -191,27 +192,29 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
   if (branches.Size() != cell.branches.size())
     branches.Fail(fmt::format("{} energies, one for each branch", cell.branches.size()));
   if (const auto one = energies.Find("diffusion")) term.diffusion_J_per_mol = energy(*one);
-  if (const auto one = energies.Find("charge_transfer")) term.charge_transfer_J_per_mol = energy(*one);
+  if (const auto one = energies.Find("charge_transfer"))
+    term.charge_transfer_J_per_mol = energy(*one);
   const auto capacity = json.Find("heat_capacity_J_per_K");
   const auto resistance = json.Find("thermal_resistance_K_per_W");
   if (capacity.has_value() != resistance.has_value())
     json.Fail("both or none of heat_capacity_J_per_K and thermal_resistance_K_per_W");
   if (capacity) {
-    term.heat = HeatBalance<double>{
-        .heat_capacity_J_per_K = capacity->Number(kLeast, kInfinity),
-        .thermal_resistance_K_per_W = resistance->Number(kLeast, kInfinity)};
+    term.heat =
+        HeatBalance<double>{.heat_capacity_J_per_K = capacity->Number(kLeast, kInfinity),
+                            .thermal_resistance_K_per_W = resistance->Number(kLeast, kInfinity)};
   }
   if (const auto entropy = json.Find("entropy")) {
     term.entropy.emplace();
     std::tie(term.entropy->soc, term.entropy->slope_V_per_K) =
         ReadOverSoc(*entropy, "slope_V_per_K", -kInfinity, "slopes");
+    if (const auto heat = json.Find("reversible_heat"))
+      term.entropy->reversible_heat = heat->Boolean();
   }
   return term;
 }
 
 Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusion, bool transfer) {
-  Json energies = {{"series", term.series_J_per_mol},
-                   {"branches", term.branches_J_per_mol}};
+  Json energies = {{"series", term.series_J_per_mol}, {"branches", term.branches_J_per_mol}};
   if (diffusion) energies["diffusion"] = term.diffusion_J_per_mol;
   if (transfer) energies["charge_transfer"] = term.charge_transfer_J_per_mol;
   Json json = {{"reference_degC", CelsiusOf(term.reference_K)},
@@ -223,6 +226,7 @@ Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusi
   if (term.entropy) {
     json["entropy"] =
         OverSocToJson(term.entropy->soc, "slope_V_per_K", term.entropy->slope_V_per_K);
+    if (!term.entropy->reversible_heat) json["reversible_heat"] = false;
   }
   if (assumed) json["assumed"] = true;
   return json;
@@ -473,9 +477,8 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
     RequireFinite(term->resistance_Ohm, "a finite resistance of charge transfer");
   }
   if (const auto& term = cell.temperature) {
-    for (const double energy : {term->series_J_per_mol,
-                                term->diffusion_J_per_mol,
-                                term->charge_transfer_J_per_mol}) {
+    for (const double energy :
+         {term->series_J_per_mol, term->diffusion_J_per_mol, term->charge_transfer_J_per_mol}) {
       Require(std::isfinite(energy), "finite activation energies", {{"energy_J_per_mol", energy}});
     }
     Require(term->branches_J_per_mol.size() == cell.branches.size(),

@@ -208,15 +208,12 @@ class CellModel {
            kAlive);
     }
     if (p_.hysteresis) {
-      state.hysteresis =
-          p_.hysteresis->After(state.hysteresis, step.dt_s * current_A, p_.alpha_C);
+      state.hysteresis = p_.hysteresis->After(state.hysteresis, step.dt_s * current_A, p_.alpha_C);
     }
     if (warms) {
       // The mean of the heat at both ends, as branches and diffusion take a while to drop theirs.
-      state.temperature_K = p_.temperature->heat->After(state.temperature_K,
-                                                        0.5 * (heat_W + Heat(state, current_A)),
-                                                        state.ambient_K,
-                                                        step.dt_s);
+      state.temperature_K = p_.temperature->heat->After(
+          state.temperature_K, 0.5 * (heat_W + Heat(state, current_A)), state.ambient_K, step.dt_s);
     }
   }
 
@@ -224,8 +221,9 @@ class CellModel {
   [[nodiscard]] T Heat(const State& state, const T& current_A) const {
     const T soc = (p_.alpha_C - state.delivered_C) / p_.alpha_C;
     T heat_W = current_A * (RestCurve(state, soc) - Voltage(state, current_A));
-    if (p_.temperature && p_.temperature->entropy)
-      heat_W = heat_W - current_A * state.temperature_K * (*p_.temperature->entropy)(soc);
+    const auto* term = p_.temperature ? &p_.temperature->entropy : nullptr;
+    if (term != nullptr && *term && (*term)->reversible_heat)
+      heat_W = heat_W - current_A * state.temperature_K * (**term)(soc);
     return heat_W;
   }
 
@@ -263,9 +261,9 @@ class CellModel {
                        soc, Factor(p_.temperature->charge_transfer_J_per_mol, state) * current_A);
   }
   /// dv_ct/di there.
-  [[nodiscard]] double TransferSlope(const State& state, double soc, double current_A) const
-    requires std::is_same_v<T, double>
-  {
+  [[nodiscard]] double TransferSlope(const State& state,
+                                     double soc,
+                                     double current_A) const requires std::is_same_v<T, double> {
     if (!p_.temperature) return SlopeOfDrop(*p_.charge_transfer, soc, current_A);
     const double factor = Factor(p_.temperature->charge_transfer_J_per_mol, state);
     return state.temperature_K / p_.temperature->reference_K * factor *
@@ -276,8 +274,8 @@ class CellModel {
   [[nodiscard]] T BesideTheCurve(const State& state, const T& soc) const {
     T added_V(0.0);
     if (p_.temperature && p_.temperature->entropy) {
-      added_V = (state.temperature_K - T(p_.temperature->reference_K)) *
-                (*p_.temperature->entropy)(soc);
+      added_V =
+          (state.temperature_K - T(p_.temperature->reference_K)) * (*p_.temperature->entropy)(soc);
     }
     if (p_.hysteresis) added_V = added_V + p_.hysteresis->Voltage(soc, state.hysteresis);
     return added_V;

@@ -124,10 +124,14 @@ Json CellSchema() {
                {"heat_capacity_J_per_K", Above(0.0)},
                {"thermal_resistance_K_per_W", Above(0.0)},
                {"entropy", OverSoc("slope_V_per_K", {{"type", "number"}})},
+               {"reversible_heat", Boolean()},
                {"assumed", Boolean()}},
-              {"heat_capacity_J_per_K", "thermal_resistance_K_per_W", "entropy", "assumed"})},
-      {"hysteresis",
-       Strict({{"folds", Above(0.0)}, {"half_V", OverSoc("half_V", AtLeast(0.0))}})},
+              {"heat_capacity_J_per_K",
+               "thermal_resistance_K_per_W",
+               "entropy",
+               "reversible_heat",
+               "assumed"})},
+      {"hysteresis", Strict({{"folds", Above(0.0)}, {"half_V", OverSoc("half_V", AtLeast(0.0))}})},
       {"run", Described({{"type", "object"}}, "how the cell was made")},
       {"uncertainty",
        Strict({{"parameters", ListOf({{"type", "string"}})},
@@ -138,16 +142,15 @@ Json CellSchema() {
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                  {"$id", "urn:lipoid:cell:1"},
                  {"title", "A lithium-polymer cell as lipoid identifies it"}};
-  schema.update(
-      Strict(std::move(properties),
-             {"series",
-              "parallel",
-              "self_heating",
-              "charge_transfer",
-              "temperature",
-              "hysteresis",
-              "run",
-              "uncertainty"}));
+  schema.update(Strict(std::move(properties),
+                       {"series",
+                        "parallel",
+                        "self_heating",
+                        "charge_transfer",
+                        "temperature",
+                        "hysteresis",
+                        "run",
+                        "uncertainty"}));
   schema["$defs"] = {{"resistance", OverSoc("resistance_Ohm", AtLeast(0.0))}};
   return schema;
 }

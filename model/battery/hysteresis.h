@@ -22,8 +22,8 @@ namespace lipoid {
 
 template <class T>
 struct Hysteresis {
-  T folds = T(0.0);              ///< gamma > 0
-  std::vector<double> soc;       ///< strictly increasing; empty when constant
+  T folds = T(0.0);               ///< gamma > 0
+  std::vector<double> soc;        ///< strictly increasing; empty when constant
   std::vector<T> half_V{T(0.0)};  ///< M(A) >= 0: half of what charge and discharge differ by
 
   /// h after `charge_C`, of one sign, has left a cell of alpha_C.
@@ -38,7 +38,9 @@ struct Hysteresis {
     return OverSoc(soc, half_V, soc_now) * h;
   }
   /// Where a cell begins whose past is not told: full, it was charged; else it was discharged.
-  [[nodiscard]] static T Start(const T& soc_now) { return T(ScalarPart(soc_now) < 1.0 ? -1.0 : 1.0); }
+  [[nodiscard]] static T Start(const T& soc_now) {
+    return T(ScalarPart(soc_now) < 1.0 ? -1.0 : 1.0);
+  }
 };
 
 }  // namespace lipoid

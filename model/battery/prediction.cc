@@ -7,8 +7,7 @@ CellModel<double>::State StartAmong(const CellModel<double>& model,
                                     const Surroundings& surroundings) {
   auto state = model.Relaxed(initial_soc);
   const auto& measured_degC = surroundings.measured_degC;
-  if (surroundings.ambient_degC)
-    state.temperature_K = *surroundings.ambient_degC + kZeroCelsius_K;
+  if (surroundings.ambient_degC) state.temperature_K = *surroundings.ambient_degC + kZeroCelsius_K;
   if (measured_degC.empty()) {
     state.ambient_K = state.temperature_K;
   } else {

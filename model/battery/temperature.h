@@ -23,10 +23,15 @@
 namespace lipoid {
 
 /// dv_oc/dT over the state of charge, in V/K.
+///
+/// What voltages show of it may hold more than entropy: relaxation that is slower than the rests
+/// looks like a lower v_oc in the cold. Where measured temperatures contradict its heat, it is a
+/// slope of the voltage alone.
 template <class T>
 struct EntropySlope {
-  std::vector<double> soc;                ///< strictly increasing; empty when constant
+  std::vector<double> soc;               ///< strictly increasing; empty when constant
   std::vector<T> slope_V_per_K{T(0.0)};  ///< one value when constant, else one per node
+  bool reversible_heat = true;           ///< whether i T dv_oc/dT takes part in the heat
 
   [[nodiscard]] T operator()(const T& at) const { return OverSoc(soc, slope_V_per_K, at); }
 };
@@ -39,7 +44,7 @@ struct TemperatureDependence {
   std::vector<T> branches_J_per_mol;
   T diffusion_J_per_mol = T(0.0);
   T charge_transfer_J_per_mol = T(0.0);
-  std::optional<HeatBalance<T>> heat;      ///< none: the cell has the temperature of its surroundings
+  std::optional<HeatBalance<T>> heat;  ///< none: the cell has the temperature of its surroundings
   std::optional<EntropySlope<T>> entropy;  ///< none: v_oc(A) does not know the temperature
 
   [[nodiscard]] T Factor(const T& energy_J_per_mol, const T& temperature_K) const {

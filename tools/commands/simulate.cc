@@ -90,8 +90,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     line.Message("{}: {}", current_file, warning);
   const Record& record = read_log.record;
   const Surroundings surroundings = options_of_surroundings.Of(record);
-  const auto prediction = Predict(
-      cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings);
+  const auto prediction =
+      Predict(cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings);
 
   const std::size_t rows =
       beyond_cutoff ? record.size() : RowsUntilCutoff(prediction.voltage_V, cell);

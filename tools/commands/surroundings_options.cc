@@ -5,11 +5,12 @@
 namespace lipoid {
 
 void SurroundingsOptions::AddTo(cli::CommandLine& line) {
-  line.Option("ambient-degC",
-              ambient_degC,
-              kTemperatures_degC,
-              "temperature of the surroundings in degC, from which the cell starts and warms, where "
-              "a log has no temperature_degC; by default the cell's reference temperature");
+  line.Option(
+      "ambient-degC",
+      ambient_degC,
+      kTemperatures_degC,
+      "temperature of the surroundings in degC, from which the cell starts and warms, where "
+      "a log has no temperature_degC; by default the cell's reference temperature");
   line.Flag("predict-temperature",
             predict,
             "predict the temperature also where a log has temperature_degC; without "

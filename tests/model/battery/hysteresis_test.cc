@@ -39,7 +39,8 @@ TEST(Hysteresis, FollowsTheDirectionOfTheCharge) {
   for (const auto& [current_A, dt_s] : {std::pair{2.0, 100.0}, {0.0, 900.0}, {7.0, 30.0}}) {
     model.Advance(state, current_A, model.MakeStep(dt_s));
     charge_C += current_A * dt_s;
-    EXPECT_NEAR(state.hysteresis, 2.0 * std::exp(-kFolds * charge_C / kAlpha_C) - 1.0, 8 * kEpsilon);
+    EXPECT_NEAR(
+        state.hysteresis, 2.0 * std::exp(-kFolds * charge_C / kAlpha_C) - 1.0, 8 * kEpsilon);
   }
   const double before = state.hysteresis;
   model.Advance(state, -4.0, model.MakeStep(50.0));

@@ -8,6 +8,7 @@
 
 #include "model/battery/cell_model.h"
 #include "model/battery/prediction.h"
+#include "model/battery/typical_temperature.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
@@ -37,8 +38,7 @@ CellParameters<double> CellOfTemperature() {
 TEST(ArrheniusFactor, IsOneAtTheReferenceAndTheKnownRatioElsewhere) {
   EXPECT_EQ(ArrheniusFactor(50e3, kReference_K, kReference_K), 1.0);
   // ln f(T1)/f(T2) = E/R (1/T1 - 1/T2), whatever the reference.
-  const double ratio =
-      ArrheniusFactor(50e3, 273.15, 310.0) / ArrheniusFactor(50e3, 298.15, 310.0);
+  const double ratio = ArrheniusFactor(50e3, 273.15, 310.0) / ArrheniusFactor(50e3, 298.15, 310.0);
   EXPECT_NEAR(std::log(ratio), 50e3 / 8.314462618 * (1.0 / 273.15 - 1.0 / 298.15), 1e-12);
   // The chemist's rule: 53 kJ/mol doubles a rate from 25 to 35 degC, within 2 %.
   EXPECT_NEAR(ArrheniusFactor(53e3, 308.15, 298.15), 0.5, 0.01);
@@ -69,9 +69,9 @@ TEST(HeatBalance, KeepsItsEnergy) {
   const double after_K = balance.After(before_K, heat_W, ambient_K, dt_s);
   const double tau_s = 45.0 * 8.0;
   const double settled_K = ambient_K + heat_W * 8.0;
-  const double cooling_J =
-      ((settled_K - ambient_K) * dt_s + (before_K - settled_K) * tau_s * -std::expm1(-dt_s / tau_s)) /
-      8.0;
+  const double cooling_J = ((settled_K - ambient_K) * dt_s +
+                            (before_K - settled_K) * tau_s * -std::expm1(-dt_s / tau_s)) /
+                           8.0;
   EXPECT_NEAR(heat_W * dt_s, 45.0 * (after_K - before_K) + cooling_J, 1e-10);
 }
 
@@ -102,14 +102,12 @@ TEST(Temperature, ScalesEachQuantityByItsOwnFactor) {
   cold.temperature.reset();
   cold.series_resistance_Ohm = 0.02 * f(term.series_J_per_mol);
   cold.beta_per_sqrt_s = 0.15 / std::sqrt(f(term.diffusion_J_per_mol));
-  cold.branches = {
-      {0.03 * f(60e3), 45.0},
-      {Resistance<double>({0.0, 1.0}, {0.02 * f(30e3), 0.01 * f(30e3)}), 400.0}};
+  cold.branches = {{0.03 * f(60e3), 45.0},
+                   {Resistance<double>({0.0, 1.0}, {0.02 * f(30e3), 0.01 * f(30e3)}), 400.0}};
   const double ratio = kCold_K / kReference_K;
   const double factor = f(62e3);
-  cold.charge_transfer = {2.0 / factor,
-                          Resistance<double>({0.0, 1.0},
-                                             {0.03 * ratio * factor, 0.02 * ratio * factor})};
+  cold.charge_transfer = {
+      2.0 / factor, Resistance<double>({0.0, 1.0}, {0.03 * ratio * factor, 0.02 * ratio * factor})};
   const CellModel<double> model(cell);
   const CellModel<double> expected(cold);
   auto start = model.Relaxed(1.0);
@@ -167,6 +165,23 @@ TEST(Temperature, EnergyIn_IsHeatElectricalAndStored) {
   EXPECT_NEAR(stored_J, electrical_J + heat_J, 1e-4 * heat_J);
 }
 
+TEST(Temperature, ReversibleHeatIsThatOfTheEntropicSlope) {
+  auto cell = CellOfTemperature();
+  cell.temperature->entropy = EntropySlope<double>{{}, {3e-4}};
+  const CellModel<double> with(cell);
+  cell.temperature->entropy->reversible_heat = false;
+  const CellModel<double> without(cell);
+  auto state = with.Relaxed(0.6);
+  state.temperature_K = 280.0;
+  // A discharge cools where v_oc rises with the temperature, a charge warms: -i T dv_oc/dT.
+  for (const double current_A : {3.0, -2.0}) {
+    EXPECT_NEAR(with.Heat(state, current_A) - without.Heat(state, current_A),
+                -current_A * 280.0 * 3e-4,
+                1e-14);
+    EXPECT_EQ(with.Voltage(state, current_A), without.Voltage(state, current_A));
+  }
+}
+
 TEST(Temperature, PredictedFollowsTheHeatOfAResistance) {
   // A cell of a resistance alone: the heat is i² r(T), and at energy zero the closed form holds.
   CellParameters<double> plain;
@@ -183,6 +198,27 @@ TEST(Temperature, PredictedFollowsTheHeatOfAResistance) {
   const double rise_K = 16.0 * 0.05 * 10.0 * -std::expm1(-1000.0 / 400.0);
   // v_oc less v_b, both near 4 V, has their roundings.
   EXPECT_NEAR(state.temperature_K, 263.15 + rise_K, 1e-10);
+}
+
+TEST(Temperature, TypicalValuesAreMarkedAndScaleWithTheCell) {
+  Cell cell;
+  cell.capacity_Ah = 0.6;
+  cell.branches = {{Resistance<double>(0.03), 45.0, {}}};
+  cell.self_heating = Cell::SelfHeating{300.0, 1e-3};
+  const Cell small = WithTypicalTemperature(cell);
+  EXPECT_TRUE(small.temperature_assumed);
+  EXPECT_FALSE(small.self_heating);
+  EXPECT_EQ(small.temperature->branches_J_per_mol.size(), 1U);
+  // 0.6 Ah at 3.7 V and 150 Wh/kg are 14.8 g, of 1 J/(g K).
+  EXPECT_NEAR(small.temperature->heat->heat_capacity_J_per_K, 14.8, 1e-12);
+  cell.capacity_Ah =
+      8.0 * 0.6;  // twice as long each way: eight times the mass, four times the skin
+  const Cell large = WithTypicalTemperature(cell);
+  EXPECT_NEAR(large.temperature->heat->heat_capacity_J_per_K, 8.0 * 14.8, 1e-11);
+  EXPECT_NEAR(small.temperature->heat->thermal_resistance_K_per_W /
+                  large.temperature->heat->thermal_resistance_K_per_W,
+              4.0,
+              1e-12);
 }
 
 constexpr int kUnknowns = 6;
