@@ -123,9 +123,10 @@ TEST(Simulate, RefusesWhatItCannotUseAndWritesNothing) {
     EXPECT_EQ(run.err, "lipoid simulate: error: " + err + "\nTry 'lipoid simulate --help'.\n");
     EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"i.csv"});
   };
-  refused({},
-          "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc; "
-          "with --ensemble voltage_low_V and voltage_high_V");
+  refused(
+      {},
+      "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc; "
+      "temperature_degC of a cell that knows temperature; with --ensemble voltage_low_V and voltage_high_V");
   refused({"-o", "p.csv", "--initial-soc", "1", "--initial-voltage-V", "4"},
           "options --initial-soc and --initial-voltage-V: give one of them");
   refused({"-o", "p.csv", "--initial-voltage-V", "5"},

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "identify/joint/heat_fit.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/joint_trust.h"
+#include "identify/trust/profile.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "tests/support/synthetic_campaign.h"
@@ -201,8 +203,15 @@ std::vector<LoadedLog> ClimateChamber(const Cell& truth,
   std::mt19937_64 engine(3);
   std::normal_distribution<double> noise(0.0, 1.0);
   for (const double ambient_degC : ambients_degC) {
-    for (LoadedLog& log : test::SyntheticLogs(truth, 10.0)) {
+    for (LoadedLog& log : test::SyntheticLogs(truth, 20.0)) {
       Record& r = log.log.record;
+      if (log.entry.kind == LogKind::kConstantCurrent) {  // a warm cell lasts longer
+        const std::size_t longer = r.size() + r.size() / 3;
+        while (r.size() < longer) {
+          r.time_s.push_back(r.time_s.back() + 20.0);
+          r.current_A.push_back(r.current_A.back());
+        }
+      }
       const Prediction at =
           Predict(truth, r.time_s, r.current_A, r.hold, 1.0, {.ambient_degC = ambient_degC});
       std::size_t rows = 0;
@@ -214,7 +223,10 @@ std::vector<LoadedLog> ClimateChamber(const Cell& truth,
         column->resize(rows);
       for (double& v : r.voltage_V) v += noise_V * noise(engine);
       for (double& t : r.temperature_degC) t += 0.02 * noise(engine);
-      if (log.entry.kind == LogKind::kLowRate && ambient_degC < 20.0) continue;
+      // As labs do: the slow discharge at room temperature, and one fast one at each.
+      const bool room = ambient_degC == 25.0;
+      if (!room && log.entry.kind == LogKind::kLowRate) continue;
+      if (!room && log.entry.file == "cc_1C.csv") continue;
       logs.push_back(std::move(log));
     }
   }
@@ -223,7 +235,7 @@ std::vector<LoadedLog> ClimateChamber(const Cell& truth,
 
 TEST(JointTemperature, FindsEnergiesAndHeatOfASyntheticCell) {
   const Cell truth = ColdTruth();
-  const auto logs = ClimateChamber(truth, {25.0, 5.0, -15.0}, 0.0005);
+  const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
   ASSERT_TRUE(result.cell.temperature);
   EXPECT_FALSE(result.cell.self_heating);
@@ -239,18 +251,20 @@ TEST(JointTemperature, FindsEnergiesAndHeatOfASyntheticCell) {
     const QuantityTrust* found = FindQuantity(trust, name);
     ASSERT_NE(found, nullptr) << name;
     // Three standard errors: one campaign in a hundred lies outside.
-    EXPECT_LE(std::abs(found->value - value), 1.5 * Reach95(*found)) << name;
-    EXPECT_LE(std::abs(found->value - value), closeness) << name;
+    EXPECT_LE(std::abs(found->estimate - value), 1.5 * Reach95(*found)) << name;
+    EXPECT_LE(std::abs(found->estimate - value), closeness) << name;
   }
   ASSERT_TRUE(result.heat);
-  // Heat is taken at the rows, 10 s apart, and flows on for a while after a step of the current.
+  // Heat is taken at the rows, 20 s apart, and flows on for a while after a step of the current.
   EXPECT_NEAR(result.heat->balance.heat_capacity_J_per_K, 15.0, 0.6);
   EXPECT_NEAR(result.heat->balance.thermal_resistance_K_per_W, 20.0, 0.6);
-  EXPECT_LT(result.heat->rmse_K, 0.1);
+  EXPECT_LT(result.heat->rmse_K, 0.01 * result.heat->largest_rise_K);
 }
 
 TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
-  const auto logs = ClimateChamber(ColdTruth(), {5.0}, 0.0005);
+  Cell truth = ColdTruth();
+  truth.temperature->heat->heat_capacity_J_per_K = 1000.0;  // it hardly warms
+  const auto logs = ClimateChamber(truth, {25.0}, 0.0005);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
   EXPECT_FALSE(result.cell.temperature);
   bool said = false;
@@ -275,7 +289,10 @@ TEST(JointTemperature, AColumnAloneChangesNothing) {
   const Cell plain = IdentifyJoint(test::CampaignOf(logs), logs).cell;
   for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 23.0);
   const Cell with = IdentifyJoint(test::CampaignOf(logs), logs).cell;
-  EXPECT_EQ(CellToJson(plain).dump(), CellToJson(with).dump());
+  // Their run records differ in how long they took.
+  Cell bare[] = {plain, with};
+  for (Cell& cell : bare) cell.run.reset();
+  EXPECT_EQ(CellToJson(bare[0]).dump(), CellToJson(bare[1]).dump());
 }
 
 }  // namespace
