@@ -20,8 +20,18 @@ ConstantCurrentErrors ErrorsOf(const Cell& one,
   ConstantCurrentErrors errors{.voltage = Validate(one, log),
                                .current_A = measured.current_A,
                                .measured_s = measured.time_s};
-  const auto predicted_s = TimeToCutoff(
-      one, measured.current_A, log.entry.initial_soc, kLongestDischarge * measured.time_s);
+  // The measured temperature ends with the log; the discharge that is predicted need not.
+  Surroundings surroundings = SurroundingsOf(log.log.record, log.entry);
+  if (!surroundings.measured_degC.empty()) {
+    const double start_degC = surroundings.measured_degC.front();
+    surroundings = {.ambient_degC = surroundings.ambient_degC.value_or(start_degC),
+                    .initial_degC = start_degC};
+  }
+  const auto predicted_s = TimeToCutoff(one,
+                                        measured.current_A,
+                                        log.entry.initial_soc,
+                                        kLongestDischarge * measured.time_s,
+                                        surroundings);
   if (!predicted_s) return errors;
   ErrorAccumulator time;
   time.Add(measured.time_s, *predicted_s);

@@ -10,24 +10,43 @@
 
 namespace lipoid {
 
-LogErrors Validate(const Cell& cell, const Record& record, double initial_soc) {
+Surroundings SurroundingsOf(const Record& record, const CampaignLog& entry) {
+  return {.measured_degC = record.temperature_degC,
+          .ambient_degC = entry.ambient_degC,
+          .initial_degC = entry.initial_degC};
+}
+
+LogErrors Validate(const Cell& cell,
+                   const Record& record,
+                   double initial_soc,
+                   const Surroundings& surroundings) {
   constexpr double kLowSoc = 0.1;
   ErrorAccumulator all;
   ErrorAccumulator above;
   std::size_t outside = 0;
-  const auto compare = [&](std::size_t k, double soc, double voltage_V) {
-    all.Add(record.voltage_V[k], voltage_V);
-    if (soc > kLowSoc) above.Add(record.voltage_V[k], voltage_V);
-    if (!cell.open_circuit_voltage.InRange(soc)) ++outside;
+  const bool warms = cell.temperature && cell.temperature->heat &&
+                     surroundings.measured_degC.empty() && !record.temperature_degC.empty();
+  double squares_K2 = 0.0;
+  const auto compare = [&](std::size_t k, const PredictedRow& row) {
+    all.Add(record.voltage_V[k], row.voltage_V);
+    if (row.soc > kLowSoc) above.Add(record.voltage_V[k], row.voltage_V);
+    if (!cell.open_circuit_voltage.InRange(row.soc)) ++outside;
+    if (!warms) return;
+    const double predicted_degC = row.stepper.state().temperature_K - kZeroCelsius_K;
+    squares_K2 += std::pow(predicted_degC - record.temperature_degC[k], 2);
   };
-  PredictRows(cell, record.time_s, record.current_A, record.hold, initial_soc, compare);
-  return {record.file, all.Result(), above.Result(), outside};
+  PredictRows(
+      cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings, compare);
+  LogErrors errors{record.file, all.Result(), above.Result(), outside};
+  if (warms) errors.temperature_rmse_K = std::sqrt(squares_K2 / static_cast<double>(record.size()));
+  return errors;
 }
 
 LogErrors Validate(const Cell& cell, const LoadedLog& log) {
   Cell one = cell;
   one.series = one.parallel = 1;
-  LogErrors errors = Validate(one, log.log.record, log.entry.initial_soc);
+  LogErrors errors = Validate(
+      one, log.log.record, log.entry.initial_soc, SurroundingsOf(log.log.record, log.entry));
   errors.file = log.entry.file;
   return errors;
 }

@@ -6,12 +6,14 @@
 /// large). Tests: tests/identify/validation_test.cc.
 
 #include <cstddef>
+#include <limits>
 #include <string>
 
 #include "identify/logs/load_campaign.h"
 #include "identify/logs/record.h"
 #include "model/battery/cell.h"
 #include "model/battery/error_metrics.h"
+#include "model/battery/prediction.h"
 
 namespace lipoid {
 
@@ -21,11 +23,20 @@ struct LogErrors {
   ErrorMetrics all;
   ErrorMetrics above_10_soc;  ///< rows with A > 0.1 only
   std::size_t rows_outside_curve = 0;
+  /// Of the cell's temperature, predicted where it was measured too; NaN where it was not both.
+  double temperature_rmse_K = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The record is that of the pack the cell's series and parallel make; it starts relaxed at
 /// initial_soc.
-[[nodiscard]] LogErrors Validate(const Cell& cell, const Record& record, double initial_soc = 1.0);
+[[nodiscard]] LogErrors Validate(const Cell& cell,
+                                 const Record& record,
+                                 double initial_soc = 1.0,
+                                 const Surroundings& surroundings = {});
+
+/// What a record and what is told of it say of the temperature: the measured one where there is a
+/// column, else the ambient.
+[[nodiscard]] Surroundings SurroundingsOf(const Record& record, const CampaignLog& entry);
 
 /// The same of a log of a campaign, which is that of one cell, with the name and the start that the
 /// campaign gives it.

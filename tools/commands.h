@@ -10,6 +10,7 @@
 
 namespace lipoid {
 
+cli::ExitCode AgeingCommand(cli::CommandLine& line);
 cli::ExitCode CompareCommand(cli::CommandLine& line);
 cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode DesignCommand(cli::CommandLine& line);
@@ -31,6 +32,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
+    {"ageing", "what changed between cells identified at several ages", &AgeingCommand},
     {"compare", "optimizers on the same problem, side by side", &CompareCommand},
     {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"design", "controller gains by optimization", &DesignCommand},

@@ -33,7 +33,8 @@ std::vector<double> LevelOf(const Cell& cell, const ExportMission& mission) {
               mission.current_A,
               mission.hold,
               mission.initial_soc,
-              [&](std::size_t k, double soc, double) { level[k] = soc; });
+              {},
+              [&](std::size_t k, const PredictedRow& row) { level[k] = row.soc; });
   return level;
 }
 

@@ -63,6 +63,20 @@ void PutInto(Cell& cell,
     cell.charge_transfer = Cell::ChargeTransfer{.current_A = rates.charge_transfer_A,
                                                 .resistance_Ohm = table(layout.transfer())};
   }
+  cell.temperature.reset();
+  if (structure.temperature) {
+    Cell::Temperature& term = cell.temperature.emplace();
+    term.series_J_per_mol = rates.series_J_per_mol;
+    term.branches_J_per_mol = rates.branch_J_per_mol;
+    if (std::isfinite(rates.diffusion_J_per_mol))
+      term.diffusion_J_per_mol = rates.diffusion_J_per_mol;
+    if (structure.charge_transfer) term.charge_transfer_J_per_mol = rates.transfer_J_per_mol;
+    if (layout.entropies() > 0) {
+      const auto slopes =
+          solution.x.segment(layout.entropy(), layout.entropies()) / kEntropyScale_K;
+      term.entropy = EntropySlope<double>{structure.entropy_soc, {slopes.begin(), slopes.end()}};
+    }
+  }
   cell.self_heating.reset();
   if (structure.self_heating) {
     cell.self_heating = Cell::SelfHeating{

@@ -2,8 +2,8 @@
 
 /// @file
 /// The cell along a log as the fits see it: the state of charge, and at every point the voltage as
-/// a row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h and
-/// i_0.
+/// a row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h, i_0
+/// and the activation energies.
 ///
 /// This is the one other statement of (4.46)-(4.51) beside cell_model.h, which simulations step;
 /// the two are held against each other row by row. A step costs a row two nodes of every table and
@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@ enum class CurveSlope {
 /// The charge that has left a cell and what diffusion holds back, with slopes in beta.
 class SocState {
  public:
+  /// At the reference temperature.
   SocState(const JointSetup& setup, double beta_per_sqrt_s, double delivered_C, bool slopes)
       : alpha_C_(setup.alpha_C),
         diffusion_(setup.diffusion && !std::isinf(beta_per_sqrt_s)),
@@ -51,9 +53,37 @@ class SocState {
       return DiffusionStep(static_cast<int>(m) + 1, beta_per_sqrt_s_, dt_s);
     });
   }
+  /// The same, each step at a temperature of its own; slopes are those in beta at that temperature.
+  void SetStepsAt(const std::vector<double>& lengths_s,
+                  const std::vector<AtTemperature>& at,
+                  double energy_J_per_mol,
+                  ModeSteps& steps) const {
+    std::vector<std::size_t> columns(lengths_s.size());
+    std::iota(columns.begin(), columns.end(), std::size_t{0});
+    steps.Set(unavailable_C_.size(), columns, [&](Eigen::Index m, std::size_t c) {
+      const double beta = beta_per_sqrt_s_ / std::sqrt(at[c].Factor(energy_J_per_mol));
+      return DiffusionStep(static_cast<int>(m) + 1, beta, lengths_s[c]);
+    });
+  }
+  /// From here on the cell has this temperature; E_d is its energy.
+  void SetTemperature(const AtTemperature& at, double energy_J_per_mol) {
+    const double factor = at.Factor(energy_J_per_mol);
+    tail_factor_ = factor;
+    // beta(T) = beta f^-1/2.
+    by_beta_ = 1.0 / std::sqrt(factor);
+    by_energy_ = -0.5 * beta_per_sqrt_s_ * by_beta_ * at.inverse_mol_per_J;
+    with_energy_ = true;
+    tail_by_energy_ = tail_s_ * factor * at.inverse_mol_per_J;
+  }
   /// current_A flows for dt_s, whose coefficients are column `at` of the steps.
   void Step(const ModeSteps& steps, Eigen::Index at, double current_A, double dt_s) {
-    if (slopes_) {
+    if (slopes_ && with_energy_) {
+      if (energy_slope_C_.size() == 0) energy_slope_C_ = Eigen::ArrayXd::Zero(slope_C_.size());
+      const Eigen::ArrayXd moved =
+          steps.decay_slope.col(at) * unavailable_C_ + steps.gain_slope.col(at) * current_A;
+      slope_C_ = steps.decay.col(at) * slope_C_ + (by_beta_ * moved + kAlive);
+      energy_slope_C_ = steps.decay.col(at) * energy_slope_C_ + (by_energy_ * moved + kAlive);
+    } else if (slopes_) {
       slope_C_ = steps.decay.col(at) * slope_C_ + steps.decay_slope.col(at) * unavailable_C_ +
                  (steps.gain_slope.col(at) * current_A + kAlive);
     }
@@ -64,13 +94,18 @@ class SocState {
   /// A while current_A flows, and its slope in beta.
   [[nodiscard]] double Soc(double current_A) const {
     const double sigma_C =
-        delivered_C_ + 2.0 * unavailable_C_.sum() + tail_s_ * current_A;  // (4.47)
-    return 1.0 - sigma_C / alpha_C_;                                      // (4.48)
+        delivered_C_ + 2.0 * unavailable_C_.sum() + tail_factor_ * tail_s_ * current_A;  // (4.47)
+    return 1.0 - sigma_C / alpha_C_;                                                     // (4.48)
   }
   [[nodiscard]] double Slope(double current_A) const {
     if (!slopes_) return 0.0;
-    const double tail_slope = -2.0 * tail_s_ / beta_per_sqrt_s_;
+    const double tail_slope = -2.0 * tail_factor_ * tail_s_ / beta_per_sqrt_s_;
     return -(2.0 * slope_C_.sum() + tail_slope * current_A) / alpha_C_;
+  }
+  /// The same in E_d; 0 where no temperature was set.
+  [[nodiscard]] double EnergySlope(double current_A) const {
+    if (!slopes_ || !with_energy_) return 0.0;
+    return -(2.0 * energy_slope_C_.sum() + tail_by_energy_ * current_A) / alpha_C_;
   }
   [[nodiscard]] bool slopes() const { return slopes_; }
 
@@ -80,9 +115,13 @@ class SocState {
   bool slopes_;
   double beta_per_sqrt_s_;
   double tail_s_ = 0.0;
+  double tail_factor_ = 1.0;
   double delivered_C_;
   Eigen::ArrayXd unavailable_C_;
   Eigen::ArrayXd slope_C_;
+  bool with_energy_ = false;
+  double by_beta_ = 1.0, by_energy_ = 0.0, tail_by_energy_ = 0.0;
+  Eigen::ArrayXd energy_slope_C_;
 };
 
 /// One point of a log: y = sum_e value[e] x[index[e]], with rising indices; y is the measured
@@ -111,12 +150,14 @@ struct BranchState {
   int first = 0, last = -1;   // nodes whose share is not zero
   double slope_tau = 0.0;     // of the voltage, in tau_j
   double slope_beta = 0.0;    // and in beta, which moves the state of charge that r_j is taken at
+  double slope_E_d = 0.0;     // as E_d does
+  double slope_energy = 0.0;  // in E_j
 
   void Reset(int nodes) {
     share.assign(static_cast<std::size_t>(nodes), 0.0);
     first = 0;
     last = -1;
-    slope_tau = slope_beta = 0.0;
+    slope_tau = slope_beta = slope_E_d = slope_energy = 0.0;
   }
   [[nodiscard]] double Voltage(const double* x) const {
     double sum = 0.0;
@@ -185,11 +226,13 @@ class CellRows {
         per_A_(1.0 / typical_A),
         of_voltage_(structure.voltage_soc),
         of_resistance_(structure.resistance_soc),
+        of_entropy_(structure.entropy_soc),
         of_start_(structure.resistance_soc),
         branches_(static_cast<std::size_t>(structure.branches)),
         index_(static_cast<std::size_t>(layout_.size())),
         value_(static_cast<std::size_t>(layout_.size())),
-        slope_(static_cast<std::size_t>(slots_.size())) {
+        slope_(static_cast<std::size_t>(slots_.size())),
+        branch_factor_(static_cast<std::size_t>(structure.branches), 1.0) {
     for (const double a : structure.voltage_soc)
       reference_V_.push_back(setup.open_circuit_voltage(a));
     for (auto& b : branches_) b.Reset(layout_.nodes());
@@ -207,12 +250,23 @@ class CellRows {
     });
   }
 
-  /// current_A flows for a step of column `at`; the step starts at soc_start under that current.
+  /// From here on the cell has this temperature. Until it is told, the reference.
+  void SetTemperature(const AtTemperature& at) {
+    at_ = at;
+    series_factor_ = at.Factor(rates_.series_J_per_mol);
+    for (std::size_t j = 0; j < branch_factor_.size(); ++j)
+      branch_factor_[j] = at.Factor(rates_.branch_J_per_mol[j]);
+    if (structure_.charge_transfer) transfer_factor_ = at.Factor(rates_.transfer_J_per_mol);
+  }
+
+  /// current_A flows for a step of column `at`; the step starts at soc_start under that current,
+  /// whose slopes are those in beta and in E_d.
   void Step(const ModeSteps& steps,
             Eigen::Index at,
             double current_A,
             double soc_start,
-            double start_slope) {
+            double start_slope,
+            double start_energy_slope = 0.0) {
     using cell_rows_internal::At;
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
@@ -220,7 +274,7 @@ class CellRows {
     const auto gain = steps.gain.col(at);
     const auto decay_slope = steps.decay_slope.col(at);
     const auto gain_slope = steps.gain_slope.col(at);
-    const double drive = current_A * per_A_;
+    const double undisturbed = current_A * per_A_;
     NodeShare where;
     if (layout_.nodes() > 1) {
       where = of_start_(soc_start);
@@ -228,6 +282,7 @@ class CellRows {
     }
     for (int j = 0; j < structure_.branches; ++j) {
       BranchState& b = branches_[static_cast<std::size_t>(j)];
+      const double drive = undisturbed * branch_factor_[static_cast<std::size_t>(j)];
       if (x_ != nullptr) {
         const double* x = x_ + layout_.branch(j);
         const TableAt r = At(x, where, structure_.resistance_soc);
@@ -235,6 +290,12 @@ class CellRows {
                       (gain_slope[j] * drive * r.value + kAlive);
         const double moved = setup_.diffusion ? r.slope * start_slope : 0.0;
         b.slope_beta = decay[j] * b.slope_beta + (gain[j] * drive * moved + kAlive);
+        if (structure_.temperature) {
+          const double by_energy = setup_.diffusion ? r.slope * start_energy_slope : 0.0;
+          b.slope_E_d = decay[j] * b.slope_E_d + (gain[j] * drive * by_energy + kAlive);
+          b.slope_energy = decay[j] * b.slope_energy +
+                           (gain[j] * drive * r.value * at_.inverse_mol_per_J + kAlive);
+        }
       }
       if (layout_.nodes() == 1) {
         b.Follow(decay[j], gain[j] * drive);  // (4.50)
@@ -253,7 +314,11 @@ class CellRows {
   }
 
   /// The point at which current_A flows and voltage_V was measured.
-  CellRow MakeRow(double current_A, double voltage_V, double soc, double soc_slope) {
+  CellRow MakeRow(double current_A,
+                  double voltage_V,
+                  double soc,
+                  double soc_slope,
+                  double soc_energy_slope = 0.0) {
     using cell_rows_internal::At;
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
@@ -294,28 +359,54 @@ class CellRows {
       slope_V -= at.slope * drop;
       return at;
     };
-    if (i != 0.0) put_table(layout_.series(), i);
+    TableAt series{0.0, 0.0};
+    if (i != 0.0) series = put_table(layout_.series(), series_factor_ * i);
     double slope_beta = 0.0;
+    double slope_E_d = 0.0;
     for (int j = 0; j < structure_.branches; ++j) {
       const BranchState& b = branches_[static_cast<std::size_t>(j)];
       for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
       slope_beta -= b.slope_beta;
+      slope_E_d -= b.slope_E_d;
       slope_[slots_.tau(j)] = -b.slope_tau;
     }
     if (structure_.charge_transfer) {
       slope_[slots_.transfer()] = 0.0;
       if (i != 0.0) {
         const double i_0 = rates_.charge_transfer_A;
-        const double ratio = current_A / i_0;
-        const TableAt at = put_table(layout_.transfer(), i_0 * std::asinh(ratio) * per_A_);
+        const double ratio = transfer_factor_ * current_A / i_0;
+        const double per_A = at_.ratio * per_A_;  // the thermal voltage
+        const TableAt at = put_table(layout_.transfer(), i_0 * std::asinh(ratio) * per_A);
         slope_[slots_.transfer()] =
-            -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A_;
+            -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A;
+        if (structure_.temperature) {
+          slope_[slots_.transfer_energy()] =
+              -at.value * i_0 * ratio / std::hypot(1.0, ratio) * at_.inverse_mol_per_J * per_A;
+        }
+      } else if (structure_.temperature) {
+        slope_[slots_.transfer_energy()] = 0.0;
       }
     }
     if (structure_.self_heating) {
       const double per_A3 = per_A_ * per_A_ * per_A_ * current_A;
       put(layout_.heating(), thermal_state_A2_ * per_A3);
       if (x_ != nullptr) slope_[slots_.heating()] = x_[layout_.heating()] * thermal_slope_ * per_A3;
+    }
+    if (layout_.entropies() > 0) {
+      NodeShare e = of_entropy_(soc);
+      e.share = std::clamp(e.share, 0.0, 1.0);
+      const double above = at_.above_K / kEntropyScale_K;
+      put(layout_.entropy() + e.lower, (1.0 - e.share) * above);
+      put(layout_.entropy() + e.lower + 1, e.share * above);
+      if (x_ != nullptr)
+        slope_V += At(x_ + layout_.entropy(), e, structure_.entropy_soc).slope * above;
+    }
+    if (structure_.temperature && x_ != nullptr) {
+      slope_[slots_.series_energy()] = -series.value * series_factor_ * i * at_.inverse_mol_per_J;
+      for (int j = 0; j < structure_.branches; ++j)
+        slope_[slots_.branch_energy(j)] = -branches_[static_cast<std::size_t>(j)].slope_energy;
+      slope_[slots_.diffusion_energy()] =
+          setup_.diffusion ? slope_E_d + slope_V * soc_energy_slope : 0.0;
     }
     if (x_ != nullptr)
       slope_[slots_.beta()] = setup_.diffusion ? slope_beta + slope_V * soc_slope : 0.0;  // (4.51)
@@ -353,6 +444,7 @@ class CellRows {
   double per_A_;
   NodeFinder of_voltage_;
   NodeFinder of_resistance_;
+  NodeFinder of_entropy_;
   NodeFinder of_start_;
   std::vector<double> reference_V_;                       // at the nodes
   std::vector<std::pair<double, double>> curve_slope_V_;  // of v_oc at both ends of a segment
@@ -362,6 +454,10 @@ class CellRows {
   std::vector<int> index_;
   std::vector<double> value_;
   std::vector<double> slope_;
+  AtTemperature at_;
+  double series_factor_ = 1.0;
+  double transfer_factor_ = 1.0;
+  std::vector<double> branch_factor_;
 };
 
 }  // namespace lipoid

@@ -103,6 +103,12 @@ Profiled ProfiledNames(const JointStructure& structure,
   }
   if (structure.self_heating) add("tau_h");
   if (structure.charge_transfer) add("i_0");
+  if (structure.temperature) {
+    if (diffusion) add("E_d");
+    add("E_s");
+    for (int j = 1; j <= structure.branches; ++j) add(fmt::format("E_{}", j));
+    if (structure.charge_transfer) add("E_ct");
+  }
   return names;
 }
 

@@ -37,6 +37,9 @@ class Quantities {
       AddTable("r_ct", layout_.transfer());
       AddRate("i_0", solution_.rates.charge_transfer_A);
     }
+    for (const std::string& rate : fit_.rates) {
+      if (rate.starts_with("E_")) AddRate(rate, EnergyOf(rate));
+    }
     if (!solution_.structure.self_heating) return;
     const double per_A3 = std::pow(typical_A_, -3.0);
     const double x = solution_.x[layout_.heating()];
@@ -70,6 +73,17 @@ class Quantities {
     q.combination[at] = 1.0;
     q.at_bound = AtBound(rate);
     fit_.quantities.push_back(std::move(q));
+  }
+
+  // The order of the slots is that of RateSlots.
+  [[nodiscard]] double EnergyOf(const std::string& rate) const {
+    const RateSlots slots(solution_.structure);
+    const int slot = fit_.slots[static_cast<std::size_t>(Searched(rate))];
+    const JointRates& rates = solution_.rates;
+    if (slot == slots.diffusion_energy()) return rates.diffusion_J_per_mol;
+    if (slot == slots.series_energy()) return rates.series_J_per_mol;
+    if (slot == slots.transfer_energy()) return rates.transfer_J_per_mol;
+    return rates.branch_J_per_mol[static_cast<std::size_t>(slot - slots.branch_energy(0))];
   }
 
   void AddTable(const std::string& name, int table) {

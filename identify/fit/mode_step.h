@@ -58,7 +58,7 @@ inline ModeStep LowPassStep(double tau_s, double dt_s) {
 struct ModeSteps {
   Eigen::ArrayXXd decay, gain, decay_slope, gain_slope;
 
-  /// step(k, dt_s) gives that of mode k.
+  /// step(k, length) gives that of mode k; a length may be anything that says how long a step is.
   template <class Lengths, class Step>
   void Set(Eigen::Index modes, const Lengths& lengths_s, Step&& step) {
     const auto columns = static_cast<Eigen::Index>(lengths_s.size());

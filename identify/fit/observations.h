@@ -27,7 +27,7 @@ class Observations {
  public:
   virtual ~Observations() = default;
 
-  /// The logs with one beta, and so with one A(t), which many time constants share.
+  /// The logs with one beta (and E_d), and so with one A(t), which many time constants share.
   class AtBeta {
    public:
     virtual ~AtBeta() = default;
@@ -39,7 +39,7 @@ class Observations {
                                            const Eigen::VectorXd& x) const = 0;
   };
   /// `slopes`: Slopes() will be asked for.
-  [[nodiscard]] virtual std::unique_ptr<AtBeta> At(double beta_per_sqrt_s, bool slopes) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<AtBeta> At(const JointRates& rates, bool slopes) const = 0;
 
   /// Rows, or means of rows, of each log, with the sensitivities of the voltage to the nonlinear
   /// parameters (RateSlots), then to the linear ones.

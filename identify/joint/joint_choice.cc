@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/core/errors.h"
+
 namespace lipoid {
 namespace {
 
@@ -73,6 +75,8 @@ std::string Describe(const JointStructure& s) {
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
   if (s.self_heating) text += ", self-heating";
   if (s.charge_transfer) text += ", charge transfer";
+  if (s.temperature) text += ", temperature";
+  if (!s.entropy_soc.empty()) text += ", entropy";
   if (s.voltage_soc.size() > kUsualVoltageNodes)
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
   return text;
@@ -142,13 +146,28 @@ class Choosing {
     structure.voltage_soc = voltage_soc_;
     structure.self_heating = options_.self_heating == Presence::kOn;
     structure.charge_transfer = options_.charge_transfer == Presence::kOn;
+    structure.temperature = options_.temperature == Presence::kOn;
+    if (structure.temperature && structure.self_heating) {
+      throw OptionError(
+          "--set joint.temperature=on joint.self_heating=on: both are laws of a cell that warms; "
+          "leave one of them out");
+    }
+    if (structure.temperature && std::isnan(logs_.coldest_K)) {
+      throw OptionError(
+          "--set joint.temperature=on: expected the temperature of every log, found logs without; "
+          "give ambient_degC in the campaign, or logs with a column temperature_degC");
+    }
+    if (structure.temperature && options_.entropy == Presence::kOn)
+      structure.entropy_soc = Entropies();
     const int given = options_.resistance_nodes;
     structure.resistance_soc = Nodes(given > 0 ? given : compare_ ? kFewNodes : 1);
     Search(structure);
     if (compare_) {
+      TryTemperature(structure);
       TryTerms(structure);
       if (given == 0) TryNodes();
       TryBranches();
+      TryEntropy();
       if (logs_.whole) DropTerms();
       TryVoltageNodes();
     } else {
@@ -212,12 +231,33 @@ class Choosing {
     return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
   }
 
+  [[nodiscard]] std::vector<double> Entropies() const {
+    return OnAxis({0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0}, lowest_soc_);
+  }
+
+  // First of all: at several temperatures nothing else can be told without it.
+  void TryTemperature(JointStructure& structure) {
+    if (options_.temperature != Presence::kAuto || structure.self_heating) return;
+    if (!(logs_.warmest_K - logs_.coldest_K >= kLeastSpan_K)) return;
+    JointStructure richer = structure;
+    richer.temperature = true;
+    if (options_.entropy == Presence::kOn) richer.entropy_soc = Entropies();
+    if (Search(richer) == taken_) structure = richer;
+  }
+
+  void TryEntropy() {
+    if (options_.entropy != Presence::kAuto || !best().temperature || voltage_soc_.empty()) return;
+    JointStructure richer = best();
+    richer.entropy_soc = Entropies();
+    Search(richer);
+  }
+
   // The terms first: without them no number of nodes tells a cell that warms from one that does
   // not. Each alone, as one may stand in for the other; then both, if both helped.
   void TryTerms(JointStructure structure) {
-    const bool free_heating = options_.self_heating == Presence::kAuto;
+    const bool free_heating = options_.self_heating == Presence::kAuto && !structure.temperature;
     const bool free_transfer = options_.charge_transfer == Presence::kAuto;
-    const LeftOutErrors plain = choice_.errors;
+    const LeftOutErrors plain = choice_.errors;  // with temperature, where that was taken
     bool both = free_heating && free_transfer;
     for (const bool heating : {false, true}) {
       if (!(heating ? free_heating : free_transfer)) continue;
@@ -247,7 +287,9 @@ class Choosing {
   }
 
   void TryBranches() {
-    while (options_.branches < 0 && best().branches < options_.most_branches) {
+    // Cold slows what a warm cell does at once, so that more of it is seen.
+    const int most = options_.most_branches + (best().temperature ? 1 : 0);
+    while (options_.branches < 0 && best().branches < most) {
       JointStructure richer = best();
       ++richer.branches;
       if (Search(richer) != taken_) return;

@@ -32,6 +32,8 @@ struct JointOptions {
   int voltage_nodes = 0;
   Presence self_heating = Presence::kAuto;
   Presence charge_transfer = Presence::kAuto;
+  Presence temperature = Presence::kAuto;
+  Presence entropy = Presence::kAuto;
   double smoothness = 0.0;
   double charge_uncertainty = 0.002;
   double voltage_uncertainty_V = 0.001;
@@ -46,7 +48,8 @@ struct JointOptions {
     v("most_branches",
       self.most_branches,
       Range{0.0, 5.0},
-      "largest number of branches that is tried where their number is automatic");
+      "largest number of branches that is tried where their number is automatic; one more where "
+      "temperature takes part");
     v("resistance_nodes",
       self.resistance_nodes,
       Range{0.0, 100.0},
@@ -63,6 +66,15 @@ struct JointOptions {
       self.charge_transfer,
       Names{},
       "whether a charge-transfer drop that grows as asinh(i/i_0) is added");
+    v("temperature",
+      self.temperature,
+      Names{},
+      "whether resistances and diffusion change with the temperature of the logs by Arrhenius' law; "
+      "on: also where the temperatures of the logs are within 10 degC");
+    v("entropy",
+      self.entropy,
+      Names{},
+      "whether v_oc changes with the temperature, where temperature takes part");
     v("smoothness",
       self.smoothness,
       Range{0.0, 1e3},
@@ -120,6 +132,10 @@ struct JointChoice {
                                           double lowest_soc,
                                           const JointOptions& options,
                                           const std::function<void(double)>& progress = {});
+
+/// What the temperatures of the logs must span, so that activation energies can be told from other
+/// differences between the logs.
+inline constexpr double kLeastSpan_K = 10.0;
 
 /// Nodes over the state of charge, denser where cells bend: `count` of them as nearly as the ladder
 /// has it.

@@ -24,6 +24,15 @@ constexpr double kInstant_s = 1e-9;
 // beyond any step at another: it stays within these parts of the median step.
 constexpr double kLeastOfEdge = 0.15;
 constexpr double kMostOfEdge = 2.0;
+// Activation energies, in J/mol: where they are searched, and where a search begins. The last are in
+// the middle of what is measured of lithium cells (docs/joint.md, "Temperature").
+constexpr double kLeastEnergy = 1e3;
+constexpr double kMostEnergy = 150e3;
+constexpr double kStartOfSeries = 15e3;
+constexpr double kStartOfOthers = 40e3;
+// What is measured of whole lithium cells lies within, -0.6 to 0.6 mV/K. Without a bound slow
+// relaxation in the cold, which looks like a lower v_oc, would take its place.
+constexpr double kMostEntropy_V_per_K = 0.6e-3;
 // A quadratic of node voltages as one of their rises.
 void TurnToRises(NormalEquations& sum, int voltages) {
   sum.matrix.triangularView<Eigen::StrictlyUpper>() = sum.matrix.transpose();
@@ -131,6 +140,7 @@ class RatesProblem : public LeastSquaresProblem {
 
 void SortBranches(JointSolution& solution) {
   const std::vector<double> taus = solution.rates.time_constant_s;
+  const std::vector<double> energies = solution.rates.branch_J_per_mol;
   const std::size_t n = taus.size();
   if (solution.x.size() == 0) return;
   const JointLayout layout(solution.structure);
@@ -149,12 +159,15 @@ void SortBranches(JointSolution& solution) {
     const int from = layout.branch(static_cast<int>(order[j]));
     const int to = layout.branch(static_cast<int>(j));
     solution.rates.time_constant_s[j] = taus[order[j]];
+    if (!energies.empty()) solution.rates.branch_J_per_mol[j] = energies[order[j]];
     solution.follows[j] = before.follows[order[j]];
     solution.x.segment(to, layout.nodes()) = before.x.segment(from, layout.nodes());
     std::copy_n(before.active.begin() + from, layout.nodes(), solution.active.begin() + to);
-    const auto name = fmt::format("tau_{}", order[j] + 1);
-    for (std::size_t k = 0; k < before.at_bound.size(); ++k) {
-      if (before.at_bound[k] == name) solution.at_bound[k] = fmt::format("tau_{}", j + 1);
+    for (const char* symbol : {"tau", "E"}) {
+      const auto name = fmt::format("{}_{}", symbol, order[j] + 1);
+      for (std::size_t k = 0; k < before.at_bound.size(); ++k) {
+        if (before.at_bound[k] == name) solution.at_bound[k] = fmt::format("{}_{}", symbol, j + 1);
+      }
     }
   }
 }
@@ -175,6 +188,13 @@ JointRates JointFit::Base(const JointStructure& structure) const {
   }
   if (structure.self_heating) rates.heating_time_constant_s = fixed("tau_h", 500.0);
   if (structure.charge_transfer) rates.charge_transfer_A = fixed("i_0", 0.15 * scales_.largest_A);
+  if (structure.temperature) {
+    rates.series_J_per_mol = fixed("E_s", kStartOfSeries);
+    if (setup_.diffusion) rates.diffusion_J_per_mol = fixed("E_d", kStartOfOthers);
+    for (int j = 1; j <= structure.branches; ++j)
+      rates.branch_J_per_mol.push_back(fixed(fmt::format("E_{}", j), kStartOfOthers));
+    if (structure.charge_transfer) rates.transfer_J_per_mol = fixed("E_ct", kStartOfOthers);
+  }
   return rates;
 }
 
@@ -233,6 +253,34 @@ std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) con
         0,
         slots.transfer());
   }
+  if (structure.temperature) {
+    const auto add_energy = [&](std::string name, auto entry, int index, int slot) {
+      add(std::move(name), kLeastEnergy, kMostEnergy, entry, index, slot);
+    };
+    if (setup_.diffusion) {
+      add_energy(
+          "E_d",
+          [](JointRates& r, int) { return &r.diffusion_J_per_mol; },
+          0,
+          slots.diffusion_energy());
+    }
+    add_energy(
+        "E_s", [](JointRates& r, int) { return &r.series_J_per_mol; }, 0, slots.series_energy());
+    for (int j = 0; j < structure.branches; ++j) {
+      add_energy(
+          fmt::format("E_{}", j + 1),
+          [](JointRates& r, int at) { return &r.branch_J_per_mol[static_cast<std::size_t>(at)]; },
+          j,
+          slots.branch_energy(j));
+    }
+    if (structure.charge_transfer) {
+      add_energy(
+          "E_ct",
+          [](JointRates& r, int) { return &r.transfer_J_per_mol; },
+          0,
+          slots.transfer_energy());
+    }
+  }
   return rates;
 }
 
@@ -258,6 +306,8 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
     bend(layout.table(t), layout.nodes());
     slope(layout.table(t), layout.nodes(), 0.01 * second);
   }
+  bend(layout.entropy(), layout.entropies());
+  slope(layout.entropy(), layout.entropies(), 0.01 * second);
   return penalty;
 }
 
@@ -287,6 +337,8 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
                       : -(setup_.open_circuit_voltage(structure.voltage_soc[k]) -
                           setup_.open_circuit_voltage(structure.voltage_soc[k - 1]));
   }
+  lower.tail(layout.entropies()).setConstant(-kMostEntropy_V_per_K * kEntropyScale_K);
+  upper.tail(layout.entropies()).setConstant(kMostEntropy_V_per_K * kEntropyScale_K);
   const auto bound = [&](const std::string& name, int table, double per_value) {
     const auto ends = known_.Range(name);
     if (!ends) return;
@@ -345,7 +397,7 @@ JointSolution JointFit::Solve(const JointStructure& structure,
                               const std::vector<char>& guess,
                               ProjectedSlopes* slopes) const {
   ++evaluations_;
-  const auto rows = seen_.At(rates.beta_per_sqrt_s, slopes != nullptr);
+  const auto rows = seen_.At(rates, slopes != nullptr);
   const NormalEquations all = rows->Sum(structure, rates);
   Eigen::MatrixXd information;
   JointSolution solution = SolveSums(structure, rates, smoothness, all, guess, &information);
@@ -438,6 +490,7 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   // Two values of tau_h or i_0; one where both are there, for each was found alone before; and none
   // but its own where the neighbour knows it.
   const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;
+  const RateSlots slots(structure);
   std::vector<int> branches;
   double lower_tau_s = scales_.shortest_tau_s;
   double upper_tau_s = scales_.longest_tau_s;
@@ -454,6 +507,17 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
       if (near != nullptr && std::isfinite(near->charge_transfer_A))
         choices = {{near->charge_transfer_A}};
       with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
+    } else if (rate.name.starts_with("E_")) {
+      // Energies have one valley; the neighbour's, where it has them.
+      if (near == nullptr) continue;
+      JointRates known = *near;
+      const auto at = static_cast<std::size_t>(rate.index);
+      if (rate.slot >= slots.branch_energy(0) && rate.slot < slots.transfer_energy() &&
+          at >= known.branch_J_per_mol.size())
+        continue;
+      const double energy = *rate.entry(known, rate.index);
+      if (!std::isfinite(energy)) continue;
+      for (JointRates& rates : grid) *rate.entry(rates, rate.index) = energy;
     } else if (rate.name != "beta") {
       branches.push_back(rate.index);
       lower_tau_s = std::max(lower_tau_s, rate.lower);
@@ -502,7 +566,9 @@ JointSolution JointFit::Search(const JointStructure& structure,
   const bool keep_all = structure.voltage_soc.empty();
   std::vector<std::vector<JointSolution>> lines(betas.size());
   tbb::parallel_for(std::size_t{0}, betas.size(), [&](std::size_t b) {
-    const auto rows = seen_.At(betas[b], false);
+    JointRates with_beta = line.front();
+    with_beta.beta_per_sqrt_s = betas[b];  // the energy of diffusion is that of the whole line
+    const auto rows = seen_.At(with_beta, false);
     std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
@@ -576,7 +642,10 @@ JointSolution JointFit::Polish(JointSolution from,
                                int iterations_per_variable) const {
   DirectSearchOptions options;
   options.step_tolerance = step_tolerance;
-  options.iterations_per_variable = iterations_per_variable;
+  // Activation energies are known far less well than other rates, and their valleys are long.
+  constexpr int kMoreOfEnergies = 3;
+  options.iterations_per_variable =
+      iterations_per_variable * (from.structure.temperature ? kMoreOfEnergies : 1);
   return Descend(std::move(from), [&](const RatesProblem& problem, const Eigen::VectorXd& start) {
     return MinimizeWithNlopt(NloptMethod::kBobyqa, problem, start, options);
   });

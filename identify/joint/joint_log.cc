@@ -10,6 +10,7 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "identify/stages/condensed_log.h"
+#include "model/battery/arrhenius.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -74,13 +75,21 @@ void FindIntervals(JointLog& log) {
   for (std::size_t k = 1; k < log.size(); ++k) {
     const double dt_s = log.time_s[k] - log.time_s[k - 1];
     const double tolerance_s = 4.0 * std::numeric_limits<double>::epsilon() * log.time_s[k];
+    const bool warm = !log.temperature_K.empty();
+    const double start_K = warm ? log.temperature_K[k - 1] : 0.0;
     // A length at the edge of two keys is at worst there twice.
-    const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30);
+    const auto key = static_cast<std::int64_t>(std::min(dt_s, 4e9) * 0x1p30) ^
+                     static_cast<std::int64_t>(start_K * 0x1p50);
     const auto [found, fresh] =
         known.try_emplace(key, static_cast<std::uint32_t>(log.interval_s.size()));
-    if (!fresh && std::abs(log.interval_s[found->second] - dt_s) > tolerance_s)
+    const std::size_t at = found->second;
+    if (!fresh && (std::abs(log.interval_s[at] - dt_s) > tolerance_s ||
+                   (warm && log.interval_K[at] != start_K)))
       found->second = static_cast<std::uint32_t>(log.interval_s.size());
-    if (found->second == log.interval_s.size()) log.interval_s.push_back(dt_s);
+    if (found->second == log.interval_s.size()) {
+      log.interval_s.push_back(dt_s);
+      if (warm) log.interval_K.push_back(start_K);
+    }
     log.interval[k] = found->second;
   }
 }
@@ -106,7 +115,8 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     int group, unit;
   };
   const auto place_of = [&](std::size_t row) -> Place {
-    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
+    if (log.kind == LogKind::kLowRate || log.kind == LogKind::kLowRateCharge)
+      return {JointLog::kAlways, JointLog::kAlways};
     if (log.kind == LogKind::kConstantCurrent) {
       const double share = (record.time_s[row] - from_s) / length_s;
       const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
@@ -151,6 +161,23 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     }
     const double end_s = before_s + piece.duration_s;
     if (end_s > log.time_s.back()) add(end_s, piece.current_A, piece.current_A, 0.0, 0.0, place);
+  }
+
+  // A temperature changes far more slowly than points follow one another.
+  if (!record.temperature_degC.empty()) {
+    std::size_t row = 0;
+    for (const double time_s : log.time_s) {
+      while (row + 1 < record.size() && record.time_s[row + 1] <= time_s) ++row;
+      double degC = record.temperature_degC[row];
+      if (row + 1 < record.size()) {
+        const double share =
+            (time_s - record.time_s[row]) / (record.time_s[row + 1] - record.time_s[row]);
+        if (share > 0.0) degC += share * (record.temperature_degC[row + 1] - degC);
+      }
+      log.temperature_K.push_back(degC + kZeroCelsius_K);
+    }
+  } else if (loaded.entry.ambient_degC) {
+    log.temperature_K.assign(log.size(), *loaded.entry.ambient_degC + kZeroCelsius_K);
   }
 
   // Weights of rows, then of the log.
@@ -247,6 +274,19 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t l) {
     all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights, all.whole);
   });
+  if (std::none_of(all.logs.begin(),
+                   all.logs.end(),
+                   [](const JointLog& log) { return log.temperature_K.empty(); }) &&
+      !all.logs.empty()) {
+    all.coldest_K = std::numeric_limits<double>::infinity();
+    all.warmest_K = -all.coldest_K;
+    for (const JointLog& log : all.logs) {
+      const auto [low, high] =
+          std::minmax_element(log.temperature_K.begin(), log.temperature_K.end());
+      all.coldest_K = std::min(all.coldest_K, *low);
+      all.warmest_K = std::max(all.warmest_K, *high);
+    }
+  }
   double squares = 0.0;
   double loaded = 0.0;
   NumberGroups(all);

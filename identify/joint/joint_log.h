@@ -22,6 +22,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -50,12 +51,15 @@ struct JointLog {
   std::vector<double> step_A;
   std::vector<double> current_A;
   std::vector<double> voltage_V;
+  std::vector<double> temperature_K;  ///< of the cell at the point; empty where it is not known
   std::vector<double> count;
   std::vector<double> weight;
   std::vector<int> group;
   std::vector<int> unit;
   /// The steps between points have few lengths: each once, and of every point which one leads to it.
+  /// Where the temperature is known, that at the start of the step belongs to it.
   std::vector<double> interval_s;
+  std::vector<double> interval_K;
   std::vector<std::uint32_t> interval;
   double log_weight = 1.0;  ///< as the campaign gives it: the sum of all weights, if v_oc were flat
   std::size_t rows = 0;     ///< of the record
@@ -71,15 +75,18 @@ inline constexpr int kWholeCurrents = 4;
 
 struct JointLogs {
   std::vector<JointLog> logs;
-  int groups = 0;           ///< that can be left out
-  bool whole = false;       ///< discharges are left out whole
+  int groups = 0;      ///< that can be left out
+  bool whole = false;  ///< discharges are left out whole
   /// Weight of each unit.
   std::vector<double> unit_weight;
   double weight_sum = 0.0;  ///< over all logs
   double largest_A = 0.0;
   double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows
   double noise_mean_V = 0.0;  ///< weighted mean size of the noise of what can be left out
-  double typical_A = 0.0;     ///< root mean square of the currents under load
+  /// Coldest and warmest point; NaN where not every log knows its temperature.
+  double coldest_K = std::numeric_limits<double>::quiet_NaN();
+  double warmest_K = std::numeric_limits<double>::quiet_NaN();
+  double typical_A = 0.0;  ///< root mean square of the currents under load
 };
 
 /// Logs of kind validation do not enter. Weights use the slope of `curve` at 1 - charge/alpha.

@@ -3,17 +3,21 @@
 /// @file
 /// The unknowns of the joint estimator. Given the few that the model is not linear in,
 ///
-///   beta, tau_1 .. tau_n  [, tau_h, i_0]
+///   beta, tau_1 .. tau_n  [, tau_h, i_0]  [, E_d, E_s, E_1 .. E_n, E_ct]
 ///
 /// the state of charge A(t) of every log is known, and the voltage is linear in all the others:
 ///
 ///   v_b = sum_k V_k phi_k(A) - sum_k R_k psi_k(A) i - sum_j sum_k R_jk L_j[psi_k(A) i]
 ///         [- sum_k C_k psi_k(A) i_0 asinh(i/i_0)] [+ rho h i]                 (4.51)
+///         [+ sum_k S_k chi_k(A) (T - T_ref)]
 ///
 /// with straight-line nodes phi_k, psi_k (psi constant, phi straight beyond the ends), the low pass
 /// L_j of branch j (4.50), and the thermal state h, the low pass of i² by tau_h. A constant
-/// resistance is a table of one node. Symbols: docs/joint.md.
+/// resistance is a table of one node. Where temperature takes part, its factors multiply the
+/// currents above (model/battery/temperature.h); the temperature itself was measured or is that of
+/// the surroundings. Symbols: docs/joint.md.
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -33,6 +37,8 @@ struct JointSetup {
   OpenCircuitVoltage open_circuit_voltage;
   /// What steps of the current show between two rows: r_s and a part of the rest. NaN: no step.
   double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
+  /// At which the parameters are those of the cell.
+  double reference_K = 25.0 + kZeroCelsius_K;
 };
 
 /// Which terms there are.
@@ -42,6 +48,8 @@ struct JointStructure {
   std::vector<double> voltage_soc = {};     ///< nodes of v_oc; empty: the curve is given
   bool self_heating = false;
   bool charge_transfer = false;
+  bool temperature = false;              ///< every resistance and beta by an energy of its own
+  std::vector<double> entropy_soc = {};  ///< nodes of dv_oc/dT; empty: none
 
   [[nodiscard]] int nodes() const { return static_cast<int>(resistance_soc.size()); }
   friend bool operator==(const JointStructure&, const JointStructure&) = default;
@@ -53,29 +61,58 @@ struct JointRates {
   std::vector<double> time_constant_s;
   double heating_time_constant_s = std::numeric_limits<double>::quiet_NaN();
   double charge_transfer_A = std::numeric_limits<double>::quiet_NaN();
+  /// Activation energies, where temperature takes part.
+  double diffusion_J_per_mol = std::numeric_limits<double>::quiet_NaN();
+  double series_J_per_mol = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> branch_J_per_mol = {};
+  double transfer_J_per_mol = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Where the slope in each nonlinear parameter stands: beta, tau_1 .. tau_n, tau_h, i_0. There is
-/// always a beta; without diffusion its slope is zero.
+/// The factors of one temperature, with the slopes of their logarithms in the energies, which are
+/// the same for all: f = exp(E inverse), 1/T - 1/T_ref over the gas constant.
+struct AtTemperature {
+  double inverse_mol_per_J = 0.0;
+  double ratio = 1.0;    ///< T/T_ref
+  double above_K = 0.0;  ///< T - T_ref
+
+  AtTemperature() = default;
+  AtTemperature(double temperature_K, double reference_K)
+      : inverse_mol_per_J((1.0 / temperature_K - 1.0 / reference_K) / kGasConstant_J_per_mol_K),
+        ratio(temperature_K / reference_K),
+        above_K(temperature_K - reference_K) {}
+  [[nodiscard]] double Factor(double energy_J_per_mol) const {
+    return std::exp(energy_J_per_mol * inverse_mol_per_J);
+  }
+};
+
+/// Where the slope in each nonlinear parameter stands: beta, tau_1 .. tau_n, tau_h, i_0, E_d, E_s,
+/// E_1 .. E_n, E_ct. There is always a beta; without diffusion its slope is zero, as is that of
+/// E_d.
 class RateSlots {
  public:
   explicit RateSlots(const JointStructure& structure)
       : branches_(structure.branches),
         heating_(structure.self_heating ? 1 : 0),
-        transfer_(structure.charge_transfer ? 1 : 0) {}
+        transfer_(structure.charge_transfer ? 1 : 0),
+        energies_(structure.temperature ? 2 + structure.branches + transfer_ : 0) {}
 
   [[nodiscard]] int beta() const { return 0; }
   [[nodiscard]] int tau(int j) const { return 1 + j; }
   [[nodiscard]] int heating() const { return 1 + branches_; }
   [[nodiscard]] int transfer() const { return 1 + branches_ + heating_; }
-  [[nodiscard]] int size() const { return 1 + branches_ + heating_ + transfer_; }
+  [[nodiscard]] int diffusion_energy() const { return transfer() + transfer_; }
+  [[nodiscard]] int series_energy() const { return diffusion_energy() + 1; }
+  [[nodiscard]] int branch_energy(int j) const { return series_energy() + 1 + j; }
+  [[nodiscard]] int transfer_energy() const { return branch_energy(branches_); }
+  [[nodiscard]] int size() const { return diffusion_energy() + energies_; }
 
  private:
-  int branches_, heating_, transfer_;
+  int branches_, heating_, transfer_, energies_;
 };
 
 /// Where each linear unknown stands. All are in volts: node voltages as they are, resistances
-/// times the typical current, rho times its cube.
+/// times the typical current, rho times its cube, dv_oc/dT times kEntropyScale_K.
+inline constexpr double kEntropyScale_K = 10.0;
 class JointLayout {
  public:
   explicit JointLayout(const JointStructure& structure)
@@ -83,7 +120,8 @@ class JointLayout {
         nodes_(structure.nodes()),
         branches_(structure.branches),
         transfer_(structure.charge_transfer),
-        heating_(structure.self_heating) {}
+        heating_(structure.self_heating),
+        entropies_(static_cast<int>(structure.entropy_soc.size())) {}
 
   [[nodiscard]] int voltages() const { return voltages_; }
   [[nodiscard]] int nodes() const { return nodes_; }
@@ -91,7 +129,9 @@ class JointLayout {
   [[nodiscard]] int branch(int j) const { return voltages_ + (1 + j) * nodes_; }
   [[nodiscard]] int transfer() const { return branch(branches_); }
   [[nodiscard]] int heating() const { return branch(branches_ + (transfer_ ? 1 : 0)); }
-  [[nodiscard]] int size() const { return heating() + (heating_ ? 1 : 0); }
+  [[nodiscard]] int entropy() const { return heating() + (heating_ ? 1 : 0); }
+  [[nodiscard]] int entropies() const { return entropies_; }
+  [[nodiscard]] int size() const { return entropy() + entropies_; }
   /// Tables of resistances: r_s, r_1 .. r_n and, where it is there, that of the charge transfer.
   [[nodiscard]] int tables() const { return 1 + branches_ + (transfer_ ? 1 : 0); }
   [[nodiscard]] int table(int t) const { return voltages_ + t * nodes_; }
@@ -99,6 +139,7 @@ class JointLayout {
  private:
   int voltages_, nodes_, branches_;
   bool transfer_, heating_;
+  int entropies_;
 };
 
 /// From columns of node voltages to columns of their rises, x_node[k] = sum_{j <= k} rise[j]: each

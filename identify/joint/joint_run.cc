@@ -210,6 +210,8 @@ class JointRun {
                                                                : 1),
                  LowestSoc(alpha_C));
       structure.voltage_soc = CurveNodes();
+      structure.temperature = result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K &&
+                              options_.temperature != Presence::kOff;
       rough = JointFit(seen, known_).Search(structure, 1e-3, rough.x.size() > 0 ? &rough : nullptr);
       return std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
     };
@@ -250,7 +252,7 @@ class JointRun {
   // Where the solution's v_oc reaches the cut-off.
   [[nodiscard]] CutoffPoint Cutoff(const JointSolution& solution) const {
     const auto& nodes = solution.structure.voltage_soc;
-    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates.beta_per_sqrt_s);
+    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates);
     const ReachedSoc reached{soc.lowest, soc.highest};
     const std::size_t first = reached.Of(nodes, 2).first;
     const OpenCircuitVoltage curve = CurveOf(solution, result_.setup.open_circuit_voltage, reached);
@@ -303,13 +305,17 @@ class JointRun {
   void MakeCell() {
     const JointSolution& best = result_.choice.best;
     const JointSetup& setup = result_.setup;
-    const SocTrace soc = TraceSoc(result_.logs, setup, best.rates.beta_per_sqrt_s);
+    const SocTrace soc = TraceSoc(result_.logs, setup, best.rates);
     const ReachedSoc reached{soc.lowest, soc.highest};
     Cell& cell = result_.cell;
     cell = result_.staged.cell;  // name, pack, cut-off
     if (!curve_given_)
       cell.open_circuit_voltage = CurveOf(best, setup.open_circuit_voltage, reached);
     PutInto(cell, best, result_.logs.typical_A, reached);
+    if (cell.temperature) {
+      cell.temperature->reference_K = setup.reference_K;
+      result_.heat.reset();
+    }
     // Every log that starts full is the same with any capacity reference: the last word on alpha
     // costs nothing.
     double alpha_C = setup.alpha_C;
@@ -328,6 +334,8 @@ class JointRun {
       move_table(cell.series_resistance_Ohm);
       for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
       if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
+      if (cell.temperature && cell.temperature->entropy)
+        cell.temperature->entropy->soc = move(std::move(cell.temperature->entropy->soc));
     } else {
       alpha_C = setup.alpha_C;
     }
@@ -341,6 +349,12 @@ class JointRun {
       cell.diffusion.reset();
       cell.capacity_Ah = alpha_C / 3600.0;
     }
+    if (!cell.temperature) return;
+    result_.heat = FitHeat(cell, logs_);
+    if (!result_.heat) return;
+    cell.temperature->heat = result_.heat->balance;
+    if (cell.temperature->entropy)
+      cell.temperature->entropy->reversible_heat = result_.heat->reversible;
   }
 
   // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
@@ -382,6 +396,7 @@ class JointRun {
                             "better beyond it",
                             name));
     }
+    NameTemperatureCautions();
     constexpr double kWorthSaying_V = 0.02;
     if (result_.cutoff.extrapolated) {
       const double lowest_V =
@@ -403,6 +418,44 @@ class JointRun {
             "nothing",
             j + 1));
       }
+    }
+  }
+
+  void NameTemperatureCautions() {
+    auto& say = result_.cautions;
+    const JointLogs& logs = result_.logs;
+    if (result_.choice.best.structure.temperature) {
+      if (result_.heat && !result_.heat->reversible) {
+        say.push_back(fmt::format(
+            "dv_oc/dT holds more than entropy: measured temperatures are explained to {:.2f} degC "
+            "without its heat, and to {:.2f} degC with it; relaxation slower than the rests may look "
+            "like it",
+            result_.heat->rmse_K,
+            result_.heat->rmse_reversible_K));
+      }
+      if (result_.heat) return;
+      say.push_back(
+          fmt::format("no log shows the cell {:g} degC warmer than its start by its own heat: its "
+                      "temperature is not predicted, and follows the surroundings",
+                      kLeastRise_K));
+      return;
+    }
+    if (std::isnan(logs.coldest_K) || options_.temperature == Presence::kOff) return;
+    const double coldest_degC = logs.coldest_K - kZeroCelsius_K;
+    const double warmest_degC = logs.warmest_K - kZeroCelsius_K;
+    if (warmest_degC - coldest_degC < kLeastSpan_K) {
+      say.push_back(fmt::format(
+          "activation energies are not identifiable: the logs lie between {:.1f} and {:.1f} degC, "
+          "and telling what temperature does takes {:g} degC",
+          coldest_degC,
+          warmest_degC,
+          kLeastSpan_K));
+    } else {
+      say.push_back(fmt::format(
+          "the logs lie between {:.1f} and {:.1f} degC, but parameters that change with "
+          "temperature do not predict held-out rows better",
+          coldest_degC,
+          warmest_degC));
     }
   }
 

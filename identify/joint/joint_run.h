@@ -16,6 +16,7 @@
 
 #include "identify/constant_current_validation.h"
 #include "identify/joint/capacity_reference.h"
+#include "identify/joint/heat_fit.h"
 #include "identify/joint/joint_choice.h"
 #include "identify/stages/staged_run.h"
 
@@ -40,6 +41,7 @@ struct JointResult {
   JointLogs logs;
   JointSetup setup;
   std::map<std::string, double> fixed;  ///< what the user held
+  std::optional<HeatFit> heat;          ///< none: the temperature of the cell is not predicted
   CutoffPoint cutoff;  ///< among the nodes of v_oc; found only where it fixed alpha
 };
 

@@ -29,23 +29,31 @@ void WalkLog(const JointLogs& logs,
              Sink&& sink) {
   const JointLog& log = logs.logs[l];
   const LogTrace& trace = soc.logs[l];
-  CellRows rows(
-      setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
+  CellRows rows(setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
   ModeSteps steps;
   rows.SetSteps(log.interval_s, steps);
-  const bool slopes = !trace.at_slope.empty();
+  const auto slope = [](const std::vector<double>& of, std::size_t k) {
+    return of.empty() ? 0.0 : of[k];
+  };
+  const bool warm = structure.temperature && !log.temperature_K.empty();
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (k > 0) {
       rows.Step(steps,
                 static_cast<Eigen::Index>(log.interval[k]),
                 log.step_A[k],
                 trace.start[k],
-                slopes ? trace.start_slope[k] : 0.0);
+                slope(trace.start_slope, k),
+                slope(trace.start_energy_slope, k));
     }
+    if (warm && (k == 0 || log.temperature_K[k] != log.temperature_K[k - 1]))
+      rows.SetTemperature({log.temperature_K[k], setup.reference_K});
     if (!(log.weight[k] > 0.0)) continue;
     sink(k,
-         rows.MakeRow(
-             log.current_A[k], log.voltage_V[k], trace.at[k], slopes ? trace.at_slope[k] : 0.0));
+         rows.MakeRow(log.current_A[k],
+                      log.voltage_V[k],
+                      trace.at[k],
+                      slope(trace.at_slope, k),
+                      slope(trace.at_energy_slope, k)));
   }
 }
 
@@ -101,32 +109,48 @@ Sum SumOverLogs(const JointLogs& logs,
 
 SocTrace TraceSoc(const JointLogs& logs,
                   const JointSetup& setup,
-                  double beta_per_sqrt_s,
+                  const JointRates& rates,
                   bool slopes) {
   SocTrace trace;
   trace.logs.resize(logs.logs.size());
   tbb::parallel_for(std::size_t{0}, logs.logs.size(), [&](std::size_t l) {
     const JointLog& log = logs.logs[l];
     LogTrace& out = trace.logs[l];
-    SocState state(setup, beta_per_sqrt_s, log.delivered_C, slopes);
+    const double energy_J_per_mol = rates.diffusion_J_per_mol;
+    const bool warm = std::isfinite(energy_J_per_mol) && !log.temperature_K.empty();
+    SocState state(setup, rates.beta_per_sqrt_s, log.delivered_C, slopes);
     out.at.resize(log.size());
     out.start.resize(log.size());
     out.at_slope.resize(state.slopes() ? log.size() : 0);
     out.start_slope.resize(state.slopes() ? log.size() : 0);
+    out.at_energy_slope.resize(state.slopes() && warm ? log.size() : 0);
+    out.start_energy_slope.resize(state.slopes() && warm ? log.size() : 0);
     ModeSteps steps;
-    state.SetSteps(log.interval_s, steps);
+    if (warm) {
+      std::vector<AtTemperature> at;
+      for (const double temperature_K : log.interval_K)
+        at.emplace_back(temperature_K, setup.reference_K);
+      state.SetStepsAt(log.interval_s, at, energy_J_per_mol, steps);
+      state.SetTemperature({log.temperature_K[0], setup.reference_K}, energy_J_per_mol);
+    } else {
+      state.SetSteps(log.interval_s, steps);
+    }
     for (std::size_t k = 0; k < log.size(); ++k) {
       const double step_A = k > 0 ? log.step_A[k] : 0.0;
       out.start[k] = state.Soc(step_A);
       if (state.slopes()) out.start_slope[k] = state.Slope(step_A);
+      if (state.slopes() && warm) out.start_energy_slope[k] = state.EnergySlope(step_A);
       if (k > 0) {
         state.Step(steps,
                    static_cast<Eigen::Index>(log.interval[k]),
                    step_A,
                    log.time_s[k] - log.time_s[k - 1]);
       }
+      if (warm && k > 0 && log.temperature_K[k] != log.temperature_K[k - 1])
+        state.SetTemperature({log.temperature_K[k], setup.reference_K}, energy_J_per_mol);
       out.at[k] = state.Soc(log.current_A[k]);
       if (state.slopes()) out.at_slope[k] = state.Slope(log.current_A[k]);
+      if (state.slopes() && warm) out.at_energy_slope[k] = state.EnergySlope(log.current_A[k]);
     }
   });
   for (std::size_t l = 0; l < logs.logs.size(); ++l) {
@@ -146,11 +170,12 @@ std::vector<NormalEquations> SumGroups(const JointLogs& logs,
                                        const JointRates& rates) {
   const int n = JointLayout(structure).size();
   std::vector<NormalEquations> sums(static_cast<std::size_t>(logs.groups) + 1, NormalEquations(n));
-  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
-    const JointLog& log = logs.logs[l];
-    const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
-    sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
-  });
+  VisitRows(
+      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
+        const JointLog& log = logs.logs[l];
+        const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
+        sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
+      });
   return sums;
 }
 
@@ -164,21 +189,20 @@ std::vector<std::vector<double>> SumErrors(
     ErrorSize size) {
   std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
-  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l,
-                                                                    std::size_t k,
-                                                                    const CellRow& row) {
-    const JointLog& log = logs.logs[l];
-    if (log.group[k] == JointLog::kAlways) return;
-    const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
-    const double factor = size == ErrorSize::kWeighted_V
-                              ? log.weight[k]
-                              : 100.0 * log.count[k] / log.voltage_V[k];
-    for (std::size_t s = 0; s < sums.size(); ++s) {
-      const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
-                                                     : row.Residual(candidates[s].data());
-      sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
-    }
-  });
+  VisitRows(
+      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
+        const JointLog& log = logs.logs[l];
+        if (log.group[k] == JointLog::kAlways) return;
+        const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
+        const double factor = size == ErrorSize::kWeighted_V
+                                  ? log.weight[k]
+                                  : 100.0 * log.count[k] / log.voltage_V[k];
+        for (std::size_t s = 0; s < sums.size(); ++s) {
+          const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
+                                                         : row.Residual(candidates[s].data());
+          sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
+        }
+      });
   return sums;
 }
 
@@ -186,8 +210,8 @@ namespace {
 
 class PointsAtBeta : public Observations::AtBeta {
  public:
-  PointsAtBeta(const JointLogs& logs, const JointSetup& setup, double beta_per_sqrt_s, bool slopes)
-      : logs_(logs), setup_(setup), soc_(TraceSoc(logs, setup, beta_per_sqrt_s, slopes)) {}
+  PointsAtBeta(const JointLogs& logs, const JointSetup& setup, const JointRates& rates, bool slopes)
+      : logs_(logs), setup_(setup), soc_(TraceSoc(logs, setup, rates, slopes)) {}
 
   [[nodiscard]] NormalEquations Sum(const JointStructure& structure,
                                     const JointRates& rates) const override {
@@ -235,16 +259,16 @@ JointObservations::JointObservations(const JointLogs& logs, const JointSetup& se
   scales_.longest_tau_s = std::max(longest_s, 8.0 * shortest_s);
 }
 
-std::unique_ptr<Observations::AtBeta> JointObservations::At(double beta_per_sqrt_s,
+std::unique_ptr<Observations::AtBeta> JointObservations::At(const JointRates& rates,
                                                             bool slopes) const {
-  return std::make_unique<PointsAtBeta>(logs_, setup_, beta_per_sqrt_s, slopes);
+  return std::make_unique<PointsAtBeta>(logs_, setup_, rates, slopes);
 }
 
 std::vector<FittedRows> JointObservations::Rows(const JointStructure& structure,
                                                 const JointRates& rates,
                                                 const Eigen::VectorXd& x,
                                                 CurveSlope curve) const {
-  const SocTrace soc = TraceSoc(logs_, setup_, rates.beta_per_sqrt_s, true);
+  const SocTrace soc = TraceSoc(logs_, setup_, rates, true);
   const int p = RateSlots(structure).size();
   std::vector<FittedRows> all(logs_.logs.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t l) {

@@ -17,13 +17,16 @@
 
 namespace lipoid {
 
-/// A(t) of one log for one beta: of each point, and of the start of the step that leads to it under
+/// A(t) of one log for one beta and E_d: of each point, and of the start of the step that leads to it under
 /// the step's current (CellModel takes r_j there); their slopes in beta where they were asked for.
 struct LogTrace {
   std::vector<double> at;
   std::vector<double> start;
   std::vector<double> at_slope;
   std::vector<double> start_slope;
+  /// In E_d, where temperature takes part.
+  std::vector<double> at_energy_slope;
+  std::vector<double> start_energy_slope;
 };
 struct SocTrace {
   std::vector<LogTrace> logs;
@@ -32,7 +35,7 @@ struct SocTrace {
 };
 [[nodiscard]] SocTrace TraceSoc(const JointLogs& logs,
                                 const JointSetup& setup,
-                                double beta_per_sqrt_s,
+                                const JointRates& rates,
                                 bool slopes = false);
 
 /// Of each group 0 .. logs.groups - 1, then of the rows that are never left out. Unknowns as in
@@ -64,7 +67,7 @@ class JointObservations : public Observations {
   /// Both must outlive this.
   JointObservations(const JointLogs& logs, const JointSetup& setup);
 
-  [[nodiscard]] std::unique_ptr<AtBeta> At(double beta_per_sqrt_s, bool slopes) const override;
+  [[nodiscard]] std::unique_ptr<AtBeta> At(const JointRates& rates, bool slopes) const override;
   /// With the slope of v_oc that `curve` says.
   [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
                                              const JointRates& rates,

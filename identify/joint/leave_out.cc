@@ -63,7 +63,7 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   if (!ladder.empty()) best.smoothness = ladder[ladder.size() / 2];
   if (logs.groups < 2) return best;
   const JointSetup& setup = fit.seen().setup();
-  const SocTrace soc = TraceSoc(logs, setup, rates.beta_per_sqrt_s);
+  const SocTrace soc = TraceSoc(logs, setup, rates);
   const Held held = SolveWithoutEach(fit, logs, soc, structure, rates, ladder);
   const double weight = held.weight;
   const auto total_of = [&](const std::vector<double>& units) {
@@ -95,7 +95,7 @@ ExpectedError ExpectError(const JointFit& fit,
                           const JointSolution& solution) {
   ExpectedError expected;
   if (logs.groups < 2 || solution.x.size() == 0) return expected;
-  const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates.beta_per_sqrt_s);
+  const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates);
   const Held held =
       SolveWithoutEach(fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
   const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {

@@ -101,7 +101,9 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                    "end_s",
                    "initial_soc",
                    "lead_resistance_Ohm",
-                   "weight"});
+                   "weight",
+                   "ambient_degC",
+                   "initial_degC"});
   CampaignLog log;
   log.position = reader.At();
   for (const std::string_view key : {"kind", "file"}) {
@@ -145,6 +147,17 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                 "a resistance from 0 to 1000 Ohm",
                 log.read.lead_resistance_Ohm);
   reader.Number("weight", kLeastWeight, kMostWeight, "a number from 1e-6 to 1e6", log.weight);
+  const auto temperature = [&](std::string_view key, std::optional<double>& of) {
+    double found_degC = 0.0;
+    if (reader.Number(key,
+                      kTemperatures_degC.lo,
+                      kTemperatures_degC.hi,
+                      "a temperature from -60 to 150 degC",
+                      found_degC))
+      of = found_degC;
+  };
+  temperature("ambient_degC", log.ambient_degC);
+  temperature("initial_degC", log.initial_degC);
   return log;
 }
 
@@ -171,8 +184,9 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
   if (const toml::node* node = top.Find("cell")) {
     if (const auto* table = node->as_table()) {
       const TomlReader cell(*table, file, problems);
-      cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel"});
+      cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel", "age"});
       cell.Text("name", campaign.name);
+      cell.Text("age", campaign.age);
       cell.Number("capacity_Ah",
                   TomlReader::kAboveZero,
                   1e6,
@@ -256,6 +270,8 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (read.lead_resistance_Ohm != 0.0)
     add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
   if (log.weight != CampaignLog().weight) add("weight", TomlFloat(log.weight));
+  if (log.ambient_degC) add("ambient_degC", TomlFloat(*log.ambient_degC));
+  if (log.initial_degC) add("initial_degC", TomlFloat(*log.initial_degC));
   return text;
 }
 
@@ -266,6 +282,7 @@ std::string CampaignToToml(const Campaign& campaign) {
     text += fmt::format("capacity_Ah = {}\n", TomlFloat(campaign.capacity_Ah));
   if (campaign.cutoff_V) text += fmt::format("cutoff_V = {}\n", TomlFloat(*campaign.cutoff_V));
   if (campaign.series != 1) text += fmt::format("series = {}\n", campaign.series);
+  if (!campaign.age.empty()) text += fmt::format("age = {}\n", TomlText(campaign.age));
   if (campaign.parallel != 1) text += fmt::format("parallel = {}\n", campaign.parallel);
   for (const CampaignLog& log : campaign.logs) text += "\n" + CampaignLogToToml(log);
   return text;
@@ -278,6 +295,7 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
                     .cutoff_V = arguments.cutoff_V,
                     .series = arguments.series,
                     .parallel = arguments.parallel,
+                    .age = {},
                     .logs = {}};
   const std::pair<LogKind, const std::vector<std::string>*> lists[] = {
       {LogKind::kConstantCurrent, &arguments.constant_current},

@@ -16,11 +16,12 @@
 
 namespace lipoid {
 
-enum class LogKind { kConstantCurrent, kLowRate, kPulses, kValidation };
+enum class LogKind { kConstantCurrent, kLowRate, kLowRateCharge, kPulses, kValidation };
 
-constexpr std::array<std::pair<LogKind, std::string_view>, 4> OptionNames(LogKind) {
+constexpr std::array<std::pair<LogKind, std::string_view>, 5> OptionNames(LogKind) {
   return {{{LogKind::kConstantCurrent, "constant-current"},
            {LogKind::kLowRate, "low-rate"},
+           {LogKind::kLowRateCharge, "low-rate-charge"},
            {LogKind::kPulses, "pulses"},
            {LogKind::kValidation, "validation"}}};
 }
@@ -33,6 +34,8 @@ struct CampaignLog {
   ReadOptions read;
   double initial_soc = 1.0;
   double weight = 1.0;
+  std::optional<double> ambient_degC;  ///< of the surroundings; none: not told
+  std::optional<double> initial_degC;  ///< of the cell at the first row; none: that of the ambient
 };
 
 struct Campaign {
@@ -42,6 +45,7 @@ struct Campaign {
   std::optional<double> cutoff_V;  ///< of one cell
   int series = 1;
   int parallel = 1;
+  std::string age;  ///< a date, or cycles; as written
   std::vector<CampaignLog> logs;
 
   [[nodiscard]] std::size_t Count(LogKind kind) const;

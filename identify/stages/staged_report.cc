@@ -105,14 +105,18 @@ Json SweepParametersToJson(const SweepParameters& p, bool diffusion) {
 }
 
 Json LogErrorsToJson(const LogErrors& errors) {
-  return {{"file", errors.file},
-          {"mean_error_percent", NumberOrNull(errors.all.mean_error_percent)},
-          {"max_error_percent", NumberOrNull(errors.all.max_error_percent)},
-          {"rmse_V", NumberOrNull(errors.all.rmse)},
-          {"mean_error_percent_above_10_soc", NumberOrNull(errors.above_10_soc.mean_error_percent)},
-          {"rmse_V_above_10_soc", NumberOrNull(errors.above_10_soc.rmse)},
-          {"rows", errors.all.rows},
-          {"rows_outside_curve", errors.rows_outside_curve}};
+  Json json = {
+      {"file", errors.file},
+      {"mean_error_percent", NumberOrNull(errors.all.mean_error_percent)},
+      {"max_error_percent", NumberOrNull(errors.all.max_error_percent)},
+      {"rmse_V", NumberOrNull(errors.all.rmse)},
+      {"mean_error_percent_above_10_soc", NumberOrNull(errors.above_10_soc.mean_error_percent)},
+      {"rmse_V_above_10_soc", NumberOrNull(errors.above_10_soc.rmse)},
+      {"rows", errors.all.rows},
+      {"rows_outside_curve", errors.rows_outside_curve}};
+  if (std::isfinite(errors.temperature_rmse_K))
+    json["temperature_rmse_K"] = errors.temperature_rmse_K;
+  return json;
 }
 
 Json ConstantCurrentErrorsToJson(const ConstantCurrentErrors& errors) {
@@ -130,10 +134,10 @@ Json StagedToJson(const StagedResult& result) {
   Json stages;
   stages["discharge_times"] =
       result.discharge_times ? DischargeTimesToJson(*result.discharge_times) : Json(nullptr);
-  stages["open_circuit_voltage"] =
-      result.open_circuit_voltage ? OcvToJson(*result.open_circuit_voltage)
-      : result.from_rests         ? FromRestsToJson(*result.from_rests)
-                                  : Json(nullptr);
+  stages["open_circuit_voltage"] = result.open_circuit_voltage
+                                       ? OcvToJson(*result.open_circuit_voltage)
+                                   : result.from_rests ? FromRestsToJson(*result.from_rests)
+                                                       : Json(nullptr);
   stages["pulses_beta_held"] =
       result.pulses_beta_held ? PulsesToJson(*result.pulses_beta_held, diffusion) : Json(nullptr);
   stages["pulses"] = PulsesToJson(result.pulses, diffusion);

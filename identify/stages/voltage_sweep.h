@@ -78,7 +78,7 @@ class VoltageSweep : public Observations {
                                               const Eigen::VectorXd& x,
                                               std::size_t most) const;
 
-  [[nodiscard]] std::unique_ptr<AtBeta> At(double beta_per_sqrt_s, bool slopes) const override;
+  [[nodiscard]] std::unique_ptr<AtBeta> At(const JointRates& rates, bool slopes) const override;
   /// Means of rows: so many tell everything there is to know, in a few milliseconds.
   [[nodiscard]] std::vector<FittedRows> Rows(const JointStructure& structure,
                                              const JointRates& rates,

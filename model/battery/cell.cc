@@ -18,6 +18,8 @@ CellParameters<double> Cell::Parameters() const {
   parameters.open_circuit_voltage = open_circuit_voltage;
   parameters.self_heating = self_heating;
   parameters.charge_transfer = charge_transfer;
+  parameters.temperature = temperature;
+  parameters.hysteresis = hysteresis;
   return parameters;
 }
 

@@ -34,6 +34,8 @@ struct Cell {
   };
   using SelfHeating = lipoid::SelfHeating<double>;
   using ChargeTransfer = lipoid::ChargeTransfer<double>;
+  using Temperature = TemperatureDependence<double>;
+  using Hysteresis = lipoid::Hysteresis<double>;
   /// How far the estimates may be off: what cells are drawn from (cell_ensemble.h). The estimates
   /// less the truth have Student's distribution with this scale matrix, which is the covariance of
   /// the estimates, and these degrees of freedom.
@@ -58,6 +60,9 @@ struct Cell {
   std::vector<Branch> branches;
   std::optional<SelfHeating> self_heating;        ///< none: r_s does not know the current's past
   std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
+  std::optional<Temperature> temperature;         ///< none: it is the same at every temperature
+  bool temperature_assumed = false;               ///< typical energies and heat, not measured ones
+  std::optional<Hysteresis> hysteresis;           ///< none: v_oc does not know the current's past
   std::optional<Uncertainty> uncertainty;         ///< none: nothing is known of it
   /// How it was made, an object (see RunRecord); copies of the cell share it. None: it is not known.
   std::shared_ptr<const Json> run;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "generated/shipped_cells.h"
 #include "model/battery/cell_ensemble.h"
@@ -104,21 +105,38 @@ Json CurveToJson(const OpenCircuitVoltage& curve) {
   return json;
 }
 
-Resistance<double> ReadResistance(const JsonReader& json) {
-  if (json.IsNumber()) return {json.Number(0.0, kInfinity)};
-  if (!json.IsObject()) json.Fail("a number or a table of soc and resistance_Ohm");
-  json.OnlyKeys({"soc", "resistance_Ohm"});
+// A quantity over the state of charge: one number, or a table of soc and `key`.
+std::pair<std::vector<double>, std::vector<double>> ReadOverSoc(const JsonReader& json,
+                                                                const char* key,
+                                                                double least,
+                                                                const char* values_word) {
+  if (json.IsNumber()) return {{}, {json.Number(least, kInfinity)}};
+  if (!json.IsObject()) json.Fail(fmt::format("a number or a table of soc and {}", key));
+  json.OnlyKeys({"soc", key});
   auto soc = Increasing(json.At("soc"));
-  auto values = json.At("resistance_Ohm").Numbers(0.0, kInfinity);
+  auto values = json.At(key).Numbers(least, kInfinity);
   if (soc.empty()) json.At("soc").Fail("at least one state of charge");
-  if (values.size() != soc.size())
-    json.At("resistance_Ohm").Fail(fmt::format("{} resistances", soc.size()));
+  if (values.size() != soc.size()) json.At(key).Fail(fmt::format("{} {}", soc.size(), values_word));
   return {std::move(soc), std::move(values)};
 }
 
+Json OverSocToJson(const std::vector<double>& soc,
+                   const char* key,
+                   const std::vector<double>& values) {
+  if (soc.empty()) return values[0];
+  return {{"soc", soc}, {key, values}};
+}
+
+Resistance<double> ReadResistance(const JsonReader& json) {
+  auto [soc, values] = ReadOverSoc(json, "resistance_Ohm", 0.0, "resistances");
+  Resistance<double> resistance;
+  resistance.soc = std::move(soc);
+  resistance.resistance_Ohm = std::move(values);
+  return resistance;
+}
+
 Json ResistanceToJson(const Resistance<double>& resistance) {
-  if (resistance.constant()) return resistance.resistance_Ohm[0];
-  return {{"soc", resistance.soc}, {"resistance_Ohm", resistance.resistance_Ohm}};
+  return OverSocToJson(resistance.soc, "resistance_Ohm", resistance.resistance_Ohm);
 }
 
 Cell::Branch ReadBranch(const JsonReader& json) {
@@ -148,6 +166,78 @@ Cell::SelfHeating ReadSelfHeating(const JsonReader& json) {
   return {
       .time_constant_s = json.At("time_constant_s").Number(kLeast, kInfinity),
       .resistance_drop_Ohm_per_A2 = json.At("resistance_drop_Ohm_per_A2").Number(0.0, kInfinity)};
+}
+
+// Of a cell whose branches are read.
+Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
+  json.OnlyKeys({"reference_degC",
+                 "activation_energy_J_per_mol",
+                 "heat_capacity_J_per_K",
+                 "thermal_resistance_K_per_W",
+                 "entropy",
+                 "reversible_heat",
+                 "assumed"});
+  const auto energy = [](const JsonReader& value) {
+    return value.Number(kActivationEnergies_J_per_mol.lo, kActivationEnergies_J_per_mol.hi);
+  };
+  Cell::Temperature term;
+  term.reference_K = kZeroCelsius_K +
+                     json.At("reference_degC").Number(kTemperatures_degC.lo, kTemperatures_degC.hi);
+  const auto energies = json.At("activation_energy_J_per_mol");
+  energies.OnlyKeys({"series", "branches", "diffusion", "charge_transfer"});
+  term.series_J_per_mol = energy(energies.At("series"));
+  const auto branches = energies.At("branches");
+  for (std::size_t j = 0; j < branches.Size(); ++j)
+    term.branches_J_per_mol.push_back(energy(branches.Item(j)));
+  if (branches.Size() != cell.branches.size())
+    branches.Fail(fmt::format("{} energies, one for each branch", cell.branches.size()));
+  if (const auto one = energies.Find("diffusion")) term.diffusion_J_per_mol = energy(*one);
+  if (const auto one = energies.Find("charge_transfer"))
+    term.charge_transfer_J_per_mol = energy(*one);
+  const auto capacity = json.Find("heat_capacity_J_per_K");
+  const auto resistance = json.Find("thermal_resistance_K_per_W");
+  if (capacity.has_value() != resistance.has_value())
+    json.Fail("both or none of heat_capacity_J_per_K and thermal_resistance_K_per_W");
+  if (capacity) {
+    term.heat =
+        HeatBalance<double>{.heat_capacity_J_per_K = capacity->Number(kLeast, kInfinity),
+                            .thermal_resistance_K_per_W = resistance->Number(kLeast, kInfinity)};
+  }
+  if (const auto entropy = json.Find("entropy")) {
+    term.entropy.emplace();
+    std::tie(term.entropy->soc, term.entropy->slope_V_per_K) =
+        ReadOverSoc(*entropy, "slope_V_per_K", -kInfinity, "slopes");
+    if (const auto heat = json.Find("reversible_heat"))
+      term.entropy->reversible_heat = heat->Boolean();
+  }
+  return term;
+}
+
+Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusion, bool transfer) {
+  Json energies = {{"series", term.series_J_per_mol}, {"branches", term.branches_J_per_mol}};
+  if (diffusion) energies["diffusion"] = term.diffusion_J_per_mol;
+  if (transfer) energies["charge_transfer"] = term.charge_transfer_J_per_mol;
+  Json json = {{"reference_degC", CelsiusOf(term.reference_K)},
+               {"activation_energy_J_per_mol", std::move(energies)}};
+  if (term.heat) {
+    json["heat_capacity_J_per_K"] = term.heat->heat_capacity_J_per_K;
+    json["thermal_resistance_K_per_W"] = term.heat->thermal_resistance_K_per_W;
+  }
+  if (term.entropy) {
+    json["entropy"] =
+        OverSocToJson(term.entropy->soc, "slope_V_per_K", term.entropy->slope_V_per_K);
+    if (!term.entropy->reversible_heat) json["reversible_heat"] = false;
+  }
+  if (assumed) json["assumed"] = true;
+  return json;
+}
+
+Cell::Hysteresis ReadHysteresis(const JsonReader& json) {
+  json.OnlyKeys({"folds", "half_V"});
+  Cell::Hysteresis term;
+  term.folds = json.At("folds").Number(kLeast, kInfinity);
+  std::tie(term.soc, term.half_V) = ReadOverSoc(json.At("half_V"), "half_V", 0.0, "voltages");
+  return term;
 }
 
 Cell::ChargeTransfer ReadChargeTransfer(const JsonReader& json) {
@@ -251,6 +341,8 @@ Cell ParseCell(const std::string& text, const std::string& file) {
                  "branches",
                  "self_heating",
                  "charge_transfer",
+                 "temperature",
+                 "hysteresis",
                  "run",
                  "uncertainty"});
   Cell cell;
@@ -278,6 +370,16 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   if (const auto term = json.Find("self_heating")) cell.self_heating = ReadSelfHeating(*term);
   if (const auto term = json.Find("charge_transfer"))
     cell.charge_transfer = ReadChargeTransfer(*term);
+  if (const auto term = json.Find("temperature")) {
+    if (cell.self_heating) {
+      term->FailWith(
+          "expected one of temperature and self_heating, which are two laws for one thing, found "
+          "both");
+    }
+    cell.temperature = ReadTemperature(*term, cell);
+    if (const auto assumed = term->Find("assumed")) cell.temperature_assumed = assumed->Boolean();
+  }
+  if (const auto term = json.Find("hysteresis")) cell.hysteresis = ReadHysteresis(*term);
   if (const auto run = json.Find("run")) {
     if (!run->IsObject()) run->Fail("an object");
     cell.run = std::make_shared<const Json>(document.at("run"));
@@ -327,6 +429,16 @@ Json CellToJson(const Cell& cell) {
     json["charge_transfer"] = {{"current_A", term->current_A},
                                {"resistance_Ohm", ResistanceToJson(term->resistance_Ohm)}};
   }
+  if (const auto& term = cell.temperature) {
+    json["temperature"] = TemperatureToJson(*term,
+                                            cell.temperature_assumed,
+                                            cell.diffusion.has_value(),
+                                            cell.charge_transfer.has_value());
+  }
+  if (const auto& term = cell.hysteresis) {
+    json["hysteresis"] = {{"folds", term->folds},
+                          {"half_V", OverSocToJson(term->soc, "half_V", term->half_V)}};
+  }
   json["run"] = cell.run ? *cell.run : Json::object();
   if (const auto& uncertainty = cell.uncertainty) {  // last: long, and not for people
     json["uncertainty"] = {{"parameters", uncertainty->parameters},
@@ -363,6 +475,14 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
             "a finite current of charge transfer",
             {{"current_A", term->current_A}});
     RequireFinite(term->resistance_Ohm, "a finite resistance of charge transfer");
+  }
+  if (const auto& term = cell.temperature) {
+    for (const double energy :
+         {term->series_J_per_mol, term->diffusion_J_per_mol, term->charge_transfer_J_per_mol}) {
+      Require(std::isfinite(energy), "finite activation energies", {{"energy_J_per_mol", energy}});
+    }
+    Require(term->branches_J_per_mol.size() == cell.branches.size(),
+            "an activation energy of every branch");
   }
   if (const auto& uncertainty = cell.uncertainty) {
     Require(std::isfinite(uncertainty->degrees_of_freedom), "finite degrees of freedom");

@@ -41,6 +41,16 @@ Cell::ChargeTransfer& Transfer(Cell& cell) {
   return *cell.charge_transfer;
 }
 
+// Activation energies begin at zero, where temperature does nothing.
+Cell::Temperature& Warmth(Cell& cell) {
+  if (!cell.temperature) cell.temperature.emplace();
+  cell.temperature->branches_J_per_mol.resize(cell.branches.size(), 0.0);
+  return *cell.temperature;
+}
+std::optional<double> Energy(const Cell& cell, double Cell::Temperature::*of) {
+  return cell.temperature ? std::optional(*cell.temperature.*of) : std::nullopt;
+}
+
 // With r_j given, a branch keeps what it was written with: its capacitance or its time constant.
 void FollowCapacitance(Cell::Branch& branch) {
   if (branch.capacitance_F)
@@ -50,6 +60,8 @@ void FollowCapacitance(Cell::Branch& branch) {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kResistance = "a resistance of at least 0 Ohm";
 constexpr std::string_view kTimeConstant = "a time constant above 0 s";
+constexpr std::string_view kEnergy = "an activation energy from 0 to 200000 J/mol";
+constexpr double kMostEnergy = 2e5;
 
 // The only list of parameters, in the order in which cells name them.
 const std::array kRows{
@@ -97,6 +109,14 @@ const std::array kRows{
           cell.branches[j].time_constant_s = value;
           cell.branches[j].capacitance_F.reset();
         }},
+    Row{{"E", "J/mol", kEnergy, true, true, kMostEnergy},
+        [](const Cell& cell, std::size_t j) -> std::optional<double> {
+          if (!cell.temperature) return std::nullopt;
+          return cell.temperature->branches_J_per_mol[j];
+        },
+        [](Cell& cell, std::size_t j, double value) {
+          Warmth(cell).branches_J_per_mol[j] = value;
+        }},
     Row{{"tau_h", "s", kTimeConstant, false, false, kInfinity},
         [](const Cell& cell, std::size_t) {
           return cell.self_heating ? UnlessMissing(cell.self_heating->time_constant_s)
@@ -129,6 +149,25 @@ const std::array kRows{
         },
         [](Cell& cell, std::size_t, double value) {
           Transfer(cell).resistance_Ohm = Resistance<double>(value);
+        }},
+    Row{{"E_s", "J/mol", kEnergy, false, true, kMostEnergy},
+        [](const Cell& cell, std::size_t) {
+          return Energy(cell, &Cell::Temperature::series_J_per_mol);
+        },
+        [](Cell& cell, std::size_t, double value) { Warmth(cell).series_J_per_mol = value; }},
+    Row{{"E_d", "J/mol", kEnergy, false, true, kMostEnergy},
+        [](const Cell& cell, std::size_t) -> std::optional<double> {
+          if (!cell.diffusion) return std::nullopt;
+          return Energy(cell, &Cell::Temperature::diffusion_J_per_mol);
+        },
+        [](Cell& cell, std::size_t, double value) { Warmth(cell).diffusion_J_per_mol = value; }},
+    Row{{"E_ct", "J/mol", kEnergy, false, true, kMostEnergy},
+        [](const Cell& cell, std::size_t) -> std::optional<double> {
+          if (!cell.charge_transfer) return std::nullopt;
+          return Energy(cell, &Cell::Temperature::charge_transfer_J_per_mol);
+        },
+        [](Cell& cell, std::size_t, double value) {
+          Warmth(cell).charge_transfer_J_per_mol = value;
         }},
 };
 
@@ -234,7 +273,8 @@ bool CellParameterKind::Holds(double value) const {
 
 std::vector<std::string> CellResistanceNames(const Cell& cell) {
   std::vector<std::string> names{"r_s"};
-  for (std::size_t j = 0; j < cell.branches.size(); ++j) names.push_back(fmt::format("r_{}", j + 1));
+  for (std::size_t j = 0; j < cell.branches.size(); ++j)
+    names.push_back(fmt::format("r_{}", j + 1));
   if (cell.charge_transfer) names.emplace_back("r_ct");
   return names;
 }
@@ -307,6 +347,7 @@ void SetCellParameter(Cell& cell, std::string_view name, double value) {
     if (found.branch == cell.branches.size() && kind.symbol == "r") {
       cell.branches.push_back(
           {.resistance_Ohm = {}, .time_constant_s = kMissing, .capacitance_F = {}});
+      if (cell.temperature) cell.temperature->branches_J_per_mol.push_back(0.0);
     }
     if (found.branch >= cell.branches.size()) {
       throw OptionError(fmt::format("{}: the cell has {} branch{}; give r_{} first to add one",

@@ -4,7 +4,8 @@
 /// The table of parameters: the one place that knows what a parameter is called, its unit, its range
 /// and where it stands in a cell. Names are those of the command line: alpha, beta, r_s, r_1, c_1,
 /// tau_1, r_2, ... in SI units (C, s^-1/2, Ohm, F, s), and, of the two terms beyond the thesis,
-/// tau_h (s), rho_h (Ohm/A²), i_0 (A), r_ct (Ohm). A new parameter is a new row in the source file.
+/// tau_h (s), rho_h (Ohm/A²), i_0 (A), r_ct (Ohm), and the activation energies E_s, E_d, E_1, ...,
+/// E_ct (J/mol). A new parameter is a new row in the source file.
 /// Tests: tests/model/battery/cell_parameters_test.cc.
 
 #include <limits>

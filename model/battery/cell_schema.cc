@@ -13,6 +13,9 @@ namespace lipoid {
 namespace {
 
 Json AtLeast(double least) { return {{"type", "number"}, {"minimum", least}}; }
+Json Between(const Range& range) {
+  return {{"type", "number"}, {"minimum", range.lo}, {"maximum", range.hi}};
+}
 Json Above(double bound) { return {{"type", "number"}, {"exclusiveMinimum", bound}}; }
 Json Whole(int least, int most) {
   return {{"type", "integer"}, {"minimum", least}, {"maximum", most}};
@@ -46,10 +49,9 @@ Json Described(Json schema, const char* description) {
   return schema;
 }
 
-Json ResistanceSchema() {
-  return {
-      {"oneOf",
-       {AtLeast(0.0), Strict({{"soc", Numbers(1)}, {"resistance_Ohm", ListOf(AtLeast(0.0), 1)}})}}};
+// One number, or a table over the state of charge.
+Json OverSoc(const char* key, const Json& value) {
+  return {{"oneOf", {value, Strict({{"soc", Numbers(1)}, {key, ListOf(value, 1)}})}}};
 }
 
 Json Curve() {
@@ -111,6 +113,25 @@ Json CellSchema() {
       {"self_heating",
        Strict({{"time_constant_s", Above(0.0)}, {"resistance_drop_Ohm_per_A2", AtLeast(0.0)}})},
       {"charge_transfer", Strict({{"current_A", Above(0.0)}, {"resistance_Ohm", resistance}})},
+      {"temperature",
+       Strict({{"reference_degC", Between(kTemperatures_degC)},
+               {"activation_energy_J_per_mol",
+                Strict({{"series", Between(kActivationEnergies_J_per_mol)},
+                        {"branches", ListOf(Between(kActivationEnergies_J_per_mol))},
+                        {"diffusion", Between(kActivationEnergies_J_per_mol)},
+                        {"charge_transfer", Between(kActivationEnergies_J_per_mol)}},
+                       {"diffusion", "charge_transfer"})},
+               {"heat_capacity_J_per_K", Above(0.0)},
+               {"thermal_resistance_K_per_W", Above(0.0)},
+               {"entropy", OverSoc("slope_V_per_K", {{"type", "number"}})},
+               {"reversible_heat", Boolean()},
+               {"assumed", Boolean()}},
+              {"heat_capacity_J_per_K",
+               "thermal_resistance_K_per_W",
+               "entropy",
+               "reversible_heat",
+               "assumed"})},
+      {"hysteresis", Strict({{"folds", Above(0.0)}, {"half_V", OverSoc("half_V", AtLeast(0.0))}})},
       {"run", Described({{"type", "object"}}, "how the cell was made")},
       {"uncertainty",
        Strict({{"parameters", ListOf({{"type", "string"}})},
@@ -121,10 +142,16 @@ Json CellSchema() {
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                  {"$id", "urn:lipoid:cell:1"},
                  {"title", "A lithium-polymer cell as lipoid identifies it"}};
-  schema.update(
-      Strict(std::move(properties),
-             {"series", "parallel", "self_heating", "charge_transfer", "run", "uncertainty"}));
-  schema["$defs"] = {{"resistance", ResistanceSchema()}};
+  schema.update(Strict(std::move(properties),
+                       {"series",
+                        "parallel",
+                        "self_heating",
+                        "charge_transfer",
+                        "temperature",
+                        "hysteresis",
+                        "run",
+                        "uncertainty"}));
+  schema["$defs"] = {{"resistance", OverSoc("resistance_Ohm", AtLeast(0.0))}};
   return schema;
 }
 

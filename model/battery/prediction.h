@@ -5,6 +5,7 @@
 /// Tests: tests/model/battery/prediction_test.cc.
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,10 +17,25 @@ namespace lipoid {
 
 struct Prediction {
   std::vector<double> voltage_V;       ///< terminal voltage of the pack
-  std::vector<double> open_circuit_V;  ///< v_oc(A) times the cells in series
+  std::vector<double> open_circuit_V;  ///< v_oc times the cells in series
   std::vector<double> soc;             ///< A, a fraction
+  /// Of a cell that knows temperature; else empty.
+  std::vector<double> temperature_degC;
   std::size_t rows_outside_curve = 0;  ///< rows whose A lies outside the range of v_oc(A)
 };
+
+/// How warm a cell is on its way. Only cells that know temperature look at it.
+struct Surroundings {
+  /// Measured at every row. Where it is empty the temperature is predicted.
+  std::span<const double> measured_degC = {};
+  std::optional<double> ambient_degC = {};  ///< none: the reference temperature of the cell
+  std::optional<double> initial_degC = {};  ///< of the cell at the first row; none: the ambient
+};
+
+/// A cell that is relaxed at this state of charge, among its surroundings.
+[[nodiscard]] CellModel<double>::State StartAmong(const CellModel<double>& model,
+                                                  double initial_soc,
+                                                  const Surroundings& surroundings);
 
 /// Terminal voltage, open-circuit voltage and state of charge at every row. Times in s, strictly
 /// increasing; currents in A of the whole pack, discharge positive. The cell starts relaxed at
@@ -28,25 +44,39 @@ struct Prediction {
                                  std::span<const double> time_s,
                                  std::span<const double> current_A,
                                  Hold hold = Hold::kBackward,
-                                 double initial_soc = 1.0);
+                                 double initial_soc = 1.0,
+                                 const Surroundings& surroundings = {});
 
-/// The same row by row, keeping nothing: visit(k, soc, voltage_V).
+/// The cell at a row, and the voltage of its pack.
+struct PredictedRow {
+  double soc;
+  double voltage_V;
+  const RecordStepper<double>& stepper;
+};
+
+/// The same row by row, keeping nothing: visit(k, PredictedRow).
 template <class Visit>
 void PredictRows(const Cell& cell,
                  std::span<const double> time_s,
                  std::span<const double> current_A,
                  Hold hold,
                  double initial_soc,
+                 const Surroundings& surroundings,
                  Visit&& visit) {
   Require(time_s.size() == current_A.size(),
           "as many times as currents",
           {{"times", static_cast<double>(time_s.size())},
            {"currents", static_cast<double>(current_A.size())}});
+  const auto measured_degC = surroundings.measured_degC;
+  Require(measured_degC.empty() || measured_degC.size() == time_s.size(),
+          "as many temperatures as times",
+          {{"temperatures", static_cast<double>(measured_degC.size())}});
   const CellModel<double> model(cell.Parameters());
-  RecordStepper<double> stepper(model, hold, model.Relaxed(initial_soc));
+  RecordStepper<double> stepper(model, hold, StartAmong(model, initial_soc, surroundings));
   for (std::size_t k = 0; k < time_s.size(); ++k) {
     stepper.Row(time_s[k], current_A[k] / cell.parallel);
-    visit(k, stepper.Soc(), cell.series * stepper.Voltage());
+    if (!measured_degC.empty()) stepper.SetTemperature(measured_degC[k] + kZeroCelsius_K);
+    visit(k, PredictedRow{stepper.Soc(), cell.series * stepper.Voltage(), stepper});
   }
 }
 

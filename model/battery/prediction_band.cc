@@ -12,11 +12,11 @@ namespace {
 
 // One cell on its way along the rows.
 struct Walk {
-  Walk(const Cell& cell, double initial_soc, Hold hold)
+  Walk(const Cell& cell, double initial_soc, Hold hold, const Surroundings& surroundings)
       : series(cell.series),
         parallel(cell.parallel),
         model(cell.Parameters()),
-        stepper(model, hold, model.Relaxed(initial_soc)) {}
+        stepper(model, hold, StartAmong(model, initial_soc, surroundings)) {}
 
   double series, parallel;
   CellModel<double> model;
@@ -29,12 +29,13 @@ PredictionBand PredictBand(std::span<const Cell> cells,
                            std::span<const double> initial_soc,
                            std::span<const double> time_s,
                            std::span<const double> current_A,
-                           Hold hold) {
+                           Hold hold,
+                           const Surroundings& surroundings) {
   Require(!cells.empty() && initial_soc.size() == cells.size(), "cells, each with its start");
   Require(time_s.size() == current_A.size(), "as many times as currents");
   std::vector<std::unique_ptr<Walk>> walks;
   for (std::size_t c = 0; c < cells.size(); ++c)
-    walks.push_back(std::make_unique<Walk>(cells[c], initial_soc[c], hold));
+    walks.push_back(std::make_unique<Walk>(cells[c], initial_soc[c], hold, surroundings));
   PredictionBand band;
   band.voltage_low_V.resize(time_s.size());
   band.voltage_high_V.resize(time_s.size());
@@ -47,6 +48,9 @@ PredictionBand PredictBand(std::span<const Cell> cells,
       Walk& walk = *walks[c];
       for (std::size_t k = 0; k < rows; ++k) {
         walk.stepper.Row(time_s[from + k], current_A[from + k] / walk.parallel);
+        if (!surroundings.measured_degC.empty()) {
+          walk.stepper.SetTemperature(surroundings.measured_degC[from + k] + kZeroCelsius_K);
+        }
         voltage_V[k * cells.size() + c] = walk.series * walk.stepper.Voltage();
       }
     });

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "model/battery/cell.h"
-#include "model/battery/record_stepper.h"
+#include "model/battery/prediction.h"
 
 namespace lipoid {
 
@@ -24,6 +24,7 @@ struct PredictionBand {
                                          std::span<const double> initial_soc,
                                          std::span<const double> time_s,
                                          std::span<const double> current_A,
-                                         Hold hold = Hold::kBackward);
+                                         Hold hold = Hold::kBackward,
+                                         const Surroundings& surroundings = {});
 
 }  // namespace lipoid

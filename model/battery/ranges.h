@@ -13,6 +13,11 @@ inline constexpr int kUsualModes = 10;
 /// Whether the modes beyond M count by their steady value; the thesis leaves them out.
 inline constexpr bool kUsualTail = true;
 
+/// Temperatures of a cell and of its surroundings.
+inline constexpr Range kTemperatures_degC{-60.0, 150.0};
+/// Of a resistance, or of a rate.
+inline constexpr Range kActivationEnergies_J_per_mol{0.0, 2e5};
+
 /// Cells in series or in parallel.
 inline constexpr Range kPackSizes{1.0, 100000.0};
 

@@ -81,19 +81,29 @@ class RecordStepper {
       if (!(dt_s > 0.0)) {  // asked first: the row is a hot path
         Require(false, "time strictly increasing", {{"time_s", time_s}, {"before", time_s_}});
       }
-      auto& step = cache_.Get(dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) {
-        model_.MakeStep(dt, made);
-      });
-      step.dt_s = dt_s;  // the charge is counted with the stamps themselves
-      model_.Advance(state_, hold_ == Hold::kBackward ? current_A : current_A_, step);
+      const T& flowed_A = hold_ == Hold::kBackward ? current_A : current_A_;
+      if (model_.parameters().temperature) {  // hardly any two rows share it
+        model_.MakeStep(dt_s, state_.temperature_K, of_row_);
+        model_.Advance(state_, flowed_A, of_row_);
+      } else {
+        auto& step = cache_.Get(dt_s, time_s, [this](double dt, typename CellModel<T>::Step& made) {
+          model_.MakeStep(dt, made);
+        });
+        step.dt_s = dt_s;  // the charge is counted with the stamps themselves
+        model_.Advance(state_, flowed_A, step);
+      }
     }
     started_ = true;
     time_s_ = time_s;
     current_A_ = current_A;
   }
 
+  /// What was measured at the row last moved to.
+  void SetTemperature(const T& temperature_K) { state_.temperature_K = temperature_K; }
+
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] T Soc() const { return model_.Soc(state_, current_A_); }
+  [[nodiscard]] T OpenCircuit() const { return model_.OpenCircuit(state_, current_A_); }
   [[nodiscard]] T Voltage() const { return model_.Voltage(state_, current_A_); }
 
  private:
@@ -101,6 +111,7 @@ class RecordStepper {
   Hold hold_;
   State state_;
   IntervalCache<typename CellModel<T>::Step> cache_;
+  typename CellModel<T>::Step of_row_;
   bool started_ = false;
   double time_s_ = 0.0;
   T current_A_ = T(0.0);

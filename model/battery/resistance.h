@@ -5,10 +5,9 @@
 /// constant beyond them. T is the type of the resistances (double, or an automatic-differentiation
 /// scalar). Tests: tests/model/battery/resistance_test.cc.
 
-#include <algorithm>
 #include <vector>
 
-#include "model/battery/exact_hold.h"
+#include "model/battery/soc_table.h"
 
 namespace lipoid {
 
@@ -25,16 +24,7 @@ struct Resistance {
   [[nodiscard]] bool constant() const { return soc.empty(); }
 
   /// r(A).
-  [[nodiscard]] T operator()(const T& at) const {
-    if (constant()) return resistance_Ohm[0];
-    const double a = ScalarPart(at);
-    if (!(a > soc.front())) return resistance_Ohm.front();
-    if (a >= soc.back()) return resistance_Ohm.back();
-    const auto above =
-        static_cast<std::size_t>(std::upper_bound(soc.begin(), soc.end(), a) - soc.begin());
-    const T share = (at - T(soc[above - 1])) * (1.0 / (soc[above] - soc[above - 1]));
-    return resistance_Ohm[above - 1] + share * (resistance_Ohm[above] - resistance_Ohm[above - 1]);
-  }
+  [[nodiscard]] T operator()(const T& at) const { return OverSoc(soc, resistance_Ohm, at); }
 };
 
 }  // namespace lipoid

@@ -11,7 +11,8 @@ namespace lipoid {
 std::optional<double> TimeToCutoff(const Cell& cell,
                                    double current_A,
                                    double initial_soc,
-                                   double longest_s) {
+                                   double longest_s,
+                                   const Surroundings& surroundings) {
   Require(current_A > 0.0 && longest_s > 0.0 && std::isfinite(longest_s),
           "a current above 0 and a finite time above 0",
           {{"current_A", current_A}, {"longest_s", longest_s}});
@@ -21,20 +22,21 @@ std::optional<double> TimeToCutoff(const Cell& cell,
   const auto surplus = [&](const CellModel<double>::State& state) {
     return model.Voltage(state, of_one_A) - cell.cutoff_V;
   };
-  auto state = model.Relaxed(initial_soc);
+  auto state = StartAmong(model, initial_soc, surroundings);
   if (surplus(state) <= 0.0) return 0.0;
   const double dt_s = longest_s / kSteps;
-  auto step = model.MakeStep(dt_s);
+  auto step = model.MakeStep(0.0);
   auto before = state;
   for (int k = 0; k < kSteps; ++k) {
     before = state;
+    model.Prepare(step, dt_s, state);
     model.Advance(state, of_one_A, step);
     const double after_V = surplus(state);
     if (after_V > 0.0) continue;
     if (std::isnan(after_V)) return std::nullopt;
     const auto within = [&](double part_s) {
       state = before;
-      model.MakeStep(part_s, step);
+      model.Prepare(step, part_s, state);
       model.Advance(state, of_one_A, step);
       return surplus(state);
     };

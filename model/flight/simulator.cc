@@ -143,7 +143,7 @@ class Simulation {
                 .ground = setup.simulation.ground}),
         controller_(setup.vehicle, setup.gains, setup.controller),
         metrics_(plan.AltitudeSteps()) {
-    if (setup.cell) battery_.emplace(*setup.cell, setup.initial_soc);
+    if (setup.cell) battery_.emplace(*setup.cell, setup.initial_soc, setup.ambient_degC);
     if (Blows(setup.wind)) wind_.emplace(setup.wind, setup.seed);
     inputs_.supply = {setup.xi * setup.vehicle.nominal_voltage_V, 0.0};
     Start();
@@ -167,6 +167,8 @@ class Simulation {
     result_.charge_C = x_[plant::kCharge];
     result_.final_voltage_V = electrical.battery_V;
     result_.final_soc = Soc();
+    if (setup_.cell && setup_.cell->temperature)
+      result_.final_temperature_degC = battery_->temperature_degC();
     metrics_.Report(result_);
     if (result_.steps > 0) result_.saturated_share = double(saturated_) / double(result_.steps);
     return result_;

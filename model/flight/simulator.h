@@ -73,6 +73,7 @@ struct FlightSetup {
   std::optional<Cell> cell;  ///< none: an ideal source of xi v_b0
   double xi = 1.0;
   double initial_soc = 1.0;
+  std::optional<double> ambient_degC;  ///< none: the reference temperature of the cell
   Gains gains;
   ControllerOptions controller;
   SimulationOptions simulation;
@@ -110,6 +111,8 @@ struct FlightResult {
   double final_voltage_V = 0.0;
   double minimum_voltage_V = 0.0;
   double final_soc = 1.0;  ///< NaN with an ideal source
+  /// Of the cell; NaN where it knows no temperature.
+  double final_temperature_degC = std::numeric_limits<double>::quiet_NaN();
   std::optional<double> landed_s;
   double saturated_share = 0.0;  ///< of the control steps, in which a motor was at its limit
 };

@@ -21,14 +21,18 @@ namespace lipoid {
 /// in their difference. Does not allocate after construction.
 class BatterySupply {
  public:
-  /// Relaxed at this state of charge.
-  BatterySupply(const Cell& cell, double initial_soc)
+  /// Relaxed at this state of charge, and as warm as its surroundings: without ambient_degC, as the
+  /// reference of the cell.
+  BatterySupply(const Cell& cell, double initial_soc, std::optional<double> ambient_degC = {})
       : model_(cell.Parameters()),
         state_(model_.Relaxed(initial_soc)),
         step_(model_.MakeStep(0.0)),
         series_(cell.series),
         parallel_(cell.parallel),
-        cutoff_V_(cell.cutoff_V) {}
+        cutoff_V_(cell.cutoff_V) {
+    if (ambient_degC) state_.temperature_K = *ambient_degC + kZeroCelsius_K;
+    state_.ambient_K = state_.temperature_K;
+  }
 
   /// Voltage and resistance of the whole pack while a current near the last one flows.
   [[nodiscard]] Supply<double> Linearize() const {
@@ -39,12 +43,13 @@ class BatterySupply {
     // A curve that falls with A would give the tail a negative resistance: it is taken as flat.
     const double slope_V = std::max(curve.slope_V, 0.0);
     double voltage_V = curve.value_V + slope_V * (relaxed_soc - soc);
+    if (p.temperature || p.hysteresis) voltage_V += model_.BesideTheCurve(state_, soc);
     for (const double drop : state_.branch_V) voltage_V -= drop;
     double resistance_Ohm =
-        model_.SeriesResistance(state_, soc) + slope_V * model_.tail_s() / p.alpha_C;
+        model_.SeriesResistance(state_, soc) + slope_V * model_.TailOf(state_) / p.alpha_C;
     if (p.charge_transfer) {
-      const double slope_Ohm = SlopeOfDrop(*p.charge_transfer, soc, last_A_);
-      voltage_V -= p.charge_transfer->Drop(soc, last_A_) - slope_Ohm * last_A_;
+      const double slope_Ohm = model_.TransferSlope(state_, soc, last_A_);
+      voltage_V -= model_.TransferDrop(state_, soc, last_A_) - slope_Ohm * last_A_;
       resistance_Ohm += slope_Ohm;
     }
     return {series_ * voltage_V, series_ * resistance_Ohm / parallel_};
@@ -52,11 +57,12 @@ class BatterySupply {
 
   /// `charge_C` of the pack has left during dt_s > 0; its mean current is what the cell sees.
   void Advance(double charge_C, double dt_s) {
-    if (step_.dt_s != dt_s) model_.MakeStep(dt_s, step_);
+    model_.Prepare(step_, dt_s, state_);
     last_A_ = charge_C / (dt_s * parallel_);
     model_.Advance(state_, last_A_, step_);
   }
 
+  [[nodiscard]] double temperature_degC() const { return state_.temperature_K - kZeroCelsius_K; }
   /// A, a fraction, under the last current.
   [[nodiscard]] double soc() const { return model_.Soc(state_, last_A_); }
   [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }

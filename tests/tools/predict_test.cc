@@ -123,9 +123,10 @@ TEST(Simulate, RefusesWhatItCannotUseAndWritesNothing) {
     EXPECT_EQ(run.err, "lipoid simulate: error: " + err + "\nTry 'lipoid simulate --help'.\n");
     EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"i.csv"});
   };
-  refused({},
-          "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc; "
-          "with --ensemble voltage_low_V and voltage_high_V");
+  refused(
+      {},
+      "option -o, --output CSV is missing: time_s, current_A, voltage_V, open_circuit_V, soc; "
+      "temperature_degC of a cell that knows temperature; with --ensemble voltage_low_V and voltage_high_V");
   refused({"-o", "p.csv", "--initial-soc", "1", "--initial-voltage-V", "4"},
           "options --initial-soc and --initial-voltage-V: give one of them");
   refused({"-o", "p.csv", "--initial-voltage-V", "5"},
@@ -204,8 +205,7 @@ TEST(Simulate, AnEnsembleAddsTheBandOfEachRow) {
   EXPECT_EQ(ensemble.at("moved"), 0);
   EXPECT_NEAR(ensemble.at("band_mean_V").get<double>(), sum_V / 360.0, 1e-12);
   EXPECT_NEAR(ensemble.at("band_max_V").get<double>(), most_V, 1e-12);
-  EXPECT_NE(run.err.find("95 % of 400 cells lie within a band of"), std::string::npos)
-      << run.err;
+  EXPECT_NE(run.err.find("95 % of 400 cells lie within a band of"), std::string::npos) << run.err;
   EXPECT_EQ(run.err.find("quantiles take"), std::string::npos) << run.err;
 
   // The same seed, the same band, whatever the threads; without the option nothing is added.
@@ -263,11 +263,86 @@ TEST(Simulate, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
         {"simulate", "gifi-600mAh-1", "--current", "i.csv", "--ensemble", count, "-o", "p.csv"});
     return std::to_string(run.exit_code) + " " + run.err.substr(0, run.err.find('\n'));
   };
-  EXPECT_EQ(error("100"),
-            "3 gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
-            "identify the cell again with this version of lipoid, or leave --ensemble out");
+  EXPECT_EQ(
+      error("100"),
+      "3 gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
+      "identify the cell again with this version of lipoid, or leave --ensemble out");
   EXPECT_EQ(error("-1").substr(0, 2), "2 ");
   EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"i.csv"});
+}
+
+// A file of a shipped cell that knows temperature, and warms.
+void WriteColdCell(const std::string& folder) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  Cell::Temperature& term = cell.temperature.emplace();
+  term.series_J_per_mol = 20e3;
+  term.branches_J_per_mol.assign(cell.branches.size(), 40e3);
+  term.diffusion_J_per_mol = 40e3;
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  WriteCellFile(cell, folder + "/cold.json");
+}
+
+TEST(Simulate, ACellInTheColdWarmsAndEndsEarlier) {
+  const auto folder = FolderWithLogs();
+  WriteColdCell(folder);
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"simulate",
+                                       "cold.json",
+                                       "--current",
+                                       "logs/cc_2C.csv",
+                                       "-o",
+                                       "p.csv",
+                                       "--summary",
+                                       "s.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunLipoid(folder, arguments);
+  };
+  ASSERT_EQ(run({}).exit_code, 0);
+  const auto warm = ReadTextFile(folder + "/p.csv");
+  EXPECT_EQ(warm.find("time_s,current_A,voltage_V,open_circuit_V,soc,temperature_degC\n"), 0U);
+  const auto warm_rows = Numbers(warm);
+  EXPECT_NEAR(warm_rows[0][5], 25.0, 1e-9);
+  EXPECT_GT(warm_rows.back()[5], 25.5);
+  EXPECT_EQ(run({"--ambient-degC", "-15"}).exit_code, 1) << "it ends before the current does";
+  const auto cold_rows = Numbers(ReadTextFile(folder + "/p.csv"));
+  EXPECT_NEAR(cold_rows[0][5], -15.0, 1e-9);
+  EXPECT_GT(cold_rows.back()[5], -14.0);
+  EXPECT_LT(cold_rows.size(), warm_rows.size());
+  EXPECT_LT(cold_rows[100][2], warm_rows[100][2] - 0.1);
+  EXPECT_EQ(run({"--ambient-degC", "-300"}).exit_code, 2);
+}
+
+TEST(Validate, TakesTheMeasuredTemperatureOrPredictsIt) {
+  const auto folder = FolderWithLogs();
+  WriteColdCell(folder);
+  const auto simulated = RunLipoid(folder,
+                                   {"simulate",
+                                    "cold.json",
+                                    "--current",
+                                    "logs/cc_2C.csv",
+                                    "--ambient-degC",
+                                    "0",
+                                    "--beyond-cutoff",
+                                    "-o",
+                                    "measured.csv"});
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  const auto errors = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "validate", "cold.json", "measured.csv", "--summary", "s.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return Json::parse(ReadTextFile(folder + "/s.json"))["logs"][0];
+  };
+  // CSV keeps every digit.
+  const Json measured = errors({});
+  EXPECT_LT(measured["rmse_V"].get<double>(), 1e-9);
+  EXPECT_FALSE(measured.contains("temperature_rmse_K"));
+  const Json predicted = errors({"--predict-temperature"});
+  EXPECT_LT(predicted["rmse_V"].get<double>(), 1e-9);
+  EXPECT_LT(predicted["temperature_rmse_K"].get<double>(), 1e-9);
+  const Json warmer = errors({"--predict-temperature", "--ambient-degC", "10"});
+  EXPECT_GT(warmer["rmse_V"].get<double>(), 1e-3);
 }
 
 TEST(Validate, FindsNoErrorInLogsOfTheSameCell) {

@@ -161,6 +161,21 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   const std::string text = CellText(cell_name);
   request.cell = ParseCell(text, cell_name);
   pack.ApplyTo(request.cell.series, request.cell.parallel);
+  if (request.cell.temperature) {
+    line.Message(
+        "{} knows temperature, and no target does: what is exported is the cell at its reference of "
+        "{:g} degC, which neither warms nor cools",
+        cell_name,
+        CelsiusOf(request.cell.temperature->reference_K));
+    request.cell.temperature.reset();
+  }
+  if (request.cell.hysteresis) {
+    line.Message(
+        "{} has hysteresis, and no target has: v_oc half-way between charge and discharge is "
+        "exported",
+        cell_name);
+    request.cell.hysteresis.reset();
+  }
   request.source = cell_name;
   request.sha256 = Sha256OfBytes(text);
   request.target_version = version;

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
@@ -54,6 +56,8 @@ Json Summary(const FlightResult& flight) {
                   {"final_soc", NumberOrNull(flight.final_soc)},
                   {"minimum_voltage_V", NumberOrNull(flight.minimum_voltage_V)},
                   {"saturated_share", flight.saturated_share}};
+  if (std::isfinite(flight.final_temperature_degC))
+    summary["final_temperature_degC"] = flight.final_temperature_degC;
   if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
   return summary;
 }
@@ -92,6 +96,8 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   row("", fmt::format("{:.4f}", flight.minimum_voltage_V), "V at the lowest");
   if (std::isfinite(flight.final_soc))
     row("soc", fmt::format("{:.4f}", flight.final_soc), "at the end");
+  if (std::isfinite(flight.final_temperature_degC))
+    row("temperature", fmt::format("{:.2f}", flight.final_temperature_degC), "degC at the end");
   if (flight.saturated_share > 0.0) {
     row("saturated", fmt::format("{:.1f}", 100.0 * flight.saturated_share), "% of the steps");
   }
@@ -223,6 +229,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                   kLongFlight_s,
                   kLongFlightLogStep_s));
   start.AddTo(line);
+  line.Option(
+      "ambient-degC",
+      setup.ambient_degC,
+      kTemperatures_degC,
+      "temperature of the air, in degC, from which the battery starts and warms (default the "
+      "reference temperature of the cell; a cell file that knows no temperature gets typical "
+      "energies and heat, and a message says so)");
   ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
   line.OutputOption("output,o",
                     output,
@@ -281,6 +294,22 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(cell_name);
     setup.initial_soc = start.Soc(*setup.cell);
+    if (setup.ambient_degC && !setup.cell->temperature) {
+      setup.cell = WithTypicalTemperature(*setup.cell);
+      const Cell::Temperature& term = *setup.cell->temperature;
+      line.Message(
+          "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
+          "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
+          "to the air for each cell",
+          cell_name,
+          1e-3 * term.series_J_per_mol,
+          1e-3 * term.diffusion_J_per_mol,
+          term.heat->heat_capacity_J_per_K,
+          term.heat->thermal_resistance_K_per_W);
+    }
+  } else if (setup.ambient_degC) {
+    throw OptionError(
+        "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
   }
   setup.xi = xi.value_or(1.0);
   if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";

@@ -229,6 +229,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     if (!options.profiled.empty()) run.options["profile"] = options.profiled;
     run.seed = line.seed();
     run.metrics = report;
+    if (!campaign.age.empty()) run.metrics["age"] = campaign.age;
     hashing.AddTo(run);
     line.AddHashes(run.inputs, run.sha256);
     Json made = run.ToJson();

@@ -14,6 +14,7 @@
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
+#include "tools/commands/surroundings_options.h"
 
 namespace lipoid {
 namespace {
@@ -55,6 +56,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   PackOptions pack;
   StartOptions start;
   EnsembleOption ensemble;
+  SurroundingsOptions options_of_surroundings;
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
       "under the current of a log, row by row, until the cell reaches its cut-off. The log's own "
@@ -66,13 +68,14 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
       "current", current_file, "LOG", "the log whose current flows; time_s,current_A is enough");
   line.Output(output,
               "CSV",
-              "time_s, current_A, voltage_V, open_circuit_V, soc; with --ensemble voltage_low_V "
-              "and voltage_high_V");
+              "time_s, current_A, voltage_V, open_circuit_V, soc; temperature_degC of a cell that "
+              "knows temperature; with --ensemble voltage_low_V and voltage_high_V");
   ensemble.AddTo(line, "between which voltages 95 % of them lie in each row");
   line.Flag("beyond-cutoff",
             beyond_cutoff,
             "write all rows, also those below the cell's cut-off, where no cell would go on");
   start.AddTo(line);
+  options_of_surroundings.AddTo(line);
   pack.AddTo(line);
   log_options.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
@@ -86,7 +89,9 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   for (const auto& warning : read_log.report.warnings)
     line.Message("{}: {}", current_file, warning);
   const Record& record = read_log.record;
-  const auto prediction = Predict(cell, record.time_s, record.current_A, record.hold, initial_soc);
+  const Surroundings surroundings = options_of_surroundings.Of(record);
+  const auto prediction =
+      Predict(cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings);
 
   const std::size_t rows =
       beyond_cutoff ? record.size() : RowsUntilCutoff(prediction.voltage_V, cell);
@@ -103,31 +108,27 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                        drawn.initial_soc,
                        std::span(record.time_s).first(rows),
                        std::span(record.current_A).first(rows),
-                       record.hold);
+                       record.hold,
+                       surroundings);
     line.summary()["ensemble"] = std::move(drawn.json);
     line.summary()["ensemble"].update(WidthOf(band));
   }
 
-  CsvWriter csv(output,
-                ensemble.asked()
-                    ? "time_s,current_A,voltage_V,open_circuit_V,soc,voltage_low_V,voltage_high_V"
-                    : "time_s,current_A,voltage_V,open_circuit_V,soc");
+  std::string header = "time_s,current_A,voltage_V,open_circuit_V,soc";
+  if (cell.temperature) header += ",temperature_degC";
+  if (ensemble.asked()) header += ",voltage_low_V,voltage_high_V";
+  CsvWriter csv(output, header);
+  std::vector<double> columns;
   for (std::size_t k = 0; k < rows; ++k) {
-    if (ensemble.asked()) {
-      csv.Row(record.time_s[k],
-              record.current_A[k],
-              prediction.voltage_V[k],
-              prediction.open_circuit_V[k],
-              prediction.soc[k],
-              band.voltage_low_V[k],
-              band.voltage_high_V[k]);
-    } else {
-      csv.Row(record.time_s[k],
-              record.current_A[k],
-              prediction.voltage_V[k],
-              prediction.open_circuit_V[k],
-              prediction.soc[k]);
-    }
+    columns.assign({record.time_s[k],
+                    record.current_A[k],
+                    prediction.voltage_V[k],
+                    prediction.open_circuit_V[k],
+                    prediction.soc[k]});
+    if (cell.temperature) columns.push_back(prediction.temperature_degC[k]);
+    if (ensemble.asked())
+      columns.insert(columns.end(), {band.voltage_low_V[k], band.voltage_high_V[k]});
+    csv.RowOf(columns);
   }
   csv.Commit();
 

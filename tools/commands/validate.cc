@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
+#include "tools/commands/surroundings_options.h"
 #include "tools/report/log_series.h"
 
 namespace lipoid {
@@ -19,6 +20,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   LogOptions log_options;
   PackOptions pack;
   StartOptions start;
+  SurroundingsOptions surroundings;
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
@@ -27,6 +29,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");
   start.AddTo(line);
+  surroundings.AddTo(line);
   log_options.AddTo(line);
   pack.AddTo(line);
   line.ReportOption();
@@ -52,7 +55,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"rmse above 10 % / V"}});
   const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   for (const auto& loaded : logs) {
-    LogErrors errors = Validate(one, loaded.log.record, initial_soc);
+    const Surroundings around = surroundings.Of(loaded.log.record);
+    LogErrors errors = Validate(one, loaded.log.record, initial_soc, around);
     errors.file = loaded.entry.file;
     if (const std::string doubt =
             DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
@@ -67,8 +71,13 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
     if (!line.report_file().empty()) {
-      line.report_series().push_back(
-          LogSeries(one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size()));
+      line.report_series().push_back(LogSeries(
+          one, loaded.log.record, errors.file, initial_soc, around, kRowsOfPage / logs.size()));
+    }
+    if (std::isfinite(errors.temperature_rmse_K)) {
+      line.Message("{}: the predicted temperature is {:.2f} degC rms off the measured one",
+                   errors.file,
+                   errors.temperature_rmse_K);
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(

@@ -12,6 +12,7 @@ Series LogSeries(const Cell& cell,
                  const Record& record,
                  const std::string& name,
                  double initial_soc,
+                 const Surroundings& surroundings,
                  std::size_t most_rows) {
   std::vector<double> predicted_V(record.size());
   PredictRows(cell,
@@ -19,7 +20,8 @@ Series LogSeries(const Cell& cell,
               record.current_A,
               record.hold,
               initial_soc,
-              [&](std::size_t k, double, double voltage_V) { predicted_V[k] = voltage_V; });
+              surroundings,
+              [&](std::size_t k, const PredictedRow& row) { predicted_V[k] = row.voltage_V; });
   const std::array<std::span<const double>, 3> seen = {
       record.current_A, record.voltage_V, predicted_V};
   const auto rows = ThinnedRows(record.size(), seen, record.current_A, most_rows);

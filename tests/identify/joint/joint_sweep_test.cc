@@ -119,8 +119,8 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
   const Example e = Everything();
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 5);
-  const int of_jet[] = {slots.beta(), slots.tau(0), slots.tau(1), slots.heating(),
-                        slots.transfer()};
+  const int of_jet[] = {
+      slots.beta(), slots.tau(0), slots.tau(1), slots.heating(), slots.transfer()};
   const auto logs = test::SyntheticLogs(e.cell, 5.0);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -138,8 +138,7 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (k > 0)
-        model.Advance(
-            state, Jet(log.step_A[k]), model.MakeStep(log.time_s[k] - log.time_s[k - 1]));
+        model.Advance(state, Jet(log.step_A[k]), model.MakeStep(log.time_s[k] - log.time_s[k - 1]));
       if (!(log.weight[k] > 0.0)) continue;
       const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
       const Eigen::VectorXd slope = rows[l].sensitivity.row(row).head(5).transpose();
@@ -160,7 +159,7 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
     // Sums of some thousand terms, each right to the last digits.
     for (int p = 0; p < 5; ++p) EXPECT_LE(off[p], 1e-10 * size[p]) << log.file << " " << p;
   }
-  const SlopeSums sums = seen.At(e.rates.beta_per_sqrt_s, true)->Slopes(e.structure, e.rates, x);
+  const SlopeSums sums = seen.At(e.rates, true)->Slopes(e.structure, e.rates, x);
   EXPECT_LE((sums.of_rates - expected.of_rates).norm(), 1e-12 * expected.of_rates.norm());
   EXPECT_LE((sums.with_residual - expected.with_residual).norm(),
             1e-12 * expected.of_rates.norm());  // residuals are zero but for their rounding
@@ -177,8 +176,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(JointLayout(e.structure).size());
   const JointObservations seen(joint, setup);
   const auto rows = seen.Rows(e.structure, e.rates, zero);
-  auto sums = SumGroups(
-      joint, setup, e.structure, TraceSoc(joint, setup, e.rates.beta_per_sqrt_s), e.rates);
+  auto sums = SumGroups(joint, setup, e.structure, TraceSoc(joint, setup, e.rates), e.rates);
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
   for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
 
@@ -192,8 +190,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
     right += a.transpose() * w.asDiagonal() * rows[l].residual_V;
     square += rows[l].residual_V.dot(w.asDiagonal() * rows[l].residual_V);
   }
-  const NormalEquations all =
-      seen.At(e.rates.beta_per_sqrt_s, false)->Sum(e.structure, e.rates);
+  const NormalEquations all = seen.At(e.rates, false)->Sum(e.structure, e.rates);
   EXPECT_LT((all.matrix - sums.back().matrix).norm(), 1e-12 * matrix.norm());
   EXPECT_LT((all.right - sums.back().right).norm(), 1e-12 * right.norm());
   EXPECT_NEAR(all.weight, sums.back().weight, 1e-12);
@@ -224,12 +221,8 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
   for (const JointLog& log : joint.logs) {
     for (std::size_t k = 0; k < log.size(); ++k) weight += log.group[k] == 0 ? log.weight[k] : 0.0;
   }
-  const auto sums = SumErrors(joint,
-                              setup,
-                              e.structure,
-                              TraceSoc(joint, setup, e.rates.beta_per_sqrt_s),
-                              e.rates,
-                              unknowns);
+  const auto sums =
+      SumErrors(joint, setup, e.structure, TraceSoc(joint, setup, e.rates), e.rates, unknowns);
   ASSERT_EQ(sums.size(), 2U);
   // The model's own error of long logs said in few points is far below a microvolt.
   const double total = std::accumulate(sums[0].begin(), sums[0].end(), 0.0);
@@ -238,7 +231,8 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
   std::vector<double> expected(joint.unit_weight.size(), 0.0);
   for (const JointLog& log : joint.logs) {
     for (std::size_t k = 0; k < log.size(); ++k) {
-      if (log.group[k] == 0) expected[static_cast<std::size_t>(log.unit[k])] += 0.01 * log.weight[k];
+      if (log.group[k] == 0)
+        expected[static_cast<std::size_t>(log.unit[k])] += 0.01 * log.weight[k];
     }
   }
   ASSERT_EQ(sums[0].size(), expected.size());

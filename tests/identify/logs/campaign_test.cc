@@ -41,6 +41,8 @@ end_s = 1e6
 initial_soc = 0.98
 lead_resistance_Ohm = 0.109
 weight = 2.5
+ambient_degC = -10
+initial_degC = 5.5
 [[log]]
 kind = "validation"
 file = "/data/walk.csv"
@@ -76,6 +78,9 @@ void ExpectEveryKey(const Campaign& campaign) {
   EXPECT_EQ(slow.initial_soc, 0.98);
   EXPECT_EQ(slow.read.lead_resistance_Ohm, 0.109);
   EXPECT_EQ(slow.weight, 2.5);
+  EXPECT_EQ(slow.ambient_degC, -10.0);
+  EXPECT_EQ(slow.initial_degC, 5.5);
+  EXPECT_FALSE(campaign.logs[0].ambient_degC);
   EXPECT_EQ(campaign.logs[2].path, "/data/walk.csv");
   EXPECT_EQ(campaign.logs[2].read.units, (std::vector<std::string>{"s", "A", "V"}));
 }
@@ -120,9 +125,8 @@ TEST(Campaign, ReadsThoseBesideTheProject) {
 }
 
 TEST(CampaignRefuses, AMissingFile) {
-  EXPECT_EQ(
-      LoadErrorOf([] { (void)ReadCampaign("no/such.toml"); }).find("no/such.toml: error: "),
-      0U);
+  EXPECT_EQ(LoadErrorOf([] { (void)ReadCampaign("no/such.toml"); }).find("no/such.toml: error: "),
+            0U);
 }
 
 TEST(CampaignRefuses, WhatIsNotToml) {
@@ -154,19 +158,21 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
       Refusal(
           "[cell]\ncutof_V = 3.0\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n  fiel = 1\n[lab]\n"),
       "lab/c.toml:2:1: error: expected one of the keys name, capacity_Ah, cutoff_V, series, "
-      "parallel, found "
+      "parallel, age, found "
       "'cutof_V'\n"
       "lab/c.toml:6:3: error: expected one of the keys kind, file, hold, columns, units, "
       "current_sign, steps, "
-      "cycles, start_s, end_s, initial_soc, lead_resistance_Ohm, weight, found 'fiel'\n"
+      "cycles, start_s, end_s, initial_soc, lead_resistance_Ohm, weight, ambient_degC, "
+      "initial_degC, found 'fiel'\n"
       "lab/c.toml:7:2: error: expected one of the keys cell, log, found 'lab'");
 }
 
 TEST(CampaignRefuses, AnUnknownKind) {
-  EXPECT_EQ(Refusal("[[log]]\nkind = \"pulse\"\nfile = 'a.csv'\n"),
-            "lab/c.toml:2:8: error: kind: expected one of constant-current, low-rate, pulses, "
-            "validation, found "
-            "'pulse'");
+  EXPECT_EQ(
+      Refusal("[[log]]\nkind = \"pulse\"\nfile = 'a.csv'\n"),
+      "lab/c.toml:2:8: error: kind: expected one of constant-current, low-rate, low-rate-charge, pulses, "
+      "validation, found "
+      "'pulse'");
 }
 
 TEST(CampaignRefuses, MissingKindAndFile) {
@@ -176,14 +182,15 @@ TEST(CampaignRefuses, MissingKindAndFile) {
 }
 
 TEST(CampaignRefuses, WrongTypes) {
-  EXPECT_EQ(Refusal("[cell]\nname = 5\ncapacity_Ah = '33'\nseries = 1.5\n[[log]]\nkind = "
-                    "true\nfile = ['a.csv']\n"),
-            "lab/c.toml:2:8: error: name: expected a text in quotes, found 5\n"
-            "lab/c.toml:3:15: error: capacity_Ah: expected a capacity above 0 Ah, found '33'\n"
-            "lab/c.toml:4:10: error: series: expected an integer from 1 to 100000, found 1.5\n"
-            "lab/c.toml:6:8: error: kind: expected one of constant-current, low-rate, pulses, "
-            "validation, found true\n"
-            "lab/c.toml:7:8: error: file: expected a text in quotes, found an array");
+  EXPECT_EQ(
+      Refusal("[cell]\nname = 5\ncapacity_Ah = '33'\nseries = 1.5\n[[log]]\nkind = "
+              "true\nfile = ['a.csv']\n"),
+      "lab/c.toml:2:8: error: name: expected a text in quotes, found 5\n"
+      "lab/c.toml:3:15: error: capacity_Ah: expected a capacity above 0 Ah, found '33'\n"
+      "lab/c.toml:4:10: error: series: expected an integer from 1 to 100000, found 1.5\n"
+      "lab/c.toml:6:8: error: kind: expected one of constant-current, low-rate, low-rate-charge, pulses, "
+      "validation, found true\n"
+      "lab/c.toml:7:8: error: file: expected a text in quotes, found an array");
 }
 
 struct BadLine {

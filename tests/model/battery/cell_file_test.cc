@@ -297,7 +297,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "3:3: error: /title: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, run, uncertainty, found 'title'"},
+       "charge_transfer, temperature, hysteresis, run, uncertainty, found 'title'"},
       {"\"series\": 6",
        "\"series\": 0",
        "4:13: error: /series: expected a whole number from 1 to 100000, found 0"},
@@ -423,7 +423,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, run, uncertainty, found 'run2'"},
+       "charge_transfer, temperature, hysteresis, run, uncertainty, found 'run2'"},
       {"{\n    \"seed\": 7\n  }",
        "[]",
        "37:10: error: /run: expected an object, found a list of 0"}};
@@ -525,9 +525,7 @@ TEST(CellFile, EveryBadUncertaintyIsRefusedWhereItStands) {
       {"/uncertainty/parameters/3",
        "beta",
        "/uncertainty/parameters/3: expected every parameter once, found \"beta\""},
-      {"/uncertainty/parameters/3",
-       7,
-       "/uncertainty/parameters/3: expected a text, found 7"},
+      {"/uncertainty/parameters/3", 7, "/uncertainty/parameters/3: expected a text, found 7"},
       {"/uncertainty/parameters",
        {"c_1", "tau_1", "r_1", "beta"},
        "/uncertainty/parameters/1: expected no tau_1 beside c_1, found \"tau_1\""},
@@ -660,6 +658,87 @@ TEST(CellFile, EveryBadTermIsRefusedWhereItStands) {
     json[Json::json_pointer(bad.pointer)] = bad.value;
     EXPECT_EQ(Refusal(json.dump(1)), "x.json:" + std::string(bad.message));
   }
+}
+
+// The full cell, which has two branches, in the cold and in charge.
+Json WithTemperature() {
+  Json json = Json::parse(kFull);
+  const Json run = json["run"];
+  json.erase("run");
+  json["temperature"] = {
+      {"reference_degC", 23.0},
+      {"activation_energy_J_per_mol",
+       {{"series", 14000.0}, {"branches", {60000.0, 30000.0}}, {"diffusion", 35000.0}}},
+      {"heat_capacity_J_per_K", 15.0},
+      {"thermal_resistance_K_per_W", 20.0},
+      {"entropy", {{"soc", {0.0, 1.0}}, {"slope_V_per_K", {-2e-4, 1e-4}}}},
+      {"assumed", true}};
+  json["hysteresis"] = {{"folds", 30.0},
+                        {"half_V", {{"soc", {0.0, 1.0}}, {"half_V", {0.03, 0.01}}}}};
+  json["run"] = run;
+  return json;
+}
+
+TEST(CellFile, TemperatureAndHysteresisAreReadAndWrittenBack) {
+  EXPECT_FALSE(ParseCell(kFull, "full.json").temperature.has_value());
+  EXPECT_FALSE(ParseCell(kFull, "full.json").hysteresis.has_value());
+  const Json json = WithTemperature();
+  const Cell cell = ParseCell(json.dump(2), "x.json");
+  const CellParameters<double> parameters = cell.Parameters();
+  EXPECT_NEAR(parameters.temperature->reference_K, 296.15, 1e-12);
+  EXPECT_EQ(parameters.temperature->series_J_per_mol, 14000.0);
+  EXPECT_EQ(parameters.temperature->branches_J_per_mol, (std::vector<double>{60000.0, 30000.0}));
+  EXPECT_EQ(parameters.temperature->diffusion_J_per_mol, 35000.0);
+  EXPECT_EQ(parameters.temperature->charge_transfer_J_per_mol, 0.0);
+  EXPECT_EQ(parameters.temperature->heat->heat_capacity_J_per_K, 15.0);
+  EXPECT_EQ(parameters.temperature->heat->thermal_resistance_K_per_W, 20.0);
+  EXPECT_NEAR((*parameters.temperature->entropy)(0.5), -5e-5, 1e-18);
+  EXPECT_TRUE(cell.temperature_assumed);
+  EXPECT_EQ(parameters.hysteresis->folds, 30.0);
+  EXPECT_NEAR(parameters.hysteresis->Voltage(0.5, 1.0), 0.02, 1e-17);
+  EXPECT_EQ(CellToJson(cell).dump(2), json.dump(2));
+}
+
+TEST(CellFile, EveryBadTemperatureIsRefusedWhereItStands) {
+  struct {
+    const char* pointer;
+    Json value;
+    const char* message;
+  } const all[] = {
+      {"/temperature/reference_degC",
+       296,
+       "/temperature/reference_degC: expected a number from -60 to 150, found 296"},
+      {"/temperature/activation_energy_J_per_mol/series",
+       -1,
+       "/temperature/activation_energy_J_per_mol/series: expected a number from 0 to 200000, found "
+       "-1"},
+      {"/temperature/activation_energy_J_per_mol/branches",
+       Json::array({1.0}),
+       "/temperature/activation_energy_J_per_mol/branches: expected 2 energies, one for each "
+       "branch, found a list of 1"},
+      {"/temperature/heat_capacity_J_per_K",
+       0,
+       "/temperature/heat_capacity_J_per_K: expected a number above 0, found 0"},
+      {"/self_heating",
+       {{"time_constant_s", 300.0}, {"resistance_drop_Ohm_per_A2", 1e-5}},
+       "/temperature: expected one of temperature and self_heating, which are two laws for one "
+       "thing, found both"},
+      {"/hysteresis/folds", 0, "/hysteresis/folds: expected a number above 0, found 0"},
+      {"/hysteresis/half_V/half_V",
+       Json::array({0.01}),
+       "/hysteresis/half_V/half_V: expected 2 voltages, found a list of 1"}};
+  for (const auto& bad : all) {
+    Json json = WithTemperature();
+    json[Json::json_pointer(bad.pointer)] = bad.value;
+    const std::string refusal = Refusal(json.dump(1));
+    EXPECT_NE(refusal.find(std::string("error: ") + bad.message), std::string::npos) << refusal;
+  }
+  Json half = WithTemperature();
+  half["temperature"].erase("heat_capacity_J_per_K");
+  EXPECT_NE(Refusal(half.dump(1))
+                .find("/temperature: expected both or none of heat_capacity_J_per_K and "
+                      "thermal_resistance_K_per_W"),
+            std::string::npos);
 }
 
 TEST(CellFile, ATermThatIsNotFiniteIsNotWritten) {

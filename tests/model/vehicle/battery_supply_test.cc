@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "model/battery/prediction.h"
 #include "model/vehicle/vehicle_file.h"
 
 namespace lipoid {
@@ -62,6 +63,35 @@ void ExpectTheVoltageOfTheCell(const Cell& cell, double tolerance_V) {
 
 TEST(BatterySupply, HasTheVoltageOfTheCellAtEveryCurrent) {
   ExpectTheVoltageOfTheCell(StraightCell(), kRounding_V);
+}
+
+// In the cold with every term that knows temperature, the pack warming as it flies.
+TEST(BatterySupply, HasItInTheCold) {
+  Cell cell = StraightCell();
+  cell.branches = {{Resistance<double>(0.03), 45.0, {}}};
+  cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1e8, .resistance_Ohm = 0.02};
+  Cell::Temperature& term = cell.temperature.emplace();
+  term.series_J_per_mol = 20e3;
+  term.branches_J_per_mol = {40e3};
+  term.diffusion_J_per_mol = 40e3;
+  term.charge_transfer_J_per_mol = 60e3;
+  term.entropy = EntropySlope<double>{{}, {2e-4}};
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  cell.hysteresis = Cell::Hysteresis{20.0, {}, {0.01}};
+  BatterySupply battery(cell, 0.9, -15.0);
+  const CellModel<double> model(cell.Parameters());
+  auto state = StartAmong(model, 0.9, {.ambient_degC = -15.0});
+  CellModel<double>::Step step;
+  for (int k = 0; k < 2000; ++k) {
+    const auto supply = battery.Linearize();
+    for (const double current_A : {0.0, 3.0, -1.0})
+      ASSERT_NEAR(At(supply, current_A), model.Voltage(state, current_A), 1e-8) << k;
+    battery.Advance(Current_A(k) * kStep_s, kStep_s);
+    model.Prepare(step, kStep_s, state);
+    model.Advance(state, Current_A(k), step);
+    ASSERT_NEAR(battery.temperature_degC(), state.temperature_K - 273.15, 1e-9) << k;
+  }
+  EXPECT_GT(battery.temperature_degC(), -14.9) << "it warms";
 }
 
 TEST(BatterySupply, HasItWithoutTheTail) {

@@ -1,0 +1,123 @@
+#include "identify/ageing.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct Estimate {
+  double value = kNaN;
+  double low = kNaN;
+  double high = kNaN;
+};
+
+double NumberOr(const Json& json, double otherwise) {
+  return json.is_number() ? json.get<double>() : otherwise;
+}
+
+// A member of the run record's metrics; null where there is none.
+const Json& Metric(const Cell& cell, const char* key) {
+  static const Json kNull = nullptr;
+  if (!cell.run || !cell.run->is_object() || !cell.run->contains("metrics")) return kNull;
+  const Json& metrics = cell.run->at("metrics");
+  return metrics.is_object() && metrics.contains(key) ? metrics.at(key) : kNull;
+}
+
+void TakeInterval(const Json& entry, double scale, Estimate& estimate) {
+  if (!entry.contains("interval_95") || !entry["interval_95"].is_array() ||
+      entry["interval_95"].size() != 2)
+    return;
+  estimate.low = scale * NumberOr(entry["interval_95"][0], kNaN);
+  estimate.high = scale * NumberOr(entry["interval_95"][1], kNaN);
+}
+
+Estimate Parameter(const Cell& cell, const char* name, double value, double scale) {
+  Estimate estimate{.value = scale * value};
+  const Json& parameters = Metric(cell, "parameters");
+  if (!parameters.is_array()) return estimate;
+  for (const Json& entry : parameters) {
+    if (entry.is_object() && entry.value("name", "") == name) TakeInterval(entry, scale, estimate);
+  }
+  return estimate;
+}
+
+Estimate PulseResistance(const Cell& cell, double after_s) {
+  Estimate estimate;
+  const Json& resistances = Metric(cell, "resistance");
+  if (!resistances.is_array()) return estimate;
+  for (const Json& entry : resistances) {
+    if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
+    estimate.value = NumberOr(entry.value("resistance_Ohm", Json()), kNaN);
+    TakeInterval(entry, 1.0, estimate);
+  }
+  return estimate;
+}
+
+// The interval of a difference to the first: each side by the sides that make it.
+AgedValue Against(const Estimate& first, const Estimate& now, bool is_first) {
+  AgedValue aged{.value = now.value,
+                 .low = now.low,
+                 .high = now.high,
+                 .change_percent = 100.0 * (now.value - first.value) / first.value,
+                 .change_low_percent = kNaN,
+                 .change_high_percent = kNaN,
+                 .verdict = ChangeVerdict::kNoInterval};
+  if (is_first) {
+    aged.verdict = ChangeVerdict::kFirst;
+    return aged;
+  }
+  const double down = std::hypot(now.value - now.low, first.high - first.value);
+  const double up = std::hypot(now.high - now.value, first.value - first.low);
+  const double per_cent = 100.0 / first.value;
+  aged.change_low_percent = aged.change_percent - per_cent * down;
+  aged.change_high_percent = aged.change_percent + per_cent * up;
+  if (!std::isfinite(down) || !std::isfinite(up)) return aged;
+  const bool holds_zero = aged.change_low_percent <= 0.0 && aged.change_high_percent >= 0.0;
+  aged.verdict = holds_zero ? ChangeVerdict::kNotShown : ChangeVerdict::kChanged;
+  return aged;
+}
+
+}  // namespace
+
+std::string AgeOf(const Cell& cell) {
+  const Json& age = Metric(cell, "age");
+  return age.is_string() ? age.get<std::string>() : "";
+}
+
+std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
+  Require(!cells.empty(), "at least one cell");
+  std::vector<AgedQuantity> quantities;
+  const auto add = [&](std::string name, std::string unit, auto&& estimate_of) {
+    AgedQuantity quantity{std::move(name), std::move(unit), {}};
+    const Estimate first = estimate_of(cells.front());
+    bool known = false;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      quantity.at.push_back(Against(first, estimate_of(cells[k]), k == 0));
+      known = known || std::isfinite(quantity.at.back().value);
+    }
+    if (known) quantities.push_back(std::move(quantity));
+  };
+  add("capacity", "Ah", [](const Cell& cell) {
+    return Parameter(cell, "alpha", cell.alpha_C(), 1.0 / 3600.0);
+  });
+  add("beta", "s^-1/2", [](const Cell& cell) {
+    return Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
+  });
+  for (const double after_s : {1.0, 10.0, 30.0}) {
+    add(fmt::format("resistance_{:g}s", after_s), "Ohm", [after_s](const Cell& cell) {
+      return PulseResistance(cell, after_s);
+    });
+  }
+  return quantities;
+}
+
+}  // namespace lipoid

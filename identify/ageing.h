@@ -1,0 +1,47 @@
+#pragma once
+
+/// @file
+/// What changed between cells that were identified from one cell at several ages: capacity, beta and
+/// the resistance that a pulse shows, each against the first age, with its interval.
+///
+/// The estimates of two ages are independent: the 95 % interval of their difference is the root of
+/// the squared sum of their own. A change whose interval holds zero is not shown by these logs,
+/// which does not mean that there was none. Tests: tests/identify/ageing_test.cc.
+
+#include <string>
+#include <vector>
+
+#include "model/battery/cell.h"
+
+namespace lipoid {
+
+enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval };
+constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 4> OptionNames(ChangeVerdict) {
+  return {{{ChangeVerdict::kFirst, "first"},
+           {ChangeVerdict::kChanged, "changed"},
+           {ChangeVerdict::kNotShown, "not shown by these logs"},
+           {ChangeVerdict::kNoInterval, "no interval"}}};
+}
+
+/// A quantity at one age. NaN: not known.
+struct AgedValue {
+  double value, low, high;
+  double change_percent;                           ///< against the first age
+  double change_low_percent, change_high_percent;  ///< its interval
+  ChangeVerdict verdict;
+};
+
+struct AgedQuantity {
+  std::string name;  ///< capacity, beta, resistance_1s, ...
+  std::string unit;
+  std::vector<AgedValue> at;  ///< one for each cell
+};
+
+/// The cells in the order of their ages, with the run records that `identify` writes into them: from
+/// there the intervals come.
+[[nodiscard]] std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells);
+
+/// The age that the campaign of a cell gave it; "" where it gave none.
+[[nodiscard]] std::string AgeOf(const Cell& cell);
+
+}  // namespace lipoid

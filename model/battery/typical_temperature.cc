@@ -1,0 +1,38 @@
+#include "model/battery/typical_temperature.h"
+
+#include <cmath>
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+Cell WithTypicalTemperature(Cell cell) {
+  Require(!cell.temperature, "a cell that knows no temperature yet");
+  constexpr double kSeries_J_per_mol = 13e3;
+  constexpr double kWithTransfer_J_per_mol = 20e3;
+  constexpr double kBranches_J_per_mol = 40e3;
+  constexpr double kDiffusion_J_per_mol = 40e3;
+  constexpr double kChargeTransfer_J_per_mol = 65e3;
+  constexpr double kNominal_V = 3.7;
+  constexpr double kSpecificEnergy_Wh_per_kg = 150.0;
+  constexpr double kSpecificHeat_J_per_kg_K = 1000.0;
+  constexpr double kDensity_kg_per_m3 = 2000.0;
+  constexpr double kSurface = 9.0;  // over the two-thirds power of the volume
+  constexpr double kTransfer_W_per_m2_K = 15.0;
+  const double mass_kg = cell.capacity_Ah * kNominal_V / kSpecificEnergy_Wh_per_kg;
+  const double surface_m2 = kSurface * std::pow(mass_kg / kDensity_kg_per_m3, 2.0 / 3.0);
+  Cell::Temperature& term = cell.temperature.emplace();
+  // Without a charge transfer of its own the drop of it is in the series resistance.
+  term.series_J_per_mol = cell.charge_transfer ? kSeries_J_per_mol : kWithTransfer_J_per_mol;
+  term.branches_J_per_mol.assign(cell.branches.size(), kBranches_J_per_mol);
+  term.diffusion_J_per_mol = kDiffusion_J_per_mol;
+  term.charge_transfer_J_per_mol = kChargeTransfer_J_per_mol;
+  term.heat =
+      HeatBalance<double>{.heat_capacity_J_per_K = mass_kg * kSpecificHeat_J_per_kg_K,
+                          .thermal_resistance_K_per_W = 1.0 / (kTransfer_W_per_m2_K * surface_m2)};
+  cell.temperature_assumed = true;
+  cell.self_heating.reset();
+  return cell;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,83 @@
+#include "identify/joint/heat_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/battery/prediction.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+Cell WarmingCell(double slope_V_per_K) {
+  Cell cell = test::Truth();
+  Cell::Temperature& term = cell.temperature.emplace();
+  term.series_J_per_mol = 18e3;
+  term.branches_J_per_mol = {45e3};
+  term.diffusion_J_per_mol = 30e3;
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  term.entropy = EntropySlope<double>{{}, {slope_V_per_K}};
+  return cell;
+}
+
+// Every current that the lab tries, at three ambient temperatures, a row each second.
+std::vector<LoadedLog> LogsOf(const Cell& cell) {
+  std::vector<LoadedLog> logs;
+  for (const double ambient_degC : {25.0, 10.0, 0.0}) {
+    auto log = test::AsLog(LogKind::kPulses,
+                           test::SimulateLog(
+                               cell,
+                               1.0,
+                               3000.0,
+                               [](double t) { return std::fmod(t, 900.0) < 300.0 ? 2.0 : 0.0; },
+                               "a"));
+    Record& r = log.log.record;
+    const Prediction at =
+        Predict(cell, r.time_s, r.current_A, r.hold, 1.0, {.ambient_degC = ambient_degC});
+    r.voltage_V = at.voltage_V;
+    r.temperature_degC = at.temperature_degC;
+    logs.push_back(std::move(log));
+  }
+  return logs;
+}
+
+TEST(HeatFit, FindsWhatTheCellWasGiven) {
+  for (const double slope_V_per_K : {0.0, 3e-4}) {
+    const Cell truth = WarmingCell(slope_V_per_K);
+    const auto logs = LogsOf(truth);
+    Cell cell = truth;
+    cell.temperature->heat.reset();
+    const auto fit = FitHeat(cell, logs);
+    ASSERT_TRUE(fit);
+    // The heat of a second is taken at its end: half a percent of pulses of 300 s.
+    EXPECT_NEAR(fit->balance.heat_capacity_J_per_K, 15.0, 0.1);
+    EXPECT_NEAR(fit->balance.thermal_resistance_K_per_W, 20.0, 0.1);
+    EXPECT_LT(fit->rmse_K, 0.05);
+    EXPECT_GT(fit->largest_rise_K, kLeastRise_K);
+    EXPECT_LT(fit->heat_capacity_standard_error_J_per_K, 0.1);
+    EXPECT_TRUE(fit->reversible);
+  }
+}
+
+TEST(HeatFit, ASlopeThatIsNoEntropyReleasesNoHeat) {
+  const auto logs = LogsOf(WarmingCell(0.0));
+  Cell cell = WarmingCell(6e-4);  // what slow relaxation in the cold looks like
+  cell.temperature->heat.reset();
+  const auto fit = FitHeat(cell, logs);
+  ASSERT_TRUE(fit);
+  EXPECT_FALSE(fit->reversible);
+  EXPECT_GT(fit->rmse_reversible_K, 2.0 * fit->rmse_K);
+}
+
+TEST(HeatFit, NoneWhereNothingWarms) {
+  auto logs = LogsOf(WarmingCell(0.0));
+  const Cell cell = WarmingCell(0.0);
+  for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 20.0);
+  EXPECT_FALSE(FitHeat(cell, logs));
+  for (LoadedLog& log : logs) log.log.record.temperature_degC.clear();
+  EXPECT_FALSE(FitHeat(cell, logs));
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,299 @@
+// What the joint estimator makes of logs that know their temperature.
+#include <ceres/jet.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "identify/joint/heat_fit.h"
+#include "identify/joint/joint_run.h"
+#include "identify/joint/joint_trust.h"
+#include "identify/trust/profile.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/cell_model.h"
+#include "tests/support/synthetic_campaign.h"
+
+namespace lipoid {
+namespace {
+
+// A cell with every term that knows temperature, its tables on the nodes of the structure.
+struct Example {
+  Cell cell;
+  JointStructure structure;
+  JointRates rates;
+};
+
+Example Everything() {
+  Example e;
+  e.cell = LoadCell("gifi-600mAh-1");
+  e.structure.branches = 2;
+  e.structure.resistance_soc = {0.05, 0.3, 0.6, 0.95};
+  e.structure.voltage_soc = e.cell.open_circuit_voltage.soc();
+  e.structure.charge_transfer = e.structure.temperature = true;
+  e.structure.entropy_soc = {0.0, 0.4, 1.0};
+  e.rates = {.beta_per_sqrt_s = 0.15,
+             .time_constant_s = {8.0, 200.0},
+             .charge_transfer_A = 1.3,
+             .diffusion_J_per_mol = 35e3,
+             .series_J_per_mol = 14e3,
+             .branch_J_per_mol = {60e3, 30e3},
+             .transfer_J_per_mol = 62e3};
+  const auto table = [&](double scale) {
+    return Resistance<double>(e.structure.resistance_soc,
+                              {1.7 * scale, 1.1 * scale, 0.9 * scale, 1.3 * scale});
+  };
+  e.cell.diffusion->beta_per_sqrt_s = e.rates.beta_per_sqrt_s;
+  e.cell.series_resistance_Ohm = table(0.1);
+  e.cell.branches = {{table(0.02), 8.0, {}}, {table(0.03), 200.0, {}}};
+  e.cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1.3, .resistance_Ohm = table(0.05)};
+  Cell::Temperature& term = e.cell.temperature.emplace();
+  term.series_J_per_mol = 14e3;
+  term.branches_J_per_mol = {60e3, 30e3};
+  term.diffusion_J_per_mol = 35e3;
+  term.charge_transfer_J_per_mol = 62e3;
+  term.entropy = EntropySlope<double>{e.structure.entropy_soc, {-3e-4, 1e-4, 2e-4}};
+  return e;
+}
+
+JointSetup SetupOf(const Cell& cell) {
+  return {.alpha_C = cell.alpha_C(),
+          .diffusion = true,
+          .terms = cell.diffusion->terms,
+          .tail = cell.diffusion->tail,
+          .open_circuit_voltage = cell.open_circuit_voltage};
+}
+
+Eigen::VectorXd UnknownsOf(const Example& e, double typical_A) {
+  const JointLayout layout(e.structure);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout.size());
+  const auto put = [&](int at, const Resistance<double>& r) {
+    for (int k = 0; k < layout.nodes(); ++k) x[at + k] = r.resistance_Ohm[k] * typical_A;
+  };
+  put(layout.series(), e.cell.series_resistance_Ohm);
+  for (int j = 0; j < 2; ++j) put(layout.branch(j), e.cell.branches[j].resistance_Ohm);
+  put(layout.transfer(), e.cell.charge_transfer->resistance_Ohm);
+  for (int k = 0; k < layout.entropies(); ++k)
+    x[layout.entropy() + k] = e.cell.temperature->entropy->slope_V_per_K[k] * kEntropyScale_K;
+  return x;
+}
+
+// Between -20 and 20 degC within one log, as fast as no cell does.
+std::vector<LoadedLog> LogsOfChangingTemperature(const Cell& cell, double dt_s, std::size_t most) {
+  auto logs = test::SyntheticLogs(cell, dt_s);
+  for (auto& log : logs) {
+    Record& r = log.log.record;
+    const std::size_t rows = std::min(r.size(), most);
+    for (auto* column : {&r.time_s, &r.current_A, &r.voltage_V}) column->resize(rows);
+    for (const double time_s : r.time_s)
+      r.temperature_degC.push_back(20.0 * std::sin(time_s / 900.0));
+    r.voltage_V =
+        Predict(cell, r.time_s, r.current_A, r.hold, 1.0, {.measured_degC = r.temperature_degC})
+            .voltage_V;
+  }
+  return logs;
+}
+
+TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
+  const Example e = Everything();
+  const auto logs = LogsOfChangingTemperature(e.cell, 2.0, 2400);
+  const JointSetup setup = SetupOf(e.cell);
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
+  EXPECT_NEAR(joint.warmest_K, 293.15, 0.1);
+  const JointObservations seen(joint, setup);
+  const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+  for (std::size_t l = 0; l < rows.size(); ++l) {
+    ASSERT_EQ(rows[l].time_s.size(), logs[l].log.record.size());
+    // Rounding of sums of some ten terms of 4 V.
+    EXPECT_LT(rows[l].residual_V.cwiseAbs().maxCoeff(), 1e-12) << joint.logs[l].file;
+  }
+}
+
+// The cell that simulations step, in a scalar that carries its derivatives.
+using Jet = ceres::Jet<double, 9>;
+CellParameters<Jet> Differentiable(const Example& e) {
+  const CellParameters<double> p = e.cell.Parameters();
+  const auto table = [](const Resistance<double>& r) {
+    return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
+  };
+  CellParameters<Jet> jets;
+  jets.alpha_C = Jet(p.alpha_C);
+  jets.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  jets.terms = p.terms;
+  jets.tail = p.tail;
+  jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
+  for (int j = 0; j < 2; ++j)
+    jets.branches.push_back(
+        {table(p.branches[j].resistance_Ohm), Jet(p.branches[j].time_constant_s, 1 + j)});
+  jets.open_circuit_voltage = p.open_circuit_voltage;
+  jets.charge_transfer = ChargeTransfer<Jet>{Jet(p.charge_transfer->current_A, 3),
+                                             table(p.charge_transfer->resistance_Ohm)};
+  TemperatureDependence<Jet>& term = jets.temperature.emplace();
+  term.diffusion_J_per_mol = Jet(p.temperature->diffusion_J_per_mol, 4);
+  term.series_J_per_mol = Jet(p.temperature->series_J_per_mol, 5);
+  for (int j = 0; j < 2; ++j)
+    term.branches_J_per_mol.emplace_back(p.temperature->branches_J_per_mol[j], 6 + j);
+  term.charge_transfer_J_per_mol = Jet(p.temperature->charge_transfer_J_per_mol, 8);
+  const auto& slopes = p.temperature->entropy->slope_V_per_K;
+  term.entropy = EntropySlope<Jet>{p.temperature->entropy->soc, {slopes.begin(), slopes.end()}};
+  return jets;
+}
+
+TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
+  const Example e = Everything();
+  const RateSlots slots(e.structure);
+  ASSERT_EQ(slots.size(), 9);
+  const int of_jet[] = {slots.beta(),
+                        slots.tau(0),
+                        slots.tau(1),
+                        slots.transfer(),
+                        slots.diffusion_energy(),
+                        slots.series_energy(),
+                        slots.branch_energy(0),
+                        slots.branch_energy(1),
+                        slots.transfer_energy()};
+  const auto logs = LogsOfChangingTemperature(e.cell, 5.0, 2000);
+  const JointSetup setup = SetupOf(e.cell);
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
+  const JointObservations seen(joint, setup);
+  const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
+  const CellModel<Jet> model(Differentiable(e));
+  for (std::size_t l = 0; l < rows.size(); ++l) {
+    const JointLog& log = joint.logs[l];
+    auto state = model.Relaxed(Jet(1.0));
+    typename CellModel<Jet>::Step step;
+    Eigen::VectorXd size = Eigen::VectorXd::Zero(9);
+    Eigen::VectorXd off = size;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (k > 0) {
+        model.MakeStep(log.time_s[k] - log.time_s[k - 1], state.temperature_K, step);
+        model.Advance(state, Jet(log.step_A[k]), step);
+      }
+      state.temperature_K = Jet(log.temperature_K[k]);
+      const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
+      const auto slope = rows[l].sensitivity.row(static_cast<Eigen::Index>(k));
+      for (int p = 0; p < 9; ++p) {
+        size[p] = std::max(size[p], std::abs(voltage.v[p]));
+        off[p] = std::max(off[p], std::abs(voltage.v[p] - slope[of_jet[p]]));
+      }
+    }
+    // Sums of some thousand terms, each right to the last digits.
+    for (int p = 0; p < 9; ++p) {
+      EXPECT_LE(off[p], 1e-10 * size[p]) << log.file << " " << p;
+      EXPECT_GT(size[p], 0.0) << p;
+    }
+  }
+}
+
+// A cell whose resistances are numbers, and a lab with a climate chamber.
+Cell ColdTruth() {
+  Cell cell = test::Truth();
+  Cell::Temperature& term = cell.temperature.emplace();
+  term.series_J_per_mol = 18e3;
+  term.branches_J_per_mol = {45e3};
+  term.diffusion_J_per_mol = 30e3;
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  return cell;
+}
+
+std::vector<LoadedLog> ClimateChamber(const Cell& truth,
+                                      const std::vector<double>& ambients_degC,
+                                      double noise_V) {
+  std::vector<LoadedLog> logs;
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  for (const double ambient_degC : ambients_degC) {
+    for (LoadedLog& log : test::SyntheticLogs(truth, 20.0)) {
+      Record& r = log.log.record;
+      if (log.entry.kind == LogKind::kConstantCurrent) {  // a warm cell lasts longer
+        const std::size_t longer = r.size() + r.size() / 3;
+        while (r.size() < longer) {
+          r.time_s.push_back(r.time_s.back() + 20.0);
+          r.current_A.push_back(r.current_A.back());
+        }
+      }
+      const Prediction at =
+          Predict(truth, r.time_s, r.current_A, r.hold, 1.0, {.ambient_degC = ambient_degC});
+      std::size_t rows = 0;
+      while (rows < r.size() && at.voltage_V[rows] > truth.cutoff_V) ++rows;
+      rows = std::min(rows + 1, r.size());
+      r.voltage_V = at.voltage_V;
+      r.temperature_degC = at.temperature_degC;
+      for (auto* column : {&r.time_s, &r.current_A, &r.voltage_V, &r.temperature_degC})
+        column->resize(rows);
+      for (double& v : r.voltage_V) v += noise_V * noise(engine);
+      for (double& t : r.temperature_degC) t += 0.02 * noise(engine);
+      // As labs do: the slow discharge at room temperature, and one fast one at each.
+      const bool room = ambient_degC == 25.0;
+      if (!room && log.entry.kind == LogKind::kLowRate) continue;
+      if (!room && log.entry.file == "cc_1C.csv") continue;
+      logs.push_back(std::move(log));
+    }
+  }
+  return logs;
+}
+
+TEST(JointTemperature, FindsEnergiesAndHeatOfASyntheticCell) {
+  const Cell truth = ColdTruth();
+  const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  ASSERT_TRUE(result.cell.temperature);
+  EXPECT_FALSE(result.cell.self_heating);
+  const TrustReport trust = AssessJoint(result);
+  struct Expected {
+    const char* name;
+    double value;
+    double closeness;  // in J/mol, several of its interval: an interval must not be wide
+  };
+  for (const auto& [name, value, closeness] : {Expected{"E_s", 18e3, 500.0},
+                                               Expected{"E_1", 45e3, 3000.0},
+                                               Expected{"E_d", 30e3, 3000.0}}) {
+    const QuantityTrust* found = FindQuantity(trust, name);
+    ASSERT_NE(found, nullptr) << name;
+    // Three standard errors: one campaign in a hundred lies outside.
+    EXPECT_LE(std::abs(found->estimate - value), 1.5 * Reach95(*found)) << name;
+    EXPECT_LE(std::abs(found->estimate - value), closeness) << name;
+  }
+  ASSERT_TRUE(result.heat);
+  // Heat is taken at the rows, 20 s apart, and flows on for a while after a step of the current.
+  EXPECT_NEAR(result.heat->balance.heat_capacity_J_per_K, 15.0, 0.6);
+  EXPECT_NEAR(result.heat->balance.thermal_resistance_K_per_W, 20.0, 0.6);
+  EXPECT_LT(result.heat->rmse_K, 0.01 * result.heat->largest_rise_K);
+}
+
+TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
+  Cell truth = ColdTruth();
+  truth.temperature->heat->heat_capacity_J_per_K = 1000.0;  // it hardly warms
+  const auto logs = ClimateChamber(truth, {25.0}, 0.0005);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  EXPECT_FALSE(result.cell.temperature);
+  bool said = false;
+  for (const std::string& caution : result.cautions)
+    said = said || caution.starts_with("activation energies are not identifiable: the logs lie");
+  EXPECT_TRUE(said);
+}
+
+TEST(JointTemperature, IsRefusedWhereALogHasNone) {
+  auto logs = test::SyntheticLogs(test::Truth(), 10.0);
+  JointOptions options;
+  options.temperature = Presence::kOn;
+  EXPECT_THROW((void)IdentifyJoint(test::CampaignOf(logs), logs, {}, options), OptionError);
+  for (LoadedLog& log : logs) log.entry.ambient_degC = 20.0;
+  options.self_heating = Presence::kOn;
+  EXPECT_THROW((void)IdentifyJoint(test::CampaignOf(logs), logs, {}, options), OptionError);
+}
+
+// A temperature that no parameter follows changes no bit of the result.
+TEST(JointTemperature, AColumnAloneChangesNothing) {
+  auto logs = test::SyntheticLogs(test::Truth(), 10.0, 0.0005);
+  const Cell plain = IdentifyJoint(test::CampaignOf(logs), logs).cell;
+  for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 23.0);
+  const Cell with = IdentifyJoint(test::CampaignOf(logs), logs).cell;
+  // Their run records differ in how long they took.
+  Cell bare[] = {plain, with};
+  for (Cell& cell : bare) cell.run.reset();
+  EXPECT_EQ(CellToJson(bare[0]).dump(), CellToJson(bare[1]).dump());
+}
+
+}  // namespace
+}  // namespace lipoid
