@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "identify/logs/flight/bytes.h"
+#include "identify/logs/flight/message_walk.h"
 
 namespace lipoid {
 namespace {
@@ -15,9 +16,6 @@ constexpr std::string_view kHead("\xA3\x95", 2);
 constexpr std::size_t kHeadBytes = 3;
 constexpr std::uint8_t kFormatType = 0x80;
 constexpr std::size_t kFormatBytes = 89;
-
-// After damage, so many messages must follow one another before they are believed.
-constexpr int kChain = 3;
 
 std::size_t BytesOf(char letter) {
   switch (letter) {
@@ -137,54 +135,14 @@ class Reader {
   }
 
   AutopilotLog Read() {
-    std::size_t at = 0;
-    while (at < bytes_.size()) {
-      if (const std::size_t size = MessageAt(at); size > 0) {
-        Take(static_cast<std::uint8_t>(bytes_[at + 2]),
-             bytes_.substr(at + kHeadBytes, size - kHeadBytes));
-        ++log_.messages;
-        at += size;
-        continue;
-      }
-      const std::size_t next = NextChain(at + 1);
-      if (next == bytes_.size() && EndsInside(at)) {
-        log_.cut_last_message = true;
-        break;
-      }
-      log_.skipped_bytes += next - at;
-      ++log_.damaged_places;
-      at = next;
-    }
+    MessageWalk(*this, bytes_, log_).From(0);
     Finish();
     return std::move(log_);
-  }
-
- private:
-  [[nodiscard]] const Format* FormatAt(std::size_t at) const {
-    if (at + kHeadBytes > bytes_.size() || bytes_.substr(at, 2) != kHead) return nullptr;
-    const Format& format = formats_[static_cast<std::uint8_t>(bytes_[at + 2])];
-    return format.bytes > kHeadBytes ? &format : nullptr;
   }
 
   [[nodiscard]] std::size_t MessageAt(std::size_t at) const {
     const Format* format = FormatAt(at);
     return format != nullptr && format->bytes <= bytes_.size() - at ? format->bytes : 0;
-  }
-
-  [[nodiscard]] std::size_t NextChain(std::size_t from) const {
-    for (auto start = bytes_.find(kHead, from); start != bytes_.npos;
-         start = bytes_.find(kHead, start + 1)) {
-      std::size_t at = start;
-      int links = 0;
-      while (links < kChain && at < bytes_.size()) {
-        const std::size_t size = MessageAt(at);
-        if (size == 0) break;
-        at += size;
-        ++links;
-      }
-      if (links == kChain || (links > 0 && at == bytes_.size())) return start;
-    }
-    return bytes_.size();
   }
 
   [[nodiscard]] bool EndsInside(std::size_t at) const {
@@ -194,7 +152,19 @@ class Reader {
     return format != nullptr && format->bytes > rest.size();
   }
 
-  void Take(std::uint8_t type, std::string_view payload) {
+  void Take(std::size_t at, std::size_t size) {
+    TakeMessage(static_cast<std::uint8_t>(bytes_[at + 2]),
+                bytes_.substr(at + kHeadBytes, size - kHeadBytes));
+  }
+
+ private:
+  [[nodiscard]] const Format* FormatAt(std::size_t at) const {
+    if (at + kHeadBytes > bytes_.size() || bytes_.substr(at, 2) != kHead) return nullptr;
+    const Format& format = formats_[static_cast<std::uint8_t>(bytes_[at + 2])];
+    return format.bytes > kHeadBytes ? &format : nullptr;
+  }
+
+  void TakeMessage(std::uint8_t type, std::string_view payload) {
     if (type == kFormatType) {
       Format format = ParseFormat(payload);
       const auto of = static_cast<std::uint8_t>(payload[0]);

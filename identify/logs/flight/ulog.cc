@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "identify/logs/flight/bytes.h"
+#include "identify/logs/flight/message_walk.h"
 
 namespace lipoid {
 namespace {
@@ -17,9 +18,6 @@ constexpr std::size_t kMessageHeaderBytes = 3;
 constexpr std::string_view kTypes = "BFIMPQARDLCSO";
 constexpr std::string_view kSync("\x2F\x73\x13\x20\x25\x0C\xBB\x12", 8);
 constexpr std::string_view kTopic = "battery_status";
-
-// After damage, so many messages must follow one another before they are believed.
-constexpr int kChain = 3;
 
 // No message nests formats deeper, and none is longer than its size can say.
 constexpr int kMostNesting = 8;
@@ -124,28 +122,11 @@ class Reader {
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
   AutopilotLog Read() {
-    std::size_t at = kHeaderBytes;
-    while (at < bytes_.size()) {
-      if (const std::size_t size = MessageAt(at); size > 0) {
-        Take(bytes_[at + 2], bytes_.substr(at + kMessageHeaderBytes, size - kMessageHeaderBytes));
-        ++log_.messages;
-        at += size;
-        continue;
-      }
-      const std::size_t next = NextChain(at + 1);
-      if (next == bytes_.size() && EndsInside(at)) {
-        log_.cut_last_message = true;
-        break;
-      }
-      log_.skipped_bytes += next - at;
-      ++log_.damaged_places;
-      at = next;
-    }
+    MessageWalk(*this, bytes_, log_).From(kHeaderBytes);
     Finish();
     return std::move(log_);
   }
 
- private:
   // The bytes of the message that begins here with its header; 0 where none can.
   [[nodiscard]] std::size_t MessageAt(std::size_t at) const {
     if (at + kMessageHeaderBytes > bytes_.size()) return 0;
@@ -155,29 +136,14 @@ class Reader {
     if (size > bytes_.size() - at - kMessageHeaderBytes) return 0;
     const std::string_view payload = bytes_.substr(at + kMessageHeaderBytes, size);
     const bool holds = type == 'D'
-                           ? size >= 2 && names_.contains(NumberAt<std::uint16_t>(payload, 0))
+                           ? size >= 2 && (names_.empty() ||  // ahead of the first subscription
+                                           names_.contains(NumberAt<std::uint16_t>(payload, 0)))
                        : type == 'A' ? size > 3
                        : type == 'S' ? payload == kSync
                        : type == 'O' ? size == 2
                        : type == 'L' ? size >= 9
                                      : true;
     return holds ? kMessageHeaderBytes + size : 0;
-  }
-
-  // Where messages hold together again, or the end of the file.
-  [[nodiscard]] std::size_t NextChain(std::size_t from) const {
-    for (std::size_t start = from; start < bytes_.size(); ++start) {
-      std::size_t at = start;
-      int links = 0;
-      while (links < kChain && at < bytes_.size()) {
-        const std::size_t size = MessageAt(at);
-        if (size == 0) break;
-        at += size;
-        ++links;
-      }
-      if (links == kChain || (links > 0 && at == bytes_.size())) return start;
-    }
-    return bytes_.size();
   }
 
   // Whether a message may begin here whose end the file no longer holds.
@@ -187,7 +153,13 @@ class Reader {
            NumberAt<std::uint16_t>(bytes_, at) > bytes_.size() - at - kMessageHeaderBytes;
   }
 
-  void Take(char type, std::string_view payload) {
+  void Take(std::size_t at, std::size_t size) {
+    TakeMessage(bytes_[at + 2],
+                bytes_.substr(at + kMessageHeaderBytes, size - kMessageHeaderBytes));
+  }
+
+ private:
+  void TakeMessage(char type, std::string_view payload) {
     if (type == 'F') {
       const auto colon = payload.find(':');
       if (colon != payload.npos)

@@ -120,9 +120,8 @@ TEST(Campaign, ReadsThoseBesideTheProject) {
 }
 
 TEST(CampaignRefuses, AMissingFile) {
-  EXPECT_EQ(
-      LoadErrorOf([] { (void)ReadCampaign("no/such.toml"); }).find("no/such.toml: error: "),
-      0U);
+  EXPECT_EQ(LoadErrorOf([] { (void)ReadCampaign("no/such.toml"); }).find("no/such.toml: error: "),
+            0U);
 }
 
 TEST(CampaignRefuses, WhatIsNotToml) {
@@ -158,7 +157,7 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
       "'cutof_V'\n"
       "lab/c.toml:6:3: error: expected one of the keys kind, file, hold, columns, units, "
       "current_sign, steps, "
-      "cycles, start_s, end_s, initial_soc, lead_resistance_Ohm, weight, found 'fiel'\n"
+      "cycles, start_s, end_s, battery, initial_soc, lead_resistance_Ohm, weight, found 'fiel'\n"
       "lab/c.toml:7:2: error: expected one of the keys cell, log, found 'lab'");
 }
 

@@ -78,9 +78,9 @@ TEST(FlightLog, DropsAndCountsWhatTheAutopilotDidNotKnow) {
 TEST(FlightLog, ADamagedTimeCostsItsRowAlone) {
   for (const double damaged_s : {1e12, -5.0, 10.0}) {
     BatteryTrack track = Track();
-    track.time_s[1] = damaged_s;
+    track.time_s[2] = damaged_s;
     const Log log = Made(LogOf({track}));
-    EXPECT_EQ(log.record.time_s, (std::vector<double>{10.0, 12.0, 13.0})) << damaged_s;
+    EXPECT_EQ(log.record.time_s, (std::vector<double>{10.0, 11.0, 13.0})) << damaged_s;
     EXPECT_EQ(log.report.dropped_repeated_times, 1U);
   }
 }
@@ -167,7 +167,7 @@ TEST(FlightLog, AnIdlePackIsNoSimulation) {
 
 TEST(FlightLog, SaysHowOftenItsValuesReallyChange) {
   BatteryTrack track = Track();
-  track = {.time_s = {}, .voltage_V = {}, .current_A = {}, .temperature_degC = {}};
+  track = BatteryTrack();
   for (int k = 0; k < 80; ++k) {
     track.time_s.push_back(0.1 * k);
     track.voltage_V.push_back(12.0 - 0.01 * (k / 8));
