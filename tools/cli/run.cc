@@ -229,14 +229,15 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     exit_code = command.run(*line);
     line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
-    if (!summary_file.empty() && line->parsed()) {
-      WriteFileAtomically(summary_file,
-                          JsonText(SummaryJson(name, exit_code, line->summary(), nullptr)));
-    }
-    if (!line->report_file().empty()) {
-      const ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
-                                std::move(line->report_series())};
-      WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
+    if (line->parsed() && !(summary_file.empty() && line->report_file().empty())) {
+      if (line->can_report()) line->summary()["run"] = line->RunJson();
+      ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
+                          std::move(line->report_series()),
+                          {},
+                          ""};
+      if (!summary_file.empty()) WriteFileAtomically(summary_file, JsonText(result.summary));
+      if (!line->report_file().empty())
+        WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
     line->CommitOutputs();
   });

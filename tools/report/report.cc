@@ -1,11 +1,14 @@
 #include "tools/report/report.h"
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include <cstring>
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "model/core/errors.h"
+#include "model/core/run_record.h"
 #include "tools/report/web_assets.h"  // written by the build
 
 namespace lipoid {
@@ -71,6 +74,14 @@ std::string Escaped(const std::string& json) {
   return text;
 }
 
+// The date, as a lab book has it: 2026-03-01.
+std::string Today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm day = {};
+  gmtime_r(&now, &day);
+  return fmt::format("{:04}-{:02}-{:02}", day.tm_year + 1900, day.tm_mon + 1, day.tm_mday);
+}
+
 }  // namespace
 
 bool CanReport() { return FindAsset("page.html") != nullptr; }
@@ -84,7 +95,9 @@ void RequireReport() {
 
 std::string ReportPage(std::span<const ReportResult> results) {
   RequireReport();
-  Json page = {{"schema", "lipoid.report/1"}, {"results", Json::array()}};
+  Json page = {{"schema", "lipoid.report/1"},
+               {"program", {{"version", Version()}, {"commit", GitCommit()}, {"written", Today()}}},
+               {"results", Json::array()}};
   bool flight = false;
   for (const ReportResult& result : results) {
     Json series = Json::array();
@@ -95,6 +108,8 @@ std::string ReportPage(std::span<const ReportResult> results) {
     Json shown = Json::object();
     shown["summary"] = result.summary;
     shown["series"] = std::move(series);
+    shown["notes"] = result.notes;
+    shown["file"] = result.file;
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));

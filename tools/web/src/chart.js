@@ -1,49 +1,261 @@
-// A chart of lines or points over a common axis, by uPlot.
+// A chart of lines, points, bars or bands over a common axis, by uPlot.
 import uPlot from "uplot";
 
 import { element } from "./dom.js";
 import { significant } from "./format.js";
+import { legend, nearest } from "./legend.js";
+import { printed } from "./picture.js";
+import { saveMenu } from "./save.js";
+import { colour, faint, onThemeChange, seriesColour } from "./theme.js";
+import { timeAxis } from "./time_axis.js";
+import { bindZoom, followZoom, isZoomed, resetZoom, sharedCursor } from "./zoom.js";
+
+export { seriesColour };
 
 const HEIGHT = 280;
+const LEAST_WIDTH = 240;
+const FONT = "12px system-ui, sans-serif";
 
-// Okabe and Ito's palette: told apart by people who are colour-blind. The page's style sheet has
-// lighter ones for a dark page (--series-0 ...).
-export function seriesColour(index) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--series-${index % 7}`).trim();
+// What is no number is a gap, which uPlot knows as null.
+function withGaps(values, log) {
+  const bad = (value) => value === null || !Number.isFinite(value) || (log && value <= 0);
+  return values.some(bad) ? Array.from(values, (value) => (bad(value) ? null : value)) : values;
+}
+
+// Samples of a line that has its own x, in the order of x, the first of equal ones.
+function ordered(xs, ys) {
+  const order = Array.from(xs.keys()).filter((k) => Number.isFinite(xs[k])).sort((a, b) => xs[a] - xs[b]);
+  const kept = order.filter((k, n) => n === 0 || xs[k] !== xs[order[n - 1]]);
+  return kept;
+}
+
+// One table for all lines: [x, y of the first line, ...], the edges of a line's band right behind it.
+function tableOf(x, lines, log) {
+  const columnsOf = (line) => [line.values, ...(line.band ?? [])];
+  if (lines.every((line) => !line.x)) {
+    return [withGaps(x.values, x.log), ...lines.flatMap((line) => columnsOf(line).map((ys) => withGaps(ys, log)))];
+  }
+  const tables = lines.map((line) => {
+    const xs = line.x ?? x.values;
+    const order = ordered(xs, line.values);
+    const pick = (values) => order.map((k) => values[k]);
+    return [pick(xs), ...columnsOf(line).map((ys) => withGaps(pick(ys), log))];
+  });
+  const joined = uPlot.join(tables);
+  return joined.map((column) => Array.from(column, (value) => value ?? null));
+}
+
+// Where a chart has points or bars, those at its ends are not cut.
+function padding(x, lines) {
+  if (x.categories) return () => [-0.5, x.categories.length - 0.5];
+  const pad = lines.some((line) => line.points || line.bars) ? 0.03 : 0;
+  return (min, max) => {
+    if (min === max) return x.log ? [min / 2, min * 2] : [min - (Math.abs(min) || 1) / 2, min + (Math.abs(min) || 1) / 2];
+    if (x.log) return [min / (max / min) ** pad, max * (max / min) ** pad];
+    return [min - pad * (max - min), max + pad * (max - min)];
+  };
+}
+
+function scaleOfY(y) {
+  if (y.log) return { distr: 3 };
+  const end = (soft) => ({ pad: 0.08, soft, mode: soft === undefined ? 0 : 1 });
+  return { range: { min: end(y.zero ? 0 : undefined), max: end(y.zero ? 0 : undefined) } };
+}
+
+function axesOf(x, y, time) {
+  const shared = {
+    stroke: () => colour("--text"),
+    grid: { stroke: () => colour("--grid"), width: 1 },
+    ticks: { stroke: () => colour("--grid"), width: 1 },
+    font: FONT,
+    labelFont: FONT,
+    labelSize: 20,
+  };
+  const numbers = (_, splits) => splits.map((value) => (value === null ? "" : significant(value, 6)));
+  const names = (_, splits) => splits.map((value) => x.categories[value] ?? "");
+  return [
+    {
+      ...shared,
+      label: time?.label ?? x.label,
+      size: 34,
+      space: time?.values ? 80 : 60,
+      ...(time?.incrs ? { incrs: time.incrs } : {}),
+      ...(x.categories ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
+      values: x.categories ? names : time?.values ?? numbers,
+    },
+    { ...shared, label: y.label, size: (_, values) => sizeOf(values), values: y.log ? undefined : numbers },
+  ];
+}
+
+// Room for the longest number beside the axis, at least as in other charts, so that they align.
+function sizeOf(values) {
+  const longest = Math.max(0, ...(values ?? []).map((value) => String(value ?? "").length));
+  return Math.max(56, 18 + 7 * longest);
+}
+
+function pathsOf(line) {
+  if (line.points) return () => null;
+  if (line.bars) return uPlot.paths.bars({ size: [0.6, 60] });
+  if (line.step) return uPlot.paths.stepped({ align: line.step === "before" ? -1 : 1 });
+  return undefined;
+}
+
+// The lines as uPlot's series, with the edges of bands, and what the legend and the picture need.
+function seriesOf(lines) {
+  const series = [];
+  const bands = [];
+  const entries = [];
+  lines.forEach((line, k) => {
+    const index = series.length + 1;
+    const number = line.colour ?? k;
+    const stroke = () => seriesColour(number);
+    series.push({
+      label: line.label,
+      scale: "y",
+      show: line.show !== false,
+      stroke,
+      width: line.points ? 1 : line.width ?? 1.5,
+      dash: line.dash,
+      fill: line.bars ? () => faint(seriesColour(number), 0.6) : undefined,
+      paths: pathsOf(line),
+      spanGaps: Boolean(line.x) || line.spanGaps === true,
+      points: line.points
+        ? { show: true, size: line.size ?? 5, fill: stroke, stroke, width: 1 }
+        : { show: false },
+    });
+    const also = [];
+    if (line.band) {
+      const [low, high] = [index + 1, index + 2];
+      for (const edge of [low, high]) {
+        also.push(edge);
+        series.push({ label: `${line.label}, ${edge === low ? "low" : "high"}`, scale: "y", stroke: "transparent",
+                      width: 0, points: { show: false }, spanGaps: Boolean(line.x) });
+      }
+      bands.push({ series: [high, low], fill: () => faint(seriesColour(number)) });
+    }
+    entries.push({
+      label: line.label,
+      mark: line.points ? "dots" : line.bars ? "bar" : line.dash ? "dashed" : "line",
+      colour: number,
+      index,
+      also,
+      line,
+      say: line.say ?? ((value) => significant(value, line.digits ?? 5)),
+    });
+  });
+  return { series, bands, entries };
+}
+
+// Stretches and places of x that the chart is marked at, behind its lines.
+function drawMarks(plot, spans, marks) {
+  const { ctx } = plot;
+  const { left, top, width, height } = plot.bbox;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(left, top, width, height);
+  ctx.clip();
+  for (const span of spans) {
+    const from = plot.valToPos(span.from, "x", true);
+    const to = plot.valToPos(span.to, "x", true);
+    ctx.fillStyle = faint(seriesColour(span.colour), 0.16);
+    ctx.fillRect(from, top, Math.max(1, to - from), height);
+  }
+  ctx.strokeStyle = colour("--text");
+  ctx.setLineDash([4, 4]);
+  for (const mark of marks) {
+    const at = Math.round(plot.valToPos(mark.x, "x", true)) + 0.5;
+    ctx.beginPath();
+    ctx.moveTo(at, top);
+    ctx.lineTo(at, top + height);
+    ctx.stroke();
+  }
+  ctx.restore();
 }
 
 /**
  * @param title   words above the chart
- * @param x       {label, values, time}: the common axis; label carries the unit
- * @param lines   [{label, values, points, band: [low, high], dash}]: one line each, values as long as x
- * @param y       {label, log}
+ * @param x       {label, values, time, log, categories}: the common axis; label carries the unit. `time`: values are seconds,
+ *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
+ * @param lines   [{label, values, x, points, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
+ *                each, values as long as x, or as its own x. colour is the number of a colour of the palette. A value of
+ *                null or NaN is a gap.
+ * @param y       {label, log, zero}; `zero`: the axis begins at zero
  * @param link    charts with the same key zoom and show their cursor together
+ * @param spans   [{from, to, colour}]: stretches of x with a coloured ground
+ * @param marks   [{x}]: places of x with a dashed line
+ * @param name    of the files that it is saved as
+ * @returns a figure; its `plot` is uPlot's, its data-points the number of samples that it shows
  */
-export function lineChart({ title, x, lines, y, link, height = HEIGHT }) {
-  const holder = element("figure", { class: "chart" }, element("figcaption", {}, title));
+export function lineChart({ title, x, lines, y, link, spans = [], marks = [], name, height = HEIGHT }) {
+  const data = tableOf(x, lines, y.log);
+  const { series, bands, entries } = seriesOf(lines);
+  const xs = data[0];
+  const time = x.time ? timeAxis(xs[0], xs[xs.length - 1]) : null;
+  const sayX = time?.say ?? (x.categories ? (value) => x.categories[value] : (value) => `${x.label.split(" / ")[0]} ${significant(value, 7)}`);
+  const key = legend(entries, sayX);
+  const holder = element("div", {
+    class: "plot",
+    tabindex: 0,
+    role: "group",
+    "aria-roledescription": "chart",
+    "aria-label": `${title}: ${entries.map((entry) => entry.label).join(", ")} against ${x.label}. Arrow keys move the cursor.`,
+  });
+  const reset = element("button", { type: "button", hidden: true, onclick: () => resetZoom(plot) }, "Show all");
+  const figure = element("figure", { class: "chart" });
+  const pad = padding(x, lines);
   const options = {
     width: 800,
     height,
-    cursor: link ? { sync: { key: link } } : {},
-    scales: { x: { time: false, distr: x.log ? 3 : 1 }, y: { distr: y.log ? 3 : 1 } },
-    axes: [
-      { label: x.label, stroke: "currentColor" },
-      { label: y.label, stroke: "currentColor", size: 70 },
-    ],
-    series: [
-      { label: x.label, value: (_, value) => significant(value, 6) },
-      ...lines.map((line, k) => ({
-        label: line.label,
-        stroke: seriesColour(k),
-        dash: line.dash,
-        paths: line.points ? () => null : undefined,
-        points: line.points ? { show: true, size: 5 } : { show: false },
-        value: (_, value) => significant(value, 5),
-      })),
-    ],
+    legend: { show: false },
+    padding: [8, 12, 0, 0],
+    cursor: {
+      ...sharedCursor(link),
+      dataIdx: (plot, k, index) => (k === 0 ? index : nearest(plot, k, index)),
+      points: { size: 7, fill: (plot, k) => plot.series[k].points.show && entries.some((e) => e.index === k) ? colour("--page") : plot.series[k]._stroke ?? "transparent" },
+    },
+    scales: {
+      x: { time: false, distr: x.log ? 3 : 1, range: (_, min, max) => (min === null ? [0, 1] : pad(min, max)) },
+      y: scaleOfY(y),
+    },
+    axes: axesOf(x, y, time),
+    series: [{ label: x.label }, ...series],
+    bands,
+    hooks: {
+      drawClear: spans.length + marks.length > 0 ? [(plot) => drawMarks(plot, spans, marks)] : [],
+      setCursor: [(plot) => key.update(plot, document.activeElement === holder)],
+      setScale: [
+        (plot, which) => {
+          if (which !== "x") return;
+          followZoom(plot);
+          reset.hidden = !isZoomed(plot);
+        },
+      ],
+    },
   };
-  const plot = new uPlot(options, [x.values, ...lines.map((line) => line.values)], holder);
-  const fit = () => plot.setSize({ width: Math.max(280, holder.clientWidth), height });
+  const plot = new uPlot(options, data, (made, begin) => {
+    holder.append(made.root);
+    made.padded = pad;
+    begin();
+  });
+  plot.entries = entries;
+  bindZoom(plot, holder, link);
+  key.bind(plot);
+  const about = { title, name: name ?? title, x, y, time, spans, marks };
+  figure.append(
+    element("figcaption", {}, element("span", { class: "title" }, title),
+            element("span", { class: "tools" }, reset, saveMenu(plot, about))),
+    holder,
+    key.root,
+  );
+  figure.plot = plot;
+  figure.dataset.points = String(entries.reduce(
+    (sum, entry) => sum + data[entry.index].reduce((n, value) => (value === null ? n : n + 1), 0), 0));
+  printed(figure, plot, about);
+  const fit = () => {
+    const width = Math.max(LEAST_WIDTH, holder.clientWidth);
+    if (holder.clientWidth > 0 && width !== plot.width) plot.setSize({ width, height });
+  };
   new ResizeObserver(fit).observe(holder);
-  return holder;
+  onThemeChange(() => plot.redraw(false));
+  return figure;
 }

@@ -24,8 +24,9 @@ function seriesOf(series) {
   return { ...series, column };
 }
 
-/** All results in the page. */
+/** What the page holds: {results, program: {version, commit, written}}. */
 export function resultsOf(text) {
   const page = JSON.parse(text);
-  return page.results.map((result) => ({ ...result, series: result.series.map(seriesOf) }));
+  const results = page.results.map((result) => ({ ...result, series: result.series.map(seriesOf) }));
+  return { results, program: page.program };
 }

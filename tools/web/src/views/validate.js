@@ -8,7 +8,7 @@ import { table } from "../table.js";
 export function logCharts(series) {
   const { time_s, voltage_V, predicted_V } = series.column;
   const error_mV = voltage_V.map((measured, k) => 1e3 * (measured - predicted_V[k]));
-  const x = { label: "time / s", values: time_s };
+  const x = { label: "time / s", values: time_s, time: true };
   const link = `log ${series.name}`;
   return section(
     baseName(series.name),
