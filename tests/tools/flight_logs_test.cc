@@ -80,14 +80,19 @@ TEST(Columns, ByTheirNumbersForATableWithoutHeader) {
                               "current_A=4",
                               "--units",
                               "s,A,V",
+                              "--current-sign",
+                              "discharge-positive",  // a staircase settles no sign by itself
                               "-o",
                               csv});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Log named = ReadLog(Flight("log171.csv"));
-  EXPECT_EQ(ReadLog(csv).record.voltage_V, named.record.voltage_V);
-  EXPECT_EQ(ReadLog(csv).record.current_A, named.record.current_A);
+  ReadOptions positive;
+  positive.current_sign = "discharge-positive";
+  const Log named = ReadLog(Flight("log171.csv"), positive);
+  EXPECT_EQ(ReadLog(csv, positive).record.voltage_V, named.record.voltage_V);
+  EXPECT_EQ(ReadLog(csv, positive).record.current_A, named.record.current_A);
 
   const auto unit = RunLipoid(
+      TestFolder(),
       {"convert", file, "--columns", "time_s=2", "voltage_V=3", "current_A=4", "-o", csv});
   EXPECT_EQ(unit.exit_code, 3);
   EXPECT_NE(unit.err.find("expected a header that states the unit of the time"), std::string::npos)
