@@ -99,6 +99,7 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                    "cycles",
                    "start_s",
                    "end_s",
+                   "battery",
                    "initial_soc",
                    "lead_resistance_Ohm",
                    "weight",
@@ -129,6 +130,7 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
   }
   reader.Integers("steps", log.read.steps);
   reader.Integers("cycles", log.read.cycles);
+  reader.Integer("battery", 1, kMostBatteries, log.read.battery);
   const double most = TomlReader::kLargest;
   reader.Number("start_s", -most, most, "a time in seconds", log.read.start_s);
   const bool end = reader.Number("end_s", -most, most, "a time in seconds", log.read.end_s);
@@ -266,6 +268,7 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (!read.cycles.empty()) add("cycles", "[" + List(read.cycles) + "]");
   if (read.start_s != defaults.start_s) add("start_s", TomlFloat(read.start_s));
   if (read.end_s != defaults.end_s) add("end_s", TomlFloat(read.end_s));
+  if (read.battery != defaults.battery) add("battery", fmt::format("{}", read.battery));
   if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", TomlFloat(log.initial_soc));
   if (read.lead_resistance_Ohm != 0.0)
     add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));

@@ -64,7 +64,9 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
       inspection.segments.size() > 1 && !record.voltage_V.empty()) {
     inspection.start_voltage_V = record.voltage_V[inspection.segments[0].last];
   }
-  inspection.suggestion = SuggestKind(inspection.segments, inspection.discharge);
+  inspection.suggestion =
+      report.flight ? Suggestion{std::nullopt, "a flight, which is no test of a laboratory"}
+                    : SuggestKind(inspection.segments, inspection.discharge);
   return inspection;
 }
 

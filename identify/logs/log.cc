@@ -15,6 +15,8 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/csv/table_reader.h"
 #include "identify/logs/csv/text_source.h"
+#include "identify/logs/flight/autopilot_log.h"
+#include "identify/logs/flight/flight_log.h"
 #include "identify/logs/formats/formats.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
@@ -25,6 +27,9 @@ namespace {
 
 // Later than any test began and earlier than any clock of today: seconds since 1970.
 constexpr double kUnixClock_s = 1e8;
+
+// A flight log is held as a whole while it is read.
+constexpr std::size_t kMostFlightBytes = std::size_t{1} << 31;
 
 void CheckOptions(const ReadOptions& options) {
   for (const auto& [key, name] : options.columns) {
@@ -341,7 +346,8 @@ void SettleSign(Log& log,
                 const std::vector<std::int8_t>& directions,
                 const ReadOptions& options,
                 const SignOfOthers& others,
-                const SourcePosition& position) {
+                const SourcePosition& position,
+                bool format_defines) {
   Record& record = log.record;
   LogReport& report = log.report;
   const SignFinding states = FindSignFromStates(record, directions);
@@ -360,6 +366,9 @@ void SettleSign(Log& log,
     found = {options.current_sign == "discharge-positive" ? CurrentSign::kDischargePositive
                                                           : CurrentSign::kDischargeNegative,
              "given by the option current_sign"};
+  } else if (format_defines) {
+    found = {CurrentSign::kDischargePositive,
+             fmt::format("discharge is positive in {} logs", report.format)};
   } else {
     found = states;
     const bool has_states =
@@ -430,11 +439,10 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
       })];
   log.report.warnings.push_back(
       spikes.size() == 1
-          ? fmt::format(
-                "1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
-                "the range of all other rows",
-                largest_V,
-                record.time_s[spikes[0]])
+          ? fmt::format("1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
+                        "the range of all other rows",
+                        largest_V,
+                        record.time_s[spikes[0]])
           : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
                         "far outside the range of all other rows",
                         spikes.size(),
@@ -484,19 +492,8 @@ void AddNotes(const TextSource& source,
   note(collector.drops_temperature(), "temperature left out: some cells hold no number");
 }
 
-}  // namespace
-
-OpenSignError::OpenSignError(SourcePosition position,
-                             std::string message,
-                             std::string format,
-                             std::string current_column)
-    : LoadError(std::move(position), std::move(message)),
-      format_(std::move(format)),
-      current_column_(std::move(current_column)) {}
-
-Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
-  CheckOptions(options);
-  TextSource source(file);
+Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {
+  const std::string& file = source.file();
   const LogPlan plan = PlanReading(source, options);
   TableReader reader(source, plan.table);
   Collector collector(source, plan, options, reader);
@@ -520,7 +517,45 @@ Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOth
       {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
   // Where only the current is wanted, a wrong voltage is no reason to lose its row.
   if (!options.voltage_optional) DropSpikes(log, collector.directions());
-  SettleSign(log, collector.directions(), options, others, position(Quantity::kCurrent));
+  SettleSign(log,
+             collector.directions(),
+             options,
+             others,
+             position(Quantity::kCurrent),
+             plan.layout->discharge_is_positive);
+  return log;
+}
+
+// The whole of an autopilot's log: what it says of one battery is a small part of it.
+Log ReadFlight(TextSource& source, const AutopilotFormat& format, const ReadOptions& options) {
+  return FlightLog(source.file(), format, format.read(source.Rest(kMostFlightBytes)), options);
+}
+
+Log ReadRows(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {
+  if (const AutopilotFormat* format = FindAutopilotFormat(source.head()))
+    return ReadFlight(source, *format, options);
+  if (options.battery > 0) {
+    throw LoadError({source.file()},
+                    "expected a flight log because of the option battery, found a table; leave it "
+                    "out");
+  }
+  return ReadTable(source, options, others);
+}
+
+}  // namespace
+
+OpenSignError::OpenSignError(SourcePosition position,
+                             std::string message,
+                             std::string format,
+                             std::string current_column)
+    : LoadError(std::move(position), std::move(message)),
+      format_(std::move(format)),
+      current_column_(std::move(current_column)) {}
+
+Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
+  CheckOptions(options);
+  TextSource source(file);
+  Log log = ReadRows(source, options, others);
   if (options.lead_resistance_Ohm != 0.0) {
     for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
@@ -529,9 +564,8 @@ Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOth
   log.report.gaps = FindGaps(log.record);
   if (!log.report.gaps.empty())
     log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
-  if (auto doubt = DoubtAboutTime(log.record); !doubt.empty()) {
+  if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())
     log.report.warnings.push_back(std::move(doubt));
-  }
   return log;
 }
 

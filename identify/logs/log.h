@@ -21,6 +21,9 @@
 
 namespace lipoid {
 
+/// The largest number that a battery of a flight log may have.
+inline constexpr int kMostBatteries = 256;
+
 /// What the user says about a file instead of leaving it to be found.
 struct ReadOptions {
   /// Keys time_s, current_A, voltage_V, temperature_degC: the header's name for that column.
@@ -43,6 +46,8 @@ struct ReadOptions {
   bool voltage_optional = false;
   /// Report which step and cycle of the cycler's program each row belongs to (LogReport::labels).
   bool labels = false;
+  /// Which battery of a flight log, from 1 as the autopilot names it; 0: there is one.
+  int battery = 0;
   /// Added drop of the leads: v_true = v + R i.
   double lead_resistance_Ohm = 0.0;
 };
@@ -63,6 +68,21 @@ struct RowLabel {
   double cycle = 0.0;
 };
 
+/// What an autopilot's log says beside its rows.
+struct FlightFacts {
+  std::string vehicle;            ///< firmware and hardware; "" where the log does not say
+  int battery = 1;                ///< which one was read
+  std::vector<int> batteries;     ///< all that the log has
+  int cells = 0;                  ///< in series as the autopilot was told; 0: it was not
+  double capacity_Ah = 0.0;       ///< as it was told; NaN: it was not
+  double voltage_update_s = 0.0;  ///< how often the voltage really changes
+  double current_update_s = 0.0;
+  std::size_t messages = 0;       ///< of the whole log
+  std::size_t skipped_bytes = 0;  ///< of damaged messages
+  std::size_t damaged_places = 0;
+  bool cut_last_message = false;
+};
+
 /// What reading found and did; shown by `lipoid inspect`.
 struct LogReport {
   std::string format;                      ///< name in the format table
@@ -72,18 +92,21 @@ struct LogReport {
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
   std::size_t dropped_spikes = 0;          ///< rows whose voltage cannot be (spikes.h)
+  std::size_t dropped_unknown = 0;         ///< rows of which an autopilot did not know a value
   std::string current_sign;         ///< "discharge-positive", "discharge-negative", "unsigned"
   std::string current_sign_reason;  ///< one sentence
   bool current_sign_is_of_others = false;  ///< see SignOfOthers
   std::vector<Gap> gaps;
-  std::vector<RowLabel> labels;  ///< where asked for; empty where the file has neither
-  std::vector<std::string> notes;  ///< byte order mark, trailing comma, decimal comma, ...
+  std::vector<RowLabel> labels;       ///< where asked for; empty where the file has neither
+  std::optional<FlightFacts> flight;  ///< of an autopilot's log
+  std::vector<std::string> notes;     ///< byte order mark, trailing comma, decimal comma, ...
   /// What a person should look at before believing the log, one sentence each: spikes that were
   /// dropped, times that look like minutes. Every command that reads the log shows them.
   std::vector<std::string> warnings;
 
   [[nodiscard]] std::size_t dropped_rows() const {
-    return dropped_repeated_times + dropped_unselected + dropped_cut_last_line + dropped_spikes;
+    return dropped_repeated_times + dropped_unselected + dropped_cut_last_line + dropped_spikes +
+           dropped_unknown;
   }
 };
 

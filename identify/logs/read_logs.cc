@@ -59,10 +59,10 @@ SignOfOthers AskOthers(const std::vector<LogToRead>& logs,
   std::size_t more = 0;
   const auto name = [&](std::size_t k) { return fs::path(logs[k].file).filename().string(); };
   const auto says = [&](std::size_t k) {
-    return fmt::format("{} says that discharge is {}",
-                       name(k),
-                       voices[k]->sign == CurrentSign::kDischargePositive ? "positive"
-                                                                          : "negative");
+    return fmt::format(
+        "{} says that discharge is {}",
+        name(k),
+        voices[k]->sign == CurrentSign::kDischargePositive ? "positive" : "negative");
   };
   for (std::size_t k = 0; k < logs.size(); ++k) {
     if (!voices[k] || voices[k]->sign == CurrentSign::kUnclear) continue;
@@ -85,8 +85,8 @@ SignOfOthers AskOthers(const std::vector<LogToRead>& logs,
 
 }  // namespace
 
-std::vector<std::vector<Diagnostic>> ReadLogs(
-    const std::vector<LogToRead>& logs, const std::function<void(std::size_t, Log)>& take) {
+std::vector<std::vector<Diagnostic>> ReadLogs(const std::vector<LogToRead>& logs,
+                                              const std::function<void(std::size_t, Log)>& take) {
   std::vector<std::vector<Diagnostic>> problems(logs.size());
   std::vector<std::optional<Voice>> voices(logs.size());
   const std::vector<std::size_t> order = OrderBySize(logs);

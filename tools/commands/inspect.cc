@@ -70,7 +70,33 @@ std::string Dropped(const LogReport& report) {
   add(report.dropped_unselected, "outside the chosen part");
   add(report.dropped_cut_last_line, "cut short at the end");
   add(report.dropped_spikes, "with a voltage that cannot be");
+  add(report.dropped_unknown, "whose voltage or current the autopilot did not know");
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// "1 of 2, 6 cells in series and 30 Ah as the autopilot was told".
+std::string BatteryText(const FlightFacts& flight) {
+  std::string text = fmt::format("{} of {}", flight.battery, flight.batteries.size());
+  std::vector<std::string> told;
+  if (flight.cells > 0) told.push_back(fmt::format("{} in series", Count(flight.cells, "cell")));
+  if (std::isfinite(flight.capacity_Ah))
+    told.push_back(fmt::format("{:.4g} Ah", flight.capacity_Ah));
+  if (!told.empty()) text += fmt::format("; {} as the autopilot was told", fmt::join(told, ", "));
+  return text;
+}
+
+Json ToJson(const FlightFacts& flight) {
+  return {{"vehicle", flight.vehicle},
+          {"battery", flight.battery},
+          {"batteries", flight.batteries},
+          {"cells", flight.cells > 0 ? Json(flight.cells) : Json(nullptr)},
+          {"capacity_Ah", NumberOrNull(flight.capacity_Ah)},
+          {"voltage_update_s", flight.voltage_update_s},
+          {"current_update_s", flight.current_update_s},
+          {"messages", flight.messages},
+          {"skipped_bytes", flight.skipped_bytes},
+          {"damaged_places", flight.damaged_places},
+          {"cut_last_message", flight.cut_last_message}};
 }
 
 std::string CountsByKind(const std::vector<Segment>& segments) {
@@ -186,11 +212,21 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
                      Count(log.parts.size(), "test")));
   }
   item("format", fmt::format("{}, {}", log.report.format, Count(log.report.rows, "row")));
+  if (log.report.flight) {
+    const FlightFacts& flight = *log.report.flight;
+    item("vehicle", flight.vehicle);
+    item("battery", BatteryText(flight));
+    item("updates",
+         fmt::format("voltage each {:.3g} s, current each {:.3g} s",
+                     flight.voltage_update_s,
+                     flight.current_update_s));
+  }
   item("time", Duration(log.duration_s) + Sampling(log.sampling_s));
   item("current", FromTo(log.current_A, "A"));
   item("sign", Sign(log.report));
   item("voltage", FromTo(log.voltage_V, "V"));
-  if (const int series = CellsInSeries(log.voltage_V.largest); series > 1)
+  if (const int series = CellsInSeries(log.voltage_V.largest);
+      series > 1 && (!log.report.flight || log.report.flight->cells == 0))
     item("pack", fmt::format("{} cells in series, by the voltage", series));
   if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));
   item("charge",
@@ -259,6 +295,7 @@ Json ToJson(const Inspection& log) {
                {"suggested_kind", nullptr},
                {"suggested_kind_reason", log.suggestion.reason}};
   json.update(ReadingToJson(log.report));
+  if (log.report.flight) json["flight"] = ToJson(*log.report.flight);
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
   if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
   json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);

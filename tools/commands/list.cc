@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "identify/export/targets.h"
+#include "identify/logs/flight/autopilot_log.h"
 #include "identify/logs/formats/formats.h"
 #include "identify/optimizers/optimizers.h"
 #include "identify/synthesis/protocols.h"
@@ -55,10 +56,12 @@ Json ListCells(cli::CommandLine& line) {
 Json ListFormats(cli::CommandLine& line) {
   cli::TextTable table({{"format", Align::kLeft}, {"what it is", Align::kLeft}});
   Json rows = Json::array();
-  for (const Layout* format : LogFormats()) {
-    table.Row({std::string(format->name), std::string(format->summary)});
-    rows.push_back({{"name", format->name}, {"summary", format->summary}});
-  }
+  const auto add = [&](const auto& format) {
+    table.Row({std::string(format.name), std::string(format.summary)});
+    rows.push_back({{"name", format.name}, {"summary", format.summary}});
+  };
+  for (const Layout* format : LogFormats()) add(*format);
+  for (const AutopilotFormat& format : AutopilotFormats()) add(format);
   line.Print("{}", table.Text());
   return rows;
 }

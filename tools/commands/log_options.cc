@@ -15,7 +15,7 @@ void LogOptions::AddTo(cli::CommandLine& line) {
              columns,
              "KEY=NAME",
              "the header's names of time_s, current_A, voltage_V, temperature_degC, where they are "
-             "not found");
+             "not found; numbers from 1 for a table without a header");
   line.Text(
       "units", units, "s,A,V", "units of time, current and voltage where the header states none");
   line.Text("current-sign",
@@ -26,6 +26,11 @@ void LogOptions::AddTo(cli::CommandLine& line) {
               hold,
               Names(),
               "whether a row's current holds since the row before or until the next");
+  line.Option(
+      "battery",
+      battery,
+      Range{1, kMostBatteries},
+      "which battery of a flight log, as the autopilot numbers it, where there are several");
 }
 
 ReadOptions LogOptions::ToReadOptions() const {
@@ -55,6 +60,7 @@ ReadOptions LogOptions::ToReadOptions() const {
                     current_sign));
   }
   read.current_sign = current_sign;
+  read.battery = battery.value_or(0);
   return read;
 }
 
@@ -89,6 +95,7 @@ Json ReadingToJson(const LogReport& report) {
           {"dropped_unselected", report.dropped_unselected},
           {"dropped_cut_last_line", report.dropped_cut_last_line},
           {"dropped_spikes", report.dropped_spikes},
+          {"dropped_unknown", report.dropped_unknown},
           {"gaps", std::move(gaps)},
           {"warnings", report.warnings},
           {"notes", report.notes}};

@@ -16,10 +16,11 @@ namespace lipoid {
 struct LogOptions {
   std::vector<std::string> columns;  ///< "time_s=Zeit"
   std::string units;                 ///< "s,A,V"
-  std::string current_sign;  ///< as typed
+  std::string current_sign;          ///< as typed
   Hold hold = Hold::kBackward;
+  std::optional<int> battery;
 
-  /// Adds --columns, --units, --current-sign and --hold.
+  /// Adds --columns, --units, --current-sign, --hold and --battery.
   void AddTo(cli::CommandLine& line);
   /// OptionError where they are not right.
   [[nodiscard]] ReadOptions ToReadOptions() const;

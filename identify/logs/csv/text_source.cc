@@ -29,7 +29,8 @@ TextSource::TextSource(std::string file)
       head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
       current_(head_buffer_.get()) {
   struct stat status {};
-  if (::stat(file_.c_str(), &status) != 0) throw LoadError(NoFile(file_), WhyNotOpened(file_, errno));
+  if (::stat(file_.c_str(), &status) != 0)
+    throw LoadError(NoFile(file_), WhyNotOpened(file_, errno));
   if (S_ISDIR(status.st_mode)) {
     throw LoadError({file_}, "expected a log file, found a folder; name the files in it");
   }
@@ -72,6 +73,20 @@ void TextSource::Fill(std::size_t limit) {
     if (count == 0) at_end_ = true;
     end_ += static_cast<std::size_t>(count);
   }
+}
+
+std::string_view TextSource::Rest(std::size_t most) {
+  rest_ = head();
+  begin_ = end_;
+  while (!at_end_) {
+    begin_ = end_ = 0;
+    Fill(kPieceBytes);
+    if (rest_.size() + end_ > most) {
+      throw LoadError({file_}, fmt::format("expected a log of at most {} bytes, found more", most));
+    }
+    rest_.append(current_, end_);
+  }
+  return rest_;
 }
 
 std::string_view TextSource::NextPiece(std::size_t line) {

@@ -52,6 +52,10 @@ class TextSource {
   /// were asked for.
   [[nodiscard]] std::string_view NextPiece(std::size_t line);
 
+  /// All that was not yet handed out, as it stands in the file: of one that is no text. LoadError
+  /// where it has more bytes than `most`.
+  [[nodiscard]] std::string_view Rest(std::size_t most);
+
  private:
   void Fill(std::size_t limit);
 
@@ -59,6 +63,7 @@ class TextSource {
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   std::unique_ptr<char[]> head_buffer_;
+  std::string rest_;
   std::array<std::unique_ptr<char[]>, kPiecesAlive> buffers_;  // taken in turn after the head
   std::size_t turn_ = 0;
   char* current_ = nullptr;

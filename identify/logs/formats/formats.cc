@@ -10,6 +10,7 @@
 #include "identify/logs/formats/arbin.h"
 #include "identify/logs/formats/basytec.h"
 #include "identify/logs/formats/bdf.h"
+#include "identify/logs/formats/betaflight.h"
 #include "identify/logs/formats/biologic.h"
 #include "identify/logs/formats/bitrode.h"
 #include "identify/logs/formats/digatron.h"
@@ -27,6 +28,7 @@ namespace {
 constexpr const Layout* kFormats[] = {&kArbin,
                                       &kBasytec,
                                       &kBdf,
+                                      &kBetaflight,
                                       &kBiologic,
                                       &kBitrode,
                                       &kDigatron,
@@ -147,9 +149,44 @@ bool FindLevels(const std::vector<Line>& lines, std::size_t index, Header& heade
   return true;
 }
 
+bool IsColumnNumber(std::string_view name) {
+  name = Trimmed(name);
+  return !name.empty() && name.size() <= 6 && name.front() != '0' &&
+         name.find_first_not_of("0123456789") == name.npos;
+}
+
+// A table without a header, whose columns the user names by their numbers: "time_s=1 voltage_V=2".
+std::optional<Header> FindNumbered(const std::vector<Line>& lines, const ReadOptions& options) {
+  if (options.columns.empty()) return std::nullopt;
+  for (const auto& [key, name] : options.columns) {
+    if (!IsColumnNumber(name)) return std::nullopt;
+  }
+  for (std::size_t index = 0; index < lines.size(); ++index) {
+    const std::string_view text = Trimmed(lines[index].text);
+    if (text.empty() || text.front() == '#') continue;
+    for (const char delimiter : kDelimiters) {
+      const auto cells = CellsOf(lines[index].text, delimiter);
+      if (!LooksLikeData(cells)) continue;
+      std::string numbers;
+      for (std::size_t k = 1; k <= cells.size(); ++k) {
+        if (cells.back().text.empty() && k == cells.size()) break;  // a delimiter at the end
+        numbers += fmt::format("{}{}", k > 1 ? "," : "", k);
+      }
+      return Header{.layout = &kPlainCsv,
+                    .delimiter = delimiter,
+                    .line = index + 1,
+                    .implied = true,
+                    .names = NamesOf(numbers, ',')};
+    }
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 std::optional<Header> FindHeader(const std::vector<Line>& lines,
                                  const ReadOptions& options,
                                  Header& nearest) {
+  if (auto numbered = FindNumbered(lines, options)) return numbered;
   std::size_t nearest_count = 0;
   bool first_with_text = true;
   for (std::size_t index = 0; index < lines.size(); ++index) {
@@ -223,7 +260,8 @@ std::string Listed(const std::vector<HeaderName>& names) {
     throw LoadError(
         {source.file(), line, 1},
         "expected a header that names the columns, found numbers; add one line on top, such as "
-        "time_s,current_A,voltage_V");
+        "time_s,current_A,voltage_V, or number the columns from 1 (--columns time_s=1 current_A=2 "
+        "voltage_V=3 --units s,A,V)");
   }
   if (nearest.layout) {
     std::vector<std::string> missing;

@@ -53,6 +53,8 @@ struct Layout {
   std::string_view millivolts_beside = {};
   /// Lines that start with # are comments.
   bool comments = false;
+  /// The format defines the sign of its current, and it is not searched for.
+  bool discharge_is_positive = false;
 
   [[nodiscard]] const ColumnNames& Of(Quantity quantity) const {
     return columns[static_cast<std::size_t>(quantity)];

@@ -162,7 +162,7 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
       "'cutof_V'\n"
       "lab/c.toml:6:3: error: expected one of the keys kind, file, hold, columns, units, "
       "current_sign, steps, "
-      "cycles, start_s, end_s, initial_soc, lead_resistance_Ohm, weight, ambient_degC, "
+      "cycles, start_s, end_s, battery, initial_soc, lead_resistance_Ohm, weight, ambient_degC, "
       "initial_degC, found 'fiel'\n"
       "lab/c.toml:7:2: error: expected one of the keys cell, log, found 'lab'");
 }

@@ -212,13 +212,15 @@ const Wrong kWrong[] = {
      kRows,
      "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
      "such as "
-     "time_s,current_A,voltage_V"},
+     "time_s,current_A,voltage_V, or number the columns from 1 (--columns time_s=1 current_A=2 "
+     "voltage_V=3 --units s,A,V)"},
     {"no header, overflow",
      "\xEF\xBB\xBF"
      "0,3.40E+38,4.1506,0.25433\n1.001332,-2.9975,4.043,-12.118\n",
      "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
      "such as "
-     "time_s,current_A,voltage_V"},
+     "time_s,current_A,voltage_V, or number the columns from 1 (--columns time_s=1 current_A=2 "
+     "voltage_V=3 --units s,A,V)"},
     {"no units",
      "Time,Current,Voltage\n1,2,3\n",
      "F:1:1: error: expected a header that states the unit of the time (s, ms, min, h), found "

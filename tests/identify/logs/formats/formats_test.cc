@@ -52,6 +52,7 @@ const Fixture kFixtures[] = {
     {"bdf/labels.bdf.csv", "bdf", "discharge-negative"},
     {"bdf/machine.bdf.csv", "bdf", "discharge-negative"},
     {"bdf/old_names.bdf.csv", "bdf", "discharge-negative"},
+    {"betaflight/decoded.csv", "betaflight", "discharge-positive"},
     {"biologic/dates.txt", "biologic", "discharge-negative", '\t'},
     {"biologic/derived.csv", "biologic", "discharge-negative", ';'},
     {"biologic/header.mpt", "biologic", "discharge-negative", '\t'},

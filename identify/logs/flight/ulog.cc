@@ -1,0 +1,346 @@
+#include "identify/logs/flight/ulog.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "identify/logs/flight/bytes.h"
+#include "identify/logs/flight/message_walk.h"
+
+namespace lipoid {
+namespace {
+
+constexpr std::string_view kMagic("ULog\x01\x12\x35", 7);
+constexpr std::size_t kHeaderBytes = 16;
+constexpr std::size_t kMessageHeaderBytes = 3;
+constexpr std::string_view kTypes = "BFIMPQARDLCSO";
+constexpr std::string_view kSync("\x2F\x73\x13\x20\x25\x0C\xBB\x12", 8);
+constexpr std::string_view kTopic = "battery_status";
+
+// No message nests formats deeper, and none is longer than its size can say.
+constexpr int kMostNesting = 8;
+constexpr std::size_t kMostBytes = 1 << 16;
+
+enum class Type {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat,
+  kDouble
+};
+
+struct NamedType {
+  std::string_view name;
+  Type type;
+  std::size_t bytes;
+};
+
+constexpr NamedType kBasicTypes[] = {{"int8_t", Type::kInt8, 1},
+                                     {"uint8_t", Type::kUint8, 1},
+                                     {"int16_t", Type::kInt16, 2},
+                                     {"uint16_t", Type::kUint16, 2},
+                                     {"int32_t", Type::kInt32, 4},
+                                     {"uint32_t", Type::kUint32, 4},
+                                     {"int64_t", Type::kInt64, 8},
+                                     {"uint64_t", Type::kUint64, 8},
+                                     {"float", Type::kFloat, 4},
+                                     {"double", Type::kDouble, 8},
+                                     {"bool", Type::kUint8, 1},
+                                     {"char", Type::kUint8, 1}};
+
+const NamedType* FindBasicType(std::string_view name) {
+  for (const NamedType& type : kBasicTypes) {
+    if (type.name == name) return &type;
+  }
+  return nullptr;
+}
+
+double Number(std::string_view bytes, std::size_t offset, Type type) {
+  switch (type) {
+    case Type::kInt8:
+      return NumberAt<std::int8_t>(bytes, offset);
+    case Type::kUint8:
+      return NumberAt<std::uint8_t>(bytes, offset);
+    case Type::kInt16:
+      return NumberAt<std::int16_t>(bytes, offset);
+    case Type::kUint16:
+      return NumberAt<std::uint16_t>(bytes, offset);
+    case Type::kInt32:
+      return NumberAt<std::int32_t>(bytes, offset);
+    case Type::kUint32:
+      return NumberAt<std::uint32_t>(bytes, offset);
+    case Type::kInt64:
+      return static_cast<double>(NumberAt<std::int64_t>(bytes, offset));
+    case Type::kUint64:
+      return static_cast<double>(NumberAt<std::uint64_t>(bytes, offset));
+    case Type::kFloat:
+      return NumberAt<float>(bytes, offset);
+    case Type::kDouble:
+      return NumberAt<double>(bytes, offset);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// "float[14] voltage_cell_v" in pieces.
+struct Declaration {
+  std::string_view type;
+  std::string_view name;
+  std::size_t count = 1;
+};
+
+std::optional<Declaration> ParseDeclaration(std::string_view text) {
+  const auto blank = text.find(' ');
+  if (blank == text.npos) return std::nullopt;
+  Declaration field{text.substr(0, blank), text.substr(blank + 1)};
+  if (const auto bracket = field.type.find('['); bracket != field.type.npos) {
+    std::size_t count = 0;
+    for (const char c : field.type.substr(bracket + 1)) {
+      if (c < '0' || c > '9' || count > kMostBytes) break;
+      count = 10 * count + static_cast<std::size_t>(c - '0');
+    }
+    field.count = count;
+    field.type = field.type.substr(0, bracket);
+  }
+  return field;
+}
+
+// Where a number stands in the data of a message.
+struct Place {
+  std::size_t offset = 0;
+  Type type = Type::kFloat;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+
+  AutopilotLog Read() {
+    MessageWalk(*this, bytes_, log_).From(kHeaderBytes);
+    Finish();
+    return std::move(log_);
+  }
+
+  // The bytes of the message that begins here with its header; 0 where none can.
+  [[nodiscard]] std::size_t MessageAt(std::size_t at) const {
+    if (at + kMessageHeaderBytes > bytes_.size()) return 0;
+    const std::size_t size = NumberAt<std::uint16_t>(bytes_, at);
+    const char type = bytes_[at + 2];
+    if (size == 0 || kTypes.find(type) == kTypes.npos) return 0;
+    if (size > bytes_.size() - at - kMessageHeaderBytes) return 0;
+    const std::string_view payload = bytes_.substr(at + kMessageHeaderBytes, size);
+    const bool holds = type == 'D'
+                           ? size >= 2 && (names_.empty() ||  // ahead of the first subscription
+                                           names_.contains(NumberAt<std::uint16_t>(payload, 0)))
+                       : type == 'A' ? size > 3
+                       : type == 'S' ? payload == kSync
+                       : type == 'O' ? size == 2
+                       : type == 'L' ? size >= 9
+                                     : true;
+    return holds ? kMessageHeaderBytes + size : 0;
+  }
+
+  // Whether a message may begin here whose end the file no longer holds.
+  [[nodiscard]] bool EndsInside(std::size_t at) const {
+    if (at + kMessageHeaderBytes > bytes_.size()) return true;
+    return kTypes.find(bytes_[at + 2]) != kTypes.npos &&
+           NumberAt<std::uint16_t>(bytes_, at) > bytes_.size() - at - kMessageHeaderBytes;
+  }
+
+  void Take(std::size_t at, std::size_t size) {
+    TakeMessage(bytes_[at + 2],
+                bytes_.substr(at + kMessageHeaderBytes, size - kMessageHeaderBytes));
+  }
+
+ private:
+  void TakeMessage(char type, std::string_view payload) {
+    if (type == 'F') {
+      const auto colon = payload.find(':');
+      if (colon != payload.npos)
+        formats_.emplace(payload.substr(0, colon), payload.substr(colon + 1));
+    } else if (type == 'I' || type == 'P') {
+      TakeValue(type, payload);
+    } else if (type == 'A') {
+      const auto id = NumberAt<std::uint16_t>(payload, 1);
+      const std::string_view name = payload.substr(3);
+      names_[id] = name;
+      if (name == kTopic) Subscribe(id, static_cast<std::uint8_t>(payload[0]));
+    } else if (type == 'D') {
+      TakeData(NumberAt<std::uint16_t>(payload, 0), payload.substr(2));
+    } else if (type == 'O') {
+      ++log_.dropouts;
+      log_.dropped_out_s += 1e-3 * NumberAt<std::uint16_t>(payload, 0);
+    }
+  }
+
+  void TakeValue(char message, std::string_view payload) {
+    const std::size_t length = static_cast<std::uint8_t>(payload[0]);
+    if (1 + length > payload.size()) return;
+    const auto key = ParseDeclaration(payload.substr(1, length));
+    const std::string_view value = payload.substr(1 + length);
+    if (!key) return;
+    if (key->type == "char") {
+      if (message == 'I') texts_.emplace(key->name, value);
+      return;
+    }
+    const NamedType* type = FindBasicType(key->type);
+    if (type == nullptr || value.size() < type->bytes) return;
+    // What was set first counts: later ones were changed in flight.
+    (message == 'I' ? information_ : parameters_).emplace(key->name, Number(value, 0, type->type));
+  }
+
+  // Bytes of a type with all that it nests; nullopt where it cannot be.
+  [[nodiscard]] std::optional<std::size_t> BytesOf(std::string_view type, int depth) const {
+    if (const NamedType* basic = FindBasicType(type)) return basic->bytes;
+    const auto format = formats_.find(type);
+    if (format == formats_.end() || depth == kMostNesting) return std::nullopt;
+    std::size_t total = 0;
+    for (std::string_view rest = format->second; !rest.empty();) {
+      const auto end = std::min(rest.find(';'), rest.size());
+      const auto field = ParseDeclaration(rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+      if (!field) continue;
+      const auto each = BytesOf(field->type, depth + 1);
+      if (!each || *each * field->count > kMostBytes) return std::nullopt;
+      total += *each * field->count;
+      if (total > kMostBytes) return std::nullopt;
+    }
+    return total;
+  }
+
+  // The places of the basic fields of a format.
+  [[nodiscard]] std::map<std::string_view, Place> PlacesOf(std::string_view name) const {
+    std::map<std::string_view, Place> places;
+    const auto format = formats_.find(name);
+    if (format == formats_.end()) return places;
+    std::size_t offset = 0;
+    for (std::string_view rest = format->second; !rest.empty();) {
+      const auto end = std::min(rest.find(';'), rest.size());
+      const auto field = ParseDeclaration(rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+      if (!field) continue;
+      const auto each = BytesOf(field->type, 0);
+      if (!each) break;  // what comes after it cannot be found
+      if (const NamedType* type = FindBasicType(field->type); type && field->count > 0)
+        places.emplace(field->name, Place{offset, type->type});
+      offset += *each * field->count;
+      if (offset > kMostBytes) break;
+    }
+    return places;
+  }
+
+  struct Battery {
+    BatteryTrack track;
+    std::optional<Place> time_us, voltage_V, current_A, temperature_degC, connected, cells;
+  };
+
+  void Subscribe(std::uint16_t id, int multi_id) {
+    const auto places = PlacesOf(kTopic);
+    const auto place = [&](std::string_view name) -> std::optional<Place> {
+      const auto found = places.find(name);
+      if (found == places.end()) return std::nullopt;
+      return found->second;
+    };
+    Battery battery;
+    battery.track.number = multi_id + 1;
+    battery.track.message = kTopic;
+    battery.time_us = place("timestamp");
+    battery.voltage_V = place("voltage_v");
+    battery.current_A = place("current_a");
+    battery.temperature_degC = place("temperature");
+    battery.connected = place("connected");
+    battery.cells = place("cell_count");
+    batteries_.insert_or_assign(id, std::move(battery));
+  }
+
+  void TakeData(std::uint16_t id, std::string_view data) {
+    const auto found = batteries_.find(id);
+    if (found == batteries_.end()) return;
+    Battery& battery = found->second;
+    const auto number = [&](const std::optional<Place>& place) {
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      if (!place) return kNone;
+      const std::size_t bytes = place->type == Type::kInt64 || place->type == Type::kUint64 ||
+                                        place->type == Type::kDouble
+                                    ? 8
+                                : place->type == Type::kInt32 || place->type == Type::kUint32 ||
+                                        place->type == Type::kFloat
+                                    ? 4
+                                : place->type == Type::kInt16 || place->type == Type::kUint16 ? 2
+                                                                                              : 1;
+      return place->offset + bytes > data.size() ? kNone : Number(data, place->offset, place->type);
+    };
+    const double time_us = number(battery.time_us);
+    if (std::isnan(time_us)) return;
+    BatteryTrack& track = battery.track;
+    const double current_A = number(battery.current_A);
+    track.time_s.push_back(1e-6 * time_us);
+    track.voltage_V.push_back(number(battery.voltage_V));
+    track.current_A.push_back(current_A == -1.0 ? std::numeric_limits<double>::quiet_NaN()
+                                                : current_A);
+    track.temperature_degC.push_back(number(battery.temperature_degC));
+    if (const double cells = number(battery.cells); cells > 0.0)
+      track.cells = static_cast<int>(cells);
+  }
+
+  void Finish() {
+    for (auto& [id, battery] : batteries_) {
+      BatteryTrack& track = battery.track;
+      const auto parameter = [&](std::string_view name) {
+        for (const std::string& key :
+             {fmt::format("BAT{}_{}", track.number, name), fmt::format("BAT_{}", name)}) {
+          const auto found = parameters_.find(key);
+          if (found != parameters_.end() && found->second > 0.0) return found->second;
+          if (track.number > 1) break;  // BAT_ without a number is the first
+        }
+        return std::numeric_limits<double>::quiet_NaN();
+      };
+      if (const double cells = parameter("N_CELLS"); track.cells == 0 && cells > 0.0)
+        track.cells = static_cast<int>(cells);
+      track.capacity_Ah = 1e-3 * parameter("CAPACITY");  // mAh
+      log_.batteries.push_back(std::move(track));
+    }
+    std::stable_sort(log_.batteries.begin(),
+                     log_.batteries.end(),
+                     [](const auto& a, const auto& b) { return a.number < b.number; });
+    NameVehicle();
+  }
+
+  void NameVehicle() {
+    const auto text = [&](std::string_view key) -> std::string {
+      const auto found = texts_.find(key);
+      return found == texts_.end() ? "" : std::string(found->second);
+    };
+    std::string name = text("sys_name");
+    if (const auto release = information_.find("ver_sw_release"); release != information_.end()) {
+      const auto number = static_cast<std::uint32_t>(release->second);
+      name += fmt::format(" {}.{}.{}", number >> 24, number >> 16 & 0xff, number >> 8 & 0xff);
+    }
+    if (const std::string hardware = text("ver_hw"); !hardware.empty())
+      name += (name.empty() ? "" : " on ") + hardware;
+    log_.vehicle = std::move(name);
+  }
+
+  std::string_view bytes_;
+  AutopilotLog log_;
+  std::map<std::string_view, std::string_view> formats_;
+  std::map<std::uint16_t, std::string_view> names_;
+  std::map<std::uint16_t, Battery> batteries_;
+  std::map<std::string_view, std::string_view> texts_;
+  std::map<std::string, double, std::less<>> information_;
+  std::map<std::string, double, std::less<>> parameters_;
+};
+
+}  // namespace
+
+bool IsULog(std::string_view bytes) { return bytes.starts_with(kMagic); }
+
+AutopilotLog ReadULog(std::string_view bytes) { return Reader(bytes).Read(); }
+
+}  // namespace lipoid
