@@ -222,17 +222,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     line.progress().Update(share(0.95), "writing");
     RunRecord run;
     run.command = line.CommandText();
-    run.options = {{"method", options_internal::ToText(options.method)}};
-    run.options.update(staged.ToJson());
-    run.options["solver"] = OptionsToJson<Json>(staged.options.solver);
-    if (joint) run.options["joint"] = OptionsToJson<Json>(options.joint);
-    if (!options.profiled.empty()) run.options["profile"] = options.profiled;
     run.seed = line.seed();
-    run.metrics = report;
     hashing.AddTo(run);
-    Json made = run.ToJson();
-    made["converged"] = result.converged;
-    result.cell.run = std::make_shared<const Json>(std::move(made));
+    AddRunRecord(result, options, report, std::move(run));
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;

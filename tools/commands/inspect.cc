@@ -8,6 +8,7 @@
 
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
+#include "identify/logs/inspection_report.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
@@ -228,54 +229,6 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
   line.Print("{}", table.Text());
 }
 
-Json ToJson(const Spread& spread) {
-  return {{"least", spread.least}, {"median", spread.median}, {"largest", spread.largest}};
-}
-
-Json ToJson(const Inspection& log) {
-  Json segments = Json::array();
-  for (const Segment& segment : log.segments) {
-    segments.push_back({{"kind", Name(segment.kind)},
-                        {"first_row", segment.first},
-                        {"last_row", segment.last},
-                        {"start_s", segment.start_s},
-                        {"end_s", segment.end_s},
-                        {"current_A", segment.current_A},
-                        {"charge_C", segment.charge_C}});
-  }
-  Json json = {{"file", log.file},
-               {"format", log.report.format},
-               {"rows", log.report.rows},
-               {"duration_s", log.duration_s},
-               {"sampling_s", ToJson(log.sampling_s)},
-               {"current_sign", log.report.current_sign},
-               {"current_sign_reason", log.report.current_sign_reason},
-               {"current_sign_is_of_others", log.report.current_sign_is_of_others},
-               {"current_A", ToJson(log.current_A)},
-               {"voltage_V", ToJson(log.voltage_V)},
-               {"charge_out_C", log.charge_out_C},
-               {"charge_in_C", log.charge_in_C},
-               {"segments", std::move(segments)},
-               {"suggested_kind", nullptr},
-               {"suggested_kind_reason", log.suggestion.reason}};
-  json.update(ReadingToJson(log.report));
-  if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
-  if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
-  json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);
-  json["series"] = CellsInSeries(log.voltage_V.largest);
-  json["parts"] = Json::array();
-  for (const Inspection& part : log.parts) {
-    json["parts"].push_back(
-        {{"start_s", part.part_start_s},
-         {"end_s", part.part_end_s},
-         {"charge_out_C", part.charge_out_C},
-         {"start_voltage_V", NumberOrNull(part.start_voltage_V)},
-         {"suggested_kind",
-          part.suggestion.kind ? Json(Name(*part.suggestion.kind)) : Json(nullptr)}});
-  }
-  return json;
-}
-
 // Folders become the files in them.
 std::vector<std::string> Expand(const std::vector<std::string>& words) {
   std::vector<std::string> files;
@@ -378,7 +331,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   for (const auto& file : files) {
     if (file.inspection) {
       PrintInspection(line, *file.inspection, all_segments);
-      rows.push_back(ToJson(*file.inspection));
+      rows.push_back(InspectionToJson(*file.inspection));
     } else {
       problems.push_back(file.problems.front());
       rows.push_back({{"file", file.file}, {"error", LoadError(file.problems).what()}});
