@@ -40,15 +40,15 @@ ComparisonRunResult RunComparison(const Campaign& campaign,
                                   const ComparisonRequest& request,
                                   const ComparisonProgress& progress) {
   PulseTask task = PreparePulses(campaign, logs, request.staged, request.given);
-  const PulseUnknowns unknowns = FindPulseUnknowns(
-      task.sweep.setup(),
-      task.data,
-      {.branches = request.staged.pulses.branches,
-       .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
-       .unknown =
-           request.time_constants ? BranchUnknown::kTimeConstant : BranchUnknown::kCapacitance,
-       .scale = request.options.scaling},
-      request.given.parameters);
+  const PulseUnknowns unknowns =
+      FindPulseUnknowns(task.sweep.setup(),
+                        task.data,
+                        {.branches = request.staged.pulses.branches,
+                         .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
+                         .unknown = request.time_constants ? BranchUnknown::kTimeConstant
+                                                           : BranchUnknown::kCapacitance,
+                         .scale = request.options.scaling},
+                        request.given.parameters);
   if (unknowns.variables.empty()) {
     throw OptionError("every parameter is held by --fix: there is nothing to compare");
   }

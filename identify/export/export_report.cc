@@ -33,10 +33,9 @@ Json ExportToJson(const ExportTarget& target,
   summary["target"] = target.name;
   summary["kind"] = KindName(target.kind);
   const auto versions = target.Versions();
-  summary["target_version"] = !request.target_version.empty()
-                                  ? Json(request.target_version)
-                              : versions.empty() ? Json(nullptr)
-                                                 : Json(versions.front());
+  summary["target_version"] = !request.target_version.empty() ? Json(request.target_version)
+                              : versions.empty()              ? Json(nullptr)
+                                                              : Json(versions.front());
   summary["series"] = request.cell.series;
   summary["parallel"] = request.cell.parallel;
   summary["parameters"] = Json::object();

@@ -30,8 +30,7 @@ void WalkLog(const JointLogs& logs,
              Sink&& sink) {
   const JointLog& log = logs.logs[l];
   const LogTrace& trace = soc.logs[l];
-  CellRows rows(
-      setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
+  CellRows rows(setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
   ModeSteps steps;
   rows.SetSteps(log.interval_s, steps);
   const bool slopes = !trace.at_slope.empty();
@@ -149,11 +148,12 @@ std::vector<NormalEquations> SumGroups(const JointLogs& logs,
                                        const JointRates& rates) {
   const int n = JointLayout(structure).size();
   std::vector<NormalEquations> sums(static_cast<std::size_t>(logs.groups) + 1, NormalEquations(n));
-  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
-    const JointLog& log = logs.logs[l];
-    const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
-    sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
-  });
+  VisitRows(
+      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
+        const JointLog& log = logs.logs[l];
+        const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
+        sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
+      });
   return sums;
 }
 
@@ -167,21 +167,20 @@ std::vector<std::vector<double>> SumErrors(
     ErrorSize size) {
   std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
-  VisitRows(logs, setup, structure, soc, rates, [&](std::size_t l,
-                                                                    std::size_t k,
-                                                                    const CellRow& row) {
-    const JointLog& log = logs.logs[l];
-    if (log.group[k] == JointLog::kAlways) return;
-    const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
-    const double factor = size == ErrorSize::kWeighted_V
-                              ? log.weight[k]
-                              : 100.0 * log.count[k] / log.voltage_V[k];
-    for (std::size_t s = 0; s < sums.size(); ++s) {
-      const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
-                                                     : row.Residual(candidates[s].data());
-      sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
-    }
-  });
+  VisitRows(
+      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
+        const JointLog& log = logs.logs[l];
+        if (log.group[k] == JointLog::kAlways) return;
+        const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
+        const double factor = size == ErrorSize::kWeighted_V
+                                  ? log.weight[k]
+                                  : 100.0 * log.count[k] / log.voltage_V[k];
+        for (std::size_t s = 0; s < sums.size(); ++s) {
+          const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
+                                                         : row.Residual(candidates[s].data());
+          sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
+        }
+      });
   return sums;
 }
 

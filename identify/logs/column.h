@@ -46,8 +46,7 @@ class Column {
   }
 
   Column(const Column& other) : own_(other.own_), keeper_(other.keeper_) { See(other); }
-  Column(Column&& other) noexcept
-      : own_(std::move(other.own_)), keeper_(std::move(other.keeper_)) {
+  Column(Column&& other) noexcept : own_(std::move(other.own_)), keeper_(std::move(other.keeper_)) {
     See(other);
     other.Forget();
   }
@@ -86,11 +85,19 @@ class Column {
   [[nodiscard]] double* begin() { return Own().data(); }
   [[nodiscard]] double* end() { return Own().data() + size_; }
   [[nodiscard]] std::size_t capacity() const { return own_.capacity(); }
-  void reserve(std::size_t count) { Change([&](auto& own) { own.reserve(count); }); }
-  void resize(std::size_t count) { Change([&](auto& own) { own.resize(count); }); }
+  void reserve(std::size_t count) {
+    Change([&](auto& own) { own.reserve(count); });
+  }
+  void resize(std::size_t count) {
+    Change([&](auto& own) { own.resize(count); });
+  }
   void clear() { *this = Column(); }
-  void push_back(double number) { Change([&](auto& own) { own.push_back(number); }); }
-  void pop_back() { Change([&](auto& own) { own.pop_back(); }); }
+  void push_back(double number) {
+    Change([&](auto& own) { own.push_back(number); });
+  }
+  void pop_back() {
+    Change([&](auto& own) { own.pop_back(); });
+  }
   template <class Iterator>
   void append(Iterator first, Iterator last) {
     Change([&](auto& own) { own.insert(own.end(), first, last); });

@@ -40,9 +40,8 @@ void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs)
         log.entry.kind == LogKind::kConstantCurrent || log.entry.kind == LogKind::kLowRate;
     if (discharge && log.entry.initial_soc >= 0.9) full_Ah = std::max(full_Ah, range_Ah);
   }
-  const bool too_little =
-      full_Ah > 0.0 ? full_Ah < kLeastOfFullDischarge * campaign.capacity_Ah
-                    : fits && any_Ah < kLeastOfAnyLog * campaign.capacity_Ah;
+  const bool too_little = full_Ah > 0.0 ? full_Ah < kLeastOfFullDischarge * campaign.capacity_Ah
+                                        : fits && any_Ah < kLeastOfAnyLog * campaign.capacity_Ah;
   if (!too_little) return;
   const std::string message = fmt::format(
       "expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at most; is the "
@@ -118,7 +117,8 @@ std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
     const auto [found, is_new] = first.insert({{report.format, report.current_column}, &loaded});
     const LogReport& other = found->second->log.report;
     if (is_new || other.current_sign == report.current_sign) continue;
-    add(fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
+    add(
+        fmt::format("{} is {} and {} is {}, although both have one format: look whether one is "
                     "turned, and say `current_sign` of that one",
                     found->second->entry.file,
                     other.current_sign,

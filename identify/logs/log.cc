@@ -430,11 +430,10 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
       })];
   log.report.warnings.push_back(
       spikes.size() == 1
-          ? fmt::format(
-                "1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
-                "the range of all other rows",
-                largest_V,
-                record.time_s[spikes[0]])
+          ? fmt::format("1 row dropped: a voltage of {:.4g} V at {:.10g} s, far outside "
+                        "the range of all other rows",
+                        largest_V,
+                        record.time_s[spikes[0]])
           : fmt::format("{} rows dropped: voltages up to {:.4g} V, the first at {:.10g} s, each "
                         "far outside the range of all other rows",
                         spikes.size(),
@@ -553,12 +552,13 @@ void CheckColumns(const Record& record, bool voltage_optional) {
   const auto check = [&](const Column& column, const char* name, bool may_be_absent) {
     if (may_be_absent && column.empty()) return;
     if (column.size() != rows) {
-      throw LoadError({record.file},
-                      fmt::format("expected columns of equal lengths, found {} rows of time_s and {} "
-                                  "of {}",
-                                  rows,
-                                  column.size(),
-                                  name));
+      throw LoadError(
+          {record.file},
+          fmt::format("expected columns of equal lengths, found {} rows of time_s and {} "
+                      "of {}",
+                      rows,
+                      column.size(),
+                      name));
     }
     if (std::isfinite(Sum(column))) return;
     for (std::size_t k = 0; k < rows; ++k) {
@@ -605,7 +605,8 @@ void TakeRows(Log& log, const ReadOptions& options) {
     all = false;
   }
   if (!all) {
-    if (kept.empty()) throw LoadError({record.file}, "expected rows within start_s and end_s, found none");
+    if (kept.empty())
+      throw LoadError({record.file}, "expected rows within start_s and end_s, found none");
     const auto keep = [&](Column& column) {
       if (column.empty()) return;
       std::vector<double> some;

@@ -77,7 +77,7 @@ struct LogReport {
   std::string current_sign_reason;  ///< one sentence
   bool current_sign_is_of_others = false;  ///< see SignOfOthers
   std::vector<Gap> gaps;
-  std::vector<RowLabel> labels;  ///< where asked for; empty where the file has neither
+  std::vector<RowLabel> labels;    ///< where asked for; empty where the file has neither
   std::vector<std::string> notes;  ///< byte order mark, trailing comma, decimal comma, ...
   /// What a person should look at before believing the log, one sentence each: spikes that were
   /// dropped, times that look like minutes. Every command that reads the log shows them.

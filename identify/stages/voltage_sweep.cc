@@ -83,15 +83,13 @@ class LogSweep {
     if (k > 0) {
       const double dt_s = record.time_s[k] - record.time_s[k - 1];
       const double step_A = record.hold == Hold::kBackward ? current_A : record.current_A[k - 1];
-      const Steps& steps = cache_.Get(dt_s, record.time_s[k], [&](double dt, Steps& made) {
-        SetSteps(std::array{dt}, made);
-      });
+      const Steps& steps = cache_.Get(
+          dt_s, record.time_s[k], [&](double dt, Steps& made) { SetSteps(std::array{dt}, made); });
       rows_.Step(steps.rows, 0, step_A, 0.0, 0.0);  // constant resistances look at no A
       soc_.Step(steps.soc, 0, step_A, dt_s);
     }
     const double soc = soc_.Soc(current_A);
-    visitor.Row(
-        k, soc, rows_.MakeRow(current_A, record.voltage_V[k], soc, soc_.Slope(current_A)));
+    visitor.Row(k, soc, rows_.MakeRow(current_A, record.voltage_V[k], soc, soc_.Slope(current_A)));
   }
 
   // false: v_oc(A) has more than one formula where the block lies, and its rows are wanted.
@@ -158,11 +156,8 @@ class FactorVisitor {
   void Begin(const CondensedPiece& piece, const BlockShape&) {
     remainder_ += weight_ * piece.remainder;
   }
-  void Node(const CondensedPiece&,
-            const BlockShape& shape,
-            Eigen::Index j,
-            double,
-            const CellRow& row) {
+  void Node(
+      const CondensedPiece&, const BlockShape& shape, Eigen::Index j, double, const CellRow& row) {
     Add(row, weight_ * shape.weight[j]);
   }
   void End(const CondensedPiece&, const BlockShape&) {}
@@ -194,8 +189,7 @@ class FactorVisitor {
     double* out = factor_.NextRow();
     const auto stride = factor_.stride();
     for (int j = 0; j <= branches_; ++j) out[(1 + j) * stride] = 0.0;
-    for (int e = 0; e < row.entries; ++e)
-      out[(1 + row.index[e]) * stride] = -root * row.value[e];
+    for (int e = 0; e < row.entries; ++e) out[(1 + row.index[e]) * stride] = -root * row.value[e];
     out[0] = -root * row.slope[0];
     for (int j = 0; j < branches_; ++j)
       out[(2 + branches_ + j) * stride] = -root * row.slope[1 + j];
@@ -223,11 +217,8 @@ class SumVisitor {
   void Begin(const CondensedPiece& piece, const BlockShape&) {
     sum_.square += weight_ * piece.remainder;
   }
-  void Node(const CondensedPiece&,
-            const BlockShape& shape,
-            Eigen::Index j,
-            double,
-            const CellRow& row) {
+  void Node(
+      const CondensedPiece&, const BlockShape& shape, Eigen::Index j, double, const CellRow& row) {
     add_(sum_, weight_ * shape.weight[j], row);
   }
   void End(const CondensedPiece&, const BlockShape&) {}
@@ -307,11 +298,8 @@ class MeansVisitor {
     Begin(before_s_, before_s_ + piece.duration_s, piece.current_A);
   }
   // The quadrature of the block: sums over its rows are sums over its nodes.
-  void Node(const CondensedPiece&,
-            const BlockShape& shape,
-            Eigen::Index j,
-            double,
-            const CellRow& row) {
+  void Node(
+      const CondensedPiece&, const BlockShape& shape, Eigen::Index j, double, const CellRow& row) {
     Add(row, shape.weight[j]);
   }
   void End(const CondensedPiece& piece, const BlockShape& shape) {
@@ -488,13 +476,8 @@ void VoltageSweep::Sweep(std::size_t log,
                          const JointRates& rates,
                          const Eigen::VectorXd* x,
                          Visitor& visitor) const {
-  LogSweep sweep(setup_,
-                 (*condensed_)[log],
-                 logs_[log].initial_soc,
-                 structure,
-                 rates,
-                 x,
-                 !how_.coarse);
+  LogSweep sweep(
+      setup_, (*condensed_)[log], logs_[log].initial_soc, structure, rates, x, !how_.coarse);
   sweep.Run(visitor);
 }
 

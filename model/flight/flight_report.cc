@@ -55,7 +55,8 @@ Json FlownToJson(const FlightSetup& setup,
                  const ManeuverRequest& request) {
   Json json = {{"maneuver", maneuver.name}, {"maneuver_options", Json::object()}};
   if (maneuver.values != nullptr) {
-    for (const auto& [name, value] : maneuver.values(request)) json["maneuver_options"][name] = value;
+    for (const auto& [name, value] : maneuver.values(request))
+      json["maneuver_options"][name] = value;
   }
   json["vehicle"] = setup.vehicle.name;
   json["battery"] = setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);

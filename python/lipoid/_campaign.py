@@ -17,13 +17,14 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from lipoid._cell import Cell
+    from lipoid._core import Campaign as CoreCampaign
     from lipoid._options import CampaignOptions, ReadingOptions
 
 KINDS = ("constant_current", "low_rate", "pulses", "validation")
 
 
 def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
-    """Logs of C++ and paths, from whatever a person gives for one kind."""
+    """Make logs of C++ and paths of whatever a person gives for one kind."""
     from lipoid import readers
 
     if isinstance(given, (str, os.PathLike, Log)) or not isinstance(given, Sequence):
@@ -45,8 +46,8 @@ def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
 class Campaign:
     """All the logs of one cell, and what is known of the cell.
 
-    Each kind of log is one or several: a :class:`Log`, a path, or a data frame with the columns of a
-    log. Paths are read when they are first needed, side by side.
+    Each kind of log is one or several: a :class:`Log`, a path, or a data frame with the columns of
+    a log. Paths are read when they are first needed, side by side.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ class Campaign:
     Campaign('gifi-600mAh-1': 6 constant-current, 1 low-rate, 1 pulses, 0.6 Ah, cut-off 3 V)
     """
 
-    _core: _core.Campaign
+    _core: CoreCampaign
     _reading: dict[str, Any]
 
     def __init__(
@@ -88,7 +89,7 @@ class Campaign:
         return cls._of(_core.read_campaign(file))
 
     @classmethod
-    def _of(cls, core: _core.Campaign) -> Campaign:
+    def _of(cls, core: CoreCampaign) -> Campaign:
         campaign = cls.__new__(cls)
         campaign._core = core
         campaign._reading = {}
@@ -127,15 +128,11 @@ class Campaign:
     @property
     def entries(self) -> pd.DataFrame:
         """The logs as they were given: kind, file, initial_soc, weight."""
-        return pd.DataFrame(
-            self._core.entries(), columns=["kind", "file", "initial_soc", "weight"]
-        )
+        return pd.DataFrame(self._core.entries(), columns=["kind", "file", "initial_soc", "weight"])
 
     def logs(self, kind: str | None = None) -> list[Log]:
         """Read the logs, of one kind or all of them, as those of one cell."""
-        return [
-            Log._of(log) for of, log, _ in self._core.logs() if kind is None or of == kind
-        ]
+        return [Log._of(log) for of, log, _ in self._core.logs() if kind is None or of == kind]
 
     def to_pybop(self, cell: Cell | str, **options: Any) -> Any:
         """Make a PyBOP problem of the pulses; see :func:`lipoid.interoperability.to_pybop`."""
@@ -169,7 +166,7 @@ class Campaign:
         return f"Campaign({self.name!r}: {', '.join(parts)})"
 
     def _repr_html_(self) -> str:
-        return f"<b>{escape(repr(self))}</b>" + self.entries.to_html(index=False)
+        return f"<b>{escape(repr(self))}</b>{self.entries.to_html(index=False)}"
 
 
 def _remade(given: dict[str, Any], reading: Any) -> Campaign:

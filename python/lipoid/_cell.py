@@ -19,6 +19,7 @@ from lipoid.errors import OptionError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from lipoid._core import Cell as CoreCell
     from lipoid.interoperability import PybammCell
 
 FloatArray = npt.NDArray[np.float64]
@@ -99,10 +100,10 @@ class Cell:
     True
     """
 
-    _core: _core.Cell
+    _core: CoreCell
 
     @classmethod
-    def _of(cls, core: _core.Cell) -> Cell:
+    def _of(cls, core: CoreCell) -> Cell:
         cell = cls.__new__(cls)
         cell._core = core
         return cell
@@ -199,7 +200,7 @@ class Cell:
             Arrays of the shape of the currents.
         """
         if isinstance(time_s, Log):
-            hold = cast(Literal["backward", "forward"], time_s.hold)
+            hold = time_s.hold
             time_s, current_A = time_s.time_s, time_s.current_A
         elif current_A is None:
             raise OptionError("simulate: current_A is missing")

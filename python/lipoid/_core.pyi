@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,7 @@ class Log:
     @property
     def file(self) -> str: ...
     @property
-    def hold(self) -> str: ...
+    def hold(self) -> Literal["backward", "forward"]: ...
     @property
     def format(self) -> str: ...
     @property

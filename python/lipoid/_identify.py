@@ -40,9 +40,15 @@ class Reporter:
             try:
                 from tqdm.auto import tqdm
             except ImportError:
-                self.callback = lambda share, stage: logger.info("%s: %s, %.0f %%", what, stage, 100.0 * share)
+                self.callback = lambda share, stage: logger.info(
+                    "%s: %s, %.0f %%", what, stage, 100.0 * share
+                )
             else:
-                self.bar = tqdm(total=100, desc=what, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed} {postfix}")
+                self.bar = tqdm(
+                    total=100,
+                    desc=what,
+                    bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed} {postfix}",
+                )
                 self.callback = self._draw
 
     def _draw(self, share: float, stage: str) -> None:
@@ -171,8 +177,8 @@ def identify(
     threads : int
         Cores to use; 0: all.
     progress : bool or callable
-        True draws a bar by tqdm, or logs where tqdm is not installed; a function gets the share done
-        and what is being done.
+        True draws a bar by tqdm, or logs where tqdm is not installed; a function gets the share
+        done and what is being done.
     {options}
 
     Returns

@@ -26,7 +26,9 @@ def _paragraph(option: Description, indent: str) -> str:
     head = f"{indent}{option['name']} : {option['type']}"
     if not option["type"].endswith("None"):
         head += f", default {_default(option)}"
-    text = textwrap.fill(words, 96, initial_indent=indent + "    ", subsequent_indent=indent + "    ")
+    text = textwrap.fill(
+        words, 96, initial_indent=indent + "    ", subsequent_indent=indent + "    "
+    )
     return f"{head}\n{text}"
 
 

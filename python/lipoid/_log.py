@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
+    from lipoid._core import Log as CoreLog
     from lipoid._options import ColumnOptions, ReadingOptions
 
 FloatArray = npt.NDArray[np.float64]
@@ -77,12 +78,13 @@ class Log:
     >>> import numpy as np, lipoid
     >>> t = np.arange(0.0, 600.0)
     >>> i = np.where(t < 300.0, 1.0, 0.0)
-    >>> log = lipoid.Log(time_s=t, current_A=i, voltage_V=4.1 - 0.05 * i - 1e-4 * np.minimum(t, 300))
+    >>> v = 4.1 - 0.05 * i - 1e-4 * np.minimum(t, 300.0)
+    >>> log = lipoid.Log(time_s=t, current_A=i, voltage_V=v)
     >>> len(log), log.sign
     (600, 'discharge-positive')
     """
 
-    _core: _core.Log
+    _core: CoreLog
 
     def __init__(
         self,
@@ -102,7 +104,10 @@ class Log:
             "temperature_degC": temperature_degC,
         }
         if data is not None:
-            known = list(data.keys() if isinstance(data, Mapping) else getattr(data, "column_names", data))
+            names = data.keys() if isinstance(data, Mapping) else None
+            if names is None:
+                names = getattr(data, "column_names", getattr(data, "columns", ()))
+            known = [str(name) for name in names]
             for key in given:
                 if given[key] is None and key in known:
                     given[key] = data[key]
@@ -120,7 +125,7 @@ class Log:
         )
 
     @classmethod
-    def _of(cls, core: _core.Log) -> Log:
+    def _of(cls, core: CoreLog) -> Log:
         log = cls.__new__(cls)
         log._core = core
         return log
@@ -128,12 +133,12 @@ class Log:
     @property
     def time_s(self) -> FloatArray:
         """Times in s, shape (rows,); a view that cannot be written to."""
-        return cast(FloatArray, self._core.time_s)
+        return self._core.time_s
 
     @property
     def current_A(self) -> FloatArray:
         """Currents in A, discharge positive, shape (rows,)."""
-        return cast(FloatArray, self._core.current_A)
+        return self._core.current_A
 
     @property
     def voltage_V(self) -> FloatArray | None:
@@ -151,7 +156,7 @@ class Log:
         return self._core.file
 
     @property
-    def hold(self) -> str:
+    def hold(self) -> Literal["backward", "forward"]:
         """Which rows a current holds between: "backward" (since the row before) or "forward"."""
         return self._core.hold
 
@@ -183,7 +188,7 @@ class Log:
         return pd.DataFrame(rows, columns=names)
 
     def inspect(self) -> dict[str, Any]:
-        """What is in the log, as ``lipoid inspect --summary`` has it."""
+        """Look what is in the log: what ``lipoid inspect --summary`` has."""
         return self._core.inspect()
 
     def to_pandas(self) -> pd.DataFrame:

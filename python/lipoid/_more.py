@@ -9,7 +9,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pandas as pd
 
@@ -83,7 +83,9 @@ class Comparison:
         return plots.comparison(self, axes)
 
     def __repr__(self) -> str:
-        return f"Comparison({len(self.results)} optimizers, best {self.summary['best_optimizer']!r})"
+        return (
+            f"Comparison({len(self.results)} optimizers, best {self.summary['best_optimizer']!r})"
+        )
 
     def _repr_html_(self) -> str:
         html: str = self.results.to_html(float_format=lambda x: f"{x:.5g}")
@@ -243,7 +245,7 @@ def synthesize(
         name=written.name or truth.name,
         capacity_Ah=written.capacity_Ah,
         cutoff_V=written.cutoff_V,
-        **given,  # type: ignore[typeddict-item]
+        **cast(Any, given),
     )
 
 

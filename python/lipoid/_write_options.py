@@ -31,14 +31,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 if TYPE_CHECKING:
     from lipoid._cell import Cell
     from lipoid._log import Log
 
-Path = str | os.PathLike[str]
-Logs = Sequence["Log | Path"] | Log | str
+Path: TypeAlias = str | os.PathLike[str]
+Logs: TypeAlias = "Sequence[Log | Path] | Log | Path | Mapping[str, Any]"
+
 '''
 
 

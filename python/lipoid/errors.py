@@ -28,9 +28,7 @@ class LoadError(ValueError):
         Everything that is wrong, the first one first.
     """
 
-    def __init__(
-        self, message: str, diagnostics: Sequence[tuple[str, int, int, str]] = ()
-    ) -> None:
+    def __init__(self, message: str, diagnostics: Sequence[tuple[str, int, int, str]] = ()) -> None:
         super().__init__(message)
         self.diagnostics = [Diagnostic(*one) for one in diagnostics]
         first = self.diagnostics[0] if self.diagnostics else Diagnostic("", 0, 0, message)
@@ -39,7 +37,7 @@ class LoadError(ValueError):
         self.column = first.column
 
     def __reduce__(self) -> tuple[type[LoadError], tuple[str, list[tuple[str, int, int, str]]]]:
-        return type(self), (str(self), [tuple(one) for one in self.diagnostics])
+        return type(self), (str(self), [(*one,) for one in self.diagnostics])
 
 
 class OptionError(ValueError):

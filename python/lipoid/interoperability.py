@@ -1,7 +1,7 @@
 """Cells and campaigns in other programs: PyBaMM, thevenin, PyBOP.
 
-The numbers and their stated error are those of ``lipoid export``; here the other program's own objects
-are made of them.
+The numbers and their stated error are those of ``lipoid export``; here the other program's own
+objects are made of them.
 """
 
 from __future__ import annotations
@@ -142,7 +142,9 @@ def to_pybop(
     for name in free:
         start = values[name]
         if not isinstance(start, (int, float)):
-            raise OptionError(f"to_pybop: {name} is no constant in this cell; identify with constants")
+            raise OptionError(
+                f"to_pybop: {name} is no constant in this cell; identify with constants"
+            )
         prior = pybop.Gaussian(start, spread * start, truncated_at=[0.1 * start, 10.0 * start])
         values[name] = pybop.Parameter(distribution=prior, initial_value=start)
     data = pybop.Dataset(

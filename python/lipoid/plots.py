@@ -30,7 +30,12 @@ def _axes(axes: Any, count: int, *, share: bool = True) -> list[Axes]:
             raise OptionError(f"axes: expected {count}, found {len(given)}")
         return given
     _, made = pyplot.subplots(
-        count, 1, sharex=share, squeeze=False, figsize=(7.0, 2.4 + 1.6 * count), layout="constrained"
+        count,
+        1,
+        sharex=share,
+        squeeze=False,
+        figsize=(7.0, 2.4 + 1.6 * count),
+        layout="constrained",
     )
     return list(made[:, 0])
 

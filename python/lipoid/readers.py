@@ -1,7 +1,7 @@
 """Logs that are no text, read by the libraries that the field keeps for them.
 
-Each reader makes a table with the columns of its file; the table then goes through the recognition of
-names, units and sign that every log goes through. The file is known by its content.
+Each reader makes a table with the columns of its file; the table then goes through the recognition
+of names, units and sign that every log goes through. The file is known by its content.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Format(NamedTuple):
     read: Callable[[str, Any], pd.DataFrame]
 
 
-# BioLogic's own names, as its text files have them. Its current is that of the cell: charge positive.
+# BioLogic's own names, as its text files have them; charge is positive.
 _BIOLOGIC = {
     "time/s": "time/s",
     "Ewe/V": "Ewe/V",
@@ -138,7 +138,7 @@ def is_table(file: str | os.PathLike[str]) -> bool:
 
 
 def table_of(file: str | os.PathLike[str]) -> bytes | None:
-    """The table of a binary file as text; None for a file of text."""
+    """Return the table of a binary file as text; None for a file of text."""
     found = _format_of(file)
     if found is None:
         return None
@@ -147,7 +147,9 @@ def table_of(file: str | os.PathLike[str]) -> bytes | None:
         library = import_module(found.library)
     except ImportError as error:
         package = _PACKAGES.get(found.library, found.library.split(".")[0])
-        message = f"{path} is a file of {found.name}: it is read by {package}, which is not installed; "
+        message = (
+            f"{path} is a file of {found.name}: it is read by {package}, which is not installed; "
+        )
         message += "pip install lipoid[readers]"
         raise LoadError(message, [(path, 1, 1, message)]) from error
     try:

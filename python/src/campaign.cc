@@ -50,8 +50,7 @@ void Add(LogKind kind,
   if (nb::isinstance<PythonLog>(given)) {
     const auto& log = *nb::cast<const PythonLog*>(given);
     entry.file = log.log->record.file;
-    if (entry.file.empty())
-      entry.file = fmt::format("{}[{}]", kind_name, campaign.Count(kind));
+    if (entry.file.empty()) entry.file = fmt::format("{}[{}]", kind_name, campaign.Count(kind));
     entry.read = {};
     logs.emplace_back(log);
   } else {
@@ -140,7 +139,8 @@ nb::list Logs(const PythonCampaign& self) {
   for (const LoadedLog& log : *logs) {
     // A copy of what was read; what was lent stays lent.
     PythonLog one{std::make_shared<const Log>(log.log)};
-    list.append(nb::make_tuple(options_internal::ToText(log.entry.kind), one, log.entry.initial_soc));
+    list.append(
+        nb::make_tuple(options_internal::ToText(log.entry.kind), one, log.entry.initial_soc));
   }
   return list;
 }

@@ -117,7 +117,8 @@ nb::tuple Band(const PythonCell& self,
     const std::vector<double> starts(ensemble.cells.size(), initial_soc);
     band = PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), hold);
   });
-  return nb::make_tuple(ToArray(std::move(band.voltage_low_V)), ToArray(std::move(band.voltage_high_V)));
+  return nb::make_tuple(ToArray(std::move(band.voltage_low_V)),
+                        ToArray(std::move(band.voltage_high_V)));
 }
 
 std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
@@ -148,18 +149,18 @@ void AddCells(nb::module_& module) {
                    [](const PythonCell& self) { return self.cell.uncertainty.has_value(); })
       .def("to_dict", [](const PythonCell& self) { return ToPython(CellToJson(self.cell)); })
       .def("to_json", &TextOfCell)
-      .def("save",
-           [](const PythonCell& self, nb::handle file) {
-             WriteCellFile(self.cell, PathOf(file));
-           },
-           nb::arg("file"))
+      .def(
+          "save",
+          [](const PythonCell& self, nb::handle file) { WriteCellFile(self.cell, PathOf(file)); },
+          nb::arg("file"))
       .def("pack", &WithPack, nb::arg("series"), nb::arg("parallel"))
       .def("open_circuit_voltage", &OpenCircuitVoltage, nb::arg("soc"))
-      .def("soc_at_rest",
-           [](const PythonCell& self, double voltage_V) {
-             return SocAtRestVoltage(self.cell, voltage_V);
-           },
-           nb::arg("voltage_V"))
+      .def(
+          "soc_at_rest",
+          [](const PythonCell& self, double voltage_V) {
+            return SocAtRestVoltage(self.cell, voltage_V);
+          },
+          nb::arg("voltage_V"))
       .def("simulate",
            &Simulate,
            nb::arg("time_s").noconvert(),

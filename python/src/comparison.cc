@@ -25,15 +25,15 @@ struct CompareKeywords {
     request.optimizers = FindOptimizers(names);
     keywords.Option(
         "starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
-    keywords.Flag(
-        "time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
+    keywords.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
     keywords.Group("comparison", request.options);
     std::optional<int> branches;
     DeclareStages(keywords, request.staged, request.given, branches);
     for (const auto& entry : Optimizers()) {
-      keywords.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
-        entry.set(request.settings, name, text);
-      });
+      keywords.Group(
+          entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
+            entry.set(request.settings, name, text);
+          });
     }
   }
 };

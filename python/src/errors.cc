@@ -11,8 +11,8 @@ namespace {
 namespace nb = nanobind;
 
 nb::object Text(const std::string& text) {
-  return nb::steal(PyUnicode_DecodeUTF8(
-      text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+  return nb::steal(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
 }
 
 void Raise(const char* name, const nb::object& argument) {
@@ -27,10 +27,8 @@ void Translate(const std::exception_ptr& pointer, void*) {
   } catch (const LoadError& error) {
     nb::list diagnostics;
     for (const Diagnostic& one : error.diagnostics()) {
-      diagnostics.append(nb::make_tuple(Text(one.position.file),
-                                        one.position.line,
-                                        one.position.column,
-                                        Text(one.message)));
+      diagnostics.append(nb::make_tuple(
+          Text(one.position.file), one.position.line, one.position.column, Text(one.message)));
     }
     const nb::object type = nb::module_::import_("lipoid.errors").attr("LoadError");
     const nb::object raised = type(Text(error.what()), diagnostics);

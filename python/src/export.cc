@@ -29,10 +29,11 @@ struct ExportKeywords {
   std::optional<nb::object> mission;
 
   void Declare(Keywords& keywords) {
-    mission = keywords.Take("mission",
-                            "Log",
-                            "what the numbers are fitted and compared over; not given: two levels of "
-                            "current with rests");
+    mission =
+        keywords.Take("mission",
+                      "Log",
+                      "what the numbers are fitted and compared over; not given: two levels of "
+                      "current with rests");
     double initial_soc = 1.0;
     keywords.Option(
         "initial-soc", initial_soc, kInitialSocs, "state of charge at the start of the mission");

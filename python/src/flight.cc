@@ -42,11 +42,10 @@ struct FlyKeywords {
     keywords.Flag("estimate",
                   setup.estimate,
                   "whether the controller sees noisy sensors through the estimator");
-    keywords.Option("xi", setup.xi, Range{0.01, 2.0}, "of an ideal source: voltage over the nominal");
-    keywords.Option("initial-soc",
-                    setup.initial_soc,
-                    kInitialSocs,
-                    "state of charge of the cell at the start");
+    keywords.Option(
+        "xi", setup.xi, Range{0.01, 2.0}, "of an ideal source: voltage over the nominal");
+    keywords.Option(
+        "initial-soc", setup.initial_soc, kInitialSocs, "state of charge of the cell at the start");
     keywords.Option("duration",
                     duration_s,
                     Range{kControlStep_s, 1e6},

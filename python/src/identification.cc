@@ -24,10 +24,8 @@ struct IdentifyKeywords {
   IdentifyOptions options;
 
   void Declare(Keywords& keywords) {
-    keywords.Option("method",
-                    options.method,
-                    Names{},
-                    "all logs at once (joint), or stage by stage (staged)");
+    keywords.Option(
+        "method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
     std::optional<int> branches;
     DeclareStages(keywords, options.staged, options.given, branches);
     keywords.Words("profile",
@@ -104,10 +102,11 @@ void DeclareStages(Keywords& keywords,
                    StagedGiven& given,
                    std::optional<int>& branches) {
   keywords.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
-  if (const auto curve = keywords.Take("open_circuit_voltage",
-                                       "Path | Cell",
-                                       "v_oc(A), instead of finding it: a CSV file with columns soc "
-                                       "and voltage_V, a cell file, or a cell")) {
+  if (const auto curve =
+          keywords.Take("open_circuit_voltage",
+                        "Path | Cell",
+                        "v_oc(A), instead of finding it: a CSV file with columns soc "
+                        "and voltage_V, a cell file, or a cell")) {
     if (nb::isinstance<PythonCell>(*curve)) {
       given.open_circuit_voltage = nb::cast<const PythonCell*>(*curve)->cell.open_circuit_voltage;
       given.open_circuit_voltage_source = nb::cast<const PythonCell*>(*curve)->cell.name;
@@ -119,7 +118,8 @@ void DeclareStages(Keywords& keywords,
   keywords.Option(
       "branches", branches, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
   bool no_diffusion = false;
-  keywords.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
+  keywords.Flag(
+      "no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   auto& known = given.parameters;
   keywords.Numbers("fix", known.fixed, "hold parameters: beta, r_s, r_1, c_1, tau_1, ...");
   keywords.Numbers("start", known.start, "start parameters here");

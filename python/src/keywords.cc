@@ -11,7 +11,9 @@
 namespace lipoid::python {
 namespace {
 
-std::string TypeName(nb::handle value) { return nb::cast<std::string>(nb::str(nb::type_name(value.type()))); }
+std::string TypeName(nb::handle value) {
+  return nb::cast<std::string>(nb::str(nb::type_name(value.type())));
+}
 
 std::string Shown(nb::handle value) { return nb::cast<std::string>(nb::repr(value)); }
 
@@ -47,10 +49,11 @@ std::string TextOf(const std::string& name, nb::handle value) {
   if (nb::hasattr(value, "item") && nb::hasattr(value, "ndim") &&
       nb::cast<int>(value.attr("ndim")) == 0)
     return TextOf(name, value.attr("item")());
-  throw OptionError(fmt::format("option {}: expected a number, a text or a truth value, found {} ({})",
-                                name,
-                                Shown(value),
-                                TypeName(value)));
+  throw OptionError(
+      fmt::format("option {}: expected a number, a text or a truth value, found {} ({})",
+                  name,
+                  Shown(value),
+                  TypeName(value)));
 }
 
 std::optional<nb::object> Keywords::Given(const std::string& name) const {
@@ -108,7 +111,8 @@ void Keywords::Numbers(std::string_view name,
   const auto given = Take(name, "Mapping[str, float]", help);
   if (!given) return;
   if (!nb::isinstance<nb::dict>(*given))
-    throw OptionError(fmt::format("option {}: expected {{name: value}}, found {}", shown, Shown(*given)));
+    throw OptionError(
+        fmt::format("option {}: expected {{name: value}}, found {}", shown, Shown(*given)));
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
     const auto parameter = nb::cast<std::string>(nb::str(key));
     values[parameter] = NumberOf(shown + " " + parameter, value);
@@ -173,8 +177,10 @@ void Keywords::Group(std::string_view name,
   const auto given = Given(shown);
   if (!given) return;
   if (!nb::isinstance<nb::dict>(*given)) {
-    throw OptionError(fmt::format(
-        "option {}: expected a dictionary of {}, found {}", shown, fmt::join(names, ", "), Shown(*given)));
+    throw OptionError(fmt::format("option {}: expected a dictionary of {}, found {}",
+                                  shown,
+                                  fmt::join(names, ", "),
+                                  Shown(*given)));
   }
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
     const auto option = nb::cast<std::string>(nb::str(key));

@@ -97,11 +97,10 @@ class Keywords {
   /// Options of a struct, each by itself.
   template <class Options>
   void Each(Options& options) {
-    Options::Visit(
-        options,
-        [&](std::string_view name, auto& member, const auto& valid, const char* help) {
-          Option(name, member, valid, help);
-        });
+    Options::Visit(options,
+                   [&](std::string_view name, auto& member, const auto& valid, const char* help) {
+                     Option(name, member, valid, help);
+                   });
   }
 
   /// OptionError for what no declaration took.
@@ -132,10 +131,9 @@ class Keywords {
   static std::vector<std::string> TypesOf() {
     std::vector<std::string> types;
     const Options defaults{};
-    Options::Visit(defaults,
-                   [&](std::string_view, const auto& member, const auto&, const char*) {
-                     types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>>());
-                   });
+    Options::Visit(defaults, [&](std::string_view, const auto& member, const auto&, const char*) {
+      types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>>());
+    });
     return types;
   }
 

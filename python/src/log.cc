@@ -128,8 +128,7 @@ PythonLog FromState(const nb::tuple& state) {
   log.record.voltage_V = Numbers(state[2]);
   log.record.temperature_degC = Numbers(state[3]);
   log.record.file = nb::cast<std::string>(state[4]);
-  options_internal::FromText(
-      "hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
+  options_internal::FromText("hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
   log.report.format = nb::cast<std::string>(state[6]);
   log.report.current_sign = nb::cast<std::string>(state[7]);
   log.report.current_sign_reason = nb::cast<std::string>(state[8]);
@@ -188,8 +187,10 @@ void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file) {
     for (const auto& [key, value] : nb::cast<nb::dict>(*columns))
       options.columns[nb::cast<std::string>(nb::str(key))] = TextOf("columns", value);
   }
-  if (const auto units = keywords.Take(
-          "units", "Sequence[str]", "units of time, current and voltage where the header has none")) {
+  if (const auto units =
+          keywords.Take("units",
+                        "Sequence[str]",
+                        "units of time, current and voltage where the header has none")) {
     for (const nb::handle unit : *units) options.units.push_back(TextOf("units", unit));
   }
   if (const auto steps =
@@ -229,8 +230,7 @@ void AddLogs(nb::module_& module) {
         new (&self) PythonLog(FromState(state));
       });
   module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
-  module.def(
-      "read_log_text", &ReadText, nb::arg("text"), nb::arg("name"), nb::arg("options"));
+  module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("name"), nb::arg("options"));
   module.def("take_log",
              &Take,
              nb::arg("time_s").noconvert(),

@@ -110,8 +110,7 @@ PythonCell Changed(const PythonCell& cell, const std::map<std::string, double>& 
 }  // namespace
 
 void AddPlanning(nb::module_& module) {
-  module.def(
-      "plan", &Plan, nb::arg("cell"), nb::arg("options"), nb::arg("progress").none());
+  module.def("plan", &Plan, nb::arg("cell"), nb::arg("options"), nb::arg("progress").none());
   module.def("synthesize",
              &SynthesizeLogs,
              nb::arg("cell"),

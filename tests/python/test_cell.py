@@ -72,9 +72,7 @@ def test_it_is_what_the_program_simulates(program: Lipoid, tmp_path: Path) -> No
     import pandas as pd
 
     pd.DataFrame({"time_s": T, "current_A": I}).to_csv(tmp_path / "current.csv", index=False)
-    program(
-        "simulate", "gifi-600mAh-1", "--current", "current.csv", "-o", "v.csv", folder=tmp_path
-    )
+    program("simulate", "gifi-600mAh-1", "--current", "current.csv", "-o", "v.csv", folder=tmp_path)
     written = pd.read_csv(tmp_path / "v.csv", dtype=float, float_precision="round_trip")
     ours = lipoid.Cell.read("gifi-600mAh-1").simulate(T, I).to_pandas()
     pd.testing.assert_frame_equal(ours, written, check_exact=True)

@@ -13,7 +13,7 @@ import textwrap
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -67,7 +67,7 @@ def test_arrays_give_what_files_give(lab: Path, result: lipoid.Identification) -
         ]
         for kind, some in read.items()
     }
-    campaign = lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, name="arrays", **logs)  # type: ignore[typeddict-item]
+    campaign = lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, name="arrays", **cast(Any, logs))
     found = lipoid.identify(campaign)
     pd.testing.assert_frame_equal(found.parameters, result.parameters, check_exact=True)
 

@@ -45,5 +45,7 @@ def test_pybop_finds_what_the_logs_were_made_with(campaign: lipoid.Campaign) -> 
     log = lipoid.Log(time_s=T, current_A=I, voltage_V=v)
     problem = campaign.to_pybop(cell, free=("R0 [Ohm]",), log=log)
     truth = cell.to_dict()["series_resistance_Ohm"]
-    costs = [float(np.squeeze(problem.evaluate([r]).values)) for r in (0.9 * truth, truth, 1.1 * truth)]
+    costs = [
+        float(np.squeeze(problem.evaluate([r]).values)) for r in (0.9 * truth, truth, 1.1 * truth)
+    ]
     assert costs[1] < 1e-3 * min(costs[0], costs[2])

@@ -19,7 +19,7 @@ V = 4.1 - 0.05 * I - 1e-4 * np.clip(T - 10, 0, 290)
 
 
 def same_memory(a: np.ndarray, b: np.ndarray) -> bool:
-    return a.__array_interface__["data"][0] == b.__array_interface__["data"][0]
+    return bool(a.__array_interface__["data"][0] == b.__array_interface__["data"][0])
 
 
 def test_contiguous_columns_are_not_copied() -> None:
@@ -40,8 +40,8 @@ def test_a_million_rows_take_no_further_memory() -> None:
     campaigns = [lipoid.Campaign(cutoff_V=3.0, pulses=[log]) for log in logs]
     held = [campaign.logs() for campaign in campaigns]
     grown_kB = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
-    # One copy of the three columns is 24,000 kB, those of twenty logs 480,000 kB. What is left is the
-    # scratch of one look at the sign.
+    # One copy of the three columns is 24,000 kB, those of twenty logs 480,000 kB. What is left is
+    # the scratch of one look at the sign.
     assert grown_kB < 40_000
     assert same_memory(held[0][0].time_s, t)
 

@@ -62,9 +62,7 @@ def test_the_version_is_that_of_the_sources() -> None:
     assert f"VERSION {lipoid.__version__} " in (ROOT / "CMakeLists.txt").read_text()
 
 
-def test_the_example_of_the_readme_runs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / "README.md").read_text()
     section = text.split("## Python", 1)[1]
     example = section.split("```python\n", 1)[1].split("```", 1)[0]

@@ -157,7 +157,8 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
             names,
             "NAME,NAME,...",
             "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
-  line.Option("starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
+  line.Option(
+      "starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
   line.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
   line.OutputOption(
       "csv",

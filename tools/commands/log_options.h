@@ -16,7 +16,7 @@ namespace lipoid {
 struct LogOptions {
   std::vector<std::string> columns;  ///< "time_s=Zeit"
   std::string units;                 ///< "s,A,V"
-  std::string current_sign;  ///< as typed
+  std::string current_sign;          ///< as typed
   Hold hold = Hold::kBackward;
 
   /// Adds --columns, --units, --current-sign and --hold.

@@ -61,8 +61,8 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   grid.rest_s = ReadNumbers("rest-s", rest_s, Range{0.0, kYear_s});
   if (!rate_C.empty()) grid.rate_C = ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
   grid.sampling_s = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
-  const PlanGridResult result = PlanVariations(
-      cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
+  const PlanGridResult result =
+      PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
 
   std::optional<cli::TextTable> table;
   for (const PlannedVariation& one : result.variations) {
@@ -91,8 +91,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   }
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
              table->Text());
-  if (result.variations.size() == 1)
-    line.Print("{}\n\n", result.variations[0].plan.trust.sentence);
+  if (result.variations.size() == 1) line.Print("{}\n\n", result.variations[0].plan.trust.sentence);
   line.Print("{}", cli::Bullets("Left out", result.left_out));
   line.summary() = PlanGridToJson(cell, grid, result);
   return cli::ExitCode::kDone;

@@ -31,7 +31,8 @@ TextSource::TextSource(std::string file)
       head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
       current_(head_buffer_.get()) {
   struct stat status {};
-  if (::stat(file_.c_str(), &status) != 0) throw LoadError(NoFile(file_), WhyNotOpened(file_, errno));
+  if (::stat(file_.c_str(), &status) != 0)
+    throw LoadError(NoFile(file_), WhyNotOpened(file_, errno));
   if (S_ISDIR(status.st_mode)) {
     throw LoadError({file_}, "expected a log file, found a folder; name the files in it");
   }

@@ -30,9 +30,9 @@ TEST(Stop, EndsWorkFromAnotherThread) {
     work.Stop();
   });
   EXPECT_THROW(work.Run([&] {
-                 begun = true;
-                 while (true) StopIfAsked();
-               }),
+    begun = true;
+    while (true) StopIfAsked();
+  }),
                Stopped);
   stopper.join();
 }
@@ -45,13 +45,13 @@ TEST(Stop, ReachesNestedLoops) {
     work.Stop();
   });
   EXPECT_THROW(work.Run([&] {
-                 tbb::parallel_for(0, 4, [&](int) {
-                   tbb::parallel_for(0, 4, [&](int) {
-                     ++begun;
-                     while (true) StopIfAsked();
-                   });
-                 });
-               }),
+    tbb::parallel_for(0, 4, [&](int) {
+      tbb::parallel_for(0, 4, [&](int) {
+        ++begun;
+        while (true) StopIfAsked();
+      });
+    });
+  }),
                Stopped);
   stopper.join();
 }
