@@ -104,9 +104,9 @@ class Log:
             "temperature_degC": temperature_degC,
         }
         if data is not None:
-            names = data.keys() if isinstance(data, Mapping) else None
+            names: Any = getattr(data, "column_names", None)  # of Arrow, whose columns are arrays
             if names is None:
-                names = getattr(data, "column_names", getattr(data, "columns", ()))
+                names = data.keys() if isinstance(data, Mapping) else data.columns
             known = [str(name) for name in names]
             for key in given:
                 if given[key] is None and key in known:

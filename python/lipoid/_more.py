@@ -485,7 +485,7 @@ def identify_many(
         row: dict[str, Any] = {"campaign": name, "status": "done", "error": ""}
         if isinstance(result, Identification):
             row |= {"converged": result.converged, "usable": result.usable}
-            row |= result.parameters["estimate"].to_dict()
+            row |= {str(k): v for k, v in result.parameters["estimate"].items()}
         else:
             row |= {"status": "failed", "error": f"{type(result).__name__}: {result}"}
         rows.append(row)

@@ -26,6 +26,7 @@ def table() -> pd.DataFrame:
 def same(log: lipoid.Log) -> None:
     np.testing.assert_allclose(log.time_s, T, atol=1e-9)
     np.testing.assert_allclose(log.current_A, I, atol=1e-12)
+    assert log.voltage_V is not None
     np.testing.assert_allclose(log.voltage_V, V, rtol=1e-15)  # Excel writes 16 digits
     assert log.sign == "discharge-negative"
 
