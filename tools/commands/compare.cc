@@ -174,6 +174,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
       entry.set(request.settings, name, text);
     });
   }
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   request.optimizers = FindOptimizers(SplitAt(names, ','));

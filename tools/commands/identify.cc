@@ -224,6 +224,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     run.command = line.CommandText();
     run.seed = line.seed();
     hashing.AddTo(run);
+    line.AddHashes(run.inputs, run.sha256);
     AddRunRecord(result, options, report, std::move(run));
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
     WriteCellFile(result.cell, paths[k]);

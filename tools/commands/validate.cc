@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
+#include "tools/report/log_series.h"
 
 namespace lipoid {
 
@@ -28,6 +29,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   start.AddTo(line);
   log_options.AddTo(line);
   pack.AddTo(line);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
@@ -48,7 +50,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"rmse / V"},
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
-  for (const auto& loaded : LoadLogs(line, CampaignFromArguments(arguments))) {
+  const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+  for (const auto& loaded : logs) {
     LogErrors errors = Validate(one, loaded.log.record, initial_soc);
     errors.file = loaded.entry.file;
     if (const std::string doubt =
@@ -63,6 +66,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.mean_error_percent),
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
+    if (!line.report_file().empty()) {
+      line.report_series().push_back(
+          LogSeries(one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size()));
+    }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(
         "{}: {} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
