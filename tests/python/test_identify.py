@@ -334,3 +334,33 @@ def test_a_campaign_shows_itself(campaign: lipoid.Campaign) -> None:
     assert "pulses" in campaign._repr_html_()
     assert len(campaign.logs("pulses")) == 1
     assert "[[log]]" in campaign.to_toml()
+
+
+def test_many_identifications_do_not_grow_memory(lab: Path) -> None:
+    thin = [lipoid.read_log(lab / name) for name in ("low_rate.csv", "pulses.csv")]
+    slow, pulses = (
+        lipoid.Log(
+            time_s=log.time_s[::20].copy(),
+            current_A=log.current_A[::20].copy(),
+            voltage_V=log.voltage_V[::20].copy(),  # type: ignore[index]
+            current_sign="discharge-positive",
+            hold="forward",
+        )
+        for log in thin
+    )
+
+    def resident_kB() -> int:
+        status = Path("/proc/self/status").read_text()
+        return int(status.split("VmRSS:")[1].split()[0])
+
+    def identify(times: int) -> int:
+        for _ in range(times):
+            campaign = lipoid.Campaign(cutoff_V=3.0, low_rate=slow, pulses=pulses)
+            lipoid.identify(campaign, method="staged")
+        return resident_kB()
+
+    times = int(os.environ.get("LIPOID_IDENTIFICATIONS", "60"))  # 1000 by hand
+    settled_kB = identify(20)  # the allocator's pools of each thread
+    grown_kB = identify(times) - settled_kB
+    # A leak of one log, of 60 kB, would show as 60 * times.
+    assert grown_kB < 20 * times + 2000
