@@ -132,6 +132,42 @@ double Identification::mean_error_percent() const {
   return sum / static_cast<double>(joint->fitted.size());
 }
 
+Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given) {
+  Json json = {{"discharge_times", OptionsToJson<Json>(options.discharge_times)},
+               {"open_circuit_voltage", OptionsToJson<Json>(options.open_circuit_voltage)},
+               {"pulses", OptionsToJson<Json>(options.pulses)}};
+  Json known = Json::object();
+  if (given.alpha_C) known["alpha_C"] = *given.alpha_C;
+  if (given.open_circuit_voltage) {
+    known["open_circuit_voltage"] = given.open_circuit_voltage_source;
+  }
+  if (!given.parameters.fixed.empty()) known["fix"] = given.parameters.fixed;
+  if (!given.parameters.start.empty()) known["start"] = given.parameters.start;
+  if (!given.parameters.bounds.empty()) known["bounds"] = given.parameters.bounds;
+  json["given"] = std::move(known);
+  return json;
+}
+
+Json IdentifyOptionsToJson(const IdentifyOptions& options) {
+  Json json = {{"method", options_internal::ToText(options.method)}};
+  json.update(StagedOptionsToJson(options.staged, options.given));
+  json["solver"] = OptionsToJson<Json>(options.staged.solver);
+  if (options.method == IdentifyMethod::kJoint) json["joint"] = OptionsToJson<Json>(options.joint);
+  if (!options.profiled.empty()) json["profile"] = options.profiled;
+  return json;
+}
+
+void AddRunRecord(Identification& found,
+                  const IdentifyOptions& options,
+                  Json report,
+                  RunRecord run) {
+  run.options = IdentifyOptionsToJson(options);
+  run.metrics = std::move(report);
+  Json made = run.ToJson();
+  made["converged"] = found.converged;
+  found.cell.run = std::make_shared<const Json>(std::move(made));
+}
+
 void CheckIdentifyOptions(const IdentifyOptions& options) {
   if (options.method == IdentifyMethod::kJoint) {
     CheckJointProfile(options.profiled);

@@ -20,6 +20,7 @@
 #include "identify/stages/staged_run.h"
 #include "identify/trust/profile.h"
 #include "model/core/json.h"
+#include "model/core/run_record.h"
 
 namespace lipoid {
 
@@ -57,6 +58,10 @@ struct Identification {
   [[nodiscard]] double mean_error_percent() const;
 };
 
+/// What was asked, for the run record.
+[[nodiscard]] Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given);
+[[nodiscard]] Json IdentifyOptionsToJson(const IdentifyOptions& options);
+
 /// Throws OptionError for what no campaign can change: a profile that the method does not have.
 void CheckIdentifyOptions(const IdentifyOptions& options);
 
@@ -69,5 +74,11 @@ void CheckIdentifyOptions(const IdentifyOptions& options);
 
 /// The keys of `lipoid identify --summary` (docs/formats.md), but for `cell` and `file`.
 [[nodiscard]] Json IdentificationToJson(const Identification& found);
+
+/// The cell then carries how it was made: `run` with these options and, as metrics, the report.
+void AddRunRecord(Identification& found,
+                  const IdentifyOptions& options,
+                  Json report,
+                  RunRecord run);
 
 }  // namespace lipoid

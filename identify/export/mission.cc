@@ -236,8 +236,8 @@ ExportMission MissionOf(const Record& record, std::string name, double initial_s
   ExportMission mission;
   mission.name = std::move(name);
   mission.initial_soc = initial_soc;
-  mission.time_s = record.time_s;
-  mission.current_A = record.current_A;
+  mission.time_s = record.time_s.ToVector();
+  mission.current_A = record.current_A.ToVector();
   if (record.hold == Hold::kForward) {  // the current that holds until a row belongs to it
     for (std::size_t k = mission.current_A.size(); k-- > 1;)
       mission.current_A[k] = record.current_A[k - 1];

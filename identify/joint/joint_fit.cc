@@ -12,6 +12,7 @@
 #include "identify/fit/grid.h"
 #include "identify/optimizers/nlopt_methods.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 
 namespace lipoid {
 namespace {
@@ -572,6 +573,7 @@ JointSolution JointFit::Search(const JointStructure& structure,
     std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
+      StopIfAsked();
       ++evaluations_;
       rates.beta_per_sqrt_s = betas[b];
       JointSolution solution =

@@ -236,7 +236,7 @@ int DifferentCurrents(const std::vector<const LoadedLog*>& logs) {
   std::vector<double> currents_A;
   for (const LoadedLog* log : logs) {
     if (log->entry.kind == LogKind::kConstantCurrent)
-      currents_A.push_back(Median(log->log.record.current_A));
+      currents_A.push_back(Median(log->log.record.current_A.ToVector()));
   }
   std::sort(currents_A.begin(), currents_A.end());
   int different = 0;

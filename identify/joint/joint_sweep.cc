@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "identify/fit/cell_rows.h"
+#include "model/core/stop.h"
 
 namespace lipoid {
 namespace {
@@ -90,6 +91,7 @@ Sum SumOverLogs(const JointLogs& logs,
                 const Sum& zero,
                 AddRow&& add) {
   std::vector<Sum> sums(logs.logs.size(), zero);
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t l) {
     WalkLog(logs,
             l,
@@ -113,6 +115,7 @@ SocTrace TraceSoc(const JointLogs& logs,
                   bool slopes) {
   SocTrace trace;
   trace.logs.resize(logs.logs.size());
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, logs.logs.size(), [&](std::size_t l) {
     const JointLog& log = logs.logs[l];
     LogTrace& out = trace.logs[l];
@@ -271,6 +274,7 @@ std::vector<FittedRows> JointObservations::Rows(const JointStructure& structure,
   const SocTrace soc = TraceSoc(logs_, setup_, rates, true);
   const int p = RateSlots(structure).size();
   std::vector<FittedRows> all(logs_.logs.size());
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t l) {
     const JointLog& log = logs_.logs[l];
     const auto count =

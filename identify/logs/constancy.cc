@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "identify/logs/columns.h"
 #include "model/core/errors.h"
@@ -94,7 +95,7 @@ Level FindLevel(const Record& record, std::size_t first, std::size_t last, std::
 
 }  // namespace
 
-double RowNoise(const std::vector<double>& values, std::size_t first, std::size_t last) {
+double RowNoise(std::span<const double> values, std::size_t first, std::size_t last) {
   // The quantile that sees a coarse instrument's last digit, and what it is for normal noise of
   // deviation 1 (by simulation: 1.555).
   constexpr double kQuantile = 0.9;

@@ -9,6 +9,7 @@
 /// tests/identify/logs/constancy_test.cc.
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "identify/logs/record.h"
@@ -31,9 +32,7 @@ struct Constancy {
 /// Standard deviation of the noise of values [first, last], from the distance of each to the median
 /// of itself and its neighbours: steps, slopes and the repeats of a coarse instrument leave it
 /// alone.
-[[nodiscard]] double RowNoise(const std::vector<double>& values,
-                              std::size_t first,
-                              std::size_t last);
+[[nodiscard]] double RowNoise(std::span<const double> values, std::size_t first, std::size_t last);
 
 /// How long the current of row k flows, by the hold of the record; 0 for the one row that moves no
 /// charge.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
@@ -25,7 +26,7 @@ struct Neighbours {
   std::array<double, 2 * kNeighbours> values{};
   std::size_t count = 0;
 
-  void Add(const std::vector<double>& column, std::size_t first, std::size_t last) {
+  void Add(std::span<const double> column, std::size_t first, std::size_t last) {
     for (std::size_t k = first; k <= last && k < column.size() && count < values.size(); ++k)
       values[count++] = std::abs(column[k] - column[k - 1]);
   }
@@ -46,14 +47,14 @@ struct Neighbours {
 std::size_t FirstBefore(std::size_t row) { return row > kNeighbours ? row - kNeighbours : 1; }
 
 // The rows that end up to five intervals before and after the one that ends at `row`.
-Neighbours Around(const std::vector<double>& column, std::size_t row) {
+Neighbours Around(std::span<const double> column, std::size_t row) {
   Neighbours around;
   around.Add(column, FirstBefore(row), row - 1);
   around.Add(column, row + 1, row + kNeighbours);
   return around;
 }
 
-bool OutOfProportion(const std::vector<double>& time_s, std::size_t row) {
+bool OutOfProportion(std::span<const double> time_s, std::size_t row) {
   Neighbours before;
   before.Add(time_s, FirstBefore(row), row - 1);
   Neighbours after;
@@ -65,7 +66,7 @@ bool OutOfProportion(const std::vector<double>& time_s, std::size_t row) {
 bool NothingChanged(const Record& record, std::size_t row) {
   const Neighbours intervals = Around(record.time_s, row);
   if (!(intervals.Largest() > kIrregular * intervals.Least())) return false;
-  const auto moved_no_more = [row](const std::vector<double>& column) {
+  const auto moved_no_more = [row](std::span<const double> column) {
     return column.empty() ||
            std::abs(column[row] - column[row - 1]) <= Around(column, row).Largest();
   };
@@ -76,7 +77,7 @@ bool NothingChanged(const Record& record, std::size_t row) {
 
 std::vector<Gap> FindGaps(const Record& record) {
   std::vector<Gap> gaps;
-  const std::vector<double>& time_s = record.time_s;
+  const Column& time_s = record.time_s;
   double rest_A = -1.0;  // not known before it is needed: most logs have no long interval
   for (std::size_t k = 2; k < time_s.size(); ++k) {
     const double length_s = time_s[k] - time_s[k - 1];

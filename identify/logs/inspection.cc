@@ -38,10 +38,10 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   Inspection inspection;
   inspection.file = record.file;
   inspection.report = report;
-  inspection.current_A = SpreadOf(record.current_A);
-  inspection.voltage_V = SpreadOf(record.voltage_V);
+  inspection.current_A = SpreadOf(record.current_A.ToVector());
+  inspection.voltage_V = SpreadOf(record.voltage_V.ToVector());
   if (!record.temperature_degC.empty())
-    inspection.temperature_degC = SpreadOf(record.temperature_degC);
+    inspection.temperature_degC = SpreadOf(record.temperature_degC.ToVector());
   if (record.size() > 0) inspection.duration_s = record.time_s.back() - record.time_s.front();
   std::vector<double> steps_s;
   for (std::size_t k = 1; k < record.size(); ++k)

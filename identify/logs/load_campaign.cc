@@ -52,6 +52,14 @@ void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs)
   throw LoadError({campaign.file}, "capacity_Ah: " + message);
 }
 
+// A log of the pack becomes one of a cell.
+LoadedLog OneOfCell(const Campaign& campaign, const CampaignLog& entry, Log log) {
+  RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
+  DivideByPack(log.record, campaign.series, campaign.parallel);
+  CheckPlausible(log.record, campaign.capacity_Ah);
+  return {entry, std::move(log)};
+}
+
 }  // namespace
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
@@ -60,10 +68,7 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   files.reserve(campaign.logs.size());
   for (const CampaignLog& entry : campaign.logs) files.push_back({entry.path, entry.read});
   const auto problems = ReadLogs(files, [&](std::size_t k, Log log) {
-    RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
-    DivideByPack(log.record, campaign.series, campaign.parallel);
-    CheckPlausible(log.record, campaign.capacity_Ah);
-    logs[k] = {campaign.logs[k], std::move(log)};
+    logs[k] = OneOfCell(campaign, campaign.logs[k], std::move(log));
   });
   // In the order of the campaign, whatever the threads did. A file that stands in several places
   // speaks once; where several are bad, each has one line.
@@ -78,6 +83,16 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
   CheckCapacity(campaign, logs);
   return logs;
+}
+
+std::vector<LoadedLog> TakeLogs(const Campaign& campaign, std::vector<Log> logs) {
+  Require(logs.size() == campaign.logs.size(), "one log for each entry of the campaign");
+  std::vector<LoadedLog> taken;
+  taken.reserve(logs.size());
+  for (std::size_t k = 0; k < logs.size(); ++k)
+    taken.push_back(OneOfCell(campaign, campaign.logs[k], std::move(logs[k])));
+  CheckCapacity(campaign, taken);
+  return taken;
 }
 
 bool AllStartFull(const std::vector<LoadedLog>& logs) {

@@ -21,6 +21,10 @@ struct LoadedLog {
 /// as one; a file that is bad in several places of the campaign is named once.
 [[nodiscard]] std::vector<LoadedLog> LoadCampaign(const Campaign& campaign);
 
+/// The same of logs that were read already, or that a program hands over, in the order of the
+/// campaign. Where neither packs nor leads change a column, it stays lent.
+[[nodiscard]] std::vector<LoadedLog> TakeLogs(const Campaign& campaign, std::vector<Log> logs);
+
 /// Whether alpha only scales the axis of what was measured over charge: no log says that it starts
 /// elsewhere than full.
 [[nodiscard]] bool AllStartFull(const std::vector<LoadedLog>& logs);

@@ -166,7 +166,7 @@ class Collector {
                  bytes_left_ > 0.0 ? needed : needed + log_.record.size());
     for (auto* column : {&log_.record.time_s, &log_.record.current_A, &log_.record.voltage_V}) {
       column->reserve(capacity);
-      PreferHugePages(column->data(), capacity * sizeof(double));
+      PreferHugePages(column->begin(), capacity * sizeof(double));
     }
     if (plan_.Of(Quantity::kTemperature)) log_.record.temperature_degC.reserve(capacity);
     if (plan_.Of(Quantity::kState)) directions_.reserve(capacity);
@@ -182,8 +182,8 @@ class Collector {
 
   void TakeAll(TableBlock& block) {
     Record& record = log_.record;
-    const auto append = [&](std::vector<double>& to, const double* from) {
-      to.insert(to.end(), from, from + block.rows);
+    const auto append = [&](lipoid::Column& to, const double* from) {
+      to.append(from, from + block.rows);
     };
     append(record.time_s, Column(block, Quantity::kTime));
     append(record.current_A, Column(block, Quantity::kCurrent));
@@ -492,8 +492,51 @@ void AddNotes(const TextSource& source,
   note(collector.drops_temperature(), "temperature left out: some cells hold no number");
 }
 
+}  // namespace
+
+OpenSignError::OpenSignError(SourcePosition position,
+                             std::string message,
+                             std::string format,
+                             std::string current_column)
+    : LoadError(std::move(position), std::move(message)),
+      format_(std::move(format)),
+      current_column_(std::move(current_column)) {}
+
+namespace {
+
+// What columns and header cells say where a message points to them.
+using PositionOf = std::function<SourcePosition(Quantity)>;
+
+// The same for every table, once its numbers are columns: what cannot be, spikes, sign.
+void SettleTable(Log& log,
+                 std::vector<std::int8_t>& directions,
+                 const ReadOptions& options,
+                 const SignOfOthers& others,
+                 const PositionOf& position,
+                 bool discharge_is_positive) {
+  CheckReadable(
+      log.record,
+      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
+  // Where only the current is wanted, a wrong voltage is no reason to lose its row.
+  if (!options.voltage_optional) DropSpikes(log, directions);
+  SettleSign(log, directions, options, others, position(Quantity::kCurrent), discharge_is_positive);
+}
+
+// The same for every log: leads, gaps, what is doubtful.
+void FinishLog(Log& log, const ReadOptions& options) {
+  if (options.lead_resistance_Ohm != 0.0) {
+    for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
+      log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
+    }
+  }
+  log.report.gaps = FindGaps(log.record);
+  if (!log.report.gaps.empty())
+    log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
+  if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())
+    log.report.warnings.push_back(std::move(doubt));
+}
+
 Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {
-  const std::string& file = source.file();
   const LogPlan plan = PlanReading(source, options);
   TableReader reader(source, plan.table);
   Collector collector(source, plan, options, reader);
@@ -508,21 +551,12 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
 
   const auto position = [&](Quantity quantity) {
     const auto& column = plan.Of(quantity);
-    return SourcePosition{file, plan.header_line, column ? column->header_column : 1};
+    return SourcePosition{source.file(), plan.header_line, column ? column->header_column : 1};
   };
   if (plan.volts_or_millivolts)
     SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
-  CheckReadable(
-      log.record,
-      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
-  // Where only the current is wanted, a wrong voltage is no reason to lose its row.
-  if (!options.voltage_optional) DropSpikes(log, collector.directions());
-  SettleSign(log,
-             collector.directions(),
-             options,
-             others,
-             position(Quantity::kCurrent),
-             plan.layout->discharge_is_positive);
+  SettleTable(
+      log, collector.directions(), options, others, position, plan.layout->discharge_is_positive);
   return log;
 }
 
@@ -531,41 +565,131 @@ Log ReadFlight(TextSource& source, const AutopilotFormat& format, const ReadOpti
   return FlightLog(source.file(), format, format.read(source.Rest(kMostFlightBytes)), options);
 }
 
-Log ReadRows(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {
-  if (const AutopilotFormat* format = FindAutopilotFormat(source.head()))
-    return ReadFlight(source, *format, options);
-  if (options.battery > 0) {
+Log ReadSource(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {
+  const AutopilotFormat* format = FindAutopilotFormat(source.head());
+  if (format == nullptr && options.battery > 0) {
     throw LoadError({source.file()},
                     "expected a flight log because of the option battery, found a table; leave it "
                     "out");
   }
-  return ReadTable(source, options, others);
+  Log log =
+      format != nullptr ? ReadFlight(source, *format, options) : ReadTable(source, options, others);
+  FinishLog(log, options);
+  return log;
+}
+
+// Where in the columns of a program something is: rows count from 1.
+void CheckColumns(const Record& record, bool voltage_optional) {
+  const std::size_t rows = record.size();
+  const auto check = [&](const Column& column, const char* name, bool may_be_absent) {
+    if (may_be_absent && column.empty()) return;
+    if (column.size() != rows) {
+      throw LoadError(
+          {record.file},
+          fmt::format("expected columns of equal lengths, found {} rows of time_s and {} "
+                      "of {}",
+                      rows,
+                      column.size(),
+                      name));
+    }
+    if (std::isfinite(Sum(column))) return;
+    for (std::size_t k = 0; k < rows; ++k) {
+      if (std::isfinite(column[k])) continue;
+      throw LoadError(
+          {record.file, k + 1, 1},
+          fmt::format("expected a finite number in {}, found {}; drop this row", name, column[k]));
+    }
+  };
+  if (rows == 0) throw LoadError({record.file}, "expected rows, found empty columns");
+  check(record.time_s, "time_s", false);
+  check(record.current_A, "current_A", false);
+  check(record.voltage_V, "voltage_V", voltage_optional);
+  check(record.temperature_degC, "temperature_degC", true);
+}
+
+// As a file is read: rows outside start_s .. end_s and those with a repeated time are left out.
+void TakeRows(Log& log, const ReadOptions& options) {
+  Record& record = log.record;
+  const Column& time_s = std::as_const(record).time_s;
+  std::vector<std::size_t> kept;
+  bool all = true;
+  const bool unix_clock = time_s.front() > kUnixClock_s;
+  const double clock_s = unix_clock ? time_s.front() : 0.0;
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    const bool selected =
+        time_s[k] - clock_s >= options.start_s && time_s[k] - clock_s <= options.end_s;
+    const bool after = k == 0 || time_s[k] > time_s[k - 1];
+    if (k > 0 && time_s[k] < time_s[k - 1]) {
+      throw LoadError({record.file, k + 1, 1},
+                      fmt::format("expected time to increase, found {:.10g} s after {:.10g} s",
+                                  time_s[k],
+                                  time_s[k - 1]));
+    }
+    if (!selected) ++log.report.dropped_unselected;
+    if (selected && !after) ++log.report.dropped_repeated_times;
+    if (selected && after) {
+      if (!all) kept.push_back(k);
+      continue;
+    }
+    if (all) {
+      for (std::size_t before = 0; before < k; ++before) kept.push_back(before);
+    }
+    all = false;
+  }
+  if (!all) {
+    if (kept.empty())
+      throw LoadError({record.file}, "expected rows within start_s and end_s, found none");
+    const auto keep = [&](Column& column) {
+      if (column.empty()) return;
+      std::vector<double> some;
+      some.reserve(kept.size());
+      for (const std::size_t k : kept) some.push_back(std::as_const(column)[k]);
+      column = std::move(some);
+    };
+    keep(record.time_s);
+    keep(record.current_A);
+    keep(record.voltage_V);
+    keep(record.temperature_degC);
+  }
+  const bool chosen = std::isfinite(options.start_s) || std::isfinite(options.end_s);
+  const double start_s = chosen ? std::as_const(record.time_s).front() : clock_s;
+  if (start_s != 0.0 && (chosen || unix_clock)) {
+    for (double& t : record.time_s) t -= start_s;
+  }
+  if (unix_clock) log.report.notes.emplace_back("times are counted from the first row");
+  log.report.rows = record.size();
 }
 
 }  // namespace
 
-OpenSignError::OpenSignError(SourcePosition position,
-                             std::string message,
-                             std::string format,
-                             std::string current_column)
-    : LoadError(std::move(position), std::move(message)),
-      format_(std::move(format)),
-      current_column_(std::move(current_column)) {}
-
 Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
   CheckOptions(options);
   TextSource source(file);
-  Log log = ReadRows(source, options, others);
-  if (options.lead_resistance_Ohm != 0.0) {
-    for (std::size_t k = 0; k < log.record.voltage_V.size(); ++k) {
-      log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
-    }
-  }
-  log.report.gaps = FindGaps(log.record);
-  if (!log.report.gaps.empty())
-    log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
-  if (auto doubt = log.report.flight ? "" : DoubtAboutTime(log.record); !doubt.empty())
-    log.report.warnings.push_back(std::move(doubt));
+  return ReadSource(source, options, others);
+}
+
+Log ReadLogText(std::string_view text,
+                const std::string& file,
+                const ReadOptions& options,
+                const SignOfOthers& others) {
+  CheckOptions(options);
+  TextSource source(file, text);
+  return ReadSource(source, options, others);
+}
+
+Log TakeLog(Record record, const ReadOptions& options) {
+  CheckOptions(options);
+  CheckColumns(record, options.voltage_optional);
+  Log log;
+  log.record = std::move(record);
+  log.record.hold = options.hold;
+  log.report.format = "columns";
+  log.report.current_column = "current_A";
+  TakeRows(log, options);
+  const auto position = [&](Quantity) { return SourcePosition{log.record.file}; };
+  std::vector<std::int8_t> directions;
+  SettleTable(log, directions, options, {}, position, false);
+  FinishLog(log, options);
   return log;
 }
 

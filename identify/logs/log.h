@@ -13,6 +13,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "identify/logs/current_sign.h"
@@ -141,5 +142,18 @@ class OpenSignError : public LoadError {
 [[nodiscard]] Log ReadLog(const std::string& file,
                           const ReadOptions& options = {},
                           const SignOfOthers& others = {});
+
+/// The same of text in memory that came from `file`, which only messages name: the table of a file
+/// that another reader took apart.
+[[nodiscard]] Log ReadLogText(std::string_view text,
+                              const std::string& file,
+                              const ReadOptions& options = {},
+                              const SignOfOthers& others = {});
+
+/// The same of columns that a program hands over: finite numbers in SI units, of equal lengths. Their
+/// current may have either sign. Of `options` columns, units, steps and cycles are of files alone.
+/// The rows of a LoadError count from 1. What is lent is copied only where something is dropped or
+/// turned.
+[[nodiscard]] Log TakeLog(Record record, const ReadOptions& options = {});
 
 }  // namespace lipoid

@@ -73,10 +73,9 @@ Record RowsOf(const Record& record, const LogPart& part) {
   Record rows;
   rows.file = record.file;
   rows.hold = record.hold;
-  const auto copy = [&](const std::vector<double>& from, std::vector<double>& to) {
+  const auto copy = [&](const Column& from, Column& to) {
     if (from.empty()) return;
-    to.assign(from.begin() + static_cast<std::ptrdiff_t>(part.first),
-              from.begin() + static_cast<std::ptrdiff_t>(part.last + 1));
+    to = Column(from.begin() + part.first, from.begin() + part.last + 1);
   };
   copy(record.time_s, rows.time_s);
   copy(record.current_A, rows.current_A);

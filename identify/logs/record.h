@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/logs/column.h"
 #include "model/battery/record_stepper.h"
 
 namespace lipoid {
@@ -15,10 +16,10 @@ namespace lipoid {
 /// values are finite. Rows are those of the whole pack until DivideByPack() made them one cell's.
 struct Record {
   std::string file;  ///< where it came from, for messages
-  std::vector<double> time_s;
-  std::vector<double> current_A;
-  std::vector<double> voltage_V;         ///< empty where only a current was wanted
-  std::vector<double> temperature_degC;  ///< empty where the log has none
+  Column time_s;
+  Column current_A;
+  Column voltage_V;         ///< empty where only a current was wanted
+  Column temperature_degC;  ///< empty where the log has none
   Hold hold = Hold::kBackward;
 
   [[nodiscard]] std::size_t size() const { return time_s.size(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
@@ -37,7 +38,7 @@ struct Scale {
   }
 };
 
-Scale FindScale(const std::vector<double>& current_A) {
+Scale FindScale(std::span<const double> current_A) {
   Scale scale;
   scale.largest_A = LargestMagnitude(current_A);
   // One noise for rest and load where it is too large to tell them apart by row.
@@ -71,13 +72,13 @@ struct Piece {
   [[nodiscard]] std::size_t rows() const { return last - first + 1; }
 };
 
-double Mean(const std::vector<double>& x, std::size_t first, std::size_t last) {
+double Mean(std::span<const double> x, std::size_t first, std::size_t last) {
   const std::size_t rows = last - first + 1;
   return Sum(std::span(x).subspan(first, rows)) / static_cast<double>(rows);
 }
 
 // The most likely first row of a new level among [first, last], given the old level.
-std::size_t ChangePoint(const std::vector<double>& x,
+std::size_t ChangePoint(std::span<const double> x,
                         std::size_t first,
                         std::size_t last,
                         double old_A) {
@@ -101,7 +102,7 @@ std::size_t ChangePoint(const std::vector<double>& x,
 }
 
 // Cuts where the level changes: Page's test in both directions around the running mean.
-std::vector<Piece> FindLevels(const std::vector<double>& x, const Scale& scale) {
+std::vector<Piece> FindLevels(std::span<const double> x, const Scale& scale) {
   // exp(-2 tolerance threshold / noise²) is the chance of a false alarm: e^-20.
   constexpr double kLogFalseAlarm = 10.0;
   std::vector<Piece> pieces;
@@ -263,8 +264,8 @@ class Cutter {
     pieces = std::move(kept);
   }
 
-  const std::vector<double>& time_s_;
-  const std::vector<double>& x_;
+  std::span<const double> time_s_;
+  std::span<const double> x_;
   Scale scale_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "identify/logs/columns.h"
 
@@ -16,13 +17,13 @@ constexpr double kStepOfCurrent = 0.1;
 
 // The jump towards a row and back again, the smaller one; 0 where the voltage goes on in the same
 // direction.
-double JumpAndBack(const std::vector<double>& v, std::size_t row) {
+double JumpAndBack(std::span<const double> v, std::size_t row) {
   const double before = v[row] - v[row - 1];
   const double after = v[row] - v[row + 1];
   return before * after > 0.0 ? std::min(std::abs(before), std::abs(after)) : 0.0;
 }
 
-bool CurrentExplains(const std::vector<double>& i, std::size_t row) {
+bool CurrentExplains(std::span<const double> i, std::size_t row) {
   const double largest = std::max({std::abs(i[row]), std::abs(i[row - 1]), std::abs(i[row + 1])});
   const auto steps = [&](std::size_t other) {
     return std::abs(i[row] - i[other]) > kStepOfCurrent * largest;
@@ -33,7 +34,7 @@ bool CurrentExplains(const std::vector<double>& i, std::size_t row) {
 }  // namespace
 
 std::vector<std::size_t> FindSpikes(const Record& record) {
-  const std::vector<double>& v = record.voltage_V;
+  const Column& v = record.voltage_V;
   if (v.size() < 4) return {};
   std::vector<std::size_t> candidates;
   for (std::size_t k = 1; k + 1 < v.size(); ++k) {

@@ -8,6 +8,8 @@
 #include <new>
 #include <utility>
 
+#include "model/core/stop.h"
+
 namespace lipoid {
 namespace {
 
@@ -58,16 +60,20 @@ std::vector<double> Monitor::Costs(const std::vector<Eigen::VectorXd>& points, i
   std::vector<double> costs(points.size(), kInfinity);
   std::vector<std::string> errors(points.size());
   std::vector<std::exception_ptr> fatal(points.size());
-  std::atomic<bool> out_of_memory = must_stop();
+  std::atomic<bool> give_up = must_stop();
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t k) {
-      if (out_of_memory) return;
+      if (give_up) return;
       try {
+        StopIfAsked();
         costs[k] = problem_.Cost(Whole(points[k].cwiseMax(lower_).cwiseMin(upper_)));
       } catch (const std::bad_alloc&) {
         fatal[k] = std::current_exception();
-        out_of_memory = true;
+        give_up = true;
+      } catch (const Stopped&) {
+        fatal[k] = std::current_exception();
+        give_up = true;
       } catch (const std::exception& error) {
         errors[k] = error.what();
       } catch (...) {
@@ -108,6 +114,7 @@ void Monitor::Evaluate(Point& point, bool gradient) {
     ++summary_.evaluations;
     summary_.gradient_evaluations += gradient ? 1 : 0;
     try {
+      StopIfAsked();
       if (!gradient) {
         point.cost = problem_.Cost(whole);
       } else if (least_squares()) {
@@ -124,6 +131,8 @@ void Monitor::Evaluate(Point& point, bool gradient) {
       }
       finite = std::isfinite(point.cost) && point.gradient.allFinite();
     } catch (const std::bad_alloc&) {
+      fatal_ = std::current_exception();
+    } catch (const Stopped&) {
       fatal_ = std::current_exception();
     } catch (const std::exception& error) {
       if (first_error_.empty()) first_error_ = error.what();

@@ -6,7 +6,7 @@
 /// - Only the free parameters are moved: those with equal bounds are taken out.
 /// - Every point is put onto the bounds before the problem sees it.
 /// - A cost of NaN, an infinite one and an exception are a failed evaluation, +infinity: nothing is
-///   thrown through a library. std::bad_alloc is kept, and thrown by Finish().
+///   thrown through a library. std::bad_alloc and Stopped are kept, and thrown by Finish().
 /// - Evaluations are counted as the problem saw them. A point that is asked again at once, or the
 ///   best one, is remembered.
 /// - The answer is the best point seen, and how the best cost fell is kept.
@@ -55,7 +55,7 @@ class Monitor {
   /// Costs of many points by so many threads (0: all there are). They count in order.
   std::vector<double> Costs(const std::vector<Eigen::VectorXd>& points, int threads);
 
-  /// For libraries that would go on: memory has run out.
+  /// For libraries that would go on: memory has run out, or somebody asked to stop.
   [[nodiscard]] bool must_stop() const { return fatal_ != nullptr; }
 
   [[nodiscard]] const Eigen::VectorXd& best() const { return best_.x; }  ///< free parameters

@@ -35,7 +35,7 @@ namespace {
 using pagmo::vector_double;
 
 // Ends an evolution from within: pagmo is C++ and lets it pass.
-struct OutOfMemory {};
+struct GiveUp {};
 
 Eigen::VectorXd Point(const double* x, int size) {
   return Eigen::Map<const Eigen::VectorXd>(x, size);
@@ -48,7 +48,7 @@ struct Objective {
 
   [[nodiscard]] vector_double fitness(const vector_double& x) const {
     const double cost = monitor->Cost(Point(x.data(), monitor->size()));
-    if (monitor->must_stop()) throw OutOfMemory();
+    if (monitor->must_stop()) throw GiveUp();
     return {cost};
   }
   [[nodiscard]] std::pair<vector_double, vector_double> get_bounds() const {
@@ -68,7 +68,7 @@ struct Generation {
       all.push_back(Point(points.data() + k, monitor.size()));
     }
     vector_double costs = monitor.Costs(all, objective->threads);
-    if (monitor.must_stop()) throw OutOfMemory();
+    if (monitor.must_stop()) throw GiveUp();
     return costs;
   }
   template <class Archive>
@@ -152,7 +152,7 @@ OptimizationSummary Evolve(Monitor& monitor,
                               "The best cost has stopped falling (stall, function_tolerance).");
       }
     }
-  } catch (const OutOfMemory&) {  // Finish() throws it
+  } catch (const GiveUp&) {  // Finish() throws it
   }
   return monitor.Finish(Termination::kMaxIterations, kMostIterations);
 }
@@ -277,7 +277,7 @@ OptimizationSummary MinimizeSimulatedAnnealing(const OptimizationProblem& proble
                               "A round of cooling moved the best point little (step_tolerance).");
       }
     }
-  } catch (const OutOfMemory&) {  // Finish() throws it
+  } catch (const GiveUp&) {  // Finish() throws it
   }
   return monitor.Finish(Termination::kMaxIterations, kMostIterations);
 }

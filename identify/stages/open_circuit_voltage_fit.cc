@@ -15,6 +15,7 @@
 #include "identify/stages/row_factor.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -164,6 +165,7 @@ NodeSums SumRows(const std::vector<double>& nodes,
   std::vector<double> inverse(n - 1);
   for (std::size_t j = 0; j + 1 < n; ++j) inverse[j] = 1.0 / (nodes[j + 1] - nodes[j]);
   std::vector<NodeSums> pieces((count + kPiece - 1) / kPiece, NodeSums(n));
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
     NodeSums& sums = pieces[p];
     std::size_t j = n - 2;

@@ -11,6 +11,7 @@
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 
 namespace lipoid {
 namespace {
@@ -487,6 +488,7 @@ Sum VoltageSweep::SumOverLogs(const JointStructure& structure,
                               const Sum& zero,
                               Add add) const {
   std::vector<Sum> sums(logs_.size(), zero);
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     SumVisitor<Sum, Add> visitor(logs_[k].weight, zero, add);
     Sweep(k, structure, rates, x, visitor);
@@ -502,6 +504,7 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
   const int columns = Columns(branches) + 1;
   std::vector<Eigen::MatrixXd> factors(logs_.size());
   const JointSolution at = SolutionOf(parameters);
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     FactorVisitor visitor(at.x.data(), branches, logs_[k].weight, jacobian);
     Sweep(k, at.structure, at.rates, jacobian ? &at.x : nullptr, visitor);
@@ -544,6 +547,7 @@ std::vector<FittedRows> VoltageSweep::Means(const JointStructure& structure,
   Require(!how_.coarse, "a sweep that is not coarse");
   std::vector<FittedRows> means(logs_.size());
   const std::size_t all = rows();
+  StopIfAsked();
   tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
     const CondensedLog& log = (*condensed_)[k];
     MeansVisitor visitor(x, RateSlots(structure).size(), log, all <= most);

@@ -21,4 +21,7 @@ static_assert(std::is_sorted(std::begin(kStudies),
                              std::end(kStudies),
                              [](const auto& a, const auto& b) { return a.name < b.name; }));
 
+/// OptionError that names the nearest where there is none of that name.
+[[nodiscard]] const Study& FindStudy(std::string_view name);
+
 }  // namespace lipoid

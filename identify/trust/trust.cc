@@ -11,6 +11,7 @@
 #include "identify/trust/trust_sentence.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "model/statistics/order_statistics.h"
 #include "model/statistics/student.h"
 
@@ -376,12 +377,14 @@ class Assessment {
     }
     const std::vector<Batch> batches = Batches();
     tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t k) {
+      StopIfAsked();
       FindDesignsOfResiduals(batches[k], designs[batches[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());
     variances_.resize(logs_.size());
     tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+      StopIfAsked();
       const CorrelationModel& model = models_[l];
       variances_[l] = model.Fit(model.Variogram(logs_[l].residual_V.transpose()), designs[l]);
       noise[l] = model.Simulate(variances_[l], series, options_.seed, Stream(l, 0));

@@ -167,10 +167,9 @@ TEST(Hostile, CellsInParallelAreJudgedLikeThoseInSeries) {
   std::ofstream(folder + "/log.csv")
       << "time_s,current_A,voltage_V\n0,0,4.1\n1,0.1,4.0\n2,0.1,3.9\n3,0,4.0\n";
   for (const std::string key : {"series", "parallel"}) {
-    std::ofstream(folder + "/c.toml")
-        << "[cell]\ncutoff_V = 3.0\n" + key + " = 100000\n"
-        << "[[log]]\nkind = \"pulses\"\nfile = \"log.csv\"\n"
-        << "current_sign = \"discharge-positive\"\n";
+    std::ofstream(folder + "/c.toml") << "[cell]\ncutoff_V = 3.0\n" + key + " = 100000\n"
+                                      << "[[log]]\nkind = \"pulses\"\nfile = \"log.csv\"\n"
+                                      << "current_sign = \"discharge-positive\"\n";
     const auto run = Refused(folder, {"identify", "c.toml", "-o", "cell.json"});
     EXPECT_EQ(run.exit_code, 3) << key;
     EXPECT_NE(run.err.find("is `" + key + "` too large?"), std::string::npos) << run.err;

@@ -309,8 +309,9 @@ TEST(NothingLost, SeveralFilesAppearTogetherOrNotAtAll) {
       << run.err;
   EXPECT_EQ(ReadTextFile(folder + "/out.csv"), "old");
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"log.csv", "out.csv"}));
-  EXPECT_EQ(RunLipoid(folder, {"export-controller", "-o", "code", "--summary", "/dev/full"}).exit_code,
-            2);
+  EXPECT_EQ(
+      RunLipoid(folder, {"export-controller", "-o", "code", "--summary", "/dev/full"}).exit_code,
+      2);
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"log.csv", "out.csv"}));
 }
 

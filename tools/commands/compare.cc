@@ -5,9 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "identify/comparison/compare_optimizers.h"
 #include "identify/comparison/comparison_report.h"
-#include "identify/stages/staged_run.h"
+#include "identify/comparison/comparison_run.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
@@ -23,32 +22,6 @@ namespace {
 using cli::Align;
 using cli::Significant;
 using cli::TextTable;
-
-// The default: those that the thesis compares.
-std::string ThesisNames() {
-  std::vector<std::string_view> names;
-  for (const auto& entry : Optimizers()) {
-    if (entry.in_thesis) names.push_back(entry.name);
-  }
-  return fmt::format("{}", fmt::join(names, ","));
-}
-
-// "sqp,bobyqa": each once, in the order written; "all".
-std::vector<const OptimizerEntry*> Chosen(const std::string& text) {
-  std::vector<const OptimizerEntry*> chosen;
-  if (text == "all") {
-    for (const auto& entry : Optimizers()) chosen.push_back(&entry);
-    return chosen;
-  }
-  for (const std::string& name : SplitAt(text, ',')) {
-    const OptimizerEntry& entry = FindOptimizer(name);
-    if (std::find(chosen.begin(), chosen.end(), &entry) != chosen.end()) {
-      throw OptionError(fmt::format("option --optimizers: {} stands there twice", entry.name));
-    }
-    chosen.push_back(&entry);
-  }
-  return chosen;
-}
 
 std::string UnitOf(const PulseVariable& v) {
   switch (v.kind) {
@@ -165,13 +138,10 @@ std::string BestText(const Comparison& comparison) {
 cli::ExitCode CompareCommand(cli::CommandLine& line) {
   std::vector<std::string> files;
   StagedArguments staged;
-  OptimizerSettings settings;
-  ComparisonOptions options;
-  std::string names = ThesisNames();
+  ComparisonRequest request;
+  std::string names = fmt::format("{}", fmt::join(ThesisOptimizers(), ","));
   std::string csv;
   LatexOption latex;
-  int starts = 0;
-  bool time_constants = false;
 
   line.Describe(
       "Runs optimizers on the same logs, from the same start, with the same objective: stage 3 of "
@@ -187,8 +157,9 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
             names,
             "NAME,NAME,...",
             "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
-  line.Option("starts", starts, Range{0, 100000}, "random starts of each, besides the data's");
-  line.Flag("time-constants", time_constants, "tau_j as unknowns, instead of c_j");
+  line.Option(
+      "starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
+  line.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
   line.OutputOption(
       "csv",
       csv,
@@ -196,63 +167,41 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
       "write one line per optimizer and start: start, seed, cost, time, why it ended");
   latex.AddTo(line);
   staged.AddTo(line);
-  line.Group("", options);
+  line.Group("", request.options);
   staged.AddGroupsTo(line);
   for (const auto& entry : Optimizers()) {
     line.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
-      entry.set(settings, name, text);
+      entry.set(request.settings, name, text);
     });
   }
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const auto optimizers = Chosen(names);
+  request.optimizers = FindOptimizers(SplitAt(names, ','));
   const auto campaigns = staged.Campaigns(line, files);
   if (campaigns.size() > 1) throw OptionError("one campaign at a time");
   const Campaign& campaign = campaigns[0];
-  settings.context.seed = line.seed();
-  settings.context.threads = 0;  // as many as --threads lets run
+  request.staged = staged.options;
+  request.given = staged.given;
+  request.settings.context.seed = line.seed();
+  request.settings.context.threads = 0;  // as many as --threads lets run
 
   CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
-  const PulseTask task = PreparePulses(campaign, logs, staged.options, staged.given);
-  const PulseUnknowns unknowns = FindPulseUnknowns(
-      task.sweep.setup(),
-      task.data,
-      {.branches = staged.options.pulses.branches,
-       .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
-       .unknown = time_constants ? BranchUnknown::kTimeConstant : BranchUnknown::kCapacitance,
-       .scale = options.scaling},
-      staged.given.parameters);
-  if (unknowns.variables.empty()) {
-    throw OptionError("every parameter is held by --fix: there is nothing to compare");
-  }
-  const Comparison comparison = CompareOptimizers(
-      task.sweep, unknowns, optimizers, settings, starts, options, [&](auto what, double share) {
+  const ComparisonRunResult result =
+      RunComparison(campaign, logs, request, [&](auto what, double share) {
         line.progress().Update(0.1 + 0.9 * share, what);
       });
-
+  const PulseTask& task = result.task;
+  const Comparison& comparison = result.comparison;
+  line.summary() = ComparisonRunToJson(campaign, request, result);
   const bool diffusion = task.sweep.setup().diffusion;
-  Json report = ComparisonToJson(comparison, diffusion);
-  line.summary() = {{"campaign", campaign.name},
-                    {"rows", task.sweep.rows()},
-                    {"points", task.sweep.points()},
-                    {"alpha_C", task.found.alpha_C},
-                    {"alpha_source", task.found.alpha_source},
-                    {"done_instead", task.found.done_instead},
-                    {"options", OptionsToJson<Json>(options)}};
-  line.summary()["options"].update(staged.ToJson());
-  for (const OptimizerEntry* optimizer : optimizers) {
-    Json& own = line.summary()["options"][std::string(optimizer->name)];
-    for (const auto& [name, value] : optimizer->values(settings)) own[name] = value;
-  }
-  line.summary().update(report);
   if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, campaign.name, diffusion));
 
   for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
   const std::string problem = ProblemText(task, comparison, latex);
-  const std::string results = ResultsText(comparison, starts, latex);
+  const std::string results = ResultsText(comparison, request.starts, latex);
   const std::string parameters = ParametersText(comparison, latex);
   line.Print("{}\n{}\n{}\n{}", problem, results, parameters, BestText(comparison));
   latex.Write(line);

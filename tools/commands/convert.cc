@@ -3,6 +3,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "identify/logs/inspection_report.h"
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
 #include "model/core/errors.h"

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "identify/export/export_report.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "model/battery/cell_file.h"
@@ -35,12 +36,6 @@ std::string TargetHelp() {
   return fmt::format("{}", fmt::join(rows, "; "));
 }
 
-// "beside it, with its stem": dir/frame.json and ".parm" are dir/frame.parm.
-std::string Beside(const std::string& output, const std::string& suffix) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / (path.stem().string() + suffix)).string();
-}
-
 // An option that this target does not take is a mistake of the user's, not to be passed over.
 void RequireTaken(const cli::CommandLine& line,
                   const ExportTarget& target,
@@ -56,23 +51,6 @@ void RequireTaken(const cli::CommandLine& line,
                   target.name,
                   takers.empty() ? "no target" : fmt::format("{}", fmt::join(takers, ", ")),
                   takers.size() > 1 ? "do" : "does"));
-}
-
-Json ErrorJson(const std::optional<ExportError>& error) {
-  if (!error) return nullptr;
-  return {{"rmse_V", NumberOrNull(error->rmse_V)},
-          {"max_error_V", NumberOrNull(error->max_error_V)},
-          {"worst_s", error->worst_s},
-          {"worst_soc", error->worst_soc}};
-}
-
-Json ErrorJson(const std::optional<ExportChargeError>& error) {
-  if (!error) return nullptr;
-  return {{"rms", NumberOrNull(error->rms)},
-          {"max_error", NumberOrNull(error->max_error)},
-          {"worst_s", error->worst_s},
-          {"lifetime_percent",
-           error->lifetime_percent ? Json(*error->lifetime_percent) : Json(nullptr)}};
 }
 
 // The first line: what it is and how good.
@@ -150,7 +128,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   for (const auto* const option : {"branches", "precision", "into"})
     RequireTaken(line, target, option);
   std::vector<std::string> outputs;
-  for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(Beside(output, suffix));
+  for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(FileBeside(output, suffix));
   if (!outputs.empty() && output == cli::OutputPath("-")) {
     throw OptionError(fmt::format(
         "option -o: {} writes {} files; name the first one", target.name, outputs.size() + 1));
@@ -224,28 +202,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   const Exported exported = Export(target, request);
 
   Json& summary = line.summary();
-  summary["target"] = target.name;
-  summary["kind"] = KindName(target.kind);
-  const auto versions = target.Versions();
-  summary["target_version"] = !version.empty()   ? Json(version)
-                              : versions.empty() ? Json(nullptr)
-                                                 : Json(versions.front());
-  summary["series"] = request.cell.series;
-  summary["parallel"] = request.cell.parallel;
-  summary["parameters"] = Json::object();
-  for (const auto& parameter : exported.parameters)
-    summary["parameters"][parameter.name] = NumberOrNull(parameter.value);
-  const Json error = ErrorJson(exported.error);
-  for (const auto* const key : {"rmse_V", "max_error_V", "worst_s", "worst_soc"})
-    summary[key] = error.is_null() ? Json(nullptr) : error[key];
-  summary["naive"] = ErrorJson(exported.naive);
-  summary["charge_error"] = ErrorJson(exported.charge_error);
-  summary["naive_charge_error"] = ErrorJson(exported.naive_charge_error);
-  summary["mission"] = request.mission.name;
-  summary["mission_rows"] = request.mission.time_s.size();
-  summary["cannot_hold"] = exported.cannot_hold;
-  summary["notes"] = exported.notes;
-  summary["sha256"] = request.sha256;
+  summary = ExportToJson(target, request, exported);
   summary["files"] = Json::array();
 
   cli::TextTable table({{"parameter", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}});
@@ -261,7 +218,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   }
   for (std::size_t k = 0; k < exported.files.size(); ++k) {
     const auto& file = exported.files[k];
-    const std::string path = k == 0 ? output : Beside(output, file.suffix);
+    const std::string path = k == 0 ? output : FileBeside(output, file.suffix);
     Require(k == 0 || std::find(outputs.begin(), outputs.end(), path) != outputs.end(),
             "every file of a target is declared in its row");
     WriteFileAtomically(path, file.content);

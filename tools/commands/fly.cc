@@ -11,6 +11,7 @@
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
 #include "model/flight/flight_log.h"
+#include "model/flight/flight_report.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
@@ -35,45 +36,6 @@ constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Batter
 // A log of every control step takes 60 kB a second: of a flight that takes longer, it is thinned.
 constexpr double kLongFlight_s = 600.0;
 constexpr double kLongFlightLogStep_s = 1.0;
-
-Json Summary(const FlightResult& flight) {
-  Json trim = {{"possible", flight.trim.possible()},
-               {"speed_rad_per_s", flight.trim.speed_rad_per_s},
-               {"duty", flight.trim.duty},
-               {"battery_V", flight.trim.battery_V},
-               {"battery_A", flight.trim.battery_A}};
-  Json summary = {{"outcome", options_internal::ToText(flight.outcome)},
-                  {"reason", flight.reason},
-                  {"trim", std::move(trim)},
-                  {"steps", flight.steps},
-                  {"simulated_s", flight.simulated_s},
-                  {"wall_s", flight.wall_s},
-                  {"peak_altitude_error_m", flight.peak_altitude_error_m},
-                  {"mse_altitude_m2", NumberOrNull(flight.mse_altitude_m2)},
-                  {"mse_pitch_deg2", NumberOrNull(flight.mse_pitch_deg2)},
-                  {"charge_C", NumberOrNull(flight.charge_C)},
-                  {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
-                  {"final_soc", NumberOrNull(flight.final_soc)},
-                  {"minimum_voltage_V", NumberOrNull(flight.minimum_voltage_V)},
-                  {"saturated_share", flight.saturated_share}};
-  if (std::isfinite(flight.final_temperature_degC))
-    summary["final_temperature_degC"] = flight.final_temperature_degC;
-  if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
-  return summary;
-}
-
-// Above the voltage at rest it would land before it took off.
-void CheckLandingVoltage(const FlightSetup& setup) {
-  const double full_V =
-      setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
-                 : setup.xi * setup.vehicle.nominal_voltage_V;
-  if (setup.land_below_V < full_V) return;
-  throw OptionError(fmt::format(
-      "option --land-below-V: {:g} V is not below the {:.4g} V that the battery has at rest when it "
-      "takes off; give less",
-      setup.land_below_V,
-      full_V));
-}
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
   cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}});
@@ -102,32 +64,6 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
     row("saturated", fmt::format("{:.1f}", 100.0 * flight.saturated_share), "% of the steps");
   }
   line.Print("{}", table.Text());
-}
-
-struct FlightNumber {
-  std::string_view key;
-  std::string_view what;
-  double FlightResult::*of;
-};
-
-// What an ensemble gives intervals of.
-constexpr FlightNumber kFlightNumbers[] = {
-    {"final_soc", "soc at the end", &FlightResult::final_soc},
-    {"minimum_voltage_V", "lowest voltage / V", &FlightResult::minimum_voltage_V},
-    {"simulated_s", "flown / s", &FlightResult::simulated_s},
-    {"mse_altitude_m2", "altitude error / m^2", &FlightResult::mse_altitude_m2},
-    {"charge_C", "charge / C", &FlightResult::charge_C}};
-
-Json EnsembleSummary(const std::vector<FlightResult>& flights) {
-  Json intervals = Json::object();
-  for (const FlightNumber& number : kFlightNumbers) {
-    const auto [low, high] = IntervalOf(flights, number.of);
-    intervals[std::string(number.key)] = {NumberOrNull(low), NumberOrNull(high)};
-  }
-  return {{"completed", CountOf(flights, Outcome::kCompleted)},
-          {"crashed", CountOf(flights, Outcome::kCrashed)},
-          {"battery_empty", CountOf(flights, Outcome::kBatteryEmpty)},
-          {"interval_95", std::move(intervals)}};
 }
 
 void PrintEnsemble(cli::CommandLine& line,
@@ -258,12 +194,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Maneuver& maneuver = FindManeuver(maneuver_name);
-  if (maneuver.needs_file != !request.waypoints_file.empty()) {
-    throw OptionError(maneuver.needs_file
-                          ? "maneuver waypoints needs a file of places: --waypoints FILE"
-                          : fmt::format("option --waypoints is for the maneuver waypoints, not {}",
-                                        maneuver.name));
-  }
   for (const auto& [name, own] : values) {
     if (name != maneuver.name) {
       throw OptionError(fmt::format("option --set {}.{}: the maneuver is {}",
@@ -314,17 +244,10 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.xi = xi.value_or(1.0);
   if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
   setup.vehicle = LoadVehicle(vehicle_name);
-  CheckLandingVoltage(setup);
-  (void)FindControlLaw(setup.controller.law);  // before anything is computed
+  CheckFlight(setup, maneuver, request, duration_s.has_value());
   setup.gains = LoadGains(gains_name);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
-  if (maneuver.until_empty && !setup.cell && !duration_s) {
-    throw OptionError(
-        fmt::format("maneuver {} ends with an empty battery, and an ideal source is never empty: "
-                    "give --duration",
-                    maneuver.name));
-  }
   FlightPlan plan = maneuver.plan(request);
   if (duration_s) plan.duration_s = *duration_s;
 
@@ -356,21 +279,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                  kControlStep_s);
   }
 
-  line.summary() = Summary(flight);
-  line.summary()["maneuver"] = maneuver.name;
-  line.summary()["maneuver_options"] = Json::object();
-  if (maneuver.values != nullptr) {
-    for (const auto& [name, value] : maneuver.values(request))
-      line.summary()["maneuver_options"][name] = value;
-  }
-  line.summary()["vehicle"] = setup.vehicle.name;
-  line.summary()["battery"] =
-      setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
-  line.summary()["gains"] = setup.gains.name;
+  line.summary() = FlightToJson(flight);
+  line.summary().update(FlownToJson(setup, maneuver, request));
   PrintFlight(line, maneuver.name, flight);
   if (ensemble.asked()) {
     line.summary()["ensemble"] = std::move(drawn.json);
-    line.summary()["ensemble"].update(EnsembleSummary(flights));
+    line.summary()["ensemble"].update(FlightsToJson(flights));
     PrintEnsemble(line, flight, flights);
   }
   line.Message("{} on {}, {} gains{}",

@@ -8,6 +8,7 @@
 
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
+#include "identify/logs/inspection_report.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
@@ -83,20 +84,6 @@ std::string BatteryText(const FlightFacts& flight) {
     told.push_back(fmt::format("{:.4g} Ah", flight.capacity_Ah));
   if (!told.empty()) text += fmt::format("; {} as the autopilot was told", fmt::join(told, ", "));
   return text;
-}
-
-Json ToJson(const FlightFacts& flight) {
-  return {{"vehicle", flight.vehicle},
-          {"battery", flight.battery},
-          {"batteries", flight.batteries},
-          {"cells", flight.cells > 0 ? Json(flight.cells) : Json(nullptr)},
-          {"capacity_Ah", NumberOrNull(flight.capacity_Ah)},
-          {"voltage_update_s", flight.voltage_update_s},
-          {"current_update_s", flight.current_update_s},
-          {"messages", flight.messages},
-          {"skipped_bytes", flight.skipped_bytes},
-          {"damaged_places", flight.damaged_places},
-          {"cut_last_message", flight.cut_last_message}};
 }
 
 std::string CountsByKind(const std::vector<Segment>& segments) {
@@ -264,55 +251,6 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
   line.Print("{}", table.Text());
 }
 
-Json ToJson(const Spread& spread) {
-  return {{"least", spread.least}, {"median", spread.median}, {"largest", spread.largest}};
-}
-
-Json ToJson(const Inspection& log) {
-  Json segments = Json::array();
-  for (const Segment& segment : log.segments) {
-    segments.push_back({{"kind", Name(segment.kind)},
-                        {"first_row", segment.first},
-                        {"last_row", segment.last},
-                        {"start_s", segment.start_s},
-                        {"end_s", segment.end_s},
-                        {"current_A", segment.current_A},
-                        {"charge_C", segment.charge_C}});
-  }
-  Json json = {{"file", log.file},
-               {"format", log.report.format},
-               {"rows", log.report.rows},
-               {"duration_s", log.duration_s},
-               {"sampling_s", ToJson(log.sampling_s)},
-               {"current_sign", log.report.current_sign},
-               {"current_sign_reason", log.report.current_sign_reason},
-               {"current_sign_is_of_others", log.report.current_sign_is_of_others},
-               {"current_A", ToJson(log.current_A)},
-               {"voltage_V", ToJson(log.voltage_V)},
-               {"charge_out_C", log.charge_out_C},
-               {"charge_in_C", log.charge_in_C},
-               {"segments", std::move(segments)},
-               {"suggested_kind", nullptr},
-               {"suggested_kind_reason", log.suggestion.reason}};
-  json.update(ReadingToJson(log.report));
-  if (log.report.flight) json["flight"] = ToJson(*log.report.flight);
-  if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
-  if (log.suggestion.kind) json["suggested_kind"] = Name(*log.suggestion.kind);
-  json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);
-  json["series"] = CellsInSeries(log.voltage_V.largest);
-  json["parts"] = Json::array();
-  for (const Inspection& part : log.parts) {
-    json["parts"].push_back(
-        {{"start_s", part.part_start_s},
-         {"end_s", part.part_end_s},
-         {"charge_out_C", part.charge_out_C},
-         {"start_voltage_V", NumberOrNull(part.start_voltage_V)},
-         {"suggested_kind",
-          part.suggestion.kind ? Json(Name(*part.suggestion.kind)) : Json(nullptr)}});
-  }
-  return json;
-}
-
 // The keys of a [[log]] that are not as they are anyway, and why.
 Json ToJson(const CampaignDraft::Entry& entry) {
   const CampaignLog& log = entry.log;
@@ -443,7 +381,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   for (const auto& file : files) {
     if (file.inspection) {
       PrintInspection(line, *file.inspection, all_segments);
-      rows.push_back(ToJson(*file.inspection));
+      rows.push_back(InspectionToJson(*file.inspection));
     } else {
       problems.push_back(file.problems.front());
       rows.push_back({{"file", file.file}, {"error", LoadError(file.problems).what()}});

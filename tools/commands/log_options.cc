@@ -82,25 +82,6 @@ std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns) {
   return files;
 }
 
-Json ReadingToJson(const LogReport& report) {
-  Json gaps = Json::array();
-  for (const Gap& gap : report.gaps) {
-    gaps.push_back({{"row", gap.row},
-                    {"start_s", gap.start_s},
-                    {"length_s", gap.length_s},
-                    {"unknown_C", gap.unknown_C}});
-  }
-  return {{"dropped_rows", report.dropped_rows()},
-          {"dropped_repeated_times", report.dropped_repeated_times},
-          {"dropped_unselected", report.dropped_unselected},
-          {"dropped_cut_last_line", report.dropped_cut_last_line},
-          {"dropped_spikes", report.dropped_spikes},
-          {"dropped_unknown", report.dropped_unknown},
-          {"gaps", std::move(gaps)},
-          {"warnings", report.warnings},
-          {"notes", report.notes}};
-}
-
 std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
   std::vector<LoadedLog> logs = LoadCampaign(campaign);
   for (const std::string& note : NotesOnLogs(logs)) line.Message("{}", note);

@@ -39,10 +39,6 @@ struct PackOptions {
 /// The files of all their logs.
 [[nodiscard]] std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns);
 
-/// What reading a log dropped, where its gaps are, warnings and notes: keys of --summary that
-/// commands share.
-[[nodiscard]] Json ReadingToJson(const LogReport& report);
-
 /// LoadCampaign(), with a message for each of NotesOnLogs().
 [[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);
 

@@ -1,11 +1,10 @@
 // lipoid plan CELL: what an experiment would tell, before the lab is booked.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "identify/trust/experiment_plan.h"
-#include "identify/trust/trust_report.h"
+#include "identify/trust/plan_grid.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
@@ -33,14 +32,14 @@ std::vector<double> ReadNumbers(const std::string& option,
 
 cli::ExitCode PlanCommand(cli::CommandLine& line) {
   const SynthesisOptions thesis;
-  constexpr std::size_t kMostVariations = 1000;
   constexpr double kYear_s = 3.2e7;
   std::string cell_name;
   std::string pulse_s = fmt::format("{}", thesis.pulse_s);
   std::string rest_s = fmt::format("{}", thesis.rest_s);
   std::string rate_C;
   std::string sampling_s = "1";
-  PlannedNoise noise;
+  PlanGrid grid;
+  PlannedNoise& noise = grid.noise;
   line.Describe(
       "Predicts the standard errors that a pulse experiment would give for a cell like this one, "
       "before the lab is booked: the thesis' protocol, and variations of its pulses. Lists "
@@ -59,81 +58,43 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Cell cell = LoadCell(cell_name);
-  const auto pulses = ReadNumbers("pulse-s", pulse_s, Range{1e-6, kYear_s});
-  const auto rests = ReadNumbers("rest-s", rest_s, Range{0.0, kYear_s});
-  const auto rates = rate_C.empty() ? std::vector<double>{HighestSuitableRate(cell)}
-                                    : ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
-  const auto samplings = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
-  const double shortest_s = *std::min_element(samplings.begin(), samplings.end());
-  const Cell seen = AsSampled(cell, shortest_s);
-  const std::size_t variations = pulses.size() * rests.size() * rates.size() * samplings.size();
-  if (variations > kMostVariations) {
-    throw OptionError(fmt::format(
-        "{} variations; at most {} at a time, so shorten a list", variations, kMostVariations));
-  }
+  grid.pulse_s = ReadNumbers("pulse-s", pulse_s, Range{1e-6, kYear_s});
+  grid.rest_s = ReadNumbers("rest-s", rest_s, Range{0.0, kYear_s});
+  if (!rate_C.empty()) grid.rate_C = ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
+  grid.sampling_s = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
+  const PlanGridResult result =
+      PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
 
-  Json rows = Json::array();
   std::optional<cli::TextTable> table;
-  std::string advice;
-  std::size_t done = 0;
-  for (const double rate : rates) {
-    for (const double pulse : pulses) {
-      for (const double rest : rests) {
-        for (const double sampling : samplings) {
-          line.progress().Update(static_cast<double>(done++) / static_cast<double>(variations),
-                                 "planning");
-          SynthesisOptions options;
-          options.pulse_rate_C = rate;
-          options.pulse_s = pulse;
-          options.rest_s = rest;
-          options.sampling_s = sampling;
-          const PlannedExperiment plan = PlanExperiment(seen, options, noise);
-          std::vector<std::string> cells{cli::Significant(rate, 3),
-                                         cli::Significant(pulse, 3),
-                                         cli::Significant(rest, 4),
-                                         cli::Significant(sampling, 3),
-                                         cli::Significant(plan.duration_s / 3600.0, 3),
-                                         fmt::format("{}", plan.rows)};
-          std::vector<cli::TextTable::Column> columns{
-              {"rate_C"}, {"pulse_s"}, {"rest_s"}, {"sampling_s"}, {"hours"}, {"rows"}};
-          std::string doubts;
-          for (const auto& q : plan.trust.quantities) {
-            columns.push_back({q.name + "_%"});
-            cells.push_back(std::isinf(q.standard_error)
-                                ? "unknown"
-                                : cli::Significant(100.0 * q.relative_standard_error, 3));
-            if (q.verdict != Verdict::kIdentified)
-              doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
-          }
-          columns.push_back({"verdict", cli::Align::kLeft});
-          cells.push_back(doubts.empty() ? "all identified" : doubts);
-          if (!table) table.emplace(columns);
-          table->Row(cells);
-          rows.push_back({{"rate_C", rate},
-                          {"current_A", plan.current_A},
-                          {"pulse_s", pulse},
-                          {"rest_s", rest},
-                          {"sampling_s", sampling},
-                          {"duration_s", plan.duration_s},
-                          {"rows", plan.rows},
-                          {"parameters", TrustedParametersToJson(plan.trust)},
-                          {"sentence", plan.trust.sentence}});
-          advice = plan.trust.sentence;
-        }
-      }
+  for (const PlannedVariation& one : result.variations) {
+    const PlannedExperiment& plan = one.plan;
+    std::vector<std::string> cells{cli::Significant(one.rate_C, 3),
+                                   cli::Significant(one.pulse_s, 3),
+                                   cli::Significant(one.rest_s, 4),
+                                   cli::Significant(one.sampling_s, 3),
+                                   cli::Significant(plan.duration_s / 3600.0, 3),
+                                   fmt::format("{}", plan.rows)};
+    std::vector<cli::TextTable::Column> columns{
+        {"rate_C"}, {"pulse_s"}, {"rest_s"}, {"sampling_s"}, {"hours"}, {"rows"}};
+    std::string doubts;
+    for (const auto& q : plan.trust.quantities) {
+      columns.push_back({q.name + "_%"});
+      cells.push_back(std::isinf(q.standard_error)
+                          ? "unknown"
+                          : cli::Significant(100.0 * q.relative_standard_error, 3));
+      if (q.verdict != Verdict::kIdentified)
+        doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
     }
+    columns.push_back({"verdict", cli::Align::kLeft});
+    cells.push_back(doubts.empty() ? "all identified" : doubts);
+    if (!table) table.emplace(columns);
+    table->Row(cells);
   }
-  const auto left_out = LeftOutOfPlan(cell, shortest_s);
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
              table->Text());
-  if (variations == 1) line.Print("{}\n\n", advice);
-  line.Print("{}", cli::Bullets("Left out", left_out));
-  line.summary()["cell"] = cell.name;
-  line.summary()["noise"] = {{"white_V", noise.white_V},
-                             {"coloured_V", noise.coloured_V},
-                             {"correlation_s", noise.correlation_s}};
-  line.summary()["rows"] = std::move(rows);
-  line.summary()["left_out"] = left_out;
+  if (result.variations.size() == 1) line.Print("{}\n\n", result.variations[0].plan.trust.sentence);
+  line.Print("{}", cli::Bullets("Left out", result.left_out));
+  line.summary() = PlanGridToJson(cell, grid, result);
   return cli::ExitCode::kDone;
 }
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "identify/identification.h"
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
@@ -128,20 +129,6 @@ std::vector<Campaign> StagedArguments::Campaigns(cli::CommandLine& line,
   return campaigns;
 }
 
-Json StagedArguments::ToJson() const {
-  Json json = {{"discharge_times", OptionsToJson<Json>(options.discharge_times)},
-               {"open_circuit_voltage", OptionsToJson<Json>(options.open_circuit_voltage)},
-               {"pulses", OptionsToJson<Json>(options.pulses)}};
-  Json known = Json::object();
-  if (given.alpha_C) known["alpha_C"] = *given.alpha_C;
-  if (given.open_circuit_voltage) {
-    known["open_circuit_voltage"] = given.open_circuit_voltage_source;
-  }
-  if (!given.parameters.fixed.empty()) known["fix"] = given.parameters.fixed;
-  if (!given.parameters.start.empty()) known["start"] = given.parameters.start;
-  if (!given.parameters.bounds.empty()) known["bounds"] = given.parameters.bounds;
-  json["given"] = std::move(known);
-  return json;
-}
+Json StagedArguments::ToJson() const { return StagedOptionsToJson(options, given); }
 
 }  // namespace lipoid

@@ -8,7 +8,6 @@
 #include "identify/studies/studies.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
-#include "model/core/nearest_name.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/latex_option.h"
@@ -16,15 +15,6 @@
 
 namespace lipoid {
 namespace {
-
-const Study& FindStudy(const std::string& name) {
-  std::vector<std::string> known;
-  for (const Study& study : kStudies) {
-    if (study.name == name) return study;
-    known.emplace_back(study.name);
-  }
-  throw OptionError(UnknownName("study", name, known));
-}
 
 std::string JoinedWords(const Json& array) {
   return fmt::format("{}", fmt::join(array.get<std::vector<std::string>>(), " "));

@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "model/core/errors.h"
@@ -41,12 +43,37 @@ TextSource::TextSource(std::string file)
     ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
   }
   try {
-    Fill(kBufferBytes);
-    if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
+    Begin();
   } catch (...) {
     ::close(descriptor_);  // no destructor runs for an object that was never made
     throw;
   }
+}
+
+TextSource::TextSource(std::string file, std::string_view text)
+    : file_(std::move(file)),
+      descriptor_(::memfd_create("log", MFD_CLOEXEC)),
+      size_(text.size()),
+      head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
+      current_(head_buffer_.get()) {
+  try {
+    if (descriptor_ < 0) throw std::bad_alloc();
+    for (std::size_t written = 0; written < text.size();) {
+      const auto count = ::write(descriptor_, text.data() + written, text.size() - written);
+      if (count <= 0) throw std::bad_alloc();  // such a file lies in memory
+      written += static_cast<std::size_t>(count);
+    }
+    ::lseek(descriptor_, 0, SEEK_SET);
+    Begin();
+  } catch (...) {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw;
+  }
+}
+
+void TextSource::Begin() {
+  Fill(kBufferBytes);
+  if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
   if (head().starts_with("\xEF\xBB\xBF")) {
     had_byte_order_mark_ = true;
     begin_ = 3;

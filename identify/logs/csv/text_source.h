@@ -28,6 +28,8 @@ class TextSource {
   /// Opens the file and reads its beginning. LoadError where it is missing, a folder, unreadable or
   /// empty.
   explicit TextSource(std::string file);
+  /// The same of text in memory, which is copied; `file` is only for messages.
+  TextSource(std::string file, std::string_view text);
   ~TextSource();
   TextSource(const TextSource&) = delete;
   TextSource& operator=(const TextSource&) = delete;
@@ -57,6 +59,7 @@ class TextSource {
   [[nodiscard]] std::string_view Rest(std::size_t most);
 
  private:
+  void Begin();
   void Fill(std::size_t limit);
 
   std::string file_;

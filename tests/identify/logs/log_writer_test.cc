@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <random>
+#include <span>
 
 #include "identify/logs/log.h"
 #include "model/core/errors.h"
@@ -28,7 +29,7 @@ Record Discharge(std::size_t rows) {
   return record;
 }
 
-void ExpectTheSameBits(const std::vector<double>& a, const std::vector<double>& b) {
+void ExpectTheSameBits(std::span<const double> a, std::span<const double> b) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
 }

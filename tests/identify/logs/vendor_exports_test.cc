@@ -216,7 +216,7 @@ TEST_P(VendorExport, IsReadRight) {
   EXPECT_EQ(log.report.dropped_repeated_times, expected.repeated);
   EXPECT_EQ(log.report.dropped_cut_last_line, expected.cut);
   ASSERT_EQ(log.record.size(), expected.rows);
-  const std::vector<double>* columns[] = {
+  const Column* columns[] = {
       &log.record.time_s, &log.record.current_A, &log.record.voltage_V};
   for (int k = 0; k < 3; ++k) {
     SCOPED_TRACE(k);

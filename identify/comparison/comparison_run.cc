@@ -1,0 +1,84 @@
+#include "identify/comparison/comparison_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "identify/comparison/comparison_report.h"
+#include "identify/identification.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+std::vector<std::string> ThesisOptimizers() {
+  std::vector<std::string> names;
+  for (const auto& entry : Optimizers()) {
+    if (entry.in_thesis) names.emplace_back(entry.name);
+  }
+  return names;
+}
+
+std::vector<const OptimizerEntry*> FindOptimizers(const std::vector<std::string>& names) {
+  std::vector<const OptimizerEntry*> chosen;
+  if (names.size() == 1 && names[0] == "all") {
+    for (const auto& entry : Optimizers()) chosen.push_back(&entry);
+    return chosen;
+  }
+  for (const std::string& name : names) {
+    const OptimizerEntry& entry = FindOptimizer(name);
+    if (std::find(chosen.begin(), chosen.end(), &entry) != chosen.end()) {
+      throw OptionError(fmt::format("option --optimizers: {} stands there twice", entry.name));
+    }
+    chosen.push_back(&entry);
+  }
+  return chosen;
+}
+
+ComparisonRunResult RunComparison(const Campaign& campaign,
+                                  const std::vector<LoadedLog>& logs,
+                                  const ComparisonRequest& request,
+                                  const ComparisonProgress& progress) {
+  PulseTask task = PreparePulses(campaign, logs, request.staged, request.given);
+  const PulseUnknowns unknowns =
+      FindPulseUnknowns(task.sweep.setup(),
+                        task.data,
+                        {.branches = request.staged.pulses.branches,
+                         .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
+                         .unknown = request.time_constants ? BranchUnknown::kTimeConstant
+                                                           : BranchUnknown::kCapacitance,
+                         .scale = request.options.scaling},
+                        request.given.parameters);
+  if (unknowns.variables.empty()) {
+    throw OptionError("every parameter is held by --fix: there is nothing to compare");
+  }
+  Comparison comparison = CompareOptimizers(task.sweep,
+                                            unknowns,
+                                            request.optimizers,
+                                            request.settings,
+                                            request.starts,
+                                            request.options,
+                                            progress);
+  return {std::move(task), std::move(comparison)};
+}
+
+Json ComparisonRunToJson(const Campaign& campaign,
+                         const ComparisonRequest& request,
+                         const ComparisonRunResult& result) {
+  Json json = {{"campaign", campaign.name},
+               {"rows", result.task.sweep.rows()},
+               {"points", result.task.sweep.points()},
+               {"alpha_C", result.task.found.alpha_C},
+               {"alpha_source", result.task.found.alpha_source},
+               {"done_instead", result.task.found.done_instead},
+               {"options", OptionsToJson<Json>(request.options)}};
+  json["options"].update(StagedOptionsToJson(request.staged, request.given));
+  for (const OptimizerEntry* optimizer : request.optimizers) {
+    Json& own = json["options"][std::string(optimizer->name)];
+    for (const auto& [name, value] : optimizer->values(request.settings)) own[name] = value;
+  }
+  json.update(ComparisonToJson(result.comparison, result.task.sweep.setup().diffusion));
+  return json;
+}
+
+}  // namespace lipoid

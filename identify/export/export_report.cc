@@ -1,0 +1,63 @@
+#include "identify/export/export_report.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace lipoid {
+namespace {
+
+Json ErrorJson(const std::optional<ExportError>& error) {
+  if (!error) return nullptr;
+  return {{"rmse_V", NumberOrNull(error->rmse_V)},
+          {"max_error_V", NumberOrNull(error->max_error_V)},
+          {"worst_s", error->worst_s},
+          {"worst_soc", error->worst_soc}};
+}
+
+Json ErrorJson(const std::optional<ExportChargeError>& error) {
+  if (!error) return nullptr;
+  return {{"rms", NumberOrNull(error->rms)},
+          {"max_error", NumberOrNull(error->max_error)},
+          {"worst_s", error->worst_s},
+          {"lifetime_percent",
+           error->lifetime_percent ? Json(*error->lifetime_percent) : Json(nullptr)}};
+}
+
+}  // namespace
+
+Json ExportToJson(const ExportTarget& target,
+                  const ExportRequest& request,
+                  const Exported& exported) {
+  Json summary;
+  summary["target"] = target.name;
+  summary["kind"] = KindName(target.kind);
+  const auto versions = target.Versions();
+  summary["target_version"] = !request.target_version.empty() ? Json(request.target_version)
+                              : versions.empty()              ? Json(nullptr)
+                                                              : Json(versions.front());
+  summary["series"] = request.cell.series;
+  summary["parallel"] = request.cell.parallel;
+  summary["parameters"] = Json::object();
+  for (const auto& parameter : exported.parameters)
+    summary["parameters"][parameter.name] = NumberOrNull(parameter.value);
+  const Json error = ErrorJson(exported.error);
+  for (const auto* const key : {"rmse_V", "max_error_V", "worst_s", "worst_soc"})
+    summary[key] = error.is_null() ? Json(nullptr) : error[key];
+  summary["naive"] = ErrorJson(exported.naive);
+  summary["charge_error"] = ErrorJson(exported.charge_error);
+  summary["naive_charge_error"] = ErrorJson(exported.naive_charge_error);
+  summary["mission"] = request.mission.name;
+  summary["mission_rows"] = request.mission.time_s.size();
+  summary["cannot_hold"] = exported.cannot_hold;
+  summary["notes"] = exported.notes;
+  summary["sha256"] = request.sha256;
+  return summary;
+}
+
+std::string FileBeside(const std::string& output, const std::string& suffix) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / (path.stem().string() + suffix)).string();
+}
+
+}  // namespace lipoid

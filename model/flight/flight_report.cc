@@ -1,0 +1,101 @@
+#include "model/flight/flight_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "model/control/laws/control_laws.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// Above the voltage at rest it would land before it took off.
+void CheckLandingVoltage(const FlightSetup& setup) {
+  const double full_V =
+      setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
+                 : setup.xi * setup.vehicle.nominal_voltage_V;
+  if (setup.land_below_V < full_V) return;
+  throw OptionError(fmt::format(
+      "option --land-below-V: {:g} V is not below the {:.4g} V that the battery has at rest when it "
+      "takes off; give less",
+      setup.land_below_V,
+      full_V));
+}
+
+}  // namespace
+
+Json FlightToJson(const FlightResult& flight) {
+  Json trim = {{"possible", flight.trim.possible()},
+               {"speed_rad_per_s", flight.trim.speed_rad_per_s},
+               {"duty", flight.trim.duty},
+               {"battery_V", flight.trim.battery_V},
+               {"battery_A", flight.trim.battery_A}};
+  Json summary = {{"outcome", options_internal::ToText(flight.outcome)},
+                  {"reason", flight.reason},
+                  {"trim", std::move(trim)},
+                  {"steps", flight.steps},
+                  {"simulated_s", flight.simulated_s},
+                  {"wall_s", flight.wall_s},
+                  {"peak_altitude_error_m", flight.peak_altitude_error_m},
+                  {"mse_altitude_m2", NumberOrNull(flight.mse_altitude_m2)},
+                  {"mse_pitch_deg2", NumberOrNull(flight.mse_pitch_deg2)},
+                  {"charge_C", NumberOrNull(flight.charge_C)},
+                  {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
+                  {"final_soc", NumberOrNull(flight.final_soc)},
+                  {"minimum_voltage_V", NumberOrNull(flight.minimum_voltage_V)},
+                  {"saturated_share", flight.saturated_share}};
+  if (std::isfinite(flight.final_temperature_degC))
+    summary["final_temperature_degC"] = flight.final_temperature_degC;
+  if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
+  return summary;
+}
+
+Json FlownToJson(const FlightSetup& setup,
+                 const Maneuver& maneuver,
+                 const ManeuverRequest& request) {
+  Json json = {{"maneuver", maneuver.name}, {"maneuver_options", Json::object()}};
+  if (maneuver.values != nullptr) {
+    for (const auto& [name, value] : maneuver.values(request))
+      json["maneuver_options"][name] = value;
+  }
+  json["vehicle"] = setup.vehicle.name;
+  json["battery"] = setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
+  json["gains"] = setup.gains.name;
+  return json;
+}
+
+Json FlightsToJson(std::span<const FlightResult> flights) {
+  Json intervals = Json::object();
+  for (const FlightNumber& number : kFlightNumbers) {
+    const auto [low, high] = IntervalOf(flights, number.of);
+    intervals[std::string(number.key)] = {NumberOrNull(low), NumberOrNull(high)};
+  }
+  return {{"completed", CountOf(flights, Outcome::kCompleted)},
+          {"crashed", CountOf(flights, Outcome::kCrashed)},
+          {"battery_empty", CountOf(flights, Outcome::kBatteryEmpty)},
+          {"interval_95", std::move(intervals)}};
+}
+
+void CheckFlight(const FlightSetup& setup,
+                 const Maneuver& maneuver,
+                 const ManeuverRequest& request,
+                 bool has_duration) {
+  if (maneuver.needs_file != !request.waypoints_file.empty()) {
+    throw OptionError(maneuver.needs_file
+                          ? "maneuver waypoints needs a file of places: --waypoints FILE"
+                          : fmt::format("option --waypoints is for the maneuver waypoints, not {}",
+                                        maneuver.name));
+  }
+  CheckLandingVoltage(setup);
+  (void)FindControlLaw(setup.controller.law);
+  if (maneuver.until_empty && !setup.cell && !has_duration) {
+    throw OptionError(
+        fmt::format("maneuver {} ends with an empty battery, and an ideal source is never empty: "
+                    "give --duration",
+                    maneuver.name));
+  }
+}
+
+}  // namespace lipoid

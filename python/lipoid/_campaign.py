@@ -1,0 +1,174 @@
+"""Campaigns: all the logs of one cell."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from lipoid import _core
+from lipoid._keywords import takes
+from lipoid._log import Log, read_log
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from lipoid._cell import Cell
+    from lipoid._core import Campaign as CoreCampaign
+    from lipoid._options import CampaignOptions, ReadingOptions
+
+KINDS = ("constant_current", "low_rate", "pulses", "validation")
+
+
+def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
+    """Make logs of C++ and paths of whatever a person gives for one kind."""
+    from lipoid import readers
+
+    if isinstance(given, (str, os.PathLike, Log)) or not isinstance(given, Sequence):
+        given = [given]
+    logs: list[Any] = []
+    for one in given:
+        if isinstance(one, Log):
+            logs.append(one._core)
+        elif not isinstance(one, (str, os.PathLike)):
+            logs.append(Log(one)._core)
+        elif readers.is_table(one):
+            logs.append(read_log(one, **reading)._core)
+        else:
+            logs.append(os.fspath(one))
+    return logs
+
+
+@takes(_core.describe_campaign)
+class Campaign:
+    """All the logs of one cell, and what is known of the cell.
+
+    Each kind of log is one or several: a :class:`Log`, a path, or a data frame with the columns of
+    a log. Paths are read when they are first needed, side by side.
+
+    Parameters
+    ----------
+    reading : dict, optional
+        How files are read: the options of :func:`read_log`.
+    {options}
+
+    Examples
+    --------
+    >>> import lipoid
+    >>> campaign = lipoid.synthesize("gifi-600mAh-1", sampling_s=1.0)
+    >>> campaign
+    Campaign('gifi-600mAh-1': 6 constant-current, 1 low-rate, 1 pulses, 0.6 Ah, cut-off 3 V)
+    """
+
+    _core: CoreCampaign
+    _reading: dict[str, Any]
+
+    def __init__(
+        self, *, reading: ReadingOptions | None = None, **options: Unpack[CampaignOptions]
+    ) -> None:
+        how: dict[str, Any] = dict(reading or {})
+        self._reading = how
+        given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
+        for kind in KINDS:
+            if kind in given:
+                given[kind] = _logs(given[kind], how)
+        self._core = _core.make_campaign(given, how)
+
+    @classmethod
+    def read(cls, file: str | os.PathLike[str]) -> Campaign:
+        """Read a campaign file (TOML), as ``lipoid identify`` takes it.
+
+        Raises
+        ------
+        LoadError
+            With file, line and column, where it is not right; its logs are read when first needed.
+        """
+        return cls._of(_core.read_campaign(file))
+
+    @classmethod
+    def _of(cls, core: CoreCampaign) -> Campaign:
+        campaign = cls.__new__(cls)
+        campaign._core = core
+        campaign._reading = {}
+        return campaign
+
+    @property
+    def file(self) -> str:
+        """The campaign file; empty where there is none."""
+        return self._core.file
+
+    @property
+    def name(self) -> str:
+        """The name of the cell."""
+        return self._core.name
+
+    @property
+    def capacity_Ah(self) -> float | None:
+        """Nominal capacity of one cell in Ah."""
+        return self._core.capacity_Ah
+
+    @property
+    def cutoff_V(self) -> float | None:
+        """Voltage of one cell that ends a discharge, in V."""
+        return self._core.cutoff_V
+
+    @property
+    def series(self) -> int:
+        """Cells in series in the logs."""
+        return self._core.series
+
+    @property
+    def parallel(self) -> int:
+        """Cells in parallel in the logs."""
+        return self._core.parallel
+
+    @property
+    def entries(self) -> pd.DataFrame:
+        """The logs as they were given: kind, file, initial_soc, weight."""
+        return pd.DataFrame(self._core.entries(), columns=["kind", "file", "initial_soc", "weight"])
+
+    def logs(self, kind: str | None = None) -> list[Log]:
+        """Read the logs, of one kind or all of them, as those of one cell."""
+        return [Log._of(log) for of, log, _ in self._core.logs() if kind is None or of == kind]
+
+    def to_pybop(self, cell: Cell | str, **options: Any) -> Any:
+        """Make a PyBOP problem of the pulses; see :func:`lipoid.interoperability.to_pybop`."""
+        from lipoid.interoperability import to_pybop
+
+        return to_pybop(self, cell, **options)
+
+    def to_toml(self) -> str:
+        """Return the campaign as the text of a campaign file."""
+        return self._core.to_toml()
+
+    def __reduce__(self) -> Any:
+        if self.file:
+            return Campaign.read, (self.file,)
+        given: dict[str, Any] = {"name": self.name, "series": self.series}
+        given |= {"parallel": self.parallel, "cutoff_V": self.cutoff_V}
+        given["capacity_Ah"] = self.capacity_Ah
+        for entry, log in zip(self._core.entries(), self._core.given(), strict=True):
+            one = entry["file"] if log is None else Log._of(log)
+            given.setdefault(entry["kind"].replace("-", "_"), []).append(one)
+            given["initial_soc"] = entry["initial_soc"]
+        return _remade, (given, self._reading)
+
+    def __repr__(self) -> str:
+        kinds = self.entries["kind"].value_counts(sort=False)
+        parts = [f"{count} {kind}" for kind, count in kinds.items()]
+        if self.capacity_Ah is not None:
+            parts.append(f"{self.capacity_Ah:g} Ah")
+        if self.cutoff_V is not None:
+            parts.append(f"cut-off {self.cutoff_V:g} V")
+        return f"Campaign({self.name!r}: {', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        return f"<b>{escape(repr(self))}</b>{self.entries.to_html(index=False)}"
+
+
+def _remade(given: dict[str, Any], reading: Any) -> Campaign:
+    """Make a campaign in another process."""
+    return Campaign(reading=reading, **given)

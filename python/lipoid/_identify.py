@@ -1,0 +1,260 @@
+"""From logs to a cell, and how well it predicts others."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lipoid import _core
+from lipoid._campaign import Campaign
+from lipoid._cell import Cell
+from lipoid._keywords import takes
+from lipoid._log import Log, read_log
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from typing_extensions import Unpack
+
+    from lipoid._options import IdentifyOptions
+
+logger = logging.getLogger("lipoid")
+Progress = bool | Callable[[float, str], None]
+
+
+class Reporter:
+    """Hands progress on: to tqdm where it is installed, to a function, to the log."""
+
+    def __init__(self, progress: Progress, what: str) -> None:
+        self.callback: Callable[[float, str], None] | None = None
+        self.bar: Any = None
+        if callable(progress):
+            self.callback = progress
+        elif progress:
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                self.callback = lambda share, stage: logger.info(
+                    "%s: %s, %.0f %%", what, stage, 100.0 * share
+                )
+            else:
+                self.bar = tqdm(
+                    total=100,
+                    desc=what,
+                    bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed} {postfix}",
+                )
+                self.callback = self._draw
+
+    def _draw(self, share: float, stage: str) -> None:
+        self.bar.set_postfix_str(stage, refresh=False)
+        self.bar.n = round(100.0 * share)
+        self.bar.refresh()
+
+    def __enter__(self) -> Callable[[float, str], None] | None:
+        return self.callback
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
+@dataclass(repr=False)
+class Identification:
+    """What identification found.
+
+    Attributes
+    ----------
+    cell : Cell
+        With the uncertainty of its parameters, and how it was made.
+    summary : dict
+        What ``lipoid identify --summary`` writes (docs/formats.md).
+    converged : bool
+        Whether the search converged. A result that did not is a result.
+    usable : bool
+        Whether the cell describes its own logs, too.
+    sentence : str
+        How well it predicts the logs it was made from.
+    campaign : Campaign
+        What it was made from.
+    """
+
+    cell: Cell
+    summary: dict[str, Any]
+    converged: bool
+    usable: bool
+    sentence: str
+    campaign: Campaign = field(repr=False)
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Estimate, standard error, 95 % interval and verdict of each parameter, by name."""
+        rows = []
+        for one in self.summary["parameters"]:
+            low, high = one.get("interval_95") or (np.nan, np.nan)
+            rows.append(
+                {
+                    "name": one["name"],
+                    "unit": one["unit"],
+                    "estimate": one["estimate"],
+                    "standard_error": one["standard_error"],
+                    "low_95": low,
+                    "high_95": high,
+                    "verdict": one["verdict"],
+                }
+            )
+        return pd.DataFrame(rows).set_index("name")
+
+    @property
+    def logs(self) -> pd.DataFrame:
+        """Errors of the prediction of each log that took part, over all of its rows."""
+        fitted = self.campaign._core.logs()
+        one = self.cell.pack(1, 1)
+        kinds = {"validation"}
+        rows = [
+            {"kind": kind, **validate_one(one, Log._of(log), start)}
+            for kind, log, start in fitted
+            if kind not in kinds
+        ]
+        return pd.DataFrame(rows)
+
+    def plot(self, what: str = "fit", axes: Any = None) -> list[Axes]:
+        """Draw the result; return the axes.
+
+        Parameters
+        ----------
+        what : {"fit", "open_circuit_voltage", "resistances", "correlation", "profile"}
+            Fit and residuals over time; v_oc(A) with rows of the low-rate log; resistances over the
+            state of charge with intervals; correlation of the estimates; profiles, of a result that
+            was asked for some (``profile=``).
+        axes : matplotlib axes, optional
+            Where to draw.
+        """
+        from lipoid import plots
+
+        return plots.identification(self, what, axes)
+
+    def __repr__(self) -> str:
+        state = "" if self.converged else ", not converged"
+        return f"Identification({self.cell.name!r}{state}: {self.sentence})"
+
+    def _repr_html_(self) -> str:
+        table = self.parameters.to_html(float_format=lambda x: f"{x:.5g}")
+        note = "" if self.converged else "<p><b>not converged</b></p>"
+        return f"<b>{escape(self.cell.name)}</b><p>{escape(self.sentence)}</p>{note}{table}"
+
+
+def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:
+    """Return a campaign, or read the one of that file."""
+    return campaign if isinstance(campaign, Campaign) else Campaign.read(campaign)
+
+
+@takes(_core.describe_identify)
+def identify(
+    campaign: Campaign | str | os.PathLike[str],
+    *,
+    seed: int = 0,
+    threads: int = 0,
+    progress: Progress = False,
+    **options: Unpack[IdentifyOptions],
+) -> Identification:
+    """Find the parameters of a cell from its logs.
+
+    The joint method, the default, is one fit of all logs, with resistances over the state of charge
+    where the data ask for them. The staged method is that of the thesis.
+
+    Parameters
+    ----------
+    campaign : Campaign or path
+        The logs.
+    seed : int
+        Of what is random.
+    threads : int
+        Cores to use; 0: all.
+    progress : bool or callable
+        True draws a bar by tqdm, or logs where tqdm is not installed; a function gets the share
+        done and what is being done.
+    {options}
+
+    Returns
+    -------
+    Identification
+        Also where the search did not converge: see ``converged`` and ``usable``.
+
+    Raises
+    ------
+    LoadError
+        For logs that are not what the campaign says they are.
+    OptionError
+        For options that do not exist, are out of range, or do not fit the logs.
+    KeyboardInterrupt
+        Ctrl-C ends the search; nothing is changed by it.
+
+    Examples
+    --------
+    >>> import lipoid
+    >>> campaign = lipoid.synthesize("gifi-600mAh-1", sampling_s=1.0)
+    >>> result = lipoid.identify(campaign, method="staged")
+    >>> result.converged
+    True
+    """
+    made = as_campaign(campaign)
+    with Reporter(progress, f"identify {made.name}".strip()) as tell:
+        core, summary, converged, usable, sentence = _core.identify(
+            made._core, dict(options), seed, threads, tell
+        )
+    for note in summary.get("log_notes", []):
+        logger.warning("%s", note)
+    if not converged:
+        logger.warning("%s: not converged", made.name)
+    return Identification(Cell._of(core), summary, converged, usable, sentence, made)
+
+
+def validate_one(cell: Cell, log: Log, initial_soc: float) -> dict[str, Any]:
+    """Errors of one log, and a warning where it seems to start elsewhere."""
+    row = _core.validate(cell._core, log._core, initial_soc)
+    if doubt := row.pop("doubt", ""):
+        logger.warning("%s %s", log.file, doubt)
+    return row
+
+
+def validate(
+    cell: Cell | str | os.PathLike[str],
+    logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]],
+    *,
+    initial_soc: float = 1.0,
+    initial_voltage_V: float | None = None,
+) -> pd.DataFrame:
+    """Compare the voltage that a cell predicts with that of logs.
+
+    Parameters
+    ----------
+    cell : Cell, path or name of a shipped cell
+        The cell, or the pack that the logs are of (:meth:`Cell.pack`).
+    logs : Log or path, or several
+        With voltages.
+    initial_soc : float
+        State of charge of the first row.
+    initial_voltage_V : float, optional
+        Instead: the voltage at which the pack rested before the first row, in V.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per log: file, mean_error_percent, max_error_percent, rmse_V, and the same of rows
+        above 10 % state of charge.
+    """
+    one = cell if isinstance(cell, Cell) else Cell.read(cell)
+    several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
+    soc = initial_soc
+    if initial_voltage_V is not None:
+        soc = one._core.soc_at_rest(initial_voltage_V)
+    rows = [
+        validate_one(one, log if isinstance(log, Log) else read_log(log), soc) for log in several
+    ]
+    return pd.DataFrame(rows)

@@ -1,0 +1,81 @@
+"""Signatures and docstrings made from what C++ says of its options."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Description = dict[str, Any]
+
+
+def _default(option: Description) -> str:
+    text = str(option["default"])
+    if option["type"].startswith(("Literal", "str")):
+        return f'"{text}"'
+    return {"true": "True", "false": "False", "": '""'}.get(text, text)
+
+
+def _paragraph(option: Description, indent: str) -> str:
+    valid = option["valid"]
+    numbers = valid if valid and not option["type"].startswith(("Literal", "bool")) else ""
+    words = f"{option['help'][0].upper()}{option['help'][1:]}"
+    words += f" (valid: {numbers})." if numbers and numbers != "text" else "."
+    head = f"{indent}{option['name']} : {option['type']}"
+    if not option["type"].endswith("None"):
+        head += f", default {_default(option)}"
+    text = textwrap.fill(
+        words, 96, initial_indent=indent + "    ", subsequent_indent=indent + "    "
+    )
+    return f"{head}\n{text}"
+
+
+def describe(options: list[Description], indent: str = "    ") -> str:
+    """Every option as a numpydoc paragraph, groups as dictionaries."""
+    parts = []
+    for option in options:
+        if "options" not in option:
+            parts.append(_paragraph(option, indent))
+            continue
+        names = ", ".join(one["name"] for one in option["options"])
+        head = f"{indent}{option['name']} : dict, optional"
+        keys = textwrap.fill(
+            f"Keys: {names}.",
+            96,
+            initial_indent=indent + "    ",
+            subsequent_indent=indent + "    ",
+        )
+        inner = describe(option["options"], indent + "    ")
+        parts.append(f"{head}\n{keys}\n\n{inner}")
+    return "\n".join(parts)
+
+
+def takes(*described: Callable[[], list[Description]]) -> Callable[[Function], Function]:
+    """Put the options that C++ describes into the signature and the docstring of a function.
+
+    The docstring has a line ``{options}`` where they go; the function takes them by ``**options``.
+    """
+
+    def decorate(function: Function) -> Function:
+        options = [option for describe_it in described for option in describe_it()]
+        signature = inspect.signature(function)  # of a class: that of its __init__
+        kept = [
+            parameter
+            for parameter in signature.parameters.values()
+            if parameter.kind is not inspect.Parameter.VAR_KEYWORD
+        ]
+        named = {parameter.name for parameter in kept}
+        kept += [
+            inspect.Parameter(option["name"], inspect.Parameter.KEYWORD_ONLY, default=None)
+            for option in options
+            if option["name"] not in named
+        ]
+        function.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
+        shown = [option for option in options if option["name"] not in named]
+        document = function.__doc__ or ""
+        function.__doc__ = document.replace("    {options}\n", describe(shown) + "\n")
+        return function
+
+    return decorate

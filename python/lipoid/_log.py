@@ -1,0 +1,263 @@
+"""Logs: time, current and voltage of a cell, and what reading them found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from lipoid import _core
+from lipoid._keywords import takes
+from lipoid.errors import OptionError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from typing_extensions import Unpack
+
+    from lipoid._core import Log as CoreLog
+    from lipoid._options import ColumnOptions, ReadingOptions
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def column(values: Any, name: str) -> FloatArray:
+    """Contiguous float64 of anything that holds numbers; the same memory where it is that already.
+
+    Parameters
+    ----------
+    values : array_like
+        A NumPy array, a pandas or polars Series, a pyarrow array, a sequence.
+    name : str
+        For messages.
+    """
+    if isinstance(values, np.ndarray) or hasattr(values, "__array__"):
+        array = np.asarray(values)
+    elif hasattr(values, "to_numpy"):
+        array = values.to_numpy()
+    else:
+        array = np.asarray(list(values))
+    if array.ndim != 1:
+        raise OptionError(f"{name}: expected one dimension, found {array.ndim}")
+    if array.dtype.kind not in "fiu":
+        raise OptionError(f"{name}: expected numbers, found {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+@takes(lambda: _core.describe_reading(False))
+class Log:
+    """A log of one test: columns of equal length in SI units, discharge positive.
+
+    Parameters
+    ----------
+    data : mapping or data frame, optional
+        The columns by name, instead of one by one: a pandas, polars or pyarrow table.
+    time_s : array_like
+        Times in s, increasing.
+    current_A : array_like
+        Currents in A, of either sign: which sign a discharge has is found from the voltage.
+    voltage_V : array_like, optional
+        Voltages in V. A log without is good for simulations alone.
+    temperature_degC : array_like, optional
+        Temperatures in degrees Celsius.
+    name : str, optional
+        What messages and reports call it.
+    {options}
+
+    Notes
+    -----
+    Contiguous arrays of float64 are not copied: do not change them while the log is in use. A
+    current that counts discharge as negative is copied, because it is turned.
+
+    Examples
+    --------
+    >>> import numpy as np, lipoid
+    >>> t = np.arange(0.0, 600.0)
+    >>> i = np.where(t < 300.0, 1.0, 0.0)
+    >>> v = 4.1 - 0.05 * i - 1e-4 * np.minimum(t, 300.0)
+    >>> log = lipoid.Log(time_s=t, current_A=i, voltage_V=v)
+    >>> len(log), log.sign
+    (600, 'discharge-positive')
+    """
+
+    _core: CoreLog
+
+    def __init__(
+        self,
+        data: Any = None,
+        *,
+        time_s: Any = None,
+        current_A: Any = None,
+        voltage_V: Any = None,
+        temperature_degC: Any = None,
+        name: str = "log",
+        **options: Unpack[ColumnOptions],
+    ) -> None:
+        given = {
+            "time_s": time_s,
+            "current_A": current_A,
+            "voltage_V": voltage_V,
+            "temperature_degC": temperature_degC,
+        }
+        if data is not None:
+            names: Any = getattr(data, "column_names", None)  # of Arrow, whose columns are arrays
+            if names is None:
+                names = data.keys() if isinstance(data, Mapping) else data.columns
+            known = [str(name) for name in names]
+            for key in given:
+                if given[key] is None and key in known:
+                    given[key] = data[key]
+        for key in ("time_s", "current_A"):
+            if given[key] is None:
+                raise OptionError(f"Log: {key} is missing")
+        arrays = {k: None if v is None else column(v, k) for k, v in given.items()}
+        self._core = _core.take_log(
+            cast(FloatArray, arrays["time_s"]),
+            cast(FloatArray, arrays["current_A"]),
+            arrays["voltage_V"],
+            arrays["temperature_degC"],
+            name,
+            dict(options),
+        )
+
+    @classmethod
+    def _of(cls, core: CoreLog) -> Log:
+        log = cls.__new__(cls)
+        log._core = core
+        return log
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Times in s, shape (rows,); a view that cannot be written to."""
+        return self._core.time_s
+
+    @property
+    def current_A(self) -> FloatArray:
+        """Currents in A, discharge positive, shape (rows,)."""
+        return self._core.current_A
+
+    @property
+    def voltage_V(self) -> FloatArray | None:
+        """Voltages in V, shape (rows,); None where the log has none."""
+        return self._core.voltage_V
+
+    @property
+    def temperature_degC(self) -> FloatArray | None:
+        """Temperatures in degrees Celsius, shape (rows,); None where the log has none."""
+        return self._core.temperature_degC
+
+    @property
+    def file(self) -> str:
+        """Where it came from."""
+        return self._core.file
+
+    @property
+    def hold(self) -> Literal["backward", "forward"]:
+        """Which rows a current holds between: "backward" (since the row before) or "forward"."""
+        return self._core.hold
+
+    @property
+    def format(self) -> str:
+        """The format that was recognised; "columns" of a log from arrays."""
+        return self._core.format
+
+    @property
+    def sign(self) -> str:
+        """How the source counts: "discharge-positive", "discharge-negative" or "unsigned"."""
+        return self._core.sign
+
+    @property
+    def sign_reason(self) -> str:
+        """What the sign was found from, one sentence."""
+        return self._core.sign_reason
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to look at before believing the log."""
+        return cast("list[str]", self._core.reading()["warnings"])
+
+    @property
+    def segments(self) -> pd.DataFrame:
+        """Rests, pulses, constant currents and the rest, one row each."""
+        rows = self.inspect()["segments"]
+        names = ["kind", "first_row", "last_row", "start_s", "end_s", "current_A", "charge_C"]
+        return pd.DataFrame(rows, columns=names)
+
+    def inspect(self) -> dict[str, Any]:
+        """Look what is in the log: what ``lipoid inspect --summary`` has."""
+        return self._core.inspect()
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the columns as a data frame."""
+        columns = {"time_s": self.time_s, "current_A": self.current_A}
+        if self.voltage_V is not None:
+            columns["voltage_V"] = self.voltage_V
+        if self.temperature_degC is not None:
+            columns["temperature_degC"] = self.temperature_degC
+        return pd.DataFrame(columns)
+
+    def plot(self, axes: Any = None) -> list[Axes]:
+        """Draw current and voltage over time; return the axes."""
+        from lipoid import plots
+
+        return plots.log(self, axes)
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    def __repr__(self) -> str:
+        hours = float(self.time_s[-1] - self.time_s[0]) / 3600.0
+        text = f"Log({self.file!r}: {len(self)} rows, {hours:.4g} h"
+        text += f", {self.current_A.min():.4g} to {self.current_A.max():.4g} A"
+        if self.voltage_V is not None:
+            text += f", {self.voltage_V.min():.4g} to {self.voltage_V.max():.4g} V"
+        return text + f", {self.format}, {self.sign})"
+
+    def _repr_html_(self) -> str:
+        found = self.inspect()
+        rows = [
+            ("format", self.format),
+            ("rows", str(len(self))),
+            ("duration", f"{found['duration_s'] / 3600.0:.4g} h"),
+            ("sign", f"{self.sign}: {self.sign_reason}"),
+            ("looks like", f"{found['suggested_kind']}: {found['suggested_kind_reason']}"),
+            *(("look at", warning) for warning in self.warnings),
+        ]
+        body = "".join(f"<tr><th>{escape(a)}</th><td>{escape(b)}</td></tr>" for a, b in rows)
+        return f"<b>{escape(self.file)}</b><table>{body}</table>"
+
+
+@takes(lambda: _core.describe_reading(True))
+def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) -> Log:
+    """Read a log of any known format; the format is recognised from the content.
+
+    Text of cyclers and loggers is read by lipoid itself (``lipoid list formats``). Binary files are
+    read by the libraries that the field keeps for them, ``pip install lipoid[readers]``: BioLogic
+    .mpr, Neware .nda and .ndax, Excel, MATLAB, Parquet and Feather. Their columns then go through
+    the same recognition of names, units and sign.
+
+    Parameters
+    ----------
+    file : str or path
+        The file.
+    {options}
+
+    Returns
+    -------
+    Log
+        Its columns in SI units, discharge positive.
+
+    Raises
+    ------
+    LoadError
+        With file, line and column, where the file is not a log, or is not there.
+    """
+    from lipoid import readers
+
+    if (table := readers.table_of(file)) is not None:
+        return Log._of(_core.read_log_text(table, os.fspath(file), dict(options)))
+    return Log._of(_core.read_log(file, dict(options)))

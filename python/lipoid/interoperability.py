@@ -1,0 +1,164 @@
+"""Cells and campaigns in other programs: PyBaMM, thevenin, PyBOP.
+
+The numbers and their stated error are those of ``lipoid export``; here the other program's own
+objects are made of them.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lipoid._campaign import Campaign
+from lipoid._more import as_cell, export
+from lipoid.errors import OptionError
+
+if TYPE_CHECKING:
+    from lipoid._cell import Cell
+    from lipoid._log import Log
+
+
+def _load(name: str, file: Path) -> ModuleType:
+    specification = importlib.util.spec_from_file_location(name, file)
+    assert specification is not None and specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@dataclass(frozen=True)
+class PybammCell:
+    """A cell in PyBaMM: the model Thevenin with its diffusion element.
+
+    Attributes
+    ----------
+    model : pybamm.equivalent_circuit.Thevenin
+        Without its events: "Maximum SoC" is zero in a full cell and would end a run at once.
+    parameter_values : pybamm.ParameterValues
+        Of one cell.
+    var_pts : dict
+        The mesh of the diffusion element.
+    run : callable
+        ``run(time_s, current_A, initial_soc=1.0)``: the voltage of the pack, backward hold.
+    summary : dict
+        How far PyBaMM's law is from the cell (``lipoid export``).
+    """
+
+    model: Any
+    parameter_values: Any
+    var_pts: dict[Any, int]
+    run: Callable[..., npt.NDArray[np.float64]]
+    summary: dict[str, Any]
+
+
+def to_pybamm(cell: Cell, *, initial_soc: float = 1.0) -> PybammCell:
+    """Make PyBaMM's model and parameter values of a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+        The cell, or a pack of which PyBaMM gets one cell.
+    initial_soc : float
+        State of charge at the start.
+    """
+    import pybamm
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "cell_in_pybamm.py"
+        summary = export(cell, "pybamm", file)
+        module = _load("cell_in_pybamm", file)
+    values = pybamm.ParameterValues(module.get_parameter_values())
+    values["Initial SoC"] = initial_soc
+    return PybammCell(module.make_model(), values, module.var_pts(), module.run, summary)
+
+
+def to_thevenin(cell: Cell, *, branches: int = 2, mission: Log | None = None) -> Any:
+    """Make a ``thevenin.Simulation`` of a cell, with the circuit that follows it best.
+
+    Parameters
+    ----------
+    cell : Cell
+        The cell, or a pack of which thevenin gets one cell.
+    branches : int
+        Pairs of resistor and capacitor, 1 or 2.
+    mission : Log, optional
+        What the circuit is fitted over; not given: two levels of current with rests.
+    """
+    import thevenin
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "cell.yaml"
+        export(cell, "thevenin", file, branches=branches, mission=mission)
+        return thevenin.Simulation(str(file))
+
+
+def to_pybop(
+    campaign: Campaign,
+    cell: Cell | str,
+    *,
+    free: tuple[str, ...] = ("R0 [Ohm]", "R1 [Ohm]"),
+    log: Log | None = None,
+    spread: float = 0.5,
+) -> Any:
+    """Make a PyBOP problem of a campaign: its pulses, PyBaMM's Thevenin model, a sum of squares.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Whose first pulse log is fitted, unless `log` says another.
+    cell : Cell or name
+        Where the search begins, and what is held: v_oc(A), capacity, diffusion.
+    free : tuple of str
+        PyBaMM's names of the parameters that PyBOP shall find; they must be constants.
+    log : Log, optional
+        Another log.
+    spread : float
+        Standard deviation of PyBOP's prior, as a share of the value.
+
+    Returns
+    -------
+    pybop.Problem
+        To be minimised by any of PyBOP's optimisers.
+    """
+    import pybamm
+    import pybop
+
+    some = [log] if log is not None else campaign.logs("pulses")
+    if not some:
+        raise OptionError("to_pybop: expected a campaign with pulses, found none")
+    of = some[0]
+    if of.voltage_V is None:
+        raise OptionError("to_pybop: expected a log with voltages")
+    made = to_pybamm(as_cell(cell).pack(1, 1))
+    values = made.parameter_values
+    for name in free:
+        start = values[name]
+        if not isinstance(start, (int, float)):
+            raise OptionError(
+                f"to_pybop: {name} is no constant in this cell; identify with constants"
+            )
+        prior = pybop.Gaussian(start, spread * start, truncated_at=[0.1 * start, 10.0 * start])
+        values[name] = pybop.Parameter(distribution=prior, initial_value=start)
+    data = pybop.Dataset(
+        {
+            "Time [s]": np.array(of.time_s),
+            "Current [A]": np.array(of.current_A),
+            "Voltage [V]": np.array(of.voltage_V),
+        }
+    )
+    simulator = pybop.pybamm.Simulator(
+        made.model,
+        parameter_values=values,
+        protocol=data,
+        solver=pybamm.IDAKLUSolver(),
+        var_pts=made.var_pts,
+    )
+    return pybop.Problem(simulator, pybop.SumSquaredError(data))

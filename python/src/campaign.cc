@@ -1,0 +1,218 @@
+#include "python/src/campaign.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "model/battery/ranges.h"
+#include "model/core/errors.h"
+#include "python/src/convert.h"
+
+namespace lipoid::python {
+namespace {
+
+// The logs at these places of a campaign.
+Campaign Part(const Campaign& campaign, const std::vector<std::size_t>& places) {
+  Campaign part = campaign;
+  part.logs.clear();
+  for (const std::size_t k : places) part.logs.push_back(campaign.logs[k]);
+  return part;
+}
+
+std::string SumOf(const Record& record) {
+  std::string bytes;
+  for (const Column* column :
+       {&record.time_s, &record.current_A, &record.voltage_V, &record.temperature_degC}) {
+    const auto of = std::as_bytes(std::span<const double>(*column));
+    bytes.append(reinterpret_cast<const char*>(of.data()), of.size());
+  }
+  return Sha256OfBytes(bytes);
+}
+
+// One log of a campaign that is made of arguments: a path or a log.
+void Add(LogKind kind,
+         const std::string& kind_name,
+         const nb::handle& given,
+         const ReadOptions& read,
+         double initial_soc,
+         Campaign& campaign,
+         std::vector<std::optional<PythonLog>>& logs) {
+  CampaignLog entry;
+  entry.kind = kind;
+  entry.read = read;
+  entry.initial_soc = initial_soc;
+  entry.position.file.clear();
+  if (nb::isinstance<PythonLog>(given)) {
+    const auto& log = *nb::cast<const PythonLog*>(given);
+    entry.file = log.log->record.file;
+    if (entry.file.empty()) entry.file = fmt::format("{}[{}]", kind_name, campaign.Count(kind));
+    entry.read = {};
+    logs.emplace_back(log);
+  } else {
+    entry.file = PathOf(given);
+    entry.path = entry.file;
+    logs.emplace_back(std::nullopt);
+  }
+  campaign.logs.push_back(std::move(entry));
+}
+
+struct CampaignKeywords {
+  Campaign campaign;
+  std::vector<std::optional<PythonLog>> logs;
+
+  void Declare(Keywords& keywords, const ReadOptions& read) {
+    std::optional<double> capacity_Ah;
+    double initial_soc = 1.0;
+    keywords.Text("name", campaign.name, "text", "name of the cell");
+    keywords.Option("capacity-Ah", capacity_Ah, Range{1e-9, 1e9}, "nominal capacity of one cell");
+    keywords.Option("cutoff-V",
+                    campaign.cutoff_V,
+                    Range{0.0, 100.0},
+                    "voltage of one cell that ends a discharge");
+    keywords.Option("series", campaign.series, kPackSizes, "cells in series in the logs");
+    keywords.Option("parallel", campaign.parallel, kPackSizes, "cells in parallel in the logs");
+    keywords.Option(
+        "initial-soc", initial_soc, kInitialSocs, "state of charge of the first row of every log");
+    if (capacity_Ah) campaign.capacity_Ah = *capacity_Ah;
+    for (const auto& [kind, name] : OptionNames(LogKind{})) {
+      const auto listed =
+          keywords.Take(PythonName(name), "Logs", fmt::format("logs of the kind {}", name));
+      if (!listed) continue;
+      for (const nb::handle log : *listed)
+        Add(kind, PythonName(name), log, read, initial_soc, campaign, logs);
+    }
+  }
+};
+
+std::shared_ptr<PythonCampaign> Make(const nb::dict& given, const nb::dict& reading) {
+  ReadOptions read;
+  Keywords of_reading(reading);
+  DeclareReading(of_reading, read, true);
+  of_reading.Finish();
+  CampaignKeywords made;
+  Keywords keywords(given);
+  made.Declare(keywords, read);
+  keywords.Finish();
+  return std::make_shared<PythonCampaign>(std::move(made.campaign), std::move(made.logs));
+}
+
+nb::list Describe() {
+  CampaignKeywords made;
+  Keywords keywords;
+  made.Declare(keywords, {});
+  return keywords.Described();
+}
+
+nb::list Entries(const PythonCampaign& self) {
+  nb::list entries;
+  for (const CampaignLog& log : self.campaign().logs) {
+    nb::dict entry;
+    entry["kind"] = options_internal::ToText(log.kind);
+    entry["file"] = log.file;
+    entry["initial_soc"] = log.initial_soc;
+    entry["weight"] = log.weight;
+    entries.append(entry);
+  }
+  return entries;
+}
+
+// The logs that were given as such, and None for files: what another process makes the campaign of.
+nb::list GivenLogs(const PythonCampaign& self) {
+  nb::list logs;
+  for (const auto& log : self.given()) logs.append(log ? nb::cast(*log) : nb::none());
+  return logs;
+}
+
+// The logs as identification sees them: those of one cell.
+nb::list Logs(const PythonCampaign& self) {
+  const std::vector<LoadedLog>* logs = nullptr;
+  {
+    const nb::gil_scoped_release release;
+    logs = &self.Logs();
+  }
+  nb::list list;
+  for (const LoadedLog& log : *logs) {
+    // A copy of what was read; what was lent stays lent.
+    PythonLog one{std::make_shared<const Log>(log.log)};
+    list.append(
+        nb::make_tuple(options_internal::ToText(log.entry.kind), one, log.entry.initial_soc));
+  }
+  return list;
+}
+
+}  // namespace
+
+PythonCampaign::PythonCampaign(Campaign campaign, std::vector<std::optional<PythonLog>> given)
+    : campaign_(std::move(campaign)), given_(std::move(given)) {
+  given_.resize(campaign_.logs.size());
+}
+
+const std::vector<LoadedLog>& PythonCampaign::Logs() const {
+  const std::lock_guard lock(mutex_);
+  if (logs_) return *logs_;
+  std::vector<std::size_t> in_files;
+  std::vector<std::size_t> in_memory;
+  std::vector<Log> lent;
+  for (std::size_t k = 0; k < given_.size(); ++k) {
+    (given_[k] ? in_memory : in_files).push_back(k);
+    if (given_[k]) lent.push_back(given_[k]->Lent());
+  }
+  std::vector<LoadedLog> logs(given_.size());
+  const auto put = [&](const std::vector<std::size_t>& places, std::vector<LoadedLog> some) {
+    for (std::size_t k = 0; k < places.size(); ++k) logs[places[k]] = std::move(some[k]);
+  };
+  if (!in_files.empty()) put(in_files, LoadCampaign(Part(campaign_, in_files)));
+  if (!in_memory.empty()) put(in_memory, TakeLogs(Part(campaign_, in_memory), std::move(lent)));
+  logs_ = std::move(logs);
+  return *logs_;
+}
+
+void PythonCampaign::AddInputsTo(RunRecord& run) const {
+  const std::lock_guard lock(mutex_);
+  if (files_.empty()) {
+    if (!campaign_.file.empty()) {
+      files_.push_back(campaign_.file);
+      sha256_.push_back(Sha256OfFile(campaign_.file));
+    }
+    for (std::size_t k = 0; k < given_.size(); ++k) {
+      const CampaignLog& entry = campaign_.logs[k];
+      const std::string& name = given_[k] ? entry.file : entry.path;
+      if (!given_[k] && std::find(files_.begin(), files_.end(), name) != files_.end()) continue;
+      files_.push_back(name);
+      sha256_.push_back(given_[k] ? SumOf(given_[k]->log->record) : Sha256OfFile(name));
+    }
+  }
+  run.inputs = files_;
+  run.sha256 = sha256_;
+}
+
+void AddCampaigns(nb::module_& module) {
+  nb::class_<PythonCampaign>(module, "Campaign")
+      .def_prop_ro("file", [](const PythonCampaign& self) { return self.campaign().file; })
+      .def_prop_ro("name", [](const PythonCampaign& self) { return self.campaign().name; })
+      .def_prop_ro("capacity_Ah",
+                   [](const PythonCampaign& self) -> std::optional<double> {
+                     const double capacity_Ah = self.campaign().capacity_Ah;
+                     return capacity_Ah > 0.0 ? std::optional(capacity_Ah) : std::nullopt;
+                   })
+      .def_prop_ro("cutoff_V", [](const PythonCampaign& self) { return self.campaign().cutoff_V; })
+      .def_prop_ro("series", [](const PythonCampaign& self) { return self.campaign().series; })
+      .def_prop_ro("parallel", [](const PythonCampaign& self) { return self.campaign().parallel; })
+      .def("entries", &Entries)
+      .def("logs", &Logs)
+      .def("given", &GivenLogs)
+      .def("to_toml", [](const PythonCampaign& self) { return CampaignToToml(self.campaign()); });
+  module.def(
+      "read_campaign",
+      [](nb::handle file) { return std::make_shared<PythonCampaign>(ReadCampaign(PathOf(file))); },
+      nb::arg("file"));
+  module.def("make_campaign", &Make, nb::arg("options"), nb::arg("reading"));
+  module.def("describe_campaign", &Describe);
+}
+
+}  // namespace lipoid::python

@@ -1,0 +1,200 @@
+#include "python/src/cell.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "identify/validation.h"
+#include "model/battery/cell_ensemble.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
+#include "model/battery/prediction_band.h"
+#include "model/battery/ranges.h"
+#include "model/core/errors.h"
+#include "model/core/json_text.h"
+#include "model/core/stop.h"
+#include "python/src/convert.h"
+#include "python/src/keywords.h"
+#include "python/src/work.h"
+
+namespace lipoid::python {
+namespace {
+
+using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Output = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+Hold HoldOf(const std::string& text) {
+  Hold hold = Hold::kBackward;
+  options_internal::FromText("hold", text, Names{}, hold);
+  return hold;
+}
+
+// Currents in rows, times once or in rows; the arrays that are filled are Python's own.
+std::size_t Simulate(const PythonCell& self,
+                     const Table& time_s,
+                     const Table& current_A,
+                     const Output& voltage_V,
+                     const Output& soc,
+                     const std::string& hold_text,
+                     double initial_soc,
+                     int threads) {
+  const Hold hold = HoldOf(hold_text);
+  const std::size_t count = current_A.shape(0);
+  const std::size_t rows = current_A.shape(1);
+  const std::size_t times = time_s.shape(0);
+  Require(time_s.shape(1) == rows && (times == 1 || times == count), "as many times as currents");
+  const Cell& cell = self.cell;
+  std::atomic<std::size_t> outside = 0;
+  const auto one = [&](std::size_t k) {
+    StopIfAsked();
+    double* const v = voltage_V.data() + k * rows;
+    double* const a = soc.data() + k * rows;
+    const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
+    const std::span<const double> i(current_A.data() + k * rows, rows);
+    std::size_t beyond = 0;
+    PredictRows(cell, t, i, hold, initial_soc, {}, [&](std::size_t row, const PredictedRow& of) {
+      v[row] = of.voltage_V;
+      a[row] = of.soc;
+      if (!cell.open_circuit_voltage.InRange(of.soc)) ++beyond;
+    });
+    outside += beyond;
+  };
+  constexpr std::size_t kShort = 1'000'000;  // rows that take less than a thread to start
+  if (count == 1 && rows < kShort) {
+    const nb::gil_scoped_release release;
+    one(0);
+  } else {
+    Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
+  }
+  return outside;
+}
+
+Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {
+  std::vector<double> voltage_V;
+  voltage_V.reserve(soc.shape(0));
+  for (const double a : SpanOf(soc))
+    voltage_V.push_back(self.cell.series * self.cell.open_circuit_voltage(a));
+  return ToArray(std::move(voltage_V));
+}
+
+const Cell& WithUncertainty(const PythonCell& self) {
+  if (self.cell.uncertainty) return self.cell;
+  throw OptionError(fmt::format(
+      "cell '{}' has no uncertainty to draw from: identify it with this version of lipoid",
+      self.cell.name));
+}
+
+nb::list Resample(const PythonCell& self, int count, std::uint64_t seed) {
+  CellEnsemble ensemble;
+  {
+    const Cell& cell = WithUncertainty(self);
+    const nb::gil_scoped_release release;
+    ensemble = DrawCells(cell, count, seed);
+  }
+  nb::list cells;
+  for (Cell& cell : ensemble.cells) cells.append(nb::cast(PythonCell{std::move(cell)}));
+  return cells;
+}
+
+nb::tuple Band(const PythonCell& self,
+               const Input& time_s,
+               const Input& current_A,
+               const std::string& hold_text,
+               double initial_soc,
+               int count,
+               std::uint64_t seed) {
+  const Cell& cell = WithUncertainty(self);
+  const Hold hold = HoldOf(hold_text);
+  PredictionBand band;
+  Work([&](const Tell&) {
+    const CellEnsemble ensemble = DrawCells(cell, count, seed);
+    const std::vector<double> starts(ensemble.cells.size(), initial_soc);
+    band = PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), hold);
+  });
+  return nb::make_tuple(ToArray(std::move(band.voltage_low_V)),
+                        ToArray(std::move(band.voltage_high_V)));
+}
+
+std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
+
+PythonCell WithPack(const PythonCell& self, int series, int parallel) {
+  PythonCell pack = self;
+  const auto check = [](const char* name, int value) {
+    options_internal::ParseInt(name, std::to_string(value), kPackSizes);
+  };
+  check("series", series);
+  check("parallel", parallel);
+  pack.cell.series = series;
+  pack.cell.parallel = parallel;
+  return pack;
+}
+
+}  // namespace
+
+void AddCells(nb::module_& module) {
+  nb::class_<PythonCell>(module, "Cell")
+      .def_prop_ro("name", [](const PythonCell& self) { return self.cell.name; })
+      .def_prop_ro("series", [](const PythonCell& self) { return self.cell.series; })
+      .def_prop_ro("parallel", [](const PythonCell& self) { return self.cell.parallel; })
+      .def_prop_ro("capacity_Ah", [](const PythonCell& self) { return self.cell.capacity_Ah; })
+      .def_prop_ro("cutoff_V", [](const PythonCell& self) { return self.cell.cutoff_V; })
+      .def_prop_ro("alpha_C", [](const PythonCell& self) { return self.cell.alpha_C(); })
+      .def_prop_ro("has_uncertainty",
+                   [](const PythonCell& self) { return self.cell.uncertainty.has_value(); })
+      .def("to_dict", [](const PythonCell& self) { return ToPython(CellToJson(self.cell)); })
+      .def("to_json", &TextOfCell)
+      .def(
+          "save",
+          [](const PythonCell& self, nb::handle file) { WriteCellFile(self.cell, PathOf(file)); },
+          nb::arg("file"))
+      .def("pack", &WithPack, nb::arg("series"), nb::arg("parallel"))
+      .def("open_circuit_voltage", &OpenCircuitVoltage, nb::arg("soc"))
+      .def(
+          "soc_at_rest",
+          [](const PythonCell& self, double voltage_V) {
+            return SocAtRestVoltage(self.cell, voltage_V);
+          },
+          nb::arg("voltage_V"))
+      .def("simulate",
+           &Simulate,
+           nb::arg("time_s").noconvert(),
+           nb::arg("current_A").noconvert(),
+           nb::arg("voltage_V").noconvert(),
+           nb::arg("soc").noconvert(),
+           nb::arg("hold"),
+           nb::arg("initial_soc"),
+           nb::arg("threads"))
+      .def("band",
+           &Band,
+           nb::arg("time_s").noconvert(),
+           nb::arg("current_A").noconvert(),
+           nb::arg("hold"),
+           nb::arg("initial_soc"),
+           nb::arg("count"),
+           nb::arg("seed"))
+      .def("resample", &Resample, nb::arg("count"), nb::arg("seed"))
+      .def("__getstate__", &TextOfCell)
+      .def("__setstate__", [](PythonCell& self, const std::string& text) {
+        new (&self) PythonCell{ParseCell(text, "cell")};
+      });
+  module.def(
+      "load_cell",
+      [](nb::handle name_or_file) { return PythonCell{LoadCell(PathOf(name_or_file))}; },
+      nb::arg("name_or_file"));
+  module.def(
+      "parse_cell",
+      [](const std::string& text, const std::string& file) {
+        return PythonCell{ParseCell(text, file)};
+      },
+      nb::arg("text"),
+      nb::arg("file"));
+  module.def("cell_names", &ShippedCellNames);
+}
+
+}  // namespace lipoid::python

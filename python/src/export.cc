@@ -1,0 +1,114 @@
+#include "python/src/export.h"
+
+#include <nanobind/stl/string.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "identify/export/export_report.h"
+#include "identify/export/mission.h"
+#include "identify/export/targets.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "model/core/json_text.h"
+#include "model/core/run_record.h"
+#include "python/src/cell.h"
+#include "python/src/convert.h"
+#include "python/src/keywords.h"
+#include "python/src/log.h"
+#include "python/src/work.h"
+
+namespace lipoid::python {
+namespace {
+
+struct ExportKeywords {
+  ExportRequest request;
+  std::optional<nb::object> mission;
+
+  void Declare(Keywords& keywords) {
+    mission =
+        keywords.Take("mission",
+                      "Log",
+                      "what the numbers are fitted and compared over; not given: two levels of "
+                      "current with rests");
+    double initial_soc = 1.0;
+    keywords.Option(
+        "initial-soc", initial_soc, kInitialSocs, "state of charge at the start of the mission");
+    request.mission.initial_soc = initial_soc;
+    keywords.Text("target-version",
+                  request.target_version,
+                  "text",
+                  "version of the program that reads the file, where names differ");
+    keywords.Option(
+        "branches", request.branches, Range{1, 2}, "pairs of resistor and capacitor, at most");
+    keywords.Flag("single-precision",
+                  request.single_precision,
+                  "whether numbers are single, for targets that can be either");
+  }
+};
+
+nb::object ExportCell(const PythonCell& cell,
+                      const std::string& target_name,
+                      nb::handle output,
+                      const nb::dict& given) {
+  const ExportTarget& target = FindExportTarget(target_name);
+  ExportKeywords made;
+  Keywords keywords(given);
+  made.Declare(keywords);
+  keywords.Finish();
+  ExportRequest& request = made.request;
+  const std::string path = PathOf(output);
+  request.cell = cell.cell;
+  request.source = cell.cell.name;
+  request.sha256 = Sha256OfBytes(JsonText(CellToJson(cell.cell)));
+  request.name = IdentifierOf(cell.cell.name);
+  request.stem = std::filesystem::path(path).stem().string();
+  const double initial_soc = request.mission.initial_soc;
+  if (made.mission) {
+    const Log log = nb::cast<const PythonLog&>(*made.mission).Lent();
+    request.mission = MissionOf(log.record, log.record.file, initial_soc);
+  } else if (DefaultCurrent_A(request.cell) > 0.0) {
+    request.mission = DefaultMission(request.cell);
+  } else {
+    throw OptionError("the cell is at its cut-off under any current; give a mission");
+  }
+  Exported exported;
+  Work([&](const Tell&) { exported = Export(target, request); });
+  Json summary = ExportToJson(target, request, exported);
+  summary["files"] = Json::array();
+  FileSet files;
+  for (std::size_t k = 0; k < exported.files.size(); ++k) {
+    const std::string file = k == 0 ? path : FileBeside(path, exported.files[k].suffix);
+    WriteFileAtomically(file, exported.files[k].content);
+    summary["files"].push_back(file);
+  }
+  files.Commit();
+  return ToPython(summary);
+}
+
+}  // namespace
+
+void AddExport(nb::module_& module) {
+  module.def("export",
+             &ExportCell,
+             nb::arg("cell"),
+             nb::arg("target"),
+             nb::arg("output"),
+             nb::arg("options"));
+  module.def("describe_export", [] {
+    ExportKeywords made;
+    Keywords keywords;
+    made.Declare(keywords);
+    return keywords.Described();
+  });
+  module.def("target_names", [] {
+    nb::list names;
+    for (const auto& target : ExportTargets()) names.append(std::string(target.name));
+    return names;
+  });
+}
+
+}  // namespace lipoid::python

@@ -1,0 +1,212 @@
+#include "python/src/keywords.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+
+#include "model/core/errors.h"
+#include "model/core/nearest_name.h"
+
+namespace lipoid::python {
+namespace {
+
+std::string TypeName(nb::handle value) {
+  return nb::cast<std::string>(nb::str(nb::type_name(value.type())));
+}
+
+std::string Shown(nb::handle value) { return nb::cast<std::string>(nb::repr(value)); }
+
+double NumberOf(const std::string& name, nb::handle value) {
+  return options_internal::ParseDouble(name, TextOf(name, value), Range{});
+}
+
+// The type of an option of which only its description is known.
+std::string InferredType(const OptionDescription& option) {
+  if (option.valid == "true | false") return "bool";
+  if (option.valid == "text") return "str";
+  if (option.valid.find(" | ") == std::string::npos) return "float";
+  std::string type = "Literal[\"" + option.valid + "\"]";
+  for (auto at = type.find(" | "); at != std::string::npos; at = type.find(" | "))
+    type.replace(at, 3, "\", \"");
+  return type;
+}
+
+}  // namespace
+
+std::string PythonName(std::string_view name) {
+  std::string python(name);
+  std::replace(python.begin(), python.end(), '-', '_');
+  return python;
+}
+
+std::string TextOf(const std::string& name, nb::handle value) {
+  if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
+  if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+  if (nb::isinstance<nb::int_>(value)) return nb::cast<std::string>(nb::str(value));
+  if (nb::isinstance<nb::float_>(value)) return Shown(nb::float_(value));
+  // The numbers and truths of NumPy.
+  if (nb::hasattr(value, "item") && nb::hasattr(value, "ndim") &&
+      nb::cast<int>(value.attr("ndim")) == 0)
+    return TextOf(name, value.attr("item")());
+  throw OptionError(
+      fmt::format("option {}: expected a number, a text or a truth value, found {} ({})",
+                  name,
+                  Shown(value),
+                  TypeName(value)));
+}
+
+std::optional<nb::object> Keywords::Given(const std::string& name) const {
+  if (!given_.is_valid() || !given_.contains(name.c_str())) return std::nullopt;
+  nb::object value = nb::borrow(given_[name.c_str()]);
+  if (value.is_none()) return std::nullopt;
+  return value;
+}
+
+void Keywords::Declare(std::string_view name,
+                       OptionDescription option,
+                       std::string_view type,
+                       const std::function<void(const std::string&, const std::string&)>& set) {
+  const std::string shown = PythonName(name);
+  known_.push_back(shown);
+  nb::dict one;
+  one["name"] = shown;
+  one["type"] = nb::str(type.data(), type.size());
+  one["default"] = option.default_text;
+  one["valid"] = option.valid;
+  one["help"] = option.help;
+  described_.append(one);
+  if (const auto value = Given(shown)) set(shown, TextOf(shown, *value));
+}
+
+void Keywords::Text(std::string_view name,
+                    std::string& value,
+                    std::string_view word,
+                    std::string_view help) {
+  Declare(name,
+          {{}, value, std::string(word), std::string(help)},
+          "str",
+          [&](const std::string&, const std::string& text) { value = text; });
+}
+
+std::optional<nb::object> Keywords::Take(std::string_view name,
+                                         std::string_view type,
+                                         std::string_view help) {
+  const std::string shown = PythonName(name);
+  known_.push_back(shown);
+  nb::dict one;
+  one["name"] = shown;
+  one["type"] = std::string(type) + " | None";
+  one["default"] = "None";
+  one["valid"] = "";
+  one["help"] = std::string(help);
+  described_.append(one);
+  return Given(shown);
+}
+
+void Keywords::Numbers(std::string_view name,
+                       std::map<std::string, double>& values,
+                       std::string_view help) {
+  const std::string shown = PythonName(name);
+  const auto given = Take(name, "Mapping[str, float]", help);
+  if (!given) return;
+  if (!nb::isinstance<nb::dict>(*given))
+    throw OptionError(
+        fmt::format("option {}: expected {{name: value}}, found {}", shown, Shown(*given)));
+  for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
+    const auto parameter = nb::cast<std::string>(nb::str(key));
+    values[parameter] = NumberOf(shown + " " + parameter, value);
+  }
+}
+
+void Keywords::Ranges(std::string_view name,
+                      std::map<std::string, std::pair<double, double>>& values,
+                      std::string_view help) {
+  const std::string shown = PythonName(name);
+  const auto given = Take(name, "Mapping[str, tuple[float, float]]", help);
+  if (!given) return;
+  const auto fail = [&] {
+    throw OptionError(
+        fmt::format("option {}: expected {{name: (low, high)}}, found {}", shown, Shown(*given)));
+  };
+  if (!nb::isinstance<nb::dict>(*given)) fail();
+  for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
+    const auto parameter = nb::cast<std::string>(nb::str(key));
+    if (!nb::isinstance<nb::sequence>(value) || nb::len(value) != 2) fail();
+    values[parameter] = {NumberOf(shown + " " + parameter, value[0]),
+                         NumberOf(shown + " " + parameter, value[1])};
+  }
+}
+
+void Keywords::Words(std::string_view name,
+                     std::vector<std::string>& values,
+                     std::string_view help) {
+  const auto given = Take(name, "str | Sequence[str]", help);
+  if (!given) return;
+  if (nb::isinstance<nb::str>(*given)) {
+    values = {nb::cast<std::string>(*given)};
+    return;
+  }
+  values.clear();
+  for (const nb::handle word : *given) values.push_back(TextOf(PythonName(name), word));
+}
+
+void Keywords::Group(std::string_view name,
+                     const std::vector<OptionDescription>& options,
+                     const std::function<void(std::string_view, std::string_view)>& set,
+                     const std::vector<std::string>& types) {
+  const std::string shown = PythonName(name);
+  known_.push_back(shown);
+  std::vector<std::string> names;
+  nb::list inner;
+  for (std::size_t k = 0; k < options.size(); ++k) {
+    names.push_back(options[k].name);
+    within_.emplace_back(options[k].name, shown);
+    nb::dict one;
+    one["name"] = options[k].name;
+    one["type"] = k < types.size() ? types[k] : InferredType(options[k]);
+    one["default"] = options[k].default_text;
+    one["valid"] = options[k].valid;
+    one["help"] = options[k].help;
+    inner.append(one);
+  }
+  nb::dict group;
+  group["name"] = shown;
+  group["options"] = inner;
+  described_.append(group);
+  const auto given = Given(shown);
+  if (!given) return;
+  if (!nb::isinstance<nb::dict>(*given)) {
+    throw OptionError(fmt::format("option {}: expected a dictionary of {}, found {}",
+                                  shown,
+                                  fmt::join(names, ", "),
+                                  Shown(*given)));
+  }
+  for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
+    const auto option = nb::cast<std::string>(nb::str(key));
+    if (std::find(names.begin(), names.end(), option) == names.end())
+      throw OptionError(UnknownName("option of " + shown, option, names));
+    set(option, TextOf(shown + "." + option, value));
+  }
+}
+
+void Keywords::Finish() const {
+  if (!given_.is_valid()) return;
+  for (const auto& [key, value] : given_) {
+    const auto name = nb::cast<std::string>(nb::str(key));
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    const auto within = std::find_if(
+        within_.begin(), within_.end(), [&](const auto& option) { return option.first == name; });
+    std::string message = UnknownName("option", name, known_);
+    if (within != within_.end()) {
+      message = fmt::format("unknown option '{}'; it is one of {}: say {}={{\"{}\": ...}}",
+                            name,
+                            within->second,
+                            within->second,
+                            name);
+    }
+    throw OptionError(message);
+  }
+}
+
+}  // namespace lipoid::python

@@ -1,0 +1,158 @@
+#pragma once
+
+/// @file
+/// The keyword arguments of a function, declared as commands declare their options
+/// (tools/cli/command_line.h) and with the same names, a dash being an underscore. Values go through
+/// the same checks as text of the command line (model/core/options.h), so that ranges and messages
+/// are the same.
+///
+///   Keywords keywords(given);
+///   keywords.Option("branches", branches, Range{0, 5}, "resistor-capacitor branches");
+///   keywords.Group("pulses", options.pulses);  // pulses={"terms": 20}
+///   keywords.Finish();                         // what is left over is unknown
+///
+/// Without arguments they are only described: docstrings and stubs are made from that.
+
+#include <nanobind/nanobind.h>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/core/options.h"
+
+namespace lipoid::python {
+
+namespace nb = nanobind;
+
+class Keywords {
+ public:
+  Keywords() = default;  ///< only to be described
+  explicit Keywords(nb::dict given) : given_(std::move(given)) {}
+
+  template <class T, class Valid>
+  void Option(std::string_view name, T& value, const Valid& valid, std::string_view help) {
+    Declare(name,
+            {{},
+             options_internal::ToText(value),
+             options_internal::DescribeValid<T>(valid),
+             std::string(help)},
+            TypeOf<T>(),
+            [&](const std::string& shown, const std::string& text) {
+              options_internal::FromText(shown, text, valid, value);
+            });
+  }
+  /// The same, where not giving it, or None, means something.
+  template <class T, class Valid>
+  void Option(std::string_view name,
+              std::optional<T>& value,
+              const Valid& valid,
+              std::string_view help) {
+    Declare(name,
+            {{}, "None", options_internal::DescribeValid<T>(valid), std::string(help)},
+            TypeOf<T>() + " | None",
+            [&](const std::string& shown, const std::string& text) {
+              options_internal::FromText(shown, text, valid, value.emplace());
+            });
+  }
+  void Flag(std::string_view name, bool& value, std::string_view help) {
+    Option(name, value, Names{}, help);
+  }
+  void Text(std::string_view name,
+            std::string& value,
+            std::string_view word,
+            std::string_view help);
+
+  /// An argument that is no single value: the object as given, or none. `type` is for stubs.
+  [[nodiscard]] std::optional<nb::object> Take(std::string_view name,
+                                               std::string_view type,
+                                               std::string_view help);
+
+  /// {"name": value}.
+  void Numbers(std::string_view name, std::map<std::string, double>& values, std::string_view help);
+  /// {"name": (low, high)}.
+  void Ranges(std::string_view name,
+              std::map<std::string, std::pair<double, double>>& values,
+              std::string_view help);
+  /// A word, or a sequence of them.
+  void Words(std::string_view name, std::vector<std::string>& values, std::string_view help);
+
+  /// Options of a struct: {"terms": 20}.
+  template <class Options>
+  void Group(std::string_view name, Options& options) {
+    Group(
+        name,
+        DescribeOptions<Options>(),
+        [&options](std::string_view key, std::string_view text) { SetOption(options, key, text); },
+        TypesOf<Options>());
+  }
+  void Group(std::string_view name,
+             const std::vector<OptionDescription>& options,
+             const std::function<void(std::string_view, std::string_view)>& set,
+             const std::vector<std::string>& types = {});
+
+  /// Options of a struct, each by itself.
+  template <class Options>
+  void Each(Options& options) {
+    Options::Visit(options,
+                   [&](std::string_view name, auto& member, const auto& valid, const char* help) {
+                     Option(name, member, valid, help);
+                   });
+  }
+
+  /// OptionError for what no declaration took.
+  void Finish() const;
+
+  /// name, type, default, valid, help; of a group its options instead of valid.
+  [[nodiscard]] nb::list Described() const { return described_; }
+
+ private:
+  template <class T>
+  static std::string TypeOf() {
+    if constexpr (std::is_enum_v<T>) {
+      std::string type;
+      for (const auto& name : options_internal::ChoiceNames<T>())
+        type += (type.empty() ? "Literal[\"" : "\", \"") + name;
+      return type + "\"]";
+    } else if constexpr (std::is_same_v<T, bool>) {
+      return "bool";
+    } else if constexpr (std::is_same_v<T, int>) {
+      return "int";
+    } else if constexpr (std::is_same_v<T, double>) {
+      return "float";
+    } else {
+      return "str";
+    }
+  }
+  template <class Options>
+  static std::vector<std::string> TypesOf() {
+    std::vector<std::string> types;
+    const Options defaults{};
+    Options::Visit(defaults, [&](std::string_view, const auto& member, const auto&, const char*) {
+      types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>>());
+    });
+    return types;
+  }
+
+  void Declare(std::string_view name,
+               OptionDescription option,
+               std::string_view type,
+               const std::function<void(const std::string&, const std::string&)>& set);
+  [[nodiscard]] std::optional<nb::object> Given(const std::string& name) const;
+
+  nb::dict given_;
+  nb::list described_;
+  std::vector<std::string> known_;
+  std::vector<std::pair<std::string, std::string>> within_;  // option of a group, its group
+};
+
+/// A value of Python as the text that the command line would have: 2, 0.5, true, joint.
+[[nodiscard]] std::string TextOf(const std::string& name, nb::handle value);
+
+/// A name of the command line as Python has it: alpha_C of "alpha-C".
+[[nodiscard]] std::string PythonName(std::string_view name);
+
+}  // namespace lipoid::python

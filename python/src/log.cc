@@ -1,0 +1,245 @@
+#include "python/src/log.h"
+
+#include <fmt/format.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "identify/logs/inspection.h"
+#include "identify/logs/inspection_report.h"
+#include "model/core/errors.h"
+#include "python/src/convert.h"
+
+namespace lipoid::python {
+namespace {
+
+std::vector<int> WholeNumbers(const char* name, const nb::object& given) {
+  std::vector<std::string> words;
+  if (nb::isinstance<nb::int_>(given)) {
+    words.push_back(TextOf(name, given));
+  } else {
+    for (const nb::handle word : given) words.push_back(TextOf(name, word));
+  }
+  std::vector<int> numbers;
+  for (const std::string& word : words)
+    numbers.push_back(options_internal::ParseInt(name, word, Range{}));
+  return numbers;
+}
+
+PythonLog Shared(Log log) { return {std::make_shared<const Log>(std::move(log))}; }
+
+ReadOptions ReadingOf(const nb::dict& given, bool of_a_file) {
+  ReadOptions options;
+  Keywords keywords(given);
+  DeclareReading(keywords, options, of_a_file);
+  keywords.Finish();
+  return options;
+}
+
+PythonLog Read(nb::handle file, const nb::dict& given) {
+  const std::string path = PathOf(file);
+  const ReadOptions options = ReadingOf(given, true);
+  Log log;
+  {
+    const nb::gil_scoped_release release;
+    log = ReadLog(path, options);
+  }
+  return Shared(std::move(log));
+}
+
+PythonLog ReadText(const nb::bytes& text, const std::string& name, const nb::dict& given) {
+  const ReadOptions options = ReadingOf(given, true);
+  Log log;
+  {
+    const nb::gil_scoped_release release;
+    log = ReadLogText({text.c_str(), text.size()}, name, options);
+  }
+  return Shared(std::move(log));
+}
+
+PythonLog Take(const Input& time_s,
+               const Input& current_A,
+               const std::optional<Input>& voltage_V,
+               const std::optional<Input>& temperature_degC,
+               const std::string& name,
+               const nb::dict& given) {
+  ReadOptions options = ReadingOf(given, false);
+  options.voltage_optional = !voltage_V;
+  const auto lend = [](const Input& array) {
+    return Column::Lent(SpanOf(array), Keep(nb::cast(array)));
+  };
+  Record record;
+  record.file = name;
+  record.time_s = lend(time_s);
+  record.current_A = lend(current_A);
+  if (voltage_V) record.voltage_V = lend(*voltage_V);
+  if (temperature_degC) record.temperature_degC = lend(*temperature_degC);
+  Log log;
+  {
+    const nb::gil_scoped_release release;
+    log = TakeLog(std::move(record), options);
+  }
+  return Shared(std::move(log));
+}
+
+nb::object Inspect(const PythonLog& self) {
+  Json json;
+  {
+    const nb::gil_scoped_release release;
+    json = InspectionToJson(InspectRecord(self.log->record, self.log->report));
+  }
+  return ToPython(json);
+}
+
+nb::object ColumnOf(const PythonLog& self, Column Record::*column) {
+  const Column& numbers = self.log->record.*column;
+  if (numbers.empty()) return nb::none();
+  return nb::cast(ViewOf(numbers, self.log));
+}
+
+// As another process has it: the columns as they are now, and what reading said.
+nb::tuple State(const PythonLog& self) {
+  const LogReport& report = self.log->report;
+  return nb::make_tuple(ColumnOf(self, &Record::time_s),
+                        ColumnOf(self, &Record::current_A),
+                        ColumnOf(self, &Record::voltage_V),
+                        ColumnOf(self, &Record::temperature_degC),
+                        self.log->record.file,
+                        options_internal::ToText(self.log->record.hold),
+                        report.format,
+                        report.current_sign,
+                        report.current_sign_reason);
+}
+
+std::vector<double> Numbers(const nb::object& column) {
+  if (column.is_none()) return {};
+  const auto array = nb::cast<Input>(column);
+  const auto span = SpanOf(array);
+  return {span.begin(), span.end()};
+}
+
+PythonLog FromState(const nb::tuple& state) {
+  Log log;
+  log.record.time_s = Numbers(state[0]);
+  log.record.current_A = Numbers(state[1]);
+  log.record.voltage_V = Numbers(state[2]);
+  log.record.temperature_degC = Numbers(state[3]);
+  log.record.file = nb::cast<std::string>(state[4]);
+  options_internal::FromText("hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
+  log.report.format = nb::cast<std::string>(state[6]);
+  log.report.current_sign = nb::cast<std::string>(state[7]);
+  log.report.current_sign_reason = nb::cast<std::string>(state[8]);
+  log.report.rows = log.record.size();
+  return Shared(std::move(log));
+}
+
+nb::list Describe(bool of_a_file) {
+  ReadOptions options;
+  Keywords keywords;
+  DeclareReading(keywords, options, of_a_file);
+  return keywords.Described();
+}
+
+}  // namespace
+
+Log PythonLog::Lent() const {
+  const auto lend = [this](const Column& column) {
+    return column.empty() ? Column() : Column::Lent(column, log);
+  };
+  Log lent;
+  lent.report = log->report;
+  lent.record.file = log->record.file;
+  lent.record.hold = log->record.hold;
+  lent.record.time_s = lend(log->record.time_s);
+  lent.record.current_A = lend(log->record.current_A);
+  lent.record.voltage_V = lend(log->record.voltage_V);
+  lent.record.temperature_degC = lend(log->record.temperature_degC);
+  return lent;
+}
+
+void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file) {
+  keywords.Text("current-sign",
+                options.current_sign,
+                "auto | discharge-positive | discharge-negative",
+                "which sign a discharge has, where it cannot be found from the data");
+  keywords.Option("hold",
+                  options.hold,
+                  Names{},
+                  "whether a row's current holds since the row before or until the next");
+  keywords.Option(
+      "start_s", options.start_s, Range{}, "only rows from this time on; time then starts at 0");
+  keywords.Option("end_s", options.end_s, Range{}, "only rows up to this time");
+  keywords.Option("lead_resistance_Ohm",
+                  options.lead_resistance_Ohm,
+                  Range{},
+                  "resistance of leads, whose drop is added to the voltage");
+  if (!of_a_file) return;
+  if (const auto columns = keywords.Take(
+          "columns",
+          "Mapping[str, str]",
+          "names of time_s, current_A, voltage_V, temperature_degC in the header, where they are not "
+          "found")) {
+    if (!nb::isinstance<nb::dict>(*columns))
+      throw OptionError("option columns: expected {\"time_s\": \"name in the header\"}");
+    for (const auto& [key, value] : nb::cast<nb::dict>(*columns))
+      options.columns[nb::cast<std::string>(nb::str(key))] = TextOf("columns", value);
+  }
+  if (const auto units =
+          keywords.Take("units",
+                        "Sequence[str]",
+                        "units of time, current and voltage where the header has none")) {
+    for (const nb::handle unit : *units) options.units.push_back(TextOf("units", unit));
+  }
+  if (const auto steps =
+          keywords.Take("steps", "int | Sequence[int]", "only rows of these steps of the cycler"))
+    options.steps = WholeNumbers("steps", *steps);
+  if (const auto cycles =
+          keywords.Take("cycles", "int | Sequence[int]", "only rows of these cycles of the cycler"))
+    options.cycles = WholeNumbers("cycles", *cycles);
+  keywords.Flag("voltage_optional",
+                options.voltage_optional,
+                "whether a log without a voltage is taken too: a current for a simulation");
+}
+
+void AddLogs(nb::module_& module) {
+  nb::class_<PythonLog>(module, "Log")
+      .def_prop_ro("time_s", [](const PythonLog& self) { return ColumnOf(self, &Record::time_s); })
+      .def_prop_ro("current_A",
+                   [](const PythonLog& self) { return ColumnOf(self, &Record::current_A); })
+      .def_prop_ro("voltage_V",
+                   [](const PythonLog& self) { return ColumnOf(self, &Record::voltage_V); })
+      .def_prop_ro("temperature_degC",
+                   [](const PythonLog& self) { return ColumnOf(self, &Record::temperature_degC); })
+      .def_prop_ro("file", [](const PythonLog& self) { return self.log->record.file; })
+      .def_prop_ro(
+          "hold",
+          [](const PythonLog& self) { return options_internal::ToText(self.log->record.hold); })
+      .def_prop_ro("format", [](const PythonLog& self) { return self.log->report.format; })
+      .def_prop_ro("sign", [](const PythonLog& self) { return self.log->report.current_sign; })
+      .def_prop_ro("sign_reason",
+                   [](const PythonLog& self) { return self.log->report.current_sign_reason; })
+      .def("reading",
+           [](const PythonLog& self) { return ToPython(ReadingToJson(self.log->report)); })
+      .def("inspect", &Inspect)
+      .def("__len__", [](const PythonLog& self) { return self.log->record.size(); })
+      .def("__getstate__", &State)
+      .def("__setstate__", [](PythonLog& self, const nb::tuple& state) {
+        new (&self) PythonLog(FromState(state));
+      });
+  module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
+  module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("name"), nb::arg("options"));
+  module.def("take_log",
+             &Take,
+             nb::arg("time_s").noconvert(),
+             nb::arg("current_A").noconvert(),
+             nb::arg("voltage_V").noconvert().none(),
+             nb::arg("temperature_degC").noconvert().none(),
+             nb::arg("name"),
+             nb::arg("options"));
+  module.def("describe_reading", &Describe, nb::arg("of_a_file"));
+}
+
+}  // namespace lipoid::python

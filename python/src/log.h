@@ -1,0 +1,29 @@
+#pragma once
+
+/// @file
+/// A log as Python sees it, and the ways in which one is read.
+
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <string>
+
+#include "identify/logs/log.h"
+#include "python/src/keywords.h"
+
+namespace lipoid::python {
+
+/// Shared by Python, by arrays over its columns, and by campaigns; never changes.
+struct PythonLog {
+  std::shared_ptr<const Log> log;
+
+  /// The same log, whose columns are those of this one: nothing is copied.
+  [[nodiscard]] Log Lent() const;
+};
+
+/// columns, units, current_sign, hold, steps, cycles, start_s, end_s, lead_resistance_Ohm.
+void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file);
+
+void AddLogs(nb::module_& module);
+
+}  // namespace lipoid::python

@@ -1,0 +1,30 @@
+// lipoid._core: what C++ knows. The package around it (python/lipoid) makes it at home in Python.
+#include <nanobind/nanobind.h>
+
+#include "model/core/run_record.h"
+#include "python/src/campaign.h"
+#include "python/src/cell.h"
+#include "python/src/comparison.h"
+#include "python/src/errors.h"
+#include "python/src/export.h"
+#include "python/src/flight.h"
+#include "python/src/identification.h"
+#include "python/src/log.h"
+#include "python/src/planning.h"
+#include "python/src/work.h"
+
+NB_MODULE(_core, module) {
+  using namespace lipoid::python;
+  AddErrors(module);
+  AddLogs(module);
+  AddCampaigns(module);
+  AddCells(module);
+  AddIdentification(module);
+  AddComparison(module);
+  AddPlanning(module);
+  AddFlights(module);
+  AddExport(module);
+  module.def("stop_all_work", &StopAllWork);
+  module.attr("version") = lipoid::Version();
+  module.attr("commit") = lipoid::GitCommit();
+}

@@ -1,0 +1,129 @@
+"""Cells: voltages against an independent solution, ensembles, files."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lipoid
+from conftest import Lipoid
+
+T = np.arange(0.0, 1200.0, 2.0)
+I = np.where((T >= 60) & (T < 600), 1.2, 0.0)  # noqa: E741
+
+
+def closed_form(cell: lipoid.Cell, t: np.ndarray, i: np.ndarray) -> np.ndarray:
+    """The equations (4.46), (4.50), (4.51) written down again, by NumPy.
+
+    Backward hold: the current of a row flows since the row before. Between rows each state decays
+    exactly.
+    """
+    data = cell.to_dict()
+    diffusion = data["diffusion"]
+    alpha, beta = diffusion["alpha_C"], diffusion["beta_per_sqrt_s"]
+    m = np.arange(1, diffusion["terms"] + 1)
+    rates = (beta * m) ** 2
+    modes = np.zeros(len(m))
+    branch = data["branches"][0]
+    r, c = branch["resistance_Ohm"], branch["capacitance_F"]
+    v_c, charge = 0.0, 0.0
+    tail = 2.0 * (np.pi**2 / 6.0 - np.sum(1.0 / m**2)) / beta**2 if diffusion["tail"] else 0.0
+    curve = data["open_circuit_voltage"]
+    out = np.empty_like(t)
+    for k in range(len(t)):
+        if k:
+            dt = t[k] - t[k - 1]
+            decay = np.exp(-rates * dt)
+            modes = modes * decay + i[k] * (1.0 - decay) / rates
+            charge += i[k] * dt
+            v_c = v_c * np.exp(-dt / (r * c)) + r * i[k] * (1.0 - np.exp(-dt / (r * c)))
+        sigma = charge + 2.0 * modes.sum() + tail * i[k] * (k > 0)
+        soc = 1.0 - sigma / alpha
+        v_oc = np.interp(soc, curve["soc"], curve["voltage_V"])
+        out[k] = v_oc - data["series_resistance_Ohm"] * i[k] - v_c
+    return out
+
+
+def test_the_voltage_is_that_of_the_equations() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    rounding_V = 1e-9  # of sums of ten modes over 600 rows
+    np.testing.assert_allclose(
+        cell.simulate(T, I).voltage_V, closed_form(cell, T, I), rtol=0, atol=rounding_V
+    )
+
+
+def test_many_currents_are_each_alone() -> None:
+    cell = lipoid.Cell.read("grepow-32Ah-1").pack(series=4)
+    scales = np.linspace(0.0, 30.0, 37)
+    many = cell.simulate(T, scales[:, None] * I)
+    assert many.voltage_V.shape == (37, len(T))
+    for k in (0, 17, 36):
+        one = cell.simulate(T, scales[k] * I)
+        np.testing.assert_array_equal(many.voltage_V[k], one.voltage_V)
+        np.testing.assert_array_equal(many.soc[k], one.soc)
+        np.testing.assert_array_equal(many.open_circuit_V[k], one.open_circuit_V)
+
+
+def test_it_is_what_the_program_simulates(program: Lipoid, tmp_path: Path) -> None:
+    import pandas as pd
+
+    pd.DataFrame({"time_s": T, "current_A": I}).to_csv(tmp_path / "current.csv", index=False)
+    program("simulate", "gifi-600mAh-1", "--current", "current.csv", "-o", "v.csv", folder=tmp_path)
+    written = pd.read_csv(tmp_path / "v.csv", dtype=float, float_precision="round_trip")
+    ours = lipoid.Cell.read("gifi-600mAh-1").simulate(T, I).to_pandas()
+    pd.testing.assert_frame_equal(ours, written, check_exact=True)
+
+
+def test_shapes_and_order_are_checked() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    with pytest.raises(lipoid.OptionError, match="do not go with"):
+        cell.simulate(T, I[:-1])
+    with pytest.raises(lipoid.OptionError, match="times that increase"):
+        cell.simulate(T[::-1], I)
+    with pytest.raises(lipoid.OptionError, match="hold: expected"):
+        cell.simulate(T, I, hold="sideways")  # type: ignore[arg-type]
+
+
+def test_unknown_cells_name_the_known() -> None:
+    with pytest.raises(lipoid.LoadError, match="gifi-600mAh-1"):
+        lipoid.Cell.read("gifi-600mAh-9")
+
+
+def test_files_and_pickles_are_the_same_cell(tmp_path: Path) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-2").pack(3, 2)
+    cell.save(tmp_path / "cell.json")
+    assert lipoid.Cell.read(tmp_path / "cell.json") == cell
+    assert lipoid.Cell.from_dict(json.loads((tmp_path / "cell.json").read_text())) == cell
+    assert pickle.loads(pickle.dumps(cell)) == cell
+    assert "3S2P" in repr(cell)
+    assert "mOhm" in cell._repr_html_()
+    assert len(cell.plot()) == 2
+
+
+def test_cells_drawn_have_the_covariance(result: lipoid.Identification) -> None:
+    cells = result.cell.resample(2000, seed=3)
+    assert cells[7] == result.cell.resample(8, seed=3)[7]
+    uncertainty = result.cell.to_dict()["uncertainty"]
+    k = uncertainty["parameters"].index("beta")
+    sigma = np.sqrt(uncertainty["covariance"][k][k])
+    beta = [one.to_dict()["diffusion"]["beta_per_sqrt_s"] for one in cells]
+    nu = uncertainty["degrees_of_freedom"]
+    # Student's distribution is wider than the normal one; beta is drawn in its logarithm. The
+    # standard deviation of 2000 draws is known to 5 % within three sigma.
+    expected = sigma * np.sqrt(nu / (nu - 2.0))
+    assert np.std(beta) == pytest.approx(expected, rel=0.15)
+
+
+def test_a_cell_without_uncertainty_says_so() -> None:
+    with pytest.raises(lipoid.OptionError, match="no uncertainty"):
+        lipoid.Cell.read("gifi-600mAh-1").resample(3)
+
+
+def test_the_band_holds_the_estimate(result: lipoid.Identification) -> None:
+    low, high = result.cell.band(T, I, cells=100)
+    voltage_V = result.cell.simulate(T, I).voltage_V
+    assert np.mean((low <= voltage_V) & (voltage_V <= high)) > 0.9

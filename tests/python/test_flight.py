@@ -1,0 +1,82 @@
+"""Flights and exports: the numbers of the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import lipoid
+from conftest import Lipoid
+
+
+def test_a_flight_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
+    theirs = program(
+        "fly",
+        "square",
+        "--cell",
+        "gifi-600mAh-1",
+        "--vehicle",
+        "mambo-physical",
+        "--gusts",
+        3,
+        "--seed",
+        1,
+        "-o",
+        "flight.csv",
+        folder=tmp_path,
+    )
+    flight = lipoid.fly(
+        "square",
+        cell="gifi-600mAh-1",
+        vehicle="mambo-physical",
+        seed=1,
+        wind={"gusts_m_per_s": 3.0},
+    )
+    for key in flight.summary:
+        if key != "wall_s":
+            assert flight.summary[key] == theirs[key], key
+    written = pd.read_csv(tmp_path / "flight.csv", dtype=float, float_precision="round_trip")
+    pd.testing.assert_frame_equal(flight.data, written, check_exact=True)
+    assert len(flight.plot()) == 4
+    assert "square" in repr(flight)
+    assert "outcome" in flight._repr_html_()
+
+
+def test_a_flight_is_a_log_of_its_cell() -> None:
+    flight = lipoid.fly("hover", cell="gifi-600mAh-1", duration=5.0)
+    log = flight.log()
+    predicted = lipoid.Cell.read("gifi-600mAh-1").simulate(log).voltage_V
+    # The battery's samples are taken at the start of a step, the prediction at its end.
+    assert log.voltage_V is not None
+    assert abs(predicted[2:-2] - log.voltage_V[2:-2]).max() < 0.02
+
+
+def test_unknown_maneuvers_and_options_name_the_known() -> None:
+    with pytest.raises(lipoid.OptionError, match="square"):
+        lipoid.fly("squares")
+    with pytest.raises(lipoid.OptionError, match="ideal source"):
+        lipoid.fly("endurance", cell=None)
+    with pytest.raises(lipoid.OptionError, match="simulation"):
+        lipoid.fly("hover", substeps=3)  # type: ignore[call-arg]
+    with pytest.raises(lipoid.OptionError, match="--waypoints"):
+        lipoid.fly("waypoints")
+
+
+def test_an_export_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
+    theirs = program(
+        "export", "gifi-600mAh-1", "--to", "thevenin", "-o", "theirs.yaml", folder=tmp_path
+    )
+    ours = lipoid.export("gifi-600mAh-1", "thevenin", tmp_path / "ours.yaml")
+    assert ours["parameters"] == theirs["parameters"]
+    assert ours["rmse_V"] == theirs["rmse_V"]
+    assert (tmp_path / "ours.yaml").exists()
+    assert "thevenin" in lipoid.targets()
+
+
+def test_the_lists() -> None:
+    assert "square" in lipoid.maneuvers()
+    assert "mambo-physical" in lipoid.vehicles()
+    assert "levenberg-marquardt" in lipoid.optimizers()
+    assert "gifi-600mAh-1" in lipoid.cells()

@@ -1,0 +1,366 @@
+"""Identification: the numbers of the command line, the interpreter's lock, Ctrl-C, ensembles."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import logging
+import multiprocessing
+import os
+import pickle
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import lipoid
+from conftest import Lipoid
+
+
+def without_times(json: Any) -> Any:
+    """All but the seconds that it took and the names of programs."""
+    if isinstance(json, dict):
+        leave = {"wall_s", "command", "exit_code", "file", "run"}
+        return {k: without_times(v) for k, v in json.items() if k not in leave}
+    if isinstance(json, list):
+        return [without_times(one) for one in json]
+    return json
+
+
+@pytest.mark.parametrize("method", ["joint", "staged"])
+def test_the_summary_is_that_of_the_program(
+    method: str, lab: Path, program: Lipoid, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    theirs = program(
+        "identify", lab / "campaign.toml", "--method", method, "-o", "cell.json", folder=tmp_path
+    )
+    ours = lipoid.identify(lab / "campaign.toml", method=method)  # type: ignore[arg-type]
+    assert without_times(ours.summary) == without_times(theirs)
+    mine, written = ours.cell.to_dict(), lipoid.Cell.read(tmp_path / "cell.json").to_dict()
+    run, their_run = mine.pop("run"), written.pop("run")
+    assert mine == written
+    assert run["options"] == their_run["options"]
+    assert sorted(one["sha256"] for one in run["inputs"]) == sorted(
+        one["sha256"] for one in their_run["inputs"]
+    )
+
+
+def test_arrays_give_what_files_give(lab: Path, result: lipoid.Identification) -> None:
+    read = {
+        kind: [lipoid.read_log(lab / name) for name in names]
+        for kind, names in {
+            "constant_current": ["cc_1C.csv", "cc_3C.csv", "cc_6C.csv"],
+            "low_rate": ["low_rate.csv"],
+            "pulses": ["pulses.csv"],
+        }.items()
+    }
+    logs = {
+        kind: [
+            lipoid.Log(time_s=one.time_s, current_A=-one.current_A, voltage_V=one.voltage_V)
+            for one in some
+        ]
+        for kind, some in read.items()
+    }
+    campaign = lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, name="arrays", **cast(Any, logs))
+    found = lipoid.identify(campaign)
+    pd.testing.assert_frame_equal(found.parameters, result.parameters, check_exact=True)
+
+
+def test_the_truth_is_within_the_intervals(result: lipoid.Identification) -> None:
+    truth = {"beta": 0.192, "alpha": None}
+    row = result.parameters.loc["beta"]
+    assert result.converged and result.usable
+    assert row["verdict"] == "identified"
+    beta = lipoid.Cell.read("gifi-600mAh-1").to_dict()["diffusion"]["beta_per_sqrt_s"]
+    assert abs(row["estimate"] - beta) < 4.0 * row["standard_error"]
+    assert truth
+
+
+def test_options_reach_the_fit(campaign: lipoid.Campaign) -> None:
+    found = lipoid.identify(
+        campaign, method="staged", fix={"beta": 0.2}, branches=2, pulses={"terms": 5}
+    )
+    options = found.cell.to_dict()["run"]["options"]
+    assert options["given"]["fix"] == {"beta": 0.2}
+    assert options["pulses"]["terms"] == 5
+    assert options["pulses"]["branches"] == 2
+    assert found.cell.to_dict()["diffusion"]["beta_per_sqrt_s"] == 0.2
+    assert len(found.cell.to_dict()["branches"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"branch": 2}, "unknown option 'branch'. Did you mean 'branches'"),
+        ({"terms": 2}, r'it is one of pulses: say pulses=\{"terms": ...\}'),
+        ({"branches": 9}, "branches: expected a whole number, 0 .. 5, found '9'"),
+        ({"branches": 2.5}, "branches: expected a whole number"),
+        ({"method": "magic"}, "method: expected"),
+        ({"pulses": {"term": 3}}, "unknown option of pulses 'term'. Did you mean 'terms'"),
+        ({"pulses": 3}, "pulses: expected a dictionary"),
+        ({"fix": {"beta": "x"}}, "fix beta: expected"),
+        ({"bounds": {"beta": 1.0}}, "bounds: expected"),
+        ({"alpha_C": float("nan")}, "alpha_C: expected"),
+    ],
+)
+def test_wrong_options_say_what_is_right(
+    campaign: lipoid.Campaign, options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.identify(campaign, **options)
+
+
+def test_numbers_of_numpy_are_options(campaign: lipoid.Campaign) -> None:
+    found = lipoid.identify(
+        campaign,
+        method="staged",
+        branches=np.int64(1),  # type: ignore[arg-type]
+        fix={"beta": np.float64(0.19)},
+        no_diffusion=np.bool_(False),  # type: ignore[arg-type]
+    )
+    assert found.converged
+
+
+def test_progress_is_told(campaign: lipoid.Campaign) -> None:
+    told: list[tuple[float, str]] = []
+    lipoid.identify(campaign, progress=lambda share, stage: told.append((share, stage)))
+    assert told[-1] == (1.0, "done")
+    assert [share for share, _ in told] == sorted(share for share, _ in told)
+
+
+def test_progress_is_logged_or_drawn(
+    campaign: lipoid.Campaign, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    with caplog.at_level(logging.INFO, "lipoid"):
+        lipoid.identify(campaign, method="staged", progress=True)
+    assert "done" in caplog.text
+
+
+def test_an_exception_of_progress_ends_the_fit(campaign: lipoid.Campaign) -> None:
+    def fail(share: float, stage: str) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        lipoid.identify(campaign, progress=fail)
+
+
+def test_other_threads_run_meanwhile(campaign: lipoid.Campaign) -> None:
+    lipoid.identify(campaign)  # logs are read
+    beats = 0
+    done = threading.Event()
+
+    def beat() -> None:
+        nonlocal beats
+        while not done.is_set():
+            beats += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    began = time.monotonic()
+    lipoid.identify(campaign)
+    took_s = time.monotonic() - began
+    done.set()
+    thread.join()
+    assert beats > 20 * took_s  # a thousand a second on an idle machine; none under the lock
+
+
+def test_ctrl_c_ends_a_long_fit_within_a_fifth_of_a_second(lab: Path) -> None:
+    script = """
+        import os, signal, sys, threading, time
+        import lipoid
+        campaign = lipoid.Campaign.read(sys.argv[1])
+        lipoid.identify(campaign)
+        at = []
+        def press():
+            at.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+        threading.Timer(0.5, press).start()
+        try:
+            while True:
+                lipoid.identify(campaign, joint={"branches": 4, "resistance_nodes": 25})
+        except KeyboardInterrupt:
+            print(time.monotonic() - at[0])
+        print(lipoid.identify(campaign).converged)
+    """
+    ran = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script), str(lab / "campaign.toml")],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert ran.returncode == 0, ran.stderr
+    took_s, converged = ran.stdout.split()
+    # 0.2 s is promised for an idle machine; tests share theirs with others.
+    assert float(took_s) < (1.0 if os.getloadavg()[0] > os.cpu_count() else 0.2)  # type: ignore[operator]
+    assert converged == "True"
+
+
+def test_results_survive_pickling(result: lipoid.Identification) -> None:
+    again = pickle.loads(pickle.dumps(result))
+    assert again.summary == result.summary
+    assert again.cell == result.cell
+
+
+def test_what_a_notebook_shows(result: lipoid.Identification) -> None:
+    assert "Identification(" in repr(result)
+    assert "beta" in result._repr_html_()
+    assert {"estimate", "standard_error", "low_95", "high_95", "verdict"} <= set(result.parameters)
+    assert (result.logs["rmse_V"] < 0.01).all()
+
+
+@pytest.mark.parametrize(
+    ("what", "count"),
+    [
+        ("fit", 2),
+        ("open_circuit_voltage", 1),
+        ("resistances", 1),
+        ("correlation", 1),
+        ("profile", 1),
+    ],
+)
+def test_plots_return_their_axes(result: lipoid.Identification, what: str, count: int) -> None:
+    from matplotlib import pyplot
+
+    axes = result.plot(what)
+    assert len(axes) == count
+    assert all(axis.has_data() for axis in axes)
+    again = result.plot(what, axes=axes)
+    assert again == axes
+    pyplot.close("all")
+
+
+def test_an_unknown_plot_names_the_known(result: lipoid.Identification) -> None:
+    with pytest.raises(lipoid.OptionError, match="correlation"):
+        result.plot("pie")
+
+
+def test_validate_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
+    files = [lab / "pulses.csv", lab / "cc_1C.csv"]
+    theirs = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"]
+    ours = lipoid.validate("gifi-600mAh-1", files)
+    pd.testing.assert_frame_equal(ours, pd.DataFrame(theirs), check_exact=True)
+
+
+def test_compare_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
+    names = ["levenberg-marquardt", "sqp"]
+    theirs = program(
+        "compare",
+        lab / "campaign.toml",
+        "--optimizers",
+        ",".join(names),
+        "--starts",
+        2,
+        "--seed",
+        5,
+        folder=tmp_path,
+    )
+    ours = lipoid.compare(lab / "campaign.toml", optimizers=names, starts=2, seed=5)
+    for mine, other in zip(ours.summary["results"], theirs["results"], strict=True):
+        assert mine["parameters"] == other["parameters"]
+        assert mine["success_rate"] == other["success_rate"]
+    assert list(ours.results.index) == names
+    assert {"r_s", "beta"} & {str(c)[:4].rstrip("_") for c in ours.parameters}
+    assert len(ours.plot()) == 1
+
+
+def test_study_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
+    theirs = program("study", "terms", lab / "campaign.toml", folder=tmp_path)
+    ours = lipoid.study("terms", lab / "campaign.toml")
+    assert without_times(ours.to_dict("records")) == without_times(theirs["rows"])
+    with pytest.raises(lipoid.OptionError, match="unknown study"):
+        lipoid.study("term", lab / "campaign.toml")
+
+
+def test_plan_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
+    theirs = program(
+        "plan", "gifi-600mAh-1", "--pulse-s", "10,30", "--rest-s", "600", folder=tmp_path
+    )
+    ours = lipoid.plan("gifi-600mAh-1", pulse_s=[10, 30], rest_s=600)
+    for row, other in zip(ours.to_dict("records"), theirs["rows"], strict=True):
+        assert row["duration_s"] == other["duration_s"]
+        for one in other["parameters"]:
+            assert row[f"{one['name']}_standard_error"] == one["standard_error"]
+    assert ours.attrs["left_out"] == theirs["left_out"]
+
+
+def test_fleets_lose_nothing(lab: Path, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[cell]\ncapacity_Ah = 'much'\n")
+    campaigns = [lab / "campaign.toml", bad, lab / "campaign.toml"]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        fleet = lipoid.identify_many(campaigns, executor=pool, method="staged")
+    assert list(fleet.table["status"]) == ["done", "failed", "done"]
+    assert "LoadError" in fleet.table["error"][1]
+    assert isinstance(fleet.results[1], lipoid.LoadError)
+    assert fleet.table["beta"][0] == fleet.table["beta"][2]
+    assert "1 failed" in repr(fleet)
+
+
+def test_fleets_run_in_other_processes(campaign: lipoid.Campaign, lab: Path) -> None:
+    in_memory = lipoid.Campaign(
+        name="memory",
+        capacity_Ah=0.6,
+        cutoff_V=3.0,
+        low_rate=lipoid.read_log(lab / "low_rate.csv"),
+        pulses=[lipoid.read_log(lab / "pulses.csv")],
+    )
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
+        fleet = lipoid.identify_many([in_memory, campaign], executor=pool, method="staged")
+    assert list(fleet.table["status"]) == ["done", "done"]
+    here = lipoid.identify(in_memory, method="staged")
+    there = fleet.results[0]
+    assert isinstance(there, lipoid.Identification)
+    pd.testing.assert_frame_equal(there.parameters, here.parameters, check_exact=True)
+
+
+def test_a_missing_kind_is_named() -> None:
+    with pytest.raises(lipoid.OptionError, match="low-rate log"):
+        lipoid.identify(lipoid.Campaign(cutoff_V=3.0))
+
+
+def test_a_campaign_shows_itself(campaign: lipoid.Campaign) -> None:
+    assert "3 constant-current, 1 low-rate, 1 pulses" in repr(campaign)
+    assert "pulses" in campaign._repr_html_()
+    assert len(campaign.logs("pulses")) == 1
+    assert "[[log]]" in campaign.to_toml()
+
+
+def test_many_identifications_do_not_grow_memory(lab: Path) -> None:
+    thin = [lipoid.read_log(lab / name) for name in ("low_rate.csv", "pulses.csv")]
+    slow, pulses = (
+        lipoid.Log(
+            time_s=log.time_s[::20].copy(),
+            current_A=log.current_A[::20].copy(),
+            voltage_V=log.voltage_V[::20].copy(),  # type: ignore[index]
+            current_sign="discharge-positive",
+            hold="forward",
+        )
+        for log in thin
+    )
+
+    def resident_kB() -> int:
+        status = Path("/proc/self/status").read_text()
+        return int(status.split("VmRSS:")[1].split()[0])
+
+    def identify(times: int) -> int:
+        for _ in range(times):
+            campaign = lipoid.Campaign(cutoff_V=3.0, low_rate=slow, pulses=pulses)
+            lipoid.identify(campaign, method="staged")
+        return resident_kB()
+
+    times = int(os.environ.get("LIPOID_IDENTIFICATIONS", "60"))  # 1000 by hand
+    settled_kB = identify(20)  # the allocator's pools of each thread
+    grown_kB = identify(times) - settled_kB
+    # A leak of one log, of 60 kB, would show as 60 * times.
+    assert grown_kB < 20 * times + 2000
