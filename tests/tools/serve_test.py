@@ -7,6 +7,7 @@ Everything here speaks HTTP through sockets of its own; what the page does in a 
 tests/tools/pages/serve_test.py.
 """
 
+import atexit
 import http.client
 import json
 import os
@@ -42,6 +43,7 @@ class Serve:
         self.process = subprocess.Popen(
             [LIPOID, "serve", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env=dict(os.environ, TMPDIR=str(self.temporary)), preexec_fn=prepare)
+        atexit.register(self.process.kill)  # where a test failed before it could end it
         self.address = self.process.stdout.readline().strip()
         found = re.fullmatch(r"http://([^/]+):(\d+)/([0-9a-f]{32})/", self.address)
         if not found:

@@ -21,6 +21,11 @@ std::string LowerCase(std::string text) {
   return text;
 }
 
+// Some disks take no name that ends so.
+void TrimEnd(std::string& name) {
+  while (!name.empty() && (name.back() == ' ' || name.back() == '.')) name.pop_back();
+}
+
 }  // namespace
 
 std::string SafeName(std::string_view given, const std::set<std::string>& taken) {
@@ -33,7 +38,7 @@ std::string SafeName(std::string_view given, const std::set<std::string>& taken)
     const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80 && !foreign;
     if (!IsAlphanumeric(c) && kOthers.find(c) == kOthers.npos && !beyond_ascii) c = '_';
   }
-  while (!name.empty() && (name.back() == ' ' || name.back() == '.')) name.pop_back();
+  TrimEnd(name);
   const auto dot = name.rfind('.');
   const bool has_extension = dot != name.npos && name.size() - dot <= kMostBytesOfExtension;
   const std::string extension = has_extension ? name.substr(dot) : "";
@@ -43,12 +48,10 @@ std::string SafeName(std::string_view given, const std::set<std::string>& taken)
              }));
   if (stem.empty()) stem = "log";
   if (stem.size() + extension.size() > kMostBytes) {
-    stem.resize(kMostBytes - extension.size());
-    // Not within a character of several bytes.
-    while (!stem.empty() && (static_cast<unsigned char>(stem.back()) & 0xC0) == 0x80)
-      stem.pop_back();
-    if (!stem.empty() && static_cast<unsigned char>(stem.back()) >= 0xC0) stem.pop_back();
-    if (stem.empty()) stem = "log";
+    std::size_t bytes = kMostBytes - extension.size();
+    while ((static_cast<unsigned char>(stem[bytes]) & 0xC0) == 0x80) --bytes;  // within a character
+    stem.resize(bytes);
+    TrimEnd(stem);
   }
   const auto is_taken = [&](const std::string& candidate) {
     return std::any_of(taken.begin(), taken.end(), [&](const std::string& other) {

@@ -63,7 +63,7 @@ function Bench({ program }) {
     onChange: (change) => setChosen((now) => ({ ...now, [command]: change(now[command]) })),
   });
   const shown = state.jobs.find(({ id, status }) => id === selected && status === "done");
-  const pair = compared.map((id) => state.jobs.find((job) => job.id === id && job.status === "done")).filter(Boolean);
+  const pair = [...compared].sort((a, b) => a - b).map((id) => state.jobs.find((job) => job.id === id && job.status === "done")).filter(Boolean);
   return (
     <>
       <header>

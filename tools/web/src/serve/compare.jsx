@@ -46,8 +46,19 @@ function apart(a, b) {
   return a_low > b_high || b_low > a_high ? "yes" : "no";
 }
 
+// The parameters, and before them what cells of any structure have: their resistance after some time.
+function quantitiesOf(summary) {
+  const resistances = (summary.resistance ?? []).map(({ soc, after_s, resistance_Ohm, interval_95 }) => ({
+    name: `resistance after ${significant(after_s)} s at a state of charge of ${significant(soc)}`,
+    unit: "Ohm",
+    estimate: resistance_Ohm,
+    interval_95,
+  }));
+  return [...resistances, ...(summary.parameters ?? [])];
+}
+
 function rowsOf(a, b) {
-  const byName = (summary) => new Map((summary.parameters ?? []).map((each) => [each.name, each]));
+  const byName = (summary) => new Map(quantitiesOf(summary).map((each) => [each.name, each]));
   const [of_a, of_b] = [byName(a), byName(b)];
   return [...new Set([...of_a.keys(), ...of_b.keys()])].map((name) => {
     const [left, right] = [of_a.get(name), of_b.get(name)];
