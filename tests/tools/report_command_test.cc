@@ -198,7 +198,7 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
                 "shown (compare, design, fly, identify, inspect, plan, poles, study, validate), "
                 "found \"convert\"");
   ExpectRefused(
-      refused("{\"command\": \"poles\"}\n"),
+      refused("{\"command\": \"validate\"}\n"),
       "c.json:1:1: error: /: expected an object with the key 'exit_code', found an object");
   ExpectRefused(refused("{\"command\": \"poles\", \"command\": \"poles\"}\n"),
                 "c.json:1:22: error: expected every key once, found 'command' again");

@@ -486,6 +486,7 @@ void CommandLine::AddOutputs(std::string_view shown, const std::vector<std::stri
 }
 
 void CommandLine::CommitOutputs() {
+  if (earlier_ != nullptr) return;
   const std::size_t said = files_.replaced_one_name_of().size();
   files_.Commit();
   for (std::size_t k = said; k < files_.replaced_one_name_of().size(); ++k) {

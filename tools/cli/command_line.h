@@ -156,9 +156,8 @@ class CommandLine {
   void ReportOption();
 
   /// Before Parse(): the command runs again only for its series, as a page needs them beside a
-  /// summary that is there. It is quiet, reads no file but those of the summary's run record, and
-  /// its options that name outputs do nothing. A command that would compute for long takes what it
-  /// found from earlier().
+  /// summary that is there. It is quiet, reads no file but those of the summary's run record, its
+  /// options that name outputs do nothing, and what it writes all the same never appears.
   void Replay(const Json& summary) { earlier_ = &summary; }
   [[nodiscard]] const Json* earlier() const { return earlier_; }
 

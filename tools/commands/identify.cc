@@ -184,7 +184,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (folder && by_options)
     throw OptionError(fmt::format("option -o: '{}' is a folder; name a file", output));
   std::vector<std::string> paths;
-  if (folder && !campaigns.empty()) NewFolder(output).Keep();
+  if (folder && !campaigns.empty() && line.earlier() == nullptr) NewFolder(output).Keep();
   for (const auto& campaign : campaigns) {
     paths.push_back(CellPath(output, campaign, folder));
     if (std::count(paths.begin(), paths.end(), paths.back()) > 1) {
@@ -229,7 +229,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     if (!campaign.age.empty()) metrics["age"] = campaign.age;
     AddRunRecord(result, options, std::move(metrics), std::move(run));
     if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
-    WriteCellFile(result.cell, paths[k]);
+    if (line.earlier() == nullptr) WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
     usable = usable && result.usable();
 

@@ -16,8 +16,7 @@
 namespace lipoid {
 namespace {
 
-// The commands whose charts need samples. Each is quick when it is run again: identify takes the
-// cell from its earlier result (CommandLine::earlier()).
+// The commands whose charts need samples.
 constexpr std::array<std::string_view, 4> kWithSeries{"fly", "identify", "inspect", "validate"};
 
 // What stands in the way of these files; "" where all are there as they were.
@@ -45,18 +44,22 @@ Json Comparable(const Json& value) {
     return list;
   }
   if (!value.is_object()) return value;
+  constexpr std::array<std::string_view, 3> kOfTheRun{"commit", "version", "wall_s"};
   Json object = Json::object();
-  for (const auto& [key, member] : value.items())
-    if (key != "wall_s") object[key] = Comparable(member);
+  for (const auto& [key, member] : value.items()) {
+    if (std::find(kOfTheRun.begin(), kOfTheRun.end(), key) == kOfTheRun.end())
+      object[key] = Comparable(member);
+  }
   return object;
 }
 
-// Whether the command, run again, found what the summary says. What it left out it took from there.
+// Whether the command, run again, found what the summary says.
 bool FoundTheSame(const Json& again, const Json& earlier) {
-  const Json read = Json::parse(JsonText(again));  // as numbers are when they are written and read
+  // As numbers are when they are written and read.
+  const Json read = Comparable(Json::parse(JsonText(again)));
   return std::all_of(read.items().begin(), read.items().end(), [&](const auto& item) {
     const auto before = earlier.find(item.key());
-    return before != earlier.end() && Comparable(*before) == Comparable(item.value());
+    return before != earlier.end() && Comparable(*before) == item.value();
   });
 }
 

@@ -105,7 +105,7 @@ function ticksOf(plot, k) {
   const scale = plot.scales[k === 0 ? "x" : "y"];
   const splits = axis._splits ?? [scale.min, scale.max];
   const values = axis._values ?? splits.map(String);
-  return splits
+  return axis.grid.filter(plot, splits)
     .map((value, n) => ({ value, text: values[n] === null || values[n] === undefined ? "" : String(values[n]) }))
     .filter(({ value }) => value !== null && value >= scale.min && value <= scale.max);
 }

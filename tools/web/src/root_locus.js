@@ -42,7 +42,7 @@ function plane(rows, name, reach) {
   }).filter((line) => line.x.length > 0);
   if (lines.length === 0) return null;
   // Where all poles are real the plane has a height all the same; those on the axis are not cut.
-  const height = Math.max(...lines.flatMap((line) => line.x.map((re, k) => Math.max(0.1 * Math.abs(re), line.values[k]))));
+  const height = Math.max(...lines.flatMap((line) => line.x.map((re, k) => Math.max(0.1 * Math.abs(re), 1.08 * line.values[k]))));
   return lineChart({
     title: `Poles of ${name}: upper half of the complex plane`,
     x: { label: "real part / (1/s)", values: [], include: [0] },

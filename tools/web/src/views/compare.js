@@ -120,7 +120,7 @@ function resultsTable(results) {
       { title: "ended", of: (r) => r.termination },
     ],
     results,
-    { sort: true, caption: "From the data's start: mean and maximum error of the voltage, and what it took; a click on a header sorts" },
+    { sort: true, caption: "From the data's start: mean and maximum error of the voltage, and what it took" },
   );
 }
 

@@ -55,7 +55,7 @@ function planTable(rows, names, varied) {
       { title: "identifiability", of: doubts, class: "name" },
     ],
     rows,
-    { sort: true, caption: "Standard errors that each experiment would give, in % of the parameter; a click on a header sorts" },
+    { sort: true, caption: "Standard errors that each experiment would give, in % of the parameter" },
   );
 }
 
