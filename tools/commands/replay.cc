@@ -53,10 +53,11 @@ Json Comparable(const Json& value) {
 
 // Whether the command, run again, found what the summary says. What it left out it took from there.
 bool FoundTheSame(const Json& again, const Json& earlier) {
-  const Json read = Json::parse(JsonText(again));  // as numbers are when they are written and read
+  // As numbers are when they are written and read.
+  const Json read = Comparable(Json::parse(JsonText(again)));
   return std::all_of(read.items().begin(), read.items().end(), [&](const auto& item) {
     const auto before = earlier.find(item.key());
-    return before != earlier.end() && Comparable(*before) == Comparable(item.value());
+    return before != earlier.end() && Comparable(*before) == item.value();
   });
 }
 
