@@ -11,12 +11,14 @@
 #include "model/flight/flight_log.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
+#include "model/vehicle/allocation.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
+#include "tools/report/flight_series.h"
 
 namespace lipoid {
 namespace {
@@ -56,6 +58,22 @@ Json Summary(const FlightResult& flight) {
                   {"saturated_share", flight.saturated_share}};
   if (flight.landed_s) summary["landed_s"] = *flight.landed_s;
   return summary;
+}
+
+// What a drawing of the vehicle needs: where the motors are, ahead and to the right of the centre of
+// mass, and which way they turn seen from above.
+Json Geometry(const Vehicle& vehicle) {
+  Json motors = Json::array();
+  for (std::size_t i = 0; i < kPitchSign.size(); ++i) {
+    const bool as_front_right = kYawSign[i] == kYawSign[0];
+    const bool clockwise = (vehicle.front_right_turns == Turning::kClockwise) == as_front_right;
+    motors.push_back(
+        {{"ahead_m", vehicle.lever_m() * kPitchSign[i]},
+         {"right_m", -vehicle.lever_m() * kRollSign[i]},
+         {"turns",
+          options_internal::ToText(clockwise ? Turning::kClockwise : Turning::kCounterClockwise)}});
+  }
+  return {{"arm_m", vehicle.arm_m}, {"motors", std::move(motors)}};
 }
 
 // Above the voltage at rest it would land before it took off.
@@ -228,6 +246,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                     output,
                     "CSV",
                     "flight log: state, references, motors, battery (docs/formats.md)");
+  line.ReportOption();
   for (const Maneuver& maneuver : Maneuvers()) {
     if (maneuver.options == nullptr) continue;
     line.Group(maneuver.name,
@@ -303,14 +322,18 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
 
   std::optional<FlightLogWriter> log;
+  std::optional<FlightSeries> series;
   FlightRecorder recorder;
   const double step_s =
       log_step_s.value_or(plan.duration_s > kLongFlight_s ? kLongFlightLogStep_s : kControlStep_s);
-  if (!output.empty()) {
-    log.emplace(output);
+  if (!output.empty()) log.emplace(output);
+  if (!line.report_file().empty()) series.emplace();
+  if (log || series) {
     const auto every = std::max(1LL, std::llround(step_s / kControlStep_s));
-    recorder = [&log, every, k = 0LL](const FlightSample& sample) mutable {
-      if (k++ % every == 0) log->Row(sample);
+    recorder = [&log, &series, every, k = 0LL](const FlightSample& sample) mutable {
+      if (k++ % every != 0) return;
+      if (log) log->Row(sample);
+      if (series) series->Row(sample);
     };
   }
   const FlightResult flight = Fly(
@@ -338,6 +361,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.summary()["battery"] =
       setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
   line.summary()["gains"] = setup.gains.name;
+  line.summary()["controller"] = setup.controller.law;
+  line.summary()["compensate"] = setup.controller.compensate;
+  line.summary()["estimate"] = setup.estimate;
+  line.summary()["cutoff_V"] =
+      setup.cell ? Json(setup.cell->series * setup.cell->cutoff_V) : Json(nullptr);
+  line.summary()["vehicle_geometry"] = Geometry(setup.vehicle);
+  if (series) line.report_series().push_back(series->Take(output));
   PrintFlight(line, maneuver.name, flight);
   if (ensemble.asked()) {
     line.summary()["ensemble"] = std::move(drawn.json);
