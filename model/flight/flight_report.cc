@@ -7,6 +7,7 @@
 
 #include "model/control/laws/control_laws.h"
 #include "model/core/errors.h"
+#include "model/vehicle/allocation.h"
 
 namespace lipoid {
 namespace {
@@ -22,6 +23,22 @@ void CheckLandingVoltage(const FlightSetup& setup) {
       "takes off; give less",
       setup.land_below_V,
       full_V));
+}
+
+// What a drawing of the vehicle needs: where the motors are, ahead and to the right of the centre of
+// mass, and which way they turn seen from above.
+Json Geometry(const Vehicle& vehicle) {
+  Json motors = Json::array();
+  for (std::size_t i = 0; i < kPitchSign.size(); ++i) {
+    const bool as_front_right = kYawSign[i] == kYawSign[0];
+    const bool clockwise = (vehicle.front_right_turns == Turning::kClockwise) == as_front_right;
+    motors.push_back(
+        {{"ahead_m", vehicle.lever_m() * kPitchSign[i]},
+         {"right_m", -vehicle.lever_m() * kRollSign[i]},
+         {"turns",
+          options_internal::ToText(clockwise ? Turning::kClockwise : Turning::kCounterClockwise)}});
+  }
+  return {{"arm_m", vehicle.arm_m}, {"motors", std::move(motors)}};
 }
 
 }  // namespace
@@ -63,6 +80,11 @@ Json FlownToJson(const FlightSetup& setup,
   json["vehicle"] = setup.vehicle.name;
   json["battery"] = setup.cell ? setup.cell->name : fmt::format("ideal source, xi = {}", setup.xi);
   json["gains"] = setup.gains.name;
+  json["controller"] = setup.controller.law;
+  json["compensate"] = setup.controller.compensate;
+  json["estimate"] = setup.estimate;
+  json["cutoff_V"] = setup.cell ? Json(setup.cell->series * setup.cell->cutoff_V) : Json(nullptr);
+  json["vehicle_geometry"] = Geometry(setup.vehicle);
   return json;
 }
 

@@ -52,6 +52,27 @@ TEST(Fly, WritesTheLogAndTheSummary) {
   EXPECT_NE(run.out.find("completed"), std::string::npos);
 }
 
+TEST(Fly, SaysWhatTheVehicleLooksLike) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"fly", "hover", "--duration", "1", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  const auto& motors = summary.at("vehicle_geometry").at("motors");
+  ASSERT_EQ(motors.size(), 4U);
+  // Front right, back right, back left, front left; the thesis' front right turns clockwise.
+  const double lever_m = 0.062 * std::sqrt(0.5);
+  const auto expect_motor = [&](std::size_t k, double ahead, double right, const char* turns) {
+    EXPECT_DOUBLE_EQ(motors[k].at("ahead_m").get<double>(), ahead * lever_m) << k;
+    EXPECT_DOUBLE_EQ(motors[k].at("right_m").get<double>(), right * lever_m) << k;
+    EXPECT_EQ(motors[k].at("turns"), turns) << k;
+  };
+  expect_motor(0, 1.0, 1.0, "clockwise");
+  expect_motor(1, -1.0, 1.0, "counter-clockwise");
+  expect_motor(2, -1.0, -1.0, "clockwise");
+  expect_motor(3, 1.0, -1.0, "counter-clockwise");
+  EXPECT_EQ(summary.at("cutoff_V"), 3.0);
+}
+
 TEST(Fly, NeedsNothingButAManeuver) {
   const auto run = RunLipoid(TestFolder(), {"fly", "hover", "--duration", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.err;

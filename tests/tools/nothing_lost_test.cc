@@ -101,6 +101,7 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"export", "cell.json", "--to", "px4", "-o", "new.params", "--summary", "cell.json"},
       {"fly", "hover", "--cell", "cell.json", "-o", "cell.json"},
       {"fly", "hover", "--gains", "gains.json", "-o", "gains.json"},
+      {"fly", "hover", "--cell", "cell.json", "--report", "cell.json"},
       {"fly", "waypoints", "--waypoints", "places.toml", "-o", "places.toml"},
       {"export-controller", "--gains", "code/lipoid_numbers.h", "-o", "code"},
       {"export-controller", "--vehicle", "code/lipoid_controller.c", "-o", "./code"},

@@ -92,6 +92,20 @@ TEST_F(Report, MakesThePageThatTheCommandItselfMakes) {
   EXPECT_EQ(page.at("notes"), Json::array());
 }
 
+TEST_F(Report, FliesAFlightAgain) {
+  (void)Summary({"fly", "hover", "--duration", "1", "-o", "flight.csv", "--report", "own.html"});
+  fs::remove(folder_ + "/flight.csv");  // what a flight wrote, it does not need
+  const auto run = RunLipoid(folder_, {"report", "s.json", "-o", "page.html"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_FALSE(fs::exists(folder_ + "/flight.csv"));
+  const Json page = DataOf(folder_ + "/page.html").at("results").at(0);
+  EXPECT_EQ(page.at("series").size(), 1U);
+  EXPECT_EQ(page.at("series").at(0).at("rows"), 200);
+  const Json own = DataOf(folder_ + "/own.html").at("results").at(0).at("series").at(0);
+  EXPECT_EQ(page.at("series").at(0).at("columns"), own.at("columns"));
+}
+
 TEST_F(Report, ShowsSeveralResultsInTheirOrder) {
   (void)Summary({"poles", "altitude", "--xi", "0.9"});
   fs::rename(folder_ + "/s.json", folder_ + "/poles.json");

@@ -20,6 +20,7 @@
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
+#include "tools/report/flight_series.h"
 
 namespace lipoid {
 namespace {
@@ -177,6 +178,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                     output,
                     "CSV",
                     "flight log: state, references, motors, battery (docs/formats.md)");
+  line.ReportOption();
   for (const Maneuver& maneuver : Maneuvers()) {
     if (maneuver.options == nullptr) continue;
     line.Group(maneuver.name,
@@ -255,14 +257,18 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
 
   std::optional<FlightLogWriter> log;
+  std::optional<FlightSeries> series;
   FlightRecorder recorder;
   const double step_s =
       log_step_s.value_or(plan.duration_s > kLongFlight_s ? kLongFlightLogStep_s : kControlStep_s);
-  if (!output.empty()) {
-    log.emplace(output);
+  if (!output.empty()) log.emplace(output);
+  if (!line.report_file().empty()) series.emplace();
+  if (log || series) {
     const auto every = std::max(1LL, std::llround(step_s / kControlStep_s));
-    recorder = [&log, every, k = 0LL](const FlightSample& sample) mutable {
-      if (k++ % every == 0) log->Row(sample);
+    recorder = [&log, &series, every, k = 0LL](const FlightSample& sample) mutable {
+      if (k++ % every != 0) return;
+      if (log) log->Row(sample);
+      if (series) series->Row(sample);
     };
   }
   const FlightResult flight = Fly(
@@ -281,6 +287,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
 
   line.summary() = FlightToJson(flight);
   line.summary().update(FlownToJson(setup, maneuver, request));
+  if (series) line.report_series().push_back(series->Take(output));
   PrintFlight(line, maneuver.name, flight);
   if (ensemble.asked()) {
     line.summary()["ensemble"] = std::move(drawn.json);

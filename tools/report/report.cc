@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <ctime>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "tools/report/flight_series.h"
 #include "tools/report/web_asset.h"
 
 namespace lipoid {
@@ -39,13 +45,35 @@ std::string Packed(const std::vector<double>& values) {
                 numbers.size() * sizeof(Number));
 }
 
+bool IsFlight(const Series& series) { return series.kind == "flight"; }
+
+// A value that is the same in all rows; NaN is the same as NaN.
+bool IsConstant(const std::vector<double>& values) {
+  return !values.empty() && std::all_of(values.begin(), values.end(), [&](double value) {
+    return value == values[0] || (std::isnan(value) && std::isnan(values[0]));
+  });
+}
+
+// A column that has one value throughout, or repeats one before it (four motors at one speed, an
+// estimate that is the truth), is told in a word.
 Json SeriesToJson(const Series& series) {
   Json columns = Json::array();
+  std::map<std::string, std::string> packed;  // data to the first column that has them
   for (const auto& [name, values] : series.columns) {
+    if (IsConstant(values)) {
+      columns.push_back({{"name", name},
+                         {"type", "constant"},
+                         {"value", NumberOrNull(values[0])},
+                         {"length", values.size()}});
+      continue;
+    }
     const bool time = name == "time_s";
-    columns.push_back({{"name", name},
-                       {"type", time ? "f64" : "f32"},
-                       {"data", time ? Packed<double>(values) : Packed<float>(values)}});
+    std::string data = time ? Packed<double>(values) : Packed<float>(values);
+    if (const auto [same, first] = packed.emplace(std::move(data), name); first) {
+      columns.push_back({{"name", name}, {"type", time ? "f64" : "f32"}, {"data", same->first}});
+    } else {
+      columns.push_back({{"name", name}, {"type", "copy"}, {"of", same->second}});
+    }
   }
   return {{"kind", series.kind},
           {"name", series.name},
@@ -90,13 +118,15 @@ std::string ReportPage(std::span<const ReportResult> results) {
   Json page = {{"schema", "lipoid.report/1"},
                {"program", {{"version", Version()}, {"commit", GitCommit()}, {"written", Today()}}},
                {"results", Json::array()}};
-  bool flight = false;
+  const std::size_t flights = std::transform_reduce(
+      results.begin(), results.end(), std::size_t{0}, std::plus<>(), [](const auto& result) {
+        return std::count_if(result.series.begin(), result.series.end(), &IsFlight);
+      });
   for (const ReportResult& result : results) {
     Json series = Json::array();
-    for (const Series& each : result.series) {
-      flight = flight || each.kind == "flight";
-      series.push_back(SeriesToJson(each));
-    }
+    for (const Series& each : result.series)
+      series.push_back(
+          SeriesToJson(IsFlight(each) ? Thinned(each, kBytesOfFlights / flights) : each));
     Json shown = Json::object();
     shown["summary"] = result.summary;
     shown["series"] = std::move(series);
@@ -105,7 +135,7 @@ std::string ReportPage(std::span<const ReportResult> results) {
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));
-  const std::string_view script = *FindWebAsset(flight ? "report-flight.js" : "report.js");
+  const std::string_view script = *FindWebAsset(flights > 0 ? "report-flight.js" : "report.js");
   const std::string_view style = *FindWebAsset("style.css");
   const auto value = [&](std::string_view name) -> std::string {
     if (name == "SCRIPT_HASH") return PolicyHash(script);

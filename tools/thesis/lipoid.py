@@ -28,14 +28,18 @@ class Lipoid:
         text = shlex.join(["lipoid", *map(str, words)])
         return text.replace(f"{self.scratch}/", SHOWN_SCRATCH)
 
-    def summary(self, *words, expected=(0,)):
-        """The JSON of --summary. Other exit codes than the expected ones stop everything."""
-        file = self.scratch / "summary.json"
-        file.unlink(missing_ok=True)
-        ended = run([self.program, *words, "--summary", file, "--quiet"], expect_success=False)
+    def run(self, *words, expected=(0,)):
+        """Other exit codes than the expected ones stop everything."""
+        ended = run([self.program, *words, "--quiet"], expect_success=False)
         if ended.exit_code not in expected:
             raise BenchError(f"{self.shown(*words)} ended with {ended.exit_code}:\n"
                              f"{ended.err[-2000:]}")
+
+    def summary(self, *words, expected=(0,)):
+        """The JSON of --summary."""
+        file = self.scratch / "summary.json"
+        file.unlink(missing_ok=True)
+        self.run(*words, "--summary", file, expected=expected)
         return json.loads(file.read_text(encoding="utf-8"))
 
     def log(self, *words, step_s):

@@ -6,7 +6,7 @@ import textwrap
 
 from benchmarks.report import code, number, table
 
-from . import drawings
+from . import drawings, flights
 from .poles import damping
 
 WIDTH = 115
@@ -70,6 +70,9 @@ def head(result, name):
         "run both to have your own. Nothing is tuned to meet a quoted figure; where ours differs "
         "the text says why. Sections 6.5 to 6.7 of the thesis are experiments with a real "
         "vehicle: a simulation can show a trend of them, not their figures.\n\n"
+        "`tools/reproduce --flights build/reproduce/flights` flies what the sections below compare "
+        "and writes it as pages to replay in a browser, in three dimensions and with charts: "
+        f"{', '.join(f'{page}.html' for page in flights.PAGES)}.\n\n"
         f"lipoid at commit {commit}, {facts['compiler']}, {facts['date']}.\n")
 
 

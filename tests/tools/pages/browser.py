@@ -24,12 +24,15 @@ def missing():
 
 
 class Browser:
-    """`driver` is selenium's own, for whatever has no name here."""
+    """`driver` is selenium's own, for whatever has no name here. Nothing moves of its own accord, unless
+    motion is asked for."""
 
-    def __init__(self, width=1440, height=900, dark=False, webgl=True):
+    def __init__(self, width=1440, height=900, dark=False, webgl=True, motion=False):
         options = webdriver.ChromeOptions()
         options.binary_location = shutil.which("chromium")
+        # Charts are drawn as by a browser without a graphics card: WebGL in software would draw them too, slowly.
         for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars",
+                         "--disable-accelerated-2d-canvas",
                          f"--window-size={width},{height}", "--force-device-scale-factor=1"):
             options.add_argument(argument)
         if webgl:
@@ -42,7 +45,8 @@ class Browser:
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-            "features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
+            "features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
+                         {"name": "prefers-reduced-motion", "value": "no-preference" if motion else "reduce"}]})
 
     def __enter__(self):
         return self

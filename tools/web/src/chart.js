@@ -280,7 +280,7 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], gu
     cursor: {
       ...sharedCursor(link),
       dataIdx: (plot, k, index) => (k === 0 ? index : nearest(plot, k, index)),
-      points: { size: 7, fill: (plot, k) => plot.series[k].points.show && entries.some((e) => e.index === k) ? colour("--page") : plot.series[k]._stroke ?? "transparent" },
+      points: { size: 7, fill: (plot, k) => (entries.some(({ index, line }) => index === k && line.points) ? colour("--page") : plot.series[k]._stroke ?? "transparent") },
     },
     scales: {
       x: { time: false, distr: x.log ? 3 : 1, range: rangeOfX },

@@ -8,19 +8,18 @@ function bytesOf(base64) {
   return bytes.buffer;
 }
 
-function columnOf({ name, type, data }) {
+// `earlier` are the columns before it, of which it may be a copy.
+function columnOf({ type, data, value, length, of }, earlier) {
+  if (type === "copy") return earlier[of];
+  if (type === "constant") return new Float32Array(length).fill(value ?? NaN);
   const buffer = bytesOf(data);
-  const values = type === "f64" ? new Float64Array(buffer) : new Float32Array(buffer);
-  return { name, values };
+  return type === "f64" ? new Float64Array(buffer) : new Float32Array(buffer);
 }
 
 /** The series of a result, columns by name as typed arrays: series.column.voltage_V. */
 function seriesOf(series) {
   const column = {};
-  for (const packed of series.columns) {
-    const { name, values } = columnOf(packed);
-    column[name] = values;
-  }
+  for (const packed of series.columns) column[packed.name] = columnOf(packed, column);
   return { ...series, column };
 }
 

@@ -11,10 +11,37 @@ const plain = {
 
 const viewOf = (views, result) => views.find(({ command }) => command === result.summary.command) ?? plain;
 
+// [{view, shown, failed}]: an article shows one result, or, where its view has `together`, all results
+// for which that says the same, in the place of the first.
+function articlesOf(results, views) {
+  const articles = [];
+  for (const result of results) {
+    const view = viewOf(views, result);
+    const failed = Boolean(result.summary.error);
+    const together = failed ? undefined : view.together?.(result.summary);
+    const begun = together !== undefined &&
+      articles.find((article) => article.view === view && article.together === together);
+    if (begun) begun.shown.push(result);
+    else articles.push({ view, shown: together === undefined ? result : [result], failed, together });
+  }
+  return articles;
+}
+
 // What went wrong with one part leaves the others readable.
-function partsOf(view, result) {
-  if (result.summary.error) return [notice("error", result.summary.error.message)];
-  return view.parts(result);
+function articleOf({ view, shown, failed }, k) {
+  const { title, parts } = failed
+    ? { title: plain.title, parts: ({ summary }) => [notice("error", summary.error.message)] }
+    : view;
+  const all = [shown].flat();
+  const files = all.flatMap(({ file }) => (file ? [file] : []));
+  return element(
+    "article",
+    { id: `result-${k + 1}` },
+    element("h2", {}, title(shown)),
+    files.length > 0 ? note(`From ${files.join(", ")}.`) : null,
+    all.flatMap(({ notes }) => notes ?? []).map((text) => notice("warning", text)),
+    ...parts(shown),
+  );
 }
 
 // A menu closes by Escape, and by a click elsewhere.
@@ -40,17 +67,7 @@ function openForPrint() {
 
 /** Shows results by these views, in an element. */
 export function showResults(main, results, views) {
-  const articles = results.map((result, k) => {
-    const view = viewOf(views, result);
-    return element(
-      "article",
-      { id: `result-${k + 1}` },
-      element("h2", {}, view.title(result)),
-      result.file ? note(`From ${result.file}.`) : null,
-      (result.notes ?? []).map((text) => notice("warning", text)),
-      ...partsOf(view, result),
-    );
-  });
+  const articles = articlesOf(results, views).map(articleOf);
   if (articles.length > 1) {
     main.append(
       element("ul", { class: "contents screen" }, ...articles.map((article) =>

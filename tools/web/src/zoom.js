@@ -72,7 +72,7 @@ function placeCursor(plot, index) {
   const x = plot.data[0][index];
   const { min, max } = plot.scales.x;
   if (x < min || x > max) zoomTo(plot, x - (max - min) / 2, x + (max - min) / 2);
-  plot.setCursor({ left: plot.valToPos(x, "x"), top: plot.over.clientHeight / 2 });
+  plot.setCursor({ left: plot.valToPos(x, "x"), top: plot.over.clientHeight / 2 }, true, true);
 }
 
 const KEYS = {

@@ -1,6 +1,7 @@
 // The only list of views: one for each command whose result can be seen.
 import { compare } from "./compare.js";
 import { design } from "./design.js";
+import { fly } from "./fly.js";
 import { plan } from "./plan.js";
 import { poles } from "./poles.js";
 import { study } from "./study.js";
@@ -9,6 +10,7 @@ import { validate } from "./validate.js";
 export const views = [
   compare,
   design,
+  fly,
   plan,
   poles,
   study,
