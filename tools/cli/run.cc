@@ -80,10 +80,10 @@ std::string SummaryFile(const std::vector<std::string>& arguments) {
   return "";
 }
 
-std::string SummaryText(const std::string& command,
-                        ExitCode exit_code,
-                        const Json& results,
-                        const Failure* failure) {
+Json SummaryJson(const std::string& command,
+                 ExitCode exit_code,
+                 const Json& results,
+                 const Failure* failure) {
   Json json = {{"command", command}, {"exit_code", static_cast<int>(exit_code)}};
   if (failure != nullptr) {
     Json error = {
@@ -98,8 +98,7 @@ std::string SummaryText(const std::string& command,
   } else {
     json.update(results);
   }
-  // Names of files may be anything but UTF-8: JSON must not.
-  return JsonText(json);
+  return json;
 }
 
 // Data reach standard output whole. A reader who left early had enough; a full disk is an error.
@@ -230,8 +229,15 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     exit_code = command.run(*line);
     line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
-    if (!summary_file.empty() && line->parsed()) {
-      WriteFileAtomically(summary_file, SummaryText(name, exit_code, line->summary(), nullptr));
+    if (line->parsed() && !(summary_file.empty() && line->report_file().empty())) {
+      if (line->can_report()) line->summary()["run"] = line->RunJson();
+      ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
+                          std::move(line->report_series()),
+                          {},
+                          ""};
+      if (!summary_file.empty()) WriteFileAtomically(summary_file, JsonText(result.summary));
+      if (!line->report_file().empty())
+        WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
     line->CommitOutputs();
   });
@@ -242,8 +248,9 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     const std::string why = WhyNoSummary(summary_file, arguments, inputs);
     if (why.empty()) {
       (void)Guarded([&] {
-        WriteFileAtomically(summary_file,
-                            SummaryText(name, failure->exit_code, Json::object(), &*failure));
+        WriteFileAtomically(
+            summary_file,
+            JsonText(SummaryJson(name, failure->exit_code, Json::object(), &*failure)));
       });
     } else {
       failure->message += fmt::format(
@@ -292,7 +299,7 @@ void CleanUpWhenEnded() {
     int signal = 0;
     do {
       sigwait(&ending, &signal);
-    } while ((signal == SIGINT || signal == SIGTERM) && AskedToStop());
+    } while ((signal == SIGINT || signal == SIGTERM || signal == SIGHUP) && AskedToStop());
     RemoveUncommitted();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);

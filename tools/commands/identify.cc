@@ -231,6 +231,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     run.metrics = report;
     if (!campaign.age.empty()) run.metrics["age"] = campaign.age;
     hashing.AddTo(run);
+    line.AddHashes(run.inputs, run.sha256);
     Json made = run.ToJson();
     made["converged"] = result.converged;
     result.cell.run = std::make_shared<const Json>(std::move(made));

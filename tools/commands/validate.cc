@@ -1,4 +1,5 @@
 // lipoid validate CELL LOG...: prediction against measurement.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/load_campaign.h"
@@ -10,6 +11,7 @@
 #include "tools/commands/log_options.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/surroundings_options.h"
+#include "tools/report/log_series.h"
 
 namespace lipoid {
 
@@ -31,6 +33,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   surroundings.AddTo(line);
   log_options.AddTo(line);
   pack.AddTo(line);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
@@ -51,9 +54,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"rmse / V"},
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
-  for (const auto& loaded : LoadLogs(line, CampaignFromArguments(arguments))) {
-    LogErrors errors =
-        Validate(one, loaded.log.record, initial_soc, surroundings.Of(loaded.log.record));
+  const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+  for (const auto& loaded : logs) {
+    const Surroundings among = surroundings.Of(loaded.log.record);
+    LogErrors errors = Validate(one, loaded.log.record, initial_soc, among);
     errors.file = loaded.entry.file;
     if (const std::string doubt =
             DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
@@ -71,6 +75,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       line.Message("{}: the predicted temperature is {:.2f} degC rms off the measured one",
                    errors.file,
                    errors.temperature_rmse_K);
+    }
+    if (!line.report_file().empty()) {
+      line.report_series().push_back(LogSeries(
+          one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size(), among));
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(

@@ -1,0 +1,21 @@
+"""The page of lipoid validate."""
+
+import json
+import unittest
+
+from page import LAB, PageTest, main
+
+
+class Validate(PageTest):
+    def test_has_charts_of_every_log(self):
+        logs = [LAB / "dmegc_inr18650_26_r1" / name for name in ("pulse.csv", "cc_1c.csv")]
+        self.lipoid("validate", "gifi-600mAh-1", *logs, "--report", "page.html", "--summary", "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        page = self.open("page.html")
+        self.assertEqual(page.run("return document.querySelectorAll('.chart canvas').length"), 4)
+        rows = page.run("return [...document.querySelectorAll('tbody tr')].map(r => r.cells[1].textContent)")
+        self.assertEqual(rows[:2], [str(log["rows"]) for log in summary["logs"]])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+#include "tools/report/thin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lipoid {
+namespace {
+
+// Rows about a jump that stay, before it and after: a pulse's first instants.
+constexpr std::size_t kRowsBefore = 8;
+constexpr std::size_t kRowsAfter = 56;
+
+// A jump is what is larger than this share of the largest one.
+constexpr double kJumpShare = 0.05;
+
+void KeepExtremes(std::span<const double> column,
+                  std::size_t first,
+                  std::size_t last,
+                  std::vector<std::size_t>& kept) {
+  // NaN would make the order of minmax_element none: it counts as neither least nor largest.
+  std::size_t least = last;
+  std::size_t largest = last;
+  for (std::size_t k = first; k < last; ++k) {
+    const double value = column[k];
+    if (std::isnan(value)) continue;
+    if (least == last || value < column[least]) least = k;
+    if (largest == last || value > column[largest]) largest = k;
+  }
+  if (least == last) return;
+  kept.push_back(least);
+  kept.push_back(largest);
+}
+
+// The rows about the largest jumps, at most `most` of them.
+void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std::size_t>& kept) {
+  std::vector<std::pair<double, std::size_t>> jumps;
+  double largest = 0.0;
+  for (std::size_t k = 1; k < column.size(); ++k)
+    largest = std::max(largest, std::abs(column[k] - column[k - 1]));
+  if (!(largest > 0.0)) return;
+  for (std::size_t k = 1; k < column.size(); ++k) {
+    const double jump = std::abs(column[k] - column[k - 1]);
+    if (jump >= kJumpShare * largest) jumps.emplace_back(jump, k);
+  }
+  const std::size_t places = std::min(jumps.size(), most / (kRowsBefore + kRowsAfter));
+  if (places < jumps.size()) {
+    // The largest; of equal ones those that lie evenly over the log.
+    const std::size_t stride =
+        (jumps.size() + std::max<std::size_t>(places, 1) - 1) / std::max<std::size_t>(places, 1);
+    std::vector<std::pair<double, std::size_t>> spread;
+    for (std::size_t k = 0; k < jumps.size(); k += stride) {
+      const auto end =
+          jumps.begin() + static_cast<std::ptrdiff_t>(std::min(k + stride, jumps.size()));
+      spread.push_back(*std::max_element(jumps.begin() + static_cast<std::ptrdiff_t>(k), end));
+    }
+    jumps = std::move(spread);
+  }
+  for (std::size_t n = 0; n < std::min(places, jumps.size()); ++n) {
+    const std::size_t row = jumps[n].second;
+    const std::size_t end = std::min(column.size(), row + kRowsAfter);
+    for (std::size_t k = row - std::min(row, kRowsBefore); k < end; ++k) kept.push_back(k);
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> ThinnedRows(std::size_t rows,
+                                     std::span<const std::span<const double>> columns,
+                                     std::span<const double> jumps,
+                                     std::size_t most) {
+  std::vector<std::size_t> kept;
+  if (rows <= most) {
+    kept.resize(rows);
+    std::iota(kept.begin(), kept.end(), std::size_t{0});
+    return kept;
+  }
+  kept = {0, rows - 1};
+  if (!jumps.empty()) KeepJumps(jumps, most / 2, kept);
+  const std::size_t left = most - std::min(most, kept.size());
+  const std::size_t stretches = left / (2 * std::max<std::size_t>(columns.size(), 1));
+  for (std::size_t n = 0; n < stretches; ++n) {
+    const std::size_t first = rows * n / stretches;
+    const std::size_t last = rows * (n + 1) / stretches;
+    for (const auto column : columns) KeepExtremes(column, first, last, kept);
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  return kept;
+}
+
+std::vector<double> At(std::span<const double> values, std::span<const std::size_t> rows) {
+  std::vector<double> at;
+  at.reserve(rows.size());
+  for (const std::size_t row : rows) at.push_back(values[row]);
+  return at;
+}
+
+}  // namespace lipoid

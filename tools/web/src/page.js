@@ -1,0 +1,83 @@
+// The page of a report: each result by the view of its command.
+import { resultsOf } from "./data.js";
+import { element, note, notice, section } from "./dom.js";
+import { HELP } from "./zoom.js";
+
+// A result that no view is for, shown as it is.
+const plain = {
+  title: ({ summary }) => `lipoid ${summary.command ?? "result"}`,
+  parts: ({ summary }) => [element("pre", {}, JSON.stringify(summary, null, 1))],
+};
+
+const viewOf = (views, result) => views.find(({ command }) => command === result.summary.command) ?? plain;
+
+// What went wrong with one part leaves the others readable.
+function partsOf(view, result) {
+  if (result.summary.error) return [notice("error", result.summary.error.message)];
+  return view.parts(result);
+}
+
+// A menu closes by Escape, and by a click elsewhere.
+function closeMenus() {
+  const close = (but) => document.querySelectorAll("details.menu[open]").forEach((menu) => {
+    if (!but || !menu.contains(but)) menu.open = false;
+  });
+  addEventListener("click", (event) => close(event.target));
+  addEventListener("keydown", (event) => event.key === "Escape" && close(null));
+}
+
+// Paper has nothing to click at: all is open while it is printed.
+function openForPrint() {
+  let opened = [];
+  addEventListener("beforeprint", () => {
+    opened = [...document.querySelectorAll("details:not([open]):not(.menu)")];
+    for (const each of opened) each.open = true;
+  });
+  addEventListener("afterprint", () => {
+    for (const each of opened) each.open = false;
+  });
+}
+
+/** Shows results by these views, in an element. */
+export function showResults(main, results, views) {
+  const articles = results.map((result, k) => {
+    const view = viewOf(views, result);
+    return element(
+      "article",
+      { id: `result-${k + 1}` },
+      element("h2", {}, view.title(result)),
+      result.file ? note(`From ${result.file}.`) : null,
+      (result.notes ?? []).map((text) => notice("warning", text)),
+      ...partsOf(view, result),
+    );
+  });
+  if (articles.length > 1) {
+    main.append(
+      element("ul", { class: "contents screen" }, ...articles.map((article) =>
+        element("li", {}, element("a", { href: `#${article.id}` }, article.querySelector("h2").textContent)))),
+    );
+  }
+  main.append(...articles);
+}
+
+/** Shows all results of the page's data by these views. */
+export function showReport(views) {
+  const { results, program } = resultsOf(document.getElementById("data").textContent);
+  const main = document.querySelector("main");
+  closeMenus();
+  openForPrint();
+  showResults(main, results, views);
+  const title = main.querySelector("h2");
+  if (title) document.title = `${title.textContent} – lipoid`;
+  main.append(
+    element(
+      "footer",
+      { class: "soft" },
+      section("About this page", element("p", { class: "screen" }, HELP)),
+      program
+        ? element("p", {}, `Written by lipoid ${program.version} (${program.commit}) on ${program.written}. The page needs no network.`)
+        : null,
+    ),
+  );
+  document.documentElement.dataset.ready = "yes";  // for who waits until all charts are there
+}
