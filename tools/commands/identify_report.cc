@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/core/csv_writer.h"
@@ -262,8 +263,12 @@ void WriteResiduals(const Cell& cell,
   for (std::size_t n = 0; n < logs.size(); ++n) {
     if (std::find(kinds.begin(), kinds.end(), logs[n].entry.kind) == kinds.end()) continue;
     const Record& record = logs[n].log.record;
-    const auto fitted =
-        Predict(one, record.time_s, record.current_A, record.hold, logs[n].entry.initial_soc);
+    const auto fitted = Predict(one,
+                                record.time_s,
+                                record.current_A,
+                                record.hold,
+                                logs[n].entry.initial_soc,
+                                SurroundingsOf(record, logs[n].entry));
     for (std::size_t k = 0; k < record.size(); ++k) {
       csv.Row(static_cast<double>(n + 1),
               record.time_s[k],

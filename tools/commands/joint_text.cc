@@ -63,6 +63,17 @@ std::string FoundText(const JointResult& result) {
     row(fmt::format("{} / {}", name, CellParameterUnit(name)),
         Significant(*CellParameter(cell, name), 5));
   }
+  if (const auto& heat = result.heat) {
+    row("heat capacity / J/K",
+        fmt::format("{} +- {}",
+                    Significant(heat->balance.heat_capacity_J_per_K, 3),
+                    Significant(heat->heat_capacity_standard_error_J_per_K, 2)));
+    row("thermal resistance / K/W",
+        fmt::format("{} +- {}, temperatures to {} degC rms",
+                    Significant(heat->balance.thermal_resistance_K_per_W, 3),
+                    Significant(heat->thermal_resistance_standard_error_K_per_W, 2),
+                    Significant(heat->rmse_K, 2)));
+  }
   row("v_oc(A)",
       fmt::format("{} nodes, {} .. {} V",
                   cell.open_circuit_voltage.soc().size(),

@@ -1,4 +1,5 @@
 // lipoid validate CELL LOG...: prediction against measurement.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/load_campaign.h"
@@ -55,8 +56,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"rmse above 10 % / V"}});
   const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   for (const auto& loaded : logs) {
-    const Surroundings around = surroundings.Of(loaded.log.record);
-    LogErrors errors = Validate(one, loaded.log.record, initial_soc, around);
+    const Surroundings among = surroundings.Of(loaded.log.record);
+    LogErrors errors = Validate(one, loaded.log.record, initial_soc, among);
     errors.file = loaded.entry.file;
     if (const std::string doubt =
             DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
@@ -70,14 +71,14 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.mean_error_percent),
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
-    if (!line.report_file().empty()) {
-      line.report_series().push_back(LogSeries(
-          one, loaded.log.record, errors.file, initial_soc, around, kRowsOfPage / logs.size()));
-    }
     if (std::isfinite(errors.temperature_rmse_K)) {
       line.Message("{}: the predicted temperature is {:.2f} degC rms off the measured one",
                    errors.file,
                    errors.temperature_rmse_K);
+    }
+    if (!line.report_file().empty()) {
+      line.report_series().push_back(LogSeries(
+          one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size(), among));
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(

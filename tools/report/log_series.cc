@@ -3,7 +3,6 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "model/battery/prediction.h"
 #include "tools/report/thin.h"
 
 namespace lipoid {
@@ -12,8 +11,8 @@ Series LogSeries(const Cell& cell,
                  const Record& record,
                  const std::string& name,
                  double initial_soc,
-                 const Surroundings& surroundings,
-                 std::size_t most_rows) {
+                 std::size_t most_rows,
+                 const Surroundings& surroundings) {
   std::vector<double> predicted_V(record.size());
   PredictRows(cell,
               record.time_s,

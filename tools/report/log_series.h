@@ -8,6 +8,7 @@
 #include <string>
 
 #include "identify/logs/record.h"
+#include "model/battery/cell.h"
 #include "model/battery/prediction.h"
 #include "tools/report/report.h"
 
@@ -24,7 +25,7 @@ inline constexpr std::size_t kRowsOfPage = 48000;
                                const Record& record,
                                const std::string& name,
                                double initial_soc,
-                               const Surroundings& surroundings,
-                               std::size_t most_rows);
+                               std::size_t most_rows,
+                               const Surroundings& surroundings = {});
 
 }  // namespace lipoid
