@@ -37,16 +37,30 @@ def best(runs: int, work: object) -> float:
 def identify_overhead(program: pathlib.Path, runs: int) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        lipoid.synthesize("gifi-600mAh-1", folder / "lab", seed=1, sampling_s=0.1, voltage_noise_V=1e-3)
+        lipoid.synthesize(
+            "gifi-600mAh-1", folder / "lab", seed=1, sampling_s=0.1, voltage_noise_V=1e-3
+        )
         campaign = lipoid.Campaign.read(folder / "lab/campaign.toml")
-        logs = {kind: campaign.logs(kind.replace("_", "-")) for kind in ("constant_current", "low_rate", "pulses")}
+        logs = {
+            kind: campaign.logs(kind.replace("_", "-"))
+            for kind in ("constant_current", "low_rate", "pulses")
+        }
         rows = sum(len(log) for some in logs.values() for log in some)
 
         def command() -> None:
             subprocess.run(
-                [program, "identify", folder / "lab/campaign.toml", "-o", folder / "cell.json", "--quiet",
-                 "--summary", folder / "summary.json"],
-                check=True, capture_output=True,
+                [
+                    program,
+                    "identify",
+                    folder / "lab/campaign.toml",
+                    "-o",
+                    folder / "cell.json",
+                    "--quiet",
+                    "--summary",
+                    folder / "summary.json",
+                ],
+                check=True,
+                capture_output=True,
             )
 
         def reading() -> None:
@@ -54,14 +68,19 @@ def identify_overhead(program: pathlib.Path, runs: int) -> None:
 
         def arrays() -> None:
             made = {
-                kind: [lipoid.Log(time_s=x.time_s, current_A=x.current_A, voltage_V=x.voltage_V) for x in some]
+                kind: [
+                    lipoid.Log(time_s=x.time_s, current_A=x.current_A, voltage_V=x.voltage_V)
+                    for x in some
+                ]
                 for kind, some in logs.items()
             }
             lipoid.identify(lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, **made))
 
         theirs, read, ours = best(runs, command), best(runs, reading), best(runs, arrays)
-        print(f"identify, {rows} rows: command {theirs:.3f} s, of which reading {read:.3f} s; "
-              f"Python on arrays {ours:.3f} s, {100 * (ours / (theirs - read) - 1):+.1f} %")
+        print(
+            f"identify, {rows} rows: command {theirs:.3f} s, of which reading {read:.3f} s; "
+            f"Python on arrays {ours:.3f} s, {100 * (ours / (theirs - read) - 1):+.1f} %"
+        )
 
 
 def simulate_many(currents: int, rows: int, runs: int, with_pybamm: bool) -> None:
@@ -71,14 +90,18 @@ def simulate_many(currents: int, rows: int, runs: int, with_pybamm: bool) -> Non
     many = np.linspace(0.5, 1.0, currents)[:, None] * one
     took = best(runs, lambda: cell.simulate(t, many))
     single = best(runs, lambda: [cell.simulate(t, many[k]) for k in range(10)]) / 10.0
-    print(f"simulate {currents} x {rows} rows: {took:.3f} s, {currents * rows / took / 1e6:.1f} million rows/s "
-          f"on {os.cpu_count()} cores; one by one {rows / single / 1e6:.1f} million rows/s")
+    print(
+        f"simulate {currents} x {rows} rows: {took:.3f} s, {currents * rows / took / 1e6:.1f} million rows/s "
+        f"on {os.cpu_count()} cores; one by one {rows / single / 1e6:.1f} million rows/s"
+    )
     if with_pybamm:
         made = cell.to_pybamm()
         made.run(t, one)
         theirs = best(1, lambda: made.run(t, one))
-        print(f"PyBaMM's Thevenin with diffusion on one such current: {theirs:.3f} s, "
-              f"{theirs / single:.0f} times as long; {rows / theirs / 1e6:.4f} million rows/s")
+        print(
+            f"PyBaMM's Thevenin with diffusion on one such current: {theirs:.3f} s, "
+            f"{theirs / single:.0f} times as long; {rows / theirs / 1e6:.4f} million rows/s"
+        )
 
 
 def main() -> None:
