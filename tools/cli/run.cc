@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -27,6 +28,7 @@
 #include "tools/cli/manual_page.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/text_table.h"
+#include "tools/report/shown_summary.h"
 
 namespace lipoid::cli {
 namespace {
@@ -234,8 +236,18 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
                           JsonText(SummaryJson(name, exit_code, line->summary(), nullptr)));
     }
     if (!line->report_file().empty()) {
-      const ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
-                                std::move(line->report_series())};
+      ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
+                          std::move(line->report_series())};
+      if (!RecordsItsRun(result.summary)) {
+        RunRecord run;
+        run.command = line->CommandText();
+        run.seed = line->seed();
+        for (const std::string& input : line->inputs()) {
+          if (std::error_code none; std::filesystem::is_regular_file(input, none))
+            run.inputs.push_back(input);
+        }
+        result.run = run.ToJson();
+      }
       WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
     line->CommitOutputs();

@@ -24,6 +24,7 @@
 #include "tools/commands/staged_arguments.h"
 #include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"
+#include "tools/report/identify_series.h"
 
 namespace lipoid {
 namespace {
@@ -54,6 +55,29 @@ std::string CellPath(const std::string& output, const Campaign& campaign, bool f
   const fs::path file = fs::absolute(campaign.file);
   const std::string stem = file.stem() == "campaign" ? file.parent_path().filename() : file.stem();
   return (fs::path(output) / (stem + ".cell.json")).string();
+}
+
+// What the cell was identified from, for --summary.
+Json CampaignToJson(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  Json rows = Json::array();
+  for (const LoadedLog& log : logs) {
+    const Record& record = log.log.record;
+    const double duration_s =
+        record.size() == 0 ? 0.0 : record.time_s.back() - record.time_s.front();
+    rows.push_back({{"file", log.entry.file},
+                    {"kind", options_internal::ToText(log.entry.kind)},
+                    {"rows", record.size()},
+                    {"duration_s", duration_s},
+                    {"initial_soc", log.entry.initial_soc},
+                    {"warnings", log.log.report.warnings}});
+  }
+  return {{"file", campaign.file},
+          {"name", campaign.name},
+          {"capacity_Ah", campaign.capacity_Ah > 0.0 ? Json(campaign.capacity_Ah) : Json(nullptr)},
+          {"cutoff_V", campaign.cutoff_V ? Json(*campaign.cutoff_V) : Json(nullptr)},
+          {"series", campaign.series},
+          {"parallel", campaign.parallel},
+          {"logs", std::move(rows)}};
 }
 
 std::vector<std::string> InputsOf(const Campaign& campaign, const StagedGiven& given) {
@@ -160,6 +184,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Flag("verbose",
             verbose,
             "print also the structures that were tried, or each stage, and what they found");
+  line.ReportOption();
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
   line.Group("joint", options.joint);
@@ -240,6 +265,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
     entry.update(report);
+    entry["campaign"] = CampaignToJson(campaign, logs);
+    if (!line.report_file().empty()) {
+      auto series = IdentifySeries(result, logs, cells.size(), campaigns.size());
+      std::move(series.begin(), series.end(), std::back_inserter(line.report_series()));
+    }
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));

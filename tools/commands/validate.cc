@@ -51,6 +51,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
   const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+  std::vector<std::size_t> lengths;
+  for (const auto& loaded : logs) lengths.push_back(loaded.log.record.size());
+  constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
+  const auto most_rows = RowsOfPage(lengths, kColumns);
+  const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
   for (const auto& loaded : logs) {
     LogErrors errors = Validate(one, loaded.log.record, initial_soc);
     errors.file = loaded.entry.file;
@@ -67,8 +72,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
     if (!line.report_file().empty()) {
-      line.report_series().push_back(
-          LogSeries(one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size()));
+      line.report_series().push_back(LogSeries(predicted,
+                                               loaded.log.record,
+                                               errors.file,
+                                               initial_soc,
+                                               most_rows[line.report_series().size()]));
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(

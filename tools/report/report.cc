@@ -9,6 +9,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "tools/report/shown_summary.h"
 #include "tools/report/web_assets.h"  // written by the build
 
 namespace lipoid {
@@ -58,6 +59,7 @@ Json SeriesToJson(const Series& series) {
   return {{"kind", series.kind},
           {"name", series.name},
           {"rows", series.rows},
+          {"of", series.of},
           {"columns", std::move(columns)}};
 }
 
@@ -106,8 +108,9 @@ std::string ReportPage(std::span<const ReportResult> results) {
       series.push_back(SeriesToJson(each));
     }
     Json shown = Json::object();
-    shown["summary"] = result.summary;
+    shown["summary"] = ShownSummary(result.summary);
     shown["series"] = std::move(series);
+    shown["run"] = result.run;
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));

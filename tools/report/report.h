@@ -25,13 +25,16 @@ struct Series {
   std::string kind;      ///< what it shows, by which a view finds it: "log", "flight"
   std::string name;      ///< which one it is, as the summary names it: the file of the log
   std::size_t rows = 0;  ///< how many it had before it was thinned
-  std::vector<Column> columns;
+  std::size_t of = 0;    ///< which of the results it belongs to, where a summary has several
+  std::vector<Column> columns = {};
 };
 
 /// What `--summary` writes, with `command` and `exit_code`, and the series that belong to it.
 struct ReportResult {
   Json summary;
   std::vector<Series> series;
+  /// RunRecord::ToJson() of the command; null where the summary has it or it is not known.
+  Json run = nullptr;
 };
 
 /// Whether this program was built with the front end, which needs npm when it is built.

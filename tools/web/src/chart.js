@@ -120,7 +120,7 @@ function seriesOf(lines) {
       paths: pathsOf(line),
       spanGaps: Boolean(line.x) || line.spanGaps === true,
       points: line.points
-        ? { show: true, size: line.size ?? 5, fill: stroke, stroke, width: 1 }
+        ? { show: true, size: line.size ?? 5, fill: line.hollow ? () => colour("--page") : stroke, stroke, width: line.hollow ? 2 : 1 }
         : { show: false },
     });
     const also = [];
@@ -176,7 +176,7 @@ function drawMarks(plot, spans, marks) {
  * @param title   words above the chart
  * @param x       {label, values, time, log, categories}: the common axis; label carries the unit. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
- * @param lines   [{label, values, x, points, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
+ * @param lines   [{label, values, x, points, hollow, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
  *                each, values as long as x, or as its own x. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
  * @param y       {label, log, zero}; `zero`: the axis begins at zero

@@ -1,6 +1,6 @@
 // The page of a report: each result by the view of its command.
 import { resultsOf } from "./data.js";
-import { disclosure, element, notice, section } from "./dom.js";
+import { element, notice, section } from "./dom.js";
 import { HELP } from "./zoom.js";
 
 // A result that no view is for, shown as it is.
@@ -11,7 +11,7 @@ const plain = {
 
 const viewOf = (views, result) => views.find(({ command }) => command === result.summary.command) ?? plain;
 
-// What went wrong with one part leaves the others readable.
+// A command that failed has a message and no result.
 function partsOf(view, result) {
   if (result.summary.error) return [notice("error", result.summary.error.message)];
   return view.parts(result);
@@ -59,7 +59,7 @@ export function showReport(views) {
   const main = document.querySelector("main");
   closeMenus();
   openForPrint();
-  showResults(main, results, views);
+  showResults(main, results.map((result) => ({ ...result, program })), views);
   const title = main.querySelector("h2");
   if (title) document.title = `${title.textContent} – lipoid`;
   main.append(

@@ -164,7 +164,8 @@ export function drawing(plot, { title, x, y, time, spans, marks }, body) {
     const ys = plot.data[index];
     if (also.length > 0) path(bandPath(xs, plot.data[also[0]], plot.data[also[1]], toX, toY), { fill: faint(stroke), clip: true });
     if (line.points) {
-      path(pointsPath(xs, ys, toX, toY, range, (line.size ?? 5) / 2), { fill: stroke, clip: true });
+      const dots = pointsPath(xs, ys, toX, toY, range, (line.size ?? 5) / 2);
+      path(dots, line.hollow ? { fill: colour("--page", PAPER), stroke, width: 2, clip: true } : { fill: stroke, clip: true });
     } else if (line.bars) {
       const half = Math.min(30, (0.3 * area.width) / Math.max(1, xs.length));
       const base = toY(Math.max(plot.scales.y.min, 0));

@@ -1,4 +1,8 @@
 // The only list of views: one for each command whose result can be seen.
+import { identify } from "./identify.js";
 import { validate } from "./validate.js";
 
-export const views = [validate];
+export const views = [
+  identify,
+  validate,
+];
