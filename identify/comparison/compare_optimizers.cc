@@ -145,17 +145,18 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     for (std::size_t k = 0; k < runs[row].size(); ++k)
       keep(static_cast<int>(k) + 1, settings.context.seed + 1 + k, runs[row][k]);
     if (starts.empty()) runs[row].push_back(result.summary);
-    std::vector<double> seconds, evaluations;
     for (const auto& run : runs[row]) {
       ++result.starts;
       const Improvement* reached = Reached(run, target);
       if (reached == nullptr) continue;
       ++result.successes;
-      seconds.push_back(reached->wall_s);
-      evaluations.push_back(reached->evaluations);
+      result.reached_s.push_back(reached->wall_s);
+      result.reached_evaluations.push_back(reached->evaluations);
     }
-    result.time_to_target_s = Median(std::move(seconds));
-    result.evaluations_to_target = Median(std::move(evaluations));
+    std::sort(result.reached_s.begin(), result.reached_s.end());
+    std::sort(result.reached_evaluations.begin(), result.reached_evaluations.end());
+    result.time_to_target_s = Median(result.reached_s);
+    result.evaluations_to_target = Median(result.reached_evaluations);
   }
   return comparison;
 }

@@ -60,6 +60,9 @@ struct OptimizerComparison {
   /// Medians over the runs that succeeded; NaN where none did.
   double time_to_target_s = std::numeric_limits<double>::quiet_NaN();
   double evaluations_to_target = std::numeric_limits<double>::quiet_NaN();
+  /// Of the runs that succeeded, each sorted: how many got there within so much.
+  std::vector<double> reached_s;
+  std::vector<double> reached_evaluations;
 
   [[nodiscard]] double success_rate() const { return static_cast<double>(successes) / starts; }
 };

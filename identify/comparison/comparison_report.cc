@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,23 @@
 
 namespace lipoid {
 namespace {
+
+// The share of the starts that reached the target within so many seconds or evaluations. With many
+// starts every so-manieth success is there, and the last.
+Json ReachedToJson(const OptimizerComparison& result) {
+  constexpr std::size_t kMostPoints = 200;
+  const std::size_t successes = result.reached_s.size();
+  const std::size_t points = std::min(successes, kMostPoints);
+  Json reached = Json::array();
+  for (std::size_t n = 1; n <= points; ++n) {
+    const std::size_t count = successes * n / points;
+    reached.push_back(
+        {{"success_rate", static_cast<double>(count) / static_cast<double>(result.starts)},
+         {"wall_s", result.reached_s[count - 1]},
+         {"evaluations", result.reached_evaluations[count - 1]}});
+  }
+  return reached;
+}
 
 Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
   const OptimizationSummary& summary = result.summary;
@@ -38,6 +56,7 @@ Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
           {"best_cost_V2", NumberOrNull(result.best_cost)},
           {"time_to_target_s", NumberOrNull(result.time_to_target_s)},
           {"evaluations_to_target", NumberOrNull(result.evaluations_to_target)},
+          {"reached", ReachedToJson(result)},
           {"improvements", std::move(improvements)}};
 }
 

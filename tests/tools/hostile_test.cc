@@ -71,6 +71,7 @@ TEST(Hostile, JsonOfEveryKindIsRefusedWhereverItIsRead) {
              {"validate", file, "log.csv"},
              {"fly", "hover", "--cell", file},
              {"fly", "hover", "--gains", file},
+             {"report", file, "-o", "page.html"},
              {"study", "branches", "none.toml", "--open-circuit-voltage", file}}) {
       (void)Refused(folder, arguments);
     }

@@ -119,6 +119,12 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"import", "link.csv", "-o", "logs/pulses.csv"},
       {"import", "gains.json", "-o", "new.json", "--summary", "gains.json"},
       {"plan", "cell.json", "--summary", "cell.json"},
+      {"plan", "cell.json", "--report", "cell.json"},
+      {"poles", "altitude", "--gains", "gains.json", "--report", "gains.json"},
+      {"design", "altitude", "--start", "gains.json", "--report", "gains.json"},
+      {"compare", "c.toml", "--report", "logs/cc.csv"},
+      {"study", "branches", "c.toml", "--report", "link.csv"},
+      {"report", "gains.json", "-o", "gains.json"},
       {"inspect", "logs", "--write-campaign", "logs/cc.csv"},
       {"inspect", "logs", "--summary", "link.csv"},
   };

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <boost/program_options.hpp>
@@ -15,6 +16,7 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
+#include "model/core/run_record.h"
 #include "tools/cli/command_description.h"
 #include "tools/cli/text_table.h"
 
@@ -232,6 +234,7 @@ void CommandLine::Output(std::string& value, std::string_view word, std::string_
 }
 
 void CommandLine::ReportOption() {
+  can_report_ = true;
   OutputOption("report",
                report_file_,
                "HTML",
@@ -245,6 +248,7 @@ void CommandLine::OutputOption(std::string_view name,
   auto& option = Declare(name, word, "", help);
   option.output = true;
   option.set = [this, &value, &option](const std::string&, const std::string& text) {
+    if (earlier_ != nullptr) return;
     value = OutputPath(text);
     output_files_.push_back({option.Shown(), value});
   };
@@ -348,6 +352,12 @@ bool CommandLine::Parse() {
           fmt::format("option {} {} is missing: {}", option->Shown(), option->word, option->help));
     }
   }
+  if (earlier_ != nullptr) {
+    summary_file_.clear();
+    report_file_ = "-";
+    quiet_ = true;
+    CheckInputsOfReplay();
+  }
   if (!summary_file_.empty()) output_files_.push_back({"--summary", OutputPath(summary_file_)});
   CheckOutputs();
   if (!report_file_.empty()) RequireReport();
@@ -443,12 +453,29 @@ void CommandLine::CheckOutputs() const {
   }
 }
 
+void CommandLine::CheckInputsOfReplay() const {
+  if (earlier_ == nullptr) return;
+  const Json& known = earlier_->at("run").at("inputs");
+  for (const std::string& input : input_paths_) {
+    std::error_code none;
+    // The name of something shipped, or a folder, whose files are inputs of their own.
+    if (!std::filesystem::exists(input, none) || std::filesystem::is_directory(input, none))
+      continue;
+    if (std::none_of(
+            known.begin(), known.end(), [&](const Json& one) { return one.at("file") == input; })) {
+      throw OptionError(fmt::format("'{}' is not among the inputs that the summary names", input));
+    }
+  }
+}
+
 void CommandLine::AddInputs(const std::vector<std::string>& paths) {
   input_paths_.insert(input_paths_.end(), paths.begin(), paths.end());
+  CheckInputsOfReplay();
   CheckOutputs();
 }
 
 void CommandLine::AddOutputs(std::string_view shown, const std::vector<std::string>& paths) {
+  if (earlier_ != nullptr) return;
   for (const std::string& path : paths) output_files_.push_back({std::string(shown), path});
   CheckOutputs();
   for (const std::string& path : paths) {
@@ -474,6 +501,33 @@ std::string CommandLine::CommandText() const {
     text += plain && !argument.empty() ? " " + argument : " '" + argument + "'";
   }
   return text;
+}
+
+void CommandLine::AddHashes(const std::vector<std::string>& files,
+                            const std::vector<std::string>& sha256) {
+  for (std::size_t k = 0; k < files.size(); ++k) sha256_[files[k]] = sha256[k];
+}
+
+Json CommandLine::RunJson() const {
+  std::vector<std::string> files;
+  for (const std::string& input : input_paths_) {
+    std::error_code none;
+    const bool twice = std::find(files.begin(), files.end(), input) != files.end();
+    if (!twice && std::filesystem::is_regular_file(input, none)) files.push_back(input);
+  }
+  std::vector<std::string> sha256(files.size());
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t k) {
+    const auto known = sha256_.find(files[k]);
+    sha256[k] = known != sha256_.end() ? known->second : Sha256OfFile(files[k]);
+  });
+  Json inputs = Json::array();
+  for (std::size_t k = 0; k < files.size(); ++k)
+    inputs.push_back({{"file", files[k]}, {"sha256", sha256[k]}});
+  return {{"arguments", arguments_},
+          {"seed", seed_},
+          {"version", Version()},
+          {"commit", GitCommit()},
+          {"inputs", std::move(inputs)}};
 }
 
 bool CommandLine::Given(std::string_view name) const {

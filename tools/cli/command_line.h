@@ -33,6 +33,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -154,6 +155,13 @@ class CommandLine {
   /// --report HTML: the result as one page with plots, written when the command is done.
   void ReportOption();
 
+  /// Before Parse(): the command runs again only for its series, as a page needs them beside a
+  /// summary that is there. It is quiet, reads no file but those of the summary's run record, and
+  /// its options that name outputs do nothing. A command that would compute for long takes what it
+  /// found from earlier().
+  void Replay(const Json& summary) { earlier_ = &summary; }
+  [[nodiscard]] const Json* earlier() const { return earlier_; }
+
   /// Options of a struct (model/core/options.h) for --set prefix.name=value; no dot where prefix is
   /// empty.
   template <class Options>
@@ -208,6 +216,14 @@ class CommandLine {
 
   /// Results for --summary; docs/formats.md has the keys.
   [[nodiscard]] Json& summary() { return summary_; }
+
+  /// How the summary was made, for those who take it up again: arguments, seed, version, and the
+  /// inputs with their SHA-256.
+  [[nodiscard]] Json RunJson() const;
+  /// Whether ReportOption() was called.
+  [[nodiscard]] bool can_report() const { return can_report_; }
+  /// SHA-256 of inputs that the command knows anyway, in their order: they are not read again.
+  void AddHashes(const std::vector<std::string>& files, const std::vector<std::string>& sha256);
 
   /// Where --report asks for a page: "" where it does not, and no series need be made.
   [[nodiscard]] const std::string& report_file() const { return report_file_; }
@@ -278,6 +294,7 @@ class CommandLine {
   void SetOne(const std::string& assignment);
   void AssignArguments(const std::vector<std::string>& words);
   void CheckOutputs() const;
+  void CheckInputsOfReplay() const;
   void WriteMessage(std::string text);
   [[nodiscard]] std::string Help() const;
 
@@ -291,6 +308,9 @@ class CommandLine {
 
   std::string summary_file_;
   std::string report_file_;
+  bool can_report_ = false;
+  const Json* earlier_ = nullptr;
+  std::map<std::string, std::string> sha256_;
   std::vector<Series> report_series_;
   std::uint64_t seed_ = 0;
   int threads_ = 0;

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -28,7 +27,6 @@
 #include "tools/cli/manual_page.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/text_table.h"
-#include "tools/report/shown_summary.h"
 
 namespace lipoid::cli {
 namespace {
@@ -231,24 +229,15 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     exit_code = command.run(*line);
     line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
-    if (!summary_file.empty() && line->parsed()) {
-      WriteFileAtomically(summary_file,
-                          JsonText(SummaryJson(name, exit_code, line->summary(), nullptr)));
-    }
-    if (!line->report_file().empty()) {
+    if (line->parsed() && !(summary_file.empty() && line->report_file().empty())) {
+      if (line->can_report()) line->summary()["run"] = line->RunJson();
       ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),
-                          std::move(line->report_series())};
-      if (!RecordsItsRun(result.summary)) {
-        RunRecord run;
-        run.command = line->CommandText();
-        run.seed = line->seed();
-        for (const std::string& input : line->inputs()) {
-          if (std::error_code none; std::filesystem::is_regular_file(input, none))
-            run.inputs.push_back(input);
-        }
-        result.run = run.ToJson();
-      }
-      WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
+                          std::move(line->report_series()),
+                          {},
+                          ""};
+      if (!summary_file.empty()) WriteFileAtomically(summary_file, JsonText(result.summary));
+      if (!line->report_file().empty())
+        WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
     line->CommitOutputs();
   });

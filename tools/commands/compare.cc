@@ -203,6 +203,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
       entry.set(settings, name, text);
     });
   }
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const auto optimizers = Chosen(names);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/gains/gain_design.h"
+#include "model/analysis/poles.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
@@ -12,6 +13,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/number_range.h"
+#include "tools/commands/poles_json.h"
 #include "tools/commands/split.h"
 
 namespace lipoid {
@@ -33,6 +35,17 @@ Json ToJson(const ErrorGains& gains) {
   return {{"proportional", gains.proportional},
           {"integral", gains.integral},
           {"derivative", gains.derivative}};
+}
+
+// The poles of a vehicle's loop at these voltages; empty where the altitude has no integral gain,
+// without which hover at xi < 1 is no equilibrium.
+Json PolesToJson(const GainDesign& design, Gains gains, const ErrorGains& own) {
+  (design.loop == Loop::kAltitude ? gains.altitude : gains.attitude) = own;
+  Json rows = Json::array();
+  if (!(gains.altitude.integral > 0.0)) return rows;
+  for (const auto& [xi, weight] : design.xi)
+    rows.push_back(PolesRowToJson(PolesAt(design.loop, design.vehicle, gains, xi)));
+  return rows;
 }
 
 std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::string& weights) {
@@ -117,6 +130,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
       entry.set(settings, name, text);
     });
   }
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   if (loop_name != "altitude" && loop_name != "attitude") {
@@ -155,6 +169,15 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["termination"] = options_internal::ToText(result.optimization.termination);
   summary["message"] = result.optimization.message;
   summary["wall_s"] = result.optimization.wall_s;
+  summary["improvements"] = Json::array();
+  for (const Improvement& better : result.optimization.improvements) {
+    // The optimizer sees half of the cost (GainProblem).
+    summary["improvements"].push_back({{"evaluations", better.evaluations},
+                                       {"wall_s", better.wall_s},
+                                       {"cost", 2.0 * better.cost}});
+  }
+  summary["poles"] = PolesToJson(design, start, result.gains);
+  summary["start"]["poles"] = PolesToJson(design, start, from);
 
   const std::string unit = altitude ? "m² s" : "rad² s";
   cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}});

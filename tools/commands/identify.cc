@@ -255,6 +255,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     run.seed = line.seed();
     run.metrics = report;
     hashing.AddTo(run);
+    line.AddHashes(run.inputs, run.sha256);
     Json made = run.ToJson();
     made["converged"] = result.converged;
     result.cell.run = std::make_shared<const Json>(std::move(made));

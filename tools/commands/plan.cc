@@ -55,6 +55,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   line.Option("voltage-noise-V", noise.white_V, Range{0.0, 1e3}, "independent from row to row");
   line.Option("coloured-noise-V", noise.coloured_V, Range{0.0, 1e3}, "slow errors of the voltage");
   line.Option("correlation-s", noise.correlation_s, Range{1e-6, kYear_s}, "how slow those are");
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Cell cell = LoadCell(cell_name);

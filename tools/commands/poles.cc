@@ -12,15 +12,10 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/number_range.h"
+#include "tools/commands/poles_json.h"
 
 namespace lipoid {
 namespace {
-
-Json ToJson(const Poles& poles) {
-  Json list = Json::array();
-  for (const auto& pole : poles) list.push_back({pole.real(), pole.imag()});
-  return list;
-}
 
 // "-1.36, -0.25 ± 2.1i"
 std::string ToText(const Poles& poles) {
@@ -59,6 +54,7 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
   line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
   line.Text("xi", range, "RANGE", "voltage over the nominal one: FIRST:STEP:LAST, or one number");
   line.OutputOption("output,o", output, "CSV", "one row per pole: xi, kappa, kind, re, im");
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Loop loop = FindLoop(loop_name);
@@ -86,11 +82,7 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
                ToText(row.closed_form),
                ToText(row.quasistatic),
                ToText(row.full)});
-    rows.push_back({{"xi", xi},
-                    {"kappa", row.kappa},
-                    {"poles", ToJson(row.closed_form)},
-                    {"poles_quasistatic", ToJson(row.quasistatic)},
-                    {"poles_full", ToJson(row.full)}});
+    rows.push_back(PolesRowToJson(row));
     all.push_back(row);
   }
   if (!output.empty()) {

@@ -114,6 +114,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.Group("open_circuit_voltage", options.open_circuit_voltage);
   line.Group("pulses", options.pulses);
   line.Group("solver", options.solver);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Study& study = FindStudy(what);

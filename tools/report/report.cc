@@ -110,7 +110,8 @@ std::string ReportPage(std::span<const ReportResult> results) {
     Json shown = Json::object();
     shown["summary"] = ShownSummary(result.summary);
     shown["series"] = std::move(series);
-    shown["run"] = result.run;
+    shown["notes"] = result.notes;
+    shown["file"] = result.file;
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));

@@ -33,8 +33,8 @@ struct Series {
 struct ReportResult {
   Json summary;
   std::vector<Series> series;
-  /// RunRecord::ToJson() of the command; null where the summary has it or it is not known.
-  Json run = nullptr;
+  std::vector<std::string> notes;  ///< what a reader must know, as of series that are not there
+  std::string file;                ///< where the summary stood; "" where it comes from its command
 };
 
 /// Whether this program was built with the front end, which needs npm when it is built.

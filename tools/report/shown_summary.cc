@@ -53,16 +53,4 @@ Json ShownSummary(Json summary) {
   return summary;
 }
 
-bool RecordsItsRun(const Json& summary) {
-  const auto records = [](const Json& result) {
-    return result.is_object() && result.contains("cell") && result["cell"].is_object() &&
-           result["cell"].contains("run");
-  };
-  if (records(summary)) return true;
-  if (!summary.is_object() || !summary.contains("cells") || !summary["cells"].is_array())
-    return false;
-  const Json& cells = summary["cells"];
-  return !cells.empty() && records(cells.front());
-}
-
 }  // namespace lipoid

@@ -13,7 +13,4 @@ namespace lipoid {
 /// errors a 95 % interval reaches to either side. Whatever is not as `identify` writes it stays.
 [[nodiscard]] Json ShownSummary(Json summary);
 
-/// Whether a cell in the summary says which run it is from.
-[[nodiscard]] bool RecordsItsRun(const Json& summary);
-
 }  // namespace lipoid

@@ -1,6 +1,6 @@
 // The page of a report: each result by the view of its command.
 import { resultsOf } from "./data.js";
-import { element, notice, section } from "./dom.js";
+import { element, note, notice, section } from "./dom.js";
 import { HELP } from "./zoom.js";
 
 // A result that no view is for, shown as it is.
@@ -42,7 +42,14 @@ function openForPrint() {
 export function showResults(main, results, views) {
   const articles = results.map((result, k) => {
     const view = viewOf(views, result);
-    return element("article", { id: `result-${k + 1}` }, element("h2", {}, view.title(result)), ...partsOf(view, result));
+    return element(
+      "article",
+      { id: `result-${k + 1}` },
+      element("h2", {}, view.title(result)),
+      result.file ? note(`From ${result.file}.`) : null,
+      (result.notes ?? []).map((text) => notice("warning", text)),
+      ...partsOf(view, result),
+    );
   });
   if (articles.length > 1) {
     main.append(

@@ -15,7 +15,7 @@ const mV = (volts) => (typeof volts === "number" ? 1e3 * volts : null);
 export const validate = {
   command: "validate",
   title: () => "Prediction against measurement",
-  parts: ({ summary, series, run }) => [
+  parts: ({ summary, series }) => [
     element("p", {}, "Each log's current went through the cell; its voltage is compared with the measured one, row by row."),
     table(
       [
@@ -32,6 +32,6 @@ export const validate = {
       { sort: true, caption: "Errors of the logs" },
     ),
     ...series.filter(({ kind }) => kind === "log").map(log),
-    provenance(run),
+    provenance(summary.run),
   ],
 };

@@ -1,0 +1,51 @@
+// lipoid report SUMMARY...: results that are there already as one page.
+#include "tools/report/report.h"
+
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+#include "model/core/atomic_file.h"
+#include "model/core/errors.h"
+#include "tools/commands.h"
+#include "tools/commands/replay.h"
+#include "tools/report/summary_schema.h"
+
+namespace lipoid {
+
+cli::ExitCode ReportCommand(cli::CommandLine& line) {
+  std::vector<std::string> files;
+  std::string output;
+  line.Describe(
+      fmt::format(
+          "Writes results that are there already as one page with plots, to be opened in a browser: "
+          "the files that --summary wrote, of {}. A summary holds no samples. Where its charts need "
+          "some, they are made again from the files that the command had read, if each is still in "
+          "its place with the same SHA-256; otherwise the page says which is not.",
+          fmt::join(CommandsWithReport(), ", ")),
+      "lipoid report fit.json flight.json -o results.html");
+  line.InputArguments("SUMMARY", files, "files that --summary wrote");
+  line.Output(output, "HTML", "the page to write");
+  if (!line.Parse()) return cli::ExitCode::kDone;
+  RequireReport();
+
+  std::vector<ReportResult> results;
+  Json shown = Json::array();
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    line.progress().Update(static_cast<double>(k) / static_cast<double>(files.size()), files[k]);
+    ReportResult result = Replayed(ReadSummary(files[k]), kCommands);
+    result.file = files[k];
+    for (const std::string& note : result.notes) line.Message("{}: {}", files[k], note);
+    shown.push_back({{"file", files[k]},
+                     {"command", result.summary.at("command")},
+                     {"series", result.series.size()},
+                     {"notes", result.notes}});
+    results.push_back(std::move(result));
+  }
+  WriteFileAtomically(output, ReportPage(results));
+  line.summary()["file"] = output;
+  line.summary()["results"] = std::move(shown);
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
