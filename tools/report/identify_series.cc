@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/segments.h"
-#include "model/battery/prediction.h"
 #include "tools/report/log_series.h"
 #include "tools/report/thin.h"
 
@@ -18,29 +17,15 @@ constexpr std::size_t kRowsOfCurve = 1500;  // more than a chart has pixels
 
 // Voltages over the state of charge, at some rows of a record.
 Series OverCharge(const std::string& kind,
-                  const Cell& cell,
+                  const OpenCircuitVoltage& curve,
                   const LoadedLog& log,
-                  const std::vector<std::size_t>& rows) {
-  const Record& record = log.log.record;
-  Series series{.kind = kind, .name = log.entry.file, .rows = rows.size()};
-  std::vector<double> socs;
-  std::vector<double> measured_V;
+                  const RowsOverCharge& at) {
+  std::vector<double> measured_V = At(log.log.record.voltage_V, at.rows);
   std::vector<double> open_circuit_V;
-  std::size_t next = 0;
-  PredictRows(
-      cell,
-      record.time_s,
-      record.current_A,
-      record.hold,
-      log.entry.initial_soc,
-      [&](std::size_t k, double soc, double voltage_V) {
-        if (next == rows.size() || rows[next] != k) return;
-        ++next;
-        socs.push_back(soc);
-        measured_V.push_back(record.voltage_V[k]);
-        open_circuit_V.push_back(record.voltage_V[k] - voltage_V + cell.open_circuit_voltage(soc));
-      });
-  series.columns = {{"soc", std::move(socs)},
+  for (std::size_t k = 0; k < at.rows.size(); ++k)
+    open_circuit_V.push_back(measured_V[k] - at.predicted_V[k] + curve(at.soc[k]));
+  Series series{.kind = kind, .name = log.entry.file, .rows = at.rows.size()};
+  series.columns = {{"soc", at.soc},
                     {"voltage_V", std::move(measured_V)},
                     {"open_circuit_V", std::move(open_circuit_V)}};
   return series;
@@ -74,18 +59,19 @@ Series CurveSeries(const OpenCircuitVoltage& curve) {
 
 }  // namespace
 
-std::vector<Series> IdentifySeries(const Identification& found,
+std::vector<Series> IdentifySeries(const Cell& found,
+                                   const Cell* staged,
                                    const std::vector<LoadedLog>& logs,
                                    std::size_t n,
                                    std::size_t campaigns) {
-  Cell cell = found.cell;  // the records are those of one cell
+  Cell cell = found;  // the records are those of one cell
   cell.series = cell.parallel = 1;
-  Cell staged;
+  Cell other;
   std::vector<PredictedColumn> cells{{"predicted_V", &cell}};
-  if (found.joint) {
-    staged = found.joint->staged.cell;
-    staged.series = staged.parallel = 1;
-    cells.push_back({"staged_V", &staged});
+  if (staged != nullptr) {
+    other = *staged;
+    other.series = other.parallel = 1;
+    cells.push_back({"staged_V", &other});
   }
   std::vector<std::size_t> rows;
   for (const LoadedLog& log : logs) rows.push_back(log.log.record.size());
@@ -96,25 +82,27 @@ std::vector<Series> IdentifySeries(const Identification& found,
   const std::size_t count = logs.size();
   std::vector<Series> of_logs(count);
   std::vector<Series> of_charge(count);
-  tbb::parallel_for(std::size_t{0}, 2 * count, [&](std::size_t task) {
-    const LoadedLog& log = logs[task / 2];
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n_log) {
+    const LoadedLog& log = logs[n_log];
     const Record& record = log.log.record;
-    if (task % 2 == 0) {
-      of_logs[task / 2] =
-          LogSeries(cells, record, log.entry.file, log.entry.initial_soc, most[task / 2]);
-    } else if (log.entry.kind == LogKind::kLowRate) {
+    const bool low_rate = log.entry.kind == LogKind::kLowRate;
+    RowsOverCharge at;
+    if (low_rate) {
       const std::array<std::span<const double>, 1> seen{record.voltage_V};
-      of_charge[task / 2] =
-          OverCharge("low-rate", cell, log, ThinnedRows(record.size(), seen, {}, kRowsOfCurve));
-    } else {
-      of_charge[task / 2] = OverCharge("rests", cell, log, EndsOfRests(record));
+      at.rows = ThinnedRows(record.size(), seen, {}, kRowsOfCurve);
+    } else if (log.entry.kind != LogKind::kConstantCurrent) {
+      at.rows = EndsOfRests(record);
     }
+    of_logs[n_log] =
+        LogSeries(cells, record, log.entry.file, log.entry.initial_soc, most[n_log], &at);
+    of_charge[n_log] =
+        OverCharge(low_rate ? "low-rate" : "rests", cell.open_circuit_voltage, log, at);
   });
   std::vector<Series> series = std::move(of_logs);
   for (Series& each : of_charge) {
     if (each.rows > 0) series.push_back(std::move(each));
   }
-  if (found.joint) series.push_back(CurveSeries(staged.open_circuit_voltage));
+  if (staged != nullptr) series.push_back(CurveSeries(other.open_circuit_voltage));
   for (Series& each : series) each.of = n;
   return series;
 }

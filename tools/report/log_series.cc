@@ -1,5 +1,7 @@
 #include "tools/report/log_series.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -38,25 +40,32 @@ Series LogSeries(std::span<const PredictedColumn> cells,
                  const Record& record,
                  const std::string& name,
                  double initial_soc,
-                 std::size_t most_rows) {
+                 std::size_t most_rows,
+                 RowsOverCharge* over_charge) {
   std::vector<std::vector<double>> predicted_V(cells.size(), std::vector<double>(record.size()));
-  std::vector<std::vector<double>> error_V;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
+  const bool measured = !record.voltage_V.empty();
+  std::vector<std::vector<double>> error_V(measured ? cells.size() : 0);
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
     std::vector<double>& volts = predicted_V[c];
-    PredictRows(*cells[c].cell,
-                record.time_s,
-                record.current_A,
-                record.hold,
-                initial_soc,
-                [&](std::size_t k, double, double voltage_V) { volts[k] = voltage_V; });
-    if (record.voltage_V.empty()) continue;
-    error_V.emplace_back(record.size());
-    std::transform(volts.begin(),
-                   volts.end(),
-                   record.voltage_V.begin(),
-                   error_V.back().begin(),
-                   [](double predicted, double measured) { return measured - predicted; });
-  }
+    const auto predict = [&](auto&& visit) {
+      PredictRows(*cells[c].cell, record.time_s, record.current_A, record.hold, initial_soc, visit);
+    };
+    if (c == 0 && over_charge != nullptr) {
+      std::size_t next = 0;
+      predict([&](std::size_t k, double soc, double voltage_V) {
+        volts[k] = voltage_V;
+        if (next == over_charge->rows.size() || over_charge->rows[next] != k) return;
+        ++next;
+        over_charge->soc.push_back(soc);
+        over_charge->predicted_V.push_back(voltage_V);
+      });
+    } else {
+      predict([&](std::size_t k, double, double voltage_V) { volts[k] = voltage_V; });
+    }
+    if (!measured) return;
+    error_V[c].resize(record.size());
+    for (std::size_t k = 0; k < record.size(); ++k) error_V[c][k] = record.voltage_V[k] - volts[k];
+  });
   std::vector<std::span<const double>> seen{record.current_A};
   if (!record.voltage_V.empty()) seen.emplace_back(record.voltage_V);
   seen.insert(seen.end(), error_V.begin(), error_V.end());

@@ -58,8 +58,10 @@ function padding(x, lines) {
 
 function scaleOfY(y) {
   if (y.log) return { distr: 3 };
-  const end = (soft) => ({ pad: 0.08, soft, mode: soft === undefined ? 0 : 1 });
-  return { range: { min: end(y.zero ? 0 : undefined), max: end(y.zero ? 0 : undefined) } };
+  const room = 1.08;
+  if (y.zero) return { range: (_, min, max) => (min === null ? [0, 1] : [Math.min(0, room * min), Math.max(0, room * max) || 1]) };
+  const end = { pad: 0.08, mode: 0 };
+  return { range: { min: end, max: end } };
 }
 
 function axesOf(x, y, time) {
@@ -135,7 +137,7 @@ function seriesOf(lines) {
     }
     entries.push({
       label: line.label,
-      mark: line.points ? "dots" : line.bars ? "bar" : line.dash ? "dashed" : "line",
+      mark: line.points ? (line.hollow ? "dots hollow" : "dots") : line.bars ? "bar" : line.dash ? "dashed" : "line",
       colour: number,
       index,
       also,

@@ -182,7 +182,7 @@ export function drawing(plot, { title, x, y, time, spans, marks }, body) {
     const at = bottom + 54 + 18 * n;
     for (const { entry, x: from } of row) {
       const stroke = seriesColour(entry.colour, PAPER);
-      if (entry.mark === "dots") path(`M${from + 6} ${at - 4}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0`, { fill: stroke });
+      if (entry.line.points) path(`M${from + 6} ${at - 4}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0`, entry.line.hollow ? { stroke, width: 2 } : { fill: stroke });
       else path(`M${from} ${at - 4}h20`, { stroke, width: entry.mark === "bar" ? 8 : 2.5, dash: entry.line.dash });
       text(entry.label, { x: from + 26, y: at });
     }

@@ -15,15 +15,14 @@ export function openCircuitVoltage({ summary, series, key, cautions }) {
   if (curve.soc.length === 0) return null;
   const rows = (kind) => series.filter((each) => each.kind === kind);
   const all = (kind, column) => rows(kind).flatMap((each) => Array.from(each.column[column]));
-  const lines = [
-    { label: "v_oc(A)", x: curve.soc, values: curve.values, band: bandOf(summary.cell.uncertainty, "v_oc", curve), colour: 1, width: 2 },
-  ];
+  const lines = [];
   const points = (label, kind, column, more) => {
     if (rows(kind).length > 0) lines.push({ label, x: all(kind, "soc"), values: all(kind, column), points: true, size: 3, ...more });
   };
   points("low-rate log, as measured", "low-rate", "voltage_V", { colour: 6 });
   points("low-rate log, drops taken away", "low-rate", "open_circuit_V", { colour: 0 });
   points("ends of rests", "rests", "open_circuit_V", { colour: 2, size: 7 });
+  lines.push({ label: "v_oc(A)", x: curve.soc, values: curve.values, band: bandOf(summary.cell.uncertainty, "v_oc", curve), colour: 1, width: 2 });
   const staged = rows("staged-curve")[0];
   if (staged) lines.push({ label: "staged v_oc(A)", x: Array.from(staged.column.soc), values: Array.from(staged.column.voltage_V), colour: 3, dash: [6, 4] });
   const stage = summary.stages?.open_circuit_voltage;
