@@ -2,7 +2,7 @@
 
 /// @file
 /// What the page of `lipoid identify` draws beside the summary. Tests:
-/// tests/tools/report/identify_series_test.cc, tests/tools/pages/identify_test.py.
+/// tests/tools/pages/identify_test.py.
 
 #include <cstddef>
 #include <vector>

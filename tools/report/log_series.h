@@ -2,7 +2,7 @@
 
 /// @file
 /// Logs with what cells predict of them, as series of a report. Tests:
-/// tests/tools/report/log_series_test.cc.
+/// tests/tools/report_page_test.cc.
 
 #include <cstddef>
 #include <span>

@@ -4,7 +4,7 @@
 /// A result as one page for a browser: its summary, and the series of samples that its charts need.
 /// The page needs no network: scripts and styles are part of it, and its data cannot become
 /// commands (everything is escaped, and a Content-Security-Policy allows the page's own script
-/// alone). tools/web has the front end. Tests: tests/tools/report_test.cc, report_test.py.
+/// alone). tools/web has the front end. Tests: tests/tools/report_page_test.cc, tests/tools/pages.
 
 #include <cstddef>
 #include <nlohmann/json.hpp>

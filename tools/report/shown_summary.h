@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// The summary of a command as a page needs it. Tests: tests/tools/report/shown_summary_test.cc.
+/// The summary of a command as a page needs it. Tests: tests/tools/report_page_test.cc.
 
 #include "model/core/json.h"
 
