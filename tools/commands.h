@@ -23,6 +23,7 @@ cli::ExitCode ListCommand(cli::CommandLine& line);
 cli::ExitCode PlanCommand(cli::CommandLine& line);
 cli::ExitCode PolesCommand(cli::CommandLine& line);
 cli::ExitCode ReportCommand(cli::CommandLine& line);
+cli::ExitCode ServeCommand(cli::CommandLine& line);
 cli::ExitCode SimulateCommand(cli::CommandLine& line);
 cli::ExitCode SitlCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
@@ -45,6 +46,7 @@ inline constexpr cli::Command kCommands[] = {
     {"plan", "what an experiment would tell, before the lab is booked", &PlanCommand},
     {"poles", "closed-loop poles as the voltage falls", &PolesCommand},
     {"report", "results that are there already as one page with plots", &ReportCommand},
+    {"serve", "the same as a page for a browser on this machine", &ServeCommand},
     {"simulate", "the voltage of a cell under a recorded current", &SimulateCommand},
     {"sitl", "the physics behind an autopilot (ArduPilot's JSON interface)", &SitlCommand},
     {"study", "one stage done in several ways: branches, v_oc(A), diffusion modes", &StudyCommand},

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <deque>
 #include <filesystem>
@@ -78,16 +77,19 @@ bool BetterLowRate(const Candidate& a, const Candidate& b) {
 
 }  // namespace
 
+std::vector<std::string> EndingsOfNoLogs() {
+  return {".cff", ".json", ".md", ".pdf", ".png", ".py", ".tmp", ".toml", ".yaml"};
+}
+
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
-  constexpr std::array<std::string_view, 9> kNoLogs = {
-      ".cff", ".json", ".md", ".pdf", ".png", ".py", ".tmp", ".toml", ".yaml"};
+  const auto no_logs = EndingsOfNoLogs();
   std::vector<std::string> files;
   std::error_code trouble;
   for (fs::directory_iterator each(folder, trouble), end; !trouble && each != end;
        each.increment(trouble)) {
     const std::string name = each->path().filename().string();
     const std::string extension = each->path().extension().string();
-    const bool no_log = std::find(kNoLogs.begin(), kNoLogs.end(), extension) != kNoLogs.end();
+    const bool no_log = std::find(no_logs.begin(), no_logs.end(), extension) != no_logs.end();
     if (std::error_code none; each->is_regular_file(none) && name[0] != '.' && !no_log)
       files.push_back(each->path().string());
   }

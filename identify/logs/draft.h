@@ -23,9 +23,9 @@ namespace lipoid {
 struct CampaignDraft {
   struct Entry {
     CampaignLog log;
-    std::string reason;    ///< why this kind
+    std::string reason;                ///< why this kind
     std::vector<std::string> remarks;  ///< what a person should look at
-    std::string left_out;  ///< why it does not take part; empty where it does
+    std::string left_out;              ///< why it does not take part; empty where it does
   };
   Campaign campaign;           ///< those that take part
   std::vector<Entry> entries;  ///< all that could be read and are of some kind
@@ -40,8 +40,11 @@ struct DraftOptions {
   int parallel = 1;
 };
 
-/// Files of a folder that may be logs, sorted by name: no hidden ones, no folders, no texts for
-/// people and no campaign or cell files. LoadError where it cannot be read or holds none.
+/// Endings of the names of files that are no logs: texts for people, campaign and cell files.
+[[nodiscard]] std::vector<std::string> EndingsOfNoLogs();
+
+/// Files of a folder that may be logs, sorted by name: no hidden ones, no folders, none of these
+/// endings. LoadError where it cannot be read or holds none.
 [[nodiscard]] std::vector<std::string> FilesOfFolder(const std::string& folder);
 
 /// How many lithium cells in series have this voltage at most, in V: those of 3 to 4.45 V each.

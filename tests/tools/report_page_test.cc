@@ -54,7 +54,7 @@ TEST(RowsOfPage, GiveLongLogsWhatShortOnesLeave) {
   const std::vector<std::size_t> rows{100, 4'700'000, 2'200'000};
   const auto kept = RowsOfPage(rows, 4);
   EXPECT_EQ(kept[0], 100u);
-  EXPECT_EQ(kept[1], kept[2]);
+  EXPECT_LE(std::max(kept[1], kept[2]) - std::min(kept[1], kept[2]), 1u);  // of an odd sum
   EXPECT_GT(kept[1], 10'000u);
   // 8 bytes for the time and 4 for each column; base64 makes four of three: below 2 MB with the
   // scripts.

@@ -299,7 +299,7 @@ void CleanUpWhenEnded() {
     int signal = 0;
     do {
       sigwait(&ending, &signal);
-    } while ((signal == SIGINT || signal == SIGTERM) && AskedToStop());
+    } while ((signal == SIGINT || signal == SIGTERM || signal == SIGHUP) && AskedToStop());
     RemoveUncommitted();
     std::signal(signal, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);

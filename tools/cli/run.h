@@ -30,8 +30,8 @@ inline constexpr std::string_view kExitCodes =
 /// half-written. Call it before other threads start.
 void CleanUpWhenEnded();
 
-/// While one is there, the first interrupt (SIGINT) or SIGTERM calls `stop`, from another thread,
-/// instead of ending the process: for a command that runs until it is told otherwise and then has
+/// While one is there, the first interrupt (SIGINT), SIGTERM or SIGHUP (the terminal is closed) calls
+/// `stop`, from another thread, instead of ending the process: for a command that runs until it is told otherwise and then has
 /// something to say. The second ends it. One at a time.
 class StopRequest {
  public:

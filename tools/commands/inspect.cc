@@ -278,6 +278,37 @@ Json ToJson(const Inspection& log) {
   return json;
 }
 
+// The keys of a [[log]] that are not as they are anyway, and why.
+Json ToJson(const CampaignDraft::Entry& entry) {
+  const CampaignLog& log = entry.log;
+  Json json = {{"file", log.path}, {"kind", Name(log.kind)}};
+  if (log.read.current_sign != ReadOptions().current_sign)
+    json["current_sign"] = log.read.current_sign;
+  if (log.read.start_s != ReadOptions().start_s) json["start_s"] = log.read.start_s;
+  if (log.read.end_s != ReadOptions().end_s) json["end_s"] = log.read.end_s;
+  if (log.initial_soc != CampaignLog().initial_soc) json["initial_soc"] = log.initial_soc;
+  json["reason"] = entry.reason;
+  json["remarks"] = entry.remarks;
+  json["left_out"] = entry.left_out.empty() ? Json(nullptr) : Json(entry.left_out);
+  return json;
+}
+
+// What --write-campaign writes, for programs.
+Json ToJson(const CampaignDraft& draft) {
+  const Campaign& campaign = draft.campaign;
+  Json json = {{"name", campaign.name},
+               {"capacity_Ah", nullptr},
+               {"cutoff_V", nullptr},
+               {"series", campaign.series},
+               {"parallel", campaign.parallel},
+               {"remarks", draft.remarks},
+               {"logs", Json::array()}};
+  if (campaign.capacity_Ah > 0.0) json["capacity_Ah"] = campaign.capacity_Ah;
+  if (campaign.cutoff_V) json["cutoff_V"] = *campaign.cutoff_V;
+  for (const auto& entry : draft.entries) json["logs"].push_back(ToJson(entry));
+  return json;
+}
+
 // Folders become the files in them.
 std::vector<std::string> Expand(const std::vector<std::string>& words) {
   std::vector<std::string> files;
@@ -301,12 +332,9 @@ std::string FolderName(const std::string& word) {
 }
 
 void WriteDraft(cli::CommandLine& line,
-                const std::vector<InspectedFile>& files,
-                const std::string& name,
-                const std::string& campaign_file,
-                const DraftOptions& options) {
+                const CampaignDraft& draft,
+                const std::string& campaign_file) {
   const bool a_file = campaign_file != "/dev/stdout";
-  const auto draft = DraftCampaign(files, name, a_file ? campaign_file : "campaign.toml", options);
   if (draft.entries.empty()) {
     throw OptionError(
         "option --write-campaign: none of the logs is of a kind that a campaign takes");
@@ -402,13 +430,15 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   if (problems.size() == files.size())
     throw LoadError(files.size() == 1 ? files.front().problems : problems);
   if (files.size() > 1) PrintOverview(line, files);
-  if (!campaign_file.empty())
-    WriteDraft(line,
-               files,
-               FolderName(words.front()),
-               campaign_file,
-               {.read = read, .series = pack.series, .parallel = pack.parallel.value_or(1)});
+  const bool a_file = !campaign_file.empty() && campaign_file != "/dev/stdout";
+  const auto draft =
+      DraftCampaign(files,
+                    FolderName(words.front()),
+                    a_file ? campaign_file : "campaign.toml",
+                    {.read = read, .series = pack.series, .parallel = pack.parallel.value_or(1)});
+  if (!campaign_file.empty()) WriteDraft(line, draft, campaign_file);
   line.summary()["files"] = std::move(rows);
+  line.summary()["draft"] = ToJson(draft);
   if (problems.empty()) return cli::ExitCode::kDone;
   line.Problem(LoadError(std::move(problems)));
   return cli::ExitCode::kBadInput;

@@ -101,6 +101,9 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
   line.summary()["loop"] = loop_name;
   line.summary()["vehicle"] = vehicle.name;
   line.summary()["gains"] = gains.name;
+  line.summary()["error_gains"] = {{"proportional", own.proportional},
+                                   {"integral", own.integral},
+                                   {"derivative", own.derivative}};
   line.Print("{}", table.Text());
   line.Message("{} loop of {} with K_e {}, K_I {}, K_edot {} ({})",
                loop_name,

@@ -10,18 +10,10 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/report/shown_summary.h"
-#include "tools/report/web_assets.h"  // written by the build
+#include "tools/report/web_asset.h"
 
 namespace lipoid {
 namespace {
-
-// The file of the front end; nullptr where the program was built without it.
-const std::string_view* FindAsset(std::string_view name) {
-  for (const auto& asset : kWebAssets) {
-    if (asset.name == name) return &asset.text;
-  }
-  return nullptr;
-}
 
 std::string Base64(const unsigned char* bytes, std::size_t size) {
   std::string text((size + 2) / 3 * 4 + 1, '\0');
@@ -86,7 +78,7 @@ std::string Today() {
 
 }  // namespace
 
-bool CanReport() { return FindAsset("page.html") != nullptr; }
+bool CanReport() { return FindWebAsset("page.html") != nullptr; }
 
 void RequireReport() {
   if (CanReport()) return;
@@ -115,8 +107,8 @@ std::string ReportPage(std::span<const ReportResult> results) {
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));
-  const std::string_view script = *FindAsset(flight ? "report-flight.js" : "report.js");
-  const std::string_view style = *FindAsset("style.css");
+  const std::string_view script = *FindWebAsset(flight ? "report-flight.js" : "report.js");
+  const std::string_view style = *FindWebAsset("style.css");
   const auto value = [&](std::string_view name) -> std::string {
     if (name == "SCRIPT_HASH") return PolicyHash(script);
     if (name == "STYLE_HASH") return PolicyHash(style);
@@ -126,7 +118,7 @@ std::string ReportPage(std::span<const ReportResult> results) {
     return data;
   };
   std::string text;
-  std::string_view rest = *FindAsset("page.html");
+  std::string_view rest = *FindWebAsset("page.html");
   for (auto at = rest.find('@'); at != rest.npos; at = rest.find('@')) {
     const auto end = rest.find('@', at + 1);
     text += rest.substr(0, at);

@@ -1,10 +1,10 @@
 // A chart of lines, points, bars or bands over a common axis, by uPlot.
 import uPlot from "uplot";
 
-import { element } from "./dom.js";
+import { element, note } from "./dom.js";
 import { significant } from "./format.js";
 import { legend, nearest } from "./legend.js";
-import { printed } from "./picture.js";
+import { endOfGuide, printed } from "./picture.js";
 import { saveMenu } from "./save.js";
 import { colour, faint, onThemeChange, seriesColour } from "./theme.js";
 import { timeAxis } from "./time_axis.js";
@@ -16,28 +16,30 @@ const HEIGHT = 280;
 const LEAST_WIDTH = 240;
 const FONT = "12px system-ui, sans-serif";
 
-// What is no number is a gap, which uPlot knows as null.
+// Beyond this no axis has ticks. Nothing that is measured comes near; a damaged summary might.
+const MOST = 1e100;
+const drawable = (value, log) => value !== null && Math.abs(value) < MOST && (!log || value > 0);
+
+// What cannot be drawn is a gap, which uPlot knows as null.
 function withGaps(values, log) {
-  const bad = (value) => value === null || !Number.isFinite(value) || (log && value <= 0);
-  return values.some(bad) ? Array.from(values, (value) => (bad(value) ? null : value)) : values;
+  return values.every((value) => drawable(value, log)) ? values : Array.from(values, (value) => (drawable(value, log) ? value : null));
 }
 
-// Samples of a line that has its own x, in the order of x, the first of equal ones.
-function ordered(xs, ys) {
-  const order = Array.from(xs.keys()).filter((k) => Number.isFinite(xs[k])).sort((a, b) => xs[a] - xs[b]);
-  const kept = order.filter((k, n) => n === 0 || xs[k] !== xs[order[n - 1]]);
-  return kept;
+// Samples that have a place on the axis, in the order of x, the first of equal ones.
+function ordered(xs, log) {
+  const order = Array.from(xs.keys()).filter((k) => drawable(xs[k], log)).sort((a, b) => xs[a] - xs[b]);
+  return order.filter((k, n) => n === 0 || xs[k] !== xs[order[n - 1]]);
 }
 
 // One table for all lines: [x, y of the first line, ...], the edges of a line's band right behind it.
 function tableOf(x, lines, log) {
   const columnsOf = (line) => [line.values, ...(line.band ?? [])];
-  if (lines.every((line) => !line.x)) {
-    return [withGaps(x.values, x.log), ...lines.flatMap((line) => columnsOf(line).map((ys) => withGaps(ys, log)))];
+  if (lines.every((line) => !line.x) && x.values.every((value) => drawable(value, x.log))) {
+    return [x.values, ...lines.flatMap((line) => columnsOf(line).map((ys) => withGaps(ys, log)))];
   }
   const tables = lines.map((line) => {
     const xs = line.x ?? x.values;
-    const order = ordered(xs, line.values);
+    const order = ordered(xs, x.log);
     const pick = (values) => order.map((k) => values[k]);
     return [pick(xs), ...columnsOf(line).map((ys) => withGaps(pick(ys), log))];
   });
@@ -45,13 +47,21 @@ function tableOf(x, lines, log) {
   return joined.map((column) => Array.from(column, (value) => value ?? null));
 }
 
+// The next number below with one digit, from which uPlot counts the grid of a logarithmic axis.
+function digitBelow(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return Math.max(1, Math.floor(value / power + 1e-9)) * power;
+}
+
 // Where a chart has points or bars, those at its ends are not cut.
 function padding(x, lines) {
   if (x.categories) return () => [-0.5, x.categories.length - 0.5];
-  const pad = lines.some((line) => line.points || line.bars) ? 0.03 : 0;
-  return (min, max) => {
+  const also = x.include ?? [];
+  const pad = lines.some((line) => line.points || line.dots || line.bars) ? 0.03 : 0;
+  return (least, most) => {
+    const [min, max] = [Math.min(least, ...also), Math.max(most, ...also)];
     if (min === max) return x.log ? [min / 2, min * 2] : [min - (Math.abs(min) || 1) / 2, min + (Math.abs(min) || 1) / 2];
-    if (x.log) return [min / (max / min) ** pad, max * (max / min) ** pad];
+    if (x.log) return [digitBelow(min / (max / min) ** pad), max * (max / min) ** pad];
     return [min - pad * (max - min), max + pad * (max - min)];
   };
 }
@@ -59,9 +69,12 @@ function padding(x, lines) {
 function scaleOfY(y) {
   if (y.log) return { distr: 3 };
   const room = 1.08;
-  if (y.zero) return { range: (_, min, max) => (min === null ? [0, 1] : [Math.min(0, room * min), Math.max(0, room * max) || 1]) };
-  const end = { pad: 0.08, mode: 0 };
-  return { range: { min: end, max: end } };
+  if (y.zero && !y.reach) {
+    return { range: (_, min, max) => (min === null ? [0, 1] : [Math.min(0, room * min), Math.max(0, room * max) || 1]) };
+  }
+  const end = (soft) => ({ pad: 0.08, soft, mode: soft === undefined ? 0 : 1 });
+  const [low, high] = y.reach ?? [undefined, undefined];
+  return { range: { min: end(low), max: end(high) } };
 }
 
 function axesOf(x, y, time) {
@@ -82,11 +95,18 @@ function axesOf(x, y, time) {
       size: 34,
       space: time?.values ? 80 : 60,
       ...(time?.incrs ? { incrs: time.incrs } : {}),
-      ...(x.categories ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
+      ...(x.categories || x.whole ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
       values: x.categories ? names : time?.values ?? numbers,
     },
-    { ...shared, label: y.label, size: (_, values) => sizeOf(values), values: y.log ? undefined : numbers },
+    { ...shared, ...(y.log ? { grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
   ];
+}
+
+// Over many decades the grid of a logarithmic axis has its powers of ten alone.
+function fewLines(_, splits) {
+  const decades = Math.log10(splits[splits.length - 1] / splits[0]);
+  const power = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6;
+  return decades < 5 ? splits : splits.map((value) => (power(value) ? value : null));
 }
 
 // Room for the longest number beside the axis, at least as in other charts, so that they align.
@@ -123,7 +143,7 @@ function seriesOf(lines) {
       spanGaps: Boolean(line.x) || line.spanGaps === true,
       points: line.points
         ? { show: true, size: line.size ?? 5, fill: line.hollow ? () => colour("--page") : stroke, stroke, width: line.hollow ? 2 : 1 }
-        : { show: false },
+        : line.dots ? { show: true, size: 6, fill: stroke, stroke, width: 1 } : { show: false },
     });
     const also = [];
     if (line.band) {
@@ -148,48 +168,95 @@ function seriesOf(lines) {
   return { series, bands, entries };
 }
 
-// Stretches and places of x that the chart is marked at, behind its lines.
-function drawMarks(plot, spans, marks) {
+// Draws within the area of the chart.
+function within(plot, draw) {
   const { ctx } = plot;
   const { left, top, width, height } = plot.bbox;
   ctx.save();
   ctx.beginPath();
   ctx.rect(left, top, width, height);
   ctx.clip();
-  for (const span of spans) {
-    const from = plot.valToPos(span.from, "x", true);
-    const to = plot.valToPos(span.to, "x", true);
-    ctx.fillStyle = faint(seriesColour(span.colour), 0.16);
-    ctx.fillRect(from, top, Math.max(1, to - from), height);
-  }
-  ctx.strokeStyle = colour("--text");
-  ctx.setLineDash([4, 4]);
-  for (const mark of marks) {
-    const at = Math.round(plot.valToPos(mark.x, "x", true)) + 0.5;
-    ctx.beginPath();
-    ctx.moveTo(at, top);
-    ctx.lineTo(at, top + height);
-    ctx.stroke();
-  }
+  draw(ctx, plot.bbox);
   ctx.restore();
+}
+
+// Stretches of x with a coloured ground.
+function drawSpans(plot, spans) {
+  within(plot, (ctx, { top, height }) => {
+    for (const span of spans) {
+      const from = plot.valToPos(span.from, "x", true);
+      const to = plot.valToPos(span.to, "x", true);
+      ctx.fillStyle = faint(seriesColour(span.colour), 0.16);
+      ctx.fillRect(from, top, Math.max(1, to - from), height);
+    }
+  });
+}
+
+// Places of x and straight lines that the chart is marked with: over its grid, behind its samples.
+function drawMarks(plot, marks, guides) {
+  const at = ([x, y]) => [plot.valToPos(x, "x", true), plot.valToPos(y, "y", true)];
+  within(plot, (ctx, { top, height }) => {
+    const stroke = (from, to) => {
+      ctx.beginPath();
+      ctx.moveTo(...from);
+      ctx.lineTo(...to);
+      ctx.stroke();
+    };
+    ctx.setLineDash([4 * uPlot.pxRatio, 4 * uPlot.pxRatio]);
+    ctx.lineWidth = uPlot.pxRatio;
+    ctx.strokeStyle = colour("--text");
+    for (const mark of marks) {
+      const x = Math.round(plot.valToPos(mark.x, "x", true)) + 0.5;
+      stroke([x, top], [x, top + height]);
+    }
+    ctx.strokeStyle = colour("--soft");
+    ctx.fillStyle = colour("--soft");
+    ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    for (const { from, to, label } of guides) {
+      stroke(at(from), at(to));
+      const end = endOfGuide(plot.scales, from, to);
+      if (!end) continue;
+      const [x, y] = at(end);
+      ctx.fillText(label, x + 4 * uPlot.pxRatio, y + 12 * uPlot.pxRatio);
+    }
+  });
+}
+
+// Circles about samples that something outside of the chart speaks of.
+function drawRings(plot, rings) {
+  within(plot, (ctx) => {
+    ctx.lineWidth = 2 * uPlot.pxRatio;
+    for (const { at, colour: number } of rings) {
+      ctx.strokeStyle = seriesColour(number);
+      ctx.beginPath();
+      ctx.arc(plot.valToPos(at[0], "x", true), plot.valToPos(at[1], "y", true), 6 * uPlot.pxRatio, 0, 2 * Math.PI);
+      ctx.stroke();
+    }
+  });
 }
 
 /**
  * @param title   words above the chart
- * @param x       {label, values, time, log, categories}: the common axis; label carries the unit. `time`: values are seconds,
+ * @param x       {label, values, time, log, categories, whole, include}: the common axis; label carries the unit. `whole`: ticks at
+ *                whole numbers alone. `include`: values that the axis shows in any case. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
  * @param lines   [{label, values, x, points, hollow, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
  *                each, values as long as x, or as its own x. colour is the number of a colour of the palette. A value of
+ * @param lines   [{label, values, x, points, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
+ *                each, values as long as x, or as its own x. `points`: samples alone; `dots`: samples on their line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
- * @param y       {label, log, zero}; `zero`: the axis begins at zero
+ * @param y       {label, log, zero, reach}; `zero`: the axis begins at zero; `reach`: [low, high] that it shows at least
  * @param link    charts with the same key zoom and show their cursor together
  * @param spans   [{from, to, colour}]: stretches of x with a coloured ground
  * @param marks   [{x}]: places of x with a dashed line
+ * @param guides  [{from: [x, y], to: [x, y], label}]: straight lines behind the samples
+ * @param rings   [{at: [x, y], colour}]: samples with a circle; figure.showRings(rings) changes them
  * @param name    of the files that it is saved as
- * @returns a figure; its `plot` is uPlot's, its data-points the number of samples that it shows
+ * @returns a figure, or a sentence where there is nothing to draw; its `plot` is uPlot's, its data-points the number of samples that it shows
  */
-export function lineChart({ title, x, lines, y, link, spans = [], marks = [], name, height = HEIGHT }) {
+export function lineChart({ title, x, lines, y, link, spans = [], marks = [], guides = [], rings = [], name, height = HEIGHT }) {
   const data = tableOf(x, lines, y.log);
+  if (data.length === 0 || data[0].length === 0) return note(`${title}: there is nothing to draw.`);
   const { series, bands, entries } = seriesOf(lines);
   const xs = data[0];
   const time = x.time ? timeAxis(xs[0], xs[xs.length - 1]) : null;
@@ -205,6 +272,12 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], na
   const reset = element("button", { type: "button", hidden: true, onclick: () => resetZoom(plot) }, "Show all");
   const figure = element("figure", { class: "chart" });
   const pad = padding(x, lines);
+  const about = { title, name: name ?? title, x, y, time, spans, marks, guides, rings };
+  // uPlot asks for what someone zoomed to as well, which is left as it is.
+  const rangeOfX = (_, min, max) => {
+    if (min === null) return [0, 1];
+    return min === xs[0] && max === xs[xs.length - 1] ? pad(min, max) : [min, max];
+  };
   const options = {
     width: 800,
     height,
@@ -216,14 +289,16 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], na
       points: { size: 7, fill: (plot, k) => plot.series[k].points.show && entries.some((e) => e.index === k) ? colour("--page") : plot.series[k]._stroke ?? "transparent" },
     },
     scales: {
-      x: { time: false, distr: x.log ? 3 : 1, range: (_, min, max) => (min === null ? [0, 1] : pad(min, max)) },
+      x: { time: false, distr: x.log ? 3 : 1, range: rangeOfX },
       y: scaleOfY(y),
     },
     axes: axesOf(x, y, time),
     series: [{ label: x.label }, ...series],
     bands,
     hooks: {
-      drawClear: spans.length + marks.length > 0 ? [(plot) => drawMarks(plot, spans, marks)] : [],
+      drawClear: spans.length > 0 ? [(plot) => drawSpans(plot, spans)] : [],
+      drawAxes: marks.length + guides.length > 0 ? [(plot) => drawMarks(plot, marks, guides)] : [],
+      draw: [(plot) => drawRings(plot, about.rings)],
       setCursor: [(plot) => key.update(plot, document.activeElement === holder)],
       setScale: [
         (plot, which) => {
@@ -242,7 +317,6 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], na
   plot.entries = entries;
   bindZoom(plot, holder, link);
   key.bind(plot);
-  const about = { title, name: name ?? title, x, y, time, spans, marks };
   figure.append(
     element("figcaption", {}, element("span", { class: "title" }, title),
             element("span", { class: "tools" }, reset, saveMenu(plot, about))),
@@ -252,6 +326,10 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], na
   figure.plot = plot;
   figure.dataset.points = String(entries.reduce(
     (sum, entry) => sum + data[entry.index].reduce((n, value) => (value === null ? n : n + 1), 0), 0));
+  figure.showRings = (shown) => {
+    about.rings = shown;
+    plot.redraw(false, false);
+  };
   printed(figure, plot, about);
   const fit = () => {
     const width = Math.max(LEAST_WIDTH, holder.clientWidth);

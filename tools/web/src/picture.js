@@ -125,8 +125,21 @@ function legendRows(entries) {
   return rows;
 }
 
+/** Where a guide ends within the scales: at its end, or where it leaves them; null where it is not to be seen. */
+export function endOfGuide({ x, y }, from, to) {
+  const inside = (t) => {
+    const [a, b] = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+    return a >= x.min && a <= x.max && b >= y.min && b <= y.max ? [a, b] : null;
+  };
+  for (let t = 1; t > 0; t -= 0.02) {
+    const end = inside(t);
+    if (end) return end;
+  }
+  return null;
+}
+
 /** The shapes of a picture: {width, height, area, shapes: [{path | text, ...}]}. */
-export function drawing(plot, { title, x, y, time, spans, marks }, body) {
+export function drawing(plot, { title, x, y, time, spans, marks, guides = [], rings = [] }, body) {
   const shapes = [];
   const text = (content, at, more = {}) => shapes.push({ text: content, size: SIZE, fill: colour("--text", PAPER), anchor: "start", ...at, ...more });
   const path = (d, more) => d && shapes.push({ path: d, ...more });
@@ -158,6 +171,11 @@ export function drawing(plot, { title, x, y, time, spans, marks }, body) {
   text(time?.label ?? x.label, { x: area.left + area.width / 2, y: bottom + 34 }, { anchor: "middle" });
   text(y.label, { x: 12, y: top + body / 2 }, { anchor: "middle", turned: true });
   for (const mark of marks) path(`M${round(toX(mark.x))} ${top}V${bottom}`, { stroke: colour("--text", PAPER), width: 1, dash: [4, 4], clip: true });
+  for (const { from, to, label } of guides) {
+    path(`M${round(toX(from[0]))} ${round(toY(from[1]))}L${round(toX(to[0]))} ${round(toY(to[1]))}`, { stroke: colour("--soft", PAPER), width: 1, dash: [4, 4], clip: true });
+    const end = endOfGuide(plot.scales, from, to);
+    if (end) text(label, { x: toX(end[0]) + 4, y: toY(end[1]) + 12 }, { size: 10, fill: colour("--soft", PAPER) });
+  }
   const xs = plot.data[0];
   for (const { index, also, line, colour: number } of shown) {
     const stroke = seriesColour(number, PAPER);
@@ -175,7 +193,12 @@ export function drawing(plot, { title, x, y, time, spans, marks }, body) {
         ? steppedPath(Array.from(xs), ys, toX, toY, line.step === "before" ? -1 : 1)
         : pathOf(xs, ys, toX, toY, range, plot.series[index].spanGaps);
       path(d, { stroke, width: line.width ?? 1.5, dash: line.dash, clip: true });
+      if (line.dots) path(pointsPath(xs, ys, toX, toY, range, 3), { fill: stroke, clip: true });
     }
+  }
+  for (const { at, colour: number } of rings) {
+    const stroke = seriesColour(number, PAPER);
+    path(`M${round(toX(at[0]) - 6)} ${round(toY(at[1]))}a6 6 0 1 0 12 0a6 6 0 1 0 -12 0`, { stroke, width: 2, clip: true });
   }
   path(`M${area.left} ${top}V${bottom}H${right}`, { stroke: colour("--text", PAPER), width: 1 });
   rows.forEach((row, n) => {

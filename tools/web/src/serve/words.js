@@ -1,0 +1,31 @@
+// Numbers and times in words.
+import { significant } from "../format.js";
+
+export function bytes(count) {
+  if (count < 1000) return `${count} bytes`;
+  const step = count < 1e6 ? ["kB", 1e3] : count < 1e9 ? ["MB", 1e6] : ["GB", 1e9];
+  return `${significant(count / step[1], 3)} ${step[0]}`;
+}
+
+export function duration(seconds) {
+  if (seconds < 180) return `${significant(seconds, 3)} s`;
+  if (seconds < 3 * 3600) return `${significant(seconds / 60, 3)} min`;
+  if (seconds < 72 * 3600) return `${significant(seconds / 3600, 3)} h`;
+  return `${significant(seconds / 86400, 3)} days`;
+}
+
+export function spread({ least, largest }, unit) {
+  if (least === largest) return `${significant(least, 4)} ${unit}`;
+  return `${significant(least, 4)} to ${significant(largest, 4)} ${unit}`;
+}
+
+export function count(number, thing) {
+  return `${number} ${thing}${number === 1 ? "" : "s"}`;
+}
+
+export const KINDS = [
+  ["constant-current", "constant current"],
+  ["low-rate", "low rate"],
+  ["pulses", "pulses"],
+  ["validation", "validation"],
+];
