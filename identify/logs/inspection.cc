@@ -86,13 +86,15 @@ Inspection InspectRecord(const Record& record, const LogReport& report) {
 }
 
 std::vector<InspectedFile> InspectLogs(const std::vector<std::string>& files,
-                                       const ReadOptions& options) {
+                                       const ReadOptions& options,
+                                       const SeenRecord& seen) {
   std::vector<InspectedFile> inspected(files.size());
   std::vector<LogToRead> logs;
   logs.reserve(files.size());
   for (const std::string& file : files) logs.push_back({file, options});
   auto problems = ReadLogs(logs, [&](std::size_t k, const Log& log) {
     inspected[k].inspection = InspectRecord(log.record, log.report);
+    if (seen) seen(k, log.record);
   });
   for (std::size_t k = 0; k < files.size(); ++k) {
     inspected[k].file = files[k];

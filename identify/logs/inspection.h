@@ -5,6 +5,7 @@
 /// like. Tests: tests/identify/logs/inspection_test.cc.
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -46,8 +47,8 @@ struct Inspection {
   double edge_resistance_Ohm =
       0.0;  ///< voltage step over current at its switch-on; NaN where not seen
   Suggestion suggestion;
-  std::optional<LogPart> part;    ///< which rows of the file this is about; none: all
-  double part_start_s = 0.0;      ///< in the time of the file
+  std::optional<LogPart> part;  ///< which rows of the file this is about; none: all
+  double part_start_s = 0.0;    ///< in the time of the file
   double part_end_s = 0.0;
   std::vector<Inspection> parts;  ///< the tests within, where there are several (FindParts)
 };
@@ -61,8 +62,12 @@ struct InspectedFile {
   std::vector<Diagnostic> problems;
 };
 
+/// Called with the number of a file and its rows, which are not kept; several at once.
+using SeenRecord = std::function<void(std::size_t file, const Record& record)>;
+
 /// Reads files by ReadLogs(); the results are in the order of the files.
 [[nodiscard]] std::vector<InspectedFile> InspectLogs(const std::vector<std::string>& files,
-                                                     const ReadOptions& options);
+                                                     const ReadOptions& options,
+                                                     const SeenRecord& seen = {});
 
 }  // namespace lipoid

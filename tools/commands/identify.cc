@@ -14,6 +14,7 @@
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
+#include "model/core/json_text.h"
 #include "model/core/run_record.h"
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
@@ -24,6 +25,7 @@
 #include "tools/commands/staged_arguments.h"
 #include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"
+#include "tools/report/identify_series.h"
 
 namespace lipoid {
 namespace {
@@ -56,6 +58,29 @@ std::string CellPath(const std::string& output, const Campaign& campaign, bool f
   return (fs::path(output) / (stem + ".cell.json")).string();
 }
 
+// What the cell was identified from, for --summary.
+Json CampaignToJson(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  Json rows = Json::array();
+  for (const LoadedLog& log : logs) {
+    const Record& record = log.log.record;
+    const double duration_s =
+        record.size() == 0 ? 0.0 : record.time_s.back() - record.time_s.front();
+    rows.push_back({{"file", log.entry.file},
+                    {"kind", options_internal::ToText(log.entry.kind)},
+                    {"rows", record.size()},
+                    {"duration_s", duration_s},
+                    {"initial_soc", log.entry.initial_soc},
+                    {"warnings", log.log.report.warnings}});
+  }
+  return {{"file", campaign.file},
+          {"name", campaign.name},
+          {"capacity_Ah", campaign.capacity_Ah > 0.0 ? Json(campaign.capacity_Ah) : Json(nullptr)},
+          {"cutoff_V", campaign.cutoff_V ? Json(*campaign.cutoff_V) : Json(nullptr)},
+          {"series", campaign.series},
+          {"parallel", campaign.parallel},
+          {"logs", std::move(rows)}};
+}
+
 std::vector<std::string> InputsOf(const Campaign& campaign, const StagedGiven& given) {
   std::vector<std::string> inputs;
   if (!campaign.file.empty()) inputs.push_back(campaign.file);
@@ -78,6 +103,42 @@ std::vector<std::string> ProfiledNames(const std::vector<std::string>& texts) {
     }
   }
   return names;
+}
+
+void AddSeries(cli::CommandLine& line,
+               const Cell& cell,
+               const Cell* staged,
+               const std::vector<LoadedLog>& logs,
+               std::size_t n,
+               std::size_t campaigns) {
+  auto series = IdentifySeries(cell, staged, logs, n, campaigns);
+  std::move(series.begin(), series.end(), std::back_inserter(line.report_series()));
+}
+
+// The series of an earlier result: its cells predict the logs again, and only the staged method,
+// which is quick, is run again where the joint one was used.
+void ShowAgain(cli::CommandLine& line,
+               const Json& earlier,
+               const std::vector<Campaign>& campaigns,
+               const IdentifyOptions& options) {
+  const Json results = earlier.contains("cells") ? earlier.at("cells") : Json::array({earlier});
+  for (std::size_t n = 0; n < results.size(); ++n) {
+    const Json& result = results[n];
+    const auto campaign =
+        std::find_if(campaigns.begin(), campaigns.end(), [&](const Campaign& candidate) {
+          return result.contains("campaign") && result["campaign"].at("file") == candidate.file;
+        });
+    if (campaign == campaigns.end())
+      throw OptionError("the summary does not say which campaign each cell is from");
+    const auto logs = LoadLogs(line, *campaign);
+    const Cell cell = ParseCell(JsonText(result.at("cell")), "the cell of the summary");
+    if (!result.contains("staged")) {
+      AddSeries(line, cell, nullptr, logs, n, results.size());
+      continue;
+    }
+    const StagedResult staged = IdentifyStaged(*campaign, logs, options.staged, options.given);
+    AddSeries(line, cell, &staged.cell, logs, n, results.size());
+  }
 }
 
 // Hashes files where other work leaves a core idle.
@@ -160,6 +221,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Flag("verbose",
             verbose,
             "print also the structures that were tried, or each stage, and what they found");
+  line.ReportOption();
   staged.AddGroupsTo(line);
   line.Group("solver", staged.options.solver);
   line.Group("joint", options.joint);
@@ -176,6 +238,10 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   options.given = staged.given;
   options.profiled = ProfiledNames(profile_texts);
   CheckIdentifyOptions(options);
+  if (line.earlier() != nullptr) {
+    ShowAgain(line, *line.earlier(), campaigns, options);
+    return cli::ExitCode::kDone;
+  }
   std::error_code none;
   const bool folder = batch || std::filesystem::is_directory(output, none);
   if (residuals.size() + truth_file.size() > 0 && batch) {
@@ -235,6 +301,15 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
 
     Json entry = {{"cell", CellToJson(result.cell)}, {"file", paths[k]}};
     entry.update(report);
+    entry["campaign"] = CampaignToJson(campaign, logs);
+    if (!line.report_file().empty()) {
+      AddSeries(line,
+                result.cell,
+                result.joint ? &result.joint->staged.cell : nullptr,
+                logs,
+                cells.size(),
+                campaigns.size());
+    }
     entry["wall_s"] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     cells.push_back(std::move(entry));

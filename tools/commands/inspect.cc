@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/draft.h"
@@ -15,6 +16,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
+#include "tools/report/log_series.h"
 
 namespace lipoid {
 namespace {
@@ -369,13 +371,26 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   line.Flag("all", all_segments, "print every segment, however many there are");
   log_options.AddTo(line);
   pack.AddTo(line);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   ReadOptions read = log_options.ToReadOptions();
   read.labels = true;
   const auto named = Expand(words);
   line.AddInputs(named);
-  const auto files = InspectLogs(named, read);
+  const bool report = !line.report_file().empty();
+  std::vector<Series> series(report ? named.size() : 0);
+  constexpr std::size_t kColumns = 3;  // current, voltage, perhaps temperature
+  const auto most_rows =
+      RowsOfPage(std::vector<std::size_t>(named.size(), std::numeric_limits<int>::max()), kColumns);
+  const auto draw = [&](std::size_t k, const Record& record) {
+    series[k] = LogSeries({}, record, named[k], 1.0, most_rows[k]);
+    series[k].of = k;
+  };
+  const auto files = InspectLogs(named, read, report ? SeenRecord(draw) : SeenRecord());
+  for (Series& each : series) {
+    if (each.rows > 0) line.report_series().push_back(std::move(each));
+  }
   std::vector<Diagnostic> problems;  // the first of each bad file
   Json rows = Json::array();
   for (const auto& file : files) {

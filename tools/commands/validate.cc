@@ -55,6 +55,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}});
   const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+  std::vector<std::size_t> lengths;
+  for (const auto& loaded : logs) lengths.push_back(loaded.log.record.size());
+  constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
+  const auto most_rows = RowsOfPage(lengths, kColumns);
+  const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
   for (const auto& loaded : logs) {
     const Surroundings among = surroundings.Of(loaded.log.record);
     LogErrors errors = Validate(one, loaded.log.record, initial_soc, among);
@@ -77,8 +82,12 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                    errors.temperature_rmse_K);
     }
     if (!line.report_file().empty()) {
-      line.report_series().push_back(LogSeries(
-          one, loaded.log.record, errors.file, initial_soc, kRowsOfPage / logs.size(), among));
+      line.report_series().push_back(LogSeries(predicted,
+                                               loaded.log.record,
+                                               errors.file,
+                                               initial_soc,
+                                               most_rows[line.report_series().size()],
+                                               among));
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(

@@ -15,6 +15,7 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "tools/report/flight_series.h"
+#include "tools/report/shown_summary.h"
 #include "tools/report/web_asset.h"
 
 namespace lipoid {
@@ -78,6 +79,7 @@ Json SeriesToJson(const Series& series) {
   return {{"kind", series.kind},
           {"name", series.name},
           {"rows", series.rows},
+          {"of", series.of},
           {"columns", std::move(columns)}};
 }
 
@@ -128,7 +130,7 @@ std::string ReportPage(std::span<const ReportResult> results) {
       series.push_back(
           SeriesToJson(IsFlight(each) ? Thinned(each, kBytesOfFlights / flights) : each));
     Json shown = Json::object();
-    shown["summary"] = result.summary;
+    shown["summary"] = ShownSummary(result.summary);
     shown["series"] = std::move(series);
     shown["notes"] = result.notes;
     shown["file"] = result.file;

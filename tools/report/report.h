@@ -4,7 +4,7 @@
 /// A result as one page for a browser: its summary, and the series of samples that its charts need.
 /// The page needs no network: scripts and styles are part of it, and its data cannot become
 /// commands (everything is escaped, and a Content-Security-Policy allows the page's own script
-/// alone). tools/web has the front end. Tests: tests/tools/report_test.cc, report_test.py.
+/// alone). tools/web has the front end. Tests: tests/tools/report_page_test.cc, tests/tools/pages.
 
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -25,7 +25,8 @@ struct Series {
   std::string kind;      ///< what it shows, by which a view finds it: "log", "flight"
   std::string name;      ///< which one it is, as the summary names it: the file of the log
   std::size_t rows = 0;  ///< how many it had before it was thinned
-  std::vector<Column> columns;
+  std::size_t of = 0;    ///< which of the results it belongs to, where a summary has several
+  std::vector<Column> columns = {};
 };
 
 /// What `--summary` writes, with `command` and `exit_code`, and the series that belong to it.

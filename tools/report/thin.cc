@@ -1,5 +1,7 @@
 #include "tools/report/thin.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -79,11 +81,13 @@ std::vector<std::size_t> ThinnedRows(std::size_t rows,
   if (!jumps.empty()) KeepJumps(jumps, most / 2, kept);
   const std::size_t left = most - std::min(most, kept.size());
   const std::size_t stretches = left / (2 * std::max<std::size_t>(columns.size(), 1));
-  for (std::size_t n = 0; n < stretches; ++n) {
+  std::vector<std::vector<std::size_t>> extremes(stretches);
+  tbb::parallel_for(std::size_t{0}, stretches, [&](std::size_t n) {
     const std::size_t first = rows * n / stretches;
     const std::size_t last = rows * (n + 1) / stretches;
-    for (const auto column : columns) KeepExtremes(column, first, last, kept);
-  }
+    for (const auto column : columns) KeepExtremes(column, first, last, extremes[n]);
+  });
+  for (const auto& each : extremes) kept.insert(kept.end(), each.begin(), each.end());
   std::sort(kept.begin(), kept.end());
   kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
   return kept;

@@ -4,7 +4,7 @@
 /// Fewer rows that look the same: each stretch of rows keeps those at which a column is least and
 /// largest, as the pixels of a chart would show them, so that no peak is lost; and all rows about
 /// the greatest jumps of one column (the edges of a current), where people zoom in. Tests:
-/// tests/tools/thin_test.cc.
+/// tests/tools/report_page_test.cc.
 
 #include <cstddef>
 #include <span>

@@ -58,10 +58,10 @@ class Chart(PageTest):
         page.wait("document.querySelectorAll('.chart')[0].querySelector('.tools button').hidden === false")
         after = page.run(RANGES)
         width = before[0][1] - before[0][0]
-        for linked in (0, 1):
+        for linked in (0, 1, 2):
             self.assertAlmostEqual(after[linked][1] - after[linked][0], width / 3, delta=0.02 * width)
             self.assertAlmostEqual(after[linked][0], before[0][0] + width / 3, delta=0.02 * width)
-        self.assertEqual(after[2:], before[2:])
+        self.assertEqual(after[3:], before[3:])
         page.run("document.querySelectorAll('.chart')[1].querySelector('.tools button').click()")
         page.wait("document.querySelectorAll('.chart')[0].querySelector('.tools button').hidden")
         self.assertEqual(page.run(RANGES), before)
@@ -123,7 +123,7 @@ class Chart(PageTest):
         page.run("dispatchEvent(new Event('beforeprint'))")
         pictures = page.run("return [...document.querySelectorAll('svg.printed')].map(s => [s.querySelectorAll('path').length,"
                             "s.querySelector('path').getAttribute('stroke')])")
-        self.assertEqual(len(pictures), 4)
+        self.assertEqual(len(pictures), 6)  # voltage, error and current of two logs
         for shapes, grid in pictures:
             self.assertGreater(shapes, 5)
             self.assertEqual(grid, "#e3e5e8")  # that of paper, though the page is dark

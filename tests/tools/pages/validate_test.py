@@ -12,7 +12,7 @@ class Validate(PageTest):
         self.lipoid("validate", "gifi-600mAh-1", *logs, "--report", "page.html", "--summary", "s.json")
         summary = json.loads((self.folder / "s.json").read_text())
         page = self.open("page.html")
-        self.assertEqual(page.run("return document.querySelectorAll('.chart canvas').length"), 4)
+        self.assertEqual(page.run("return document.querySelectorAll('.chart canvas').length"), 6)
         rows = page.run("return [...document.querySelectorAll('tbody tr')].map(r => r.cells[1].textContent)")
         self.assertEqual(rows[:2], [str(log["rows"]) for log in summary["logs"]])
 

@@ -68,8 +68,12 @@ function padding(x, lines) {
 
 function scaleOfY(y) {
   if (y.log) return { distr: 3 };
+  const room = 1.08;
+  if (y.zero && !y.reach) {
+    return { range: (_, min, max) => (min === null ? [0, 1] : [Math.min(0, room * min), Math.max(0, room * max) || 1]) };
+  }
   const end = (soft) => ({ pad: 0.08, soft, mode: soft === undefined ? 0 : 1 });
-  const [low, high] = y.reach ?? (y.zero ? [0, 0] : [undefined, undefined]);
+  const [low, high] = y.reach ?? [undefined, undefined];
   return { range: { min: end(low), max: end(high) } };
 }
 
@@ -138,7 +142,7 @@ function seriesOf(lines) {
       paths: pathsOf(line),
       spanGaps: Boolean(line.x) || line.spanGaps === true,
       points: line.points
-        ? { show: true, size: line.size ?? 5, fill: stroke, stroke, width: 1 }
+        ? { show: true, size: line.size ?? 5, fill: line.hollow ? () => colour("--page") : stroke, stroke, width: line.hollow ? 2 : 1 }
         : line.dots ? { show: true, size: 6, fill: stroke, stroke, width: 1 } : { show: false },
     });
     const also = [];
@@ -153,7 +157,7 @@ function seriesOf(lines) {
     }
     entries.push({
       label: line.label,
-      mark: line.points ? "dots" : line.bars ? "bar" : line.dash ? "dashed" : "line",
+      mark: line.points ? (line.hollow ? "dots hollow" : "dots") : line.bars ? "bar" : line.dash ? "dashed" : "line",
       colour: number,
       index,
       also,
@@ -236,6 +240,8 @@ function drawRings(plot, rings) {
  * @param x       {label, values, time, log, categories, whole, include}: the common axis; label carries the unit. `whole`: ticks at
  *                whole numbers alone. `include`: values that the axis shows in any case. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
+ * @param lines   [{label, values, x, points, hollow, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
+ *                each, values as long as x, or as its own x. colour is the number of a colour of the palette. A value of
  * @param lines   [{label, values, x, points, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
  *                each, values as long as x, or as its own x. `points`: samples alone; `dots`: samples on their line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.

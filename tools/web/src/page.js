@@ -83,7 +83,7 @@ export function showReport(views) {
   const main = document.querySelector("main");
   closeMenus();
   openForPrint();
-  showResults(main, results, views);
+  showResults(main, results.map((result) => ({ ...result, program })), views);
   const title = main.querySelector("h2");
   if (title) document.title = `${title.textContent} – lipoid`;
   main.append(

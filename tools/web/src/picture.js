@@ -182,7 +182,8 @@ export function drawing(plot, { title, x, y, time, spans, marks, guides = [], ri
     const ys = plot.data[index];
     if (also.length > 0) path(bandPath(xs, plot.data[also[0]], plot.data[also[1]], toX, toY), { fill: faint(stroke), clip: true });
     if (line.points) {
-      path(pointsPath(xs, ys, toX, toY, range, (line.size ?? 5) / 2), { fill: stroke, clip: true });
+      const dots = pointsPath(xs, ys, toX, toY, range, (line.size ?? 5) / 2);
+      path(dots, line.hollow ? { fill: colour("--page", PAPER), stroke, width: 2, clip: true } : { fill: stroke, clip: true });
     } else if (line.bars) {
       const half = Math.min(30, (0.3 * area.width) / Math.max(1, xs.length));
       const base = toY(Math.max(plot.scales.y.min, 0));
@@ -204,7 +205,7 @@ export function drawing(plot, { title, x, y, time, spans, marks, guides = [], ri
     const at = bottom + 54 + 18 * n;
     for (const { entry, x: from } of row) {
       const stroke = seriesColour(entry.colour, PAPER);
-      if (entry.mark === "dots") path(`M${from + 6} ${at - 4}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0`, { fill: stroke });
+      if (entry.line.points) path(`M${from + 6} ${at - 4}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0`, entry.line.hollow ? { stroke, width: 2 } : { fill: stroke });
       else path(`M${from} ${at - 4}h20`, { stroke, width: entry.mark === "bar" ? 8 : 2.5, dash: entry.line.dash });
       text(entry.label, { x: from + 26, y: at });
     }

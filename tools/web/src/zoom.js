@@ -1,7 +1,6 @@
 // Zoom, pan and cursor of charts, by mouse and keyboard; charts of one link follow each other.
 
 const groups = new Map();
-let following = false;
 
 const extent = (plot) => [plot.data[0][0], plot.data[0][plot.data[0].length - 1]];
 
@@ -161,13 +160,18 @@ export function bindZoom(plot, holder, link) {
   bindPointer(plot);
 }
 
-/** To be called when the scale of x of a chart has changed: the others of its link follow. */
+/**
+ * To be called when the scale of x of a chart has changed: the others of its link follow. They do so later, and then call
+ * this too, but for the range that the group has already.
+ */
 export function followZoom(plot) {
-  if (!plot.group || following) return;
-  following = true;
+  const { group } = plot;
+  if (!group) return;
   const { min, max } = plot.scales.x;
-  for (const other of plot.group) {
+  if (group.min === min && group.max === max) return;
+  group.min = min;
+  group.max = max;
+  for (const other of group) {
     if (other !== plot) other.setScale("x", { min, max });
   }
-  following = false;
 }

@@ -1,52 +1,37 @@
 // `lipoid validate`: measured and predicted voltage of each log, the error under it.
-import { lineChart } from "../chart.js";
+import { element, note, section } from "../dom.js";
 import { baseName } from "../format.js";
-import { section } from "../dom.js";
+import { logCharts, thinnedNote } from "../log_charts.js";
+import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 
-/** The voltage of a log with its prediction, and the error, zoomed together. */
-export function logCharts(series) {
-  const { time_s, voltage_V, predicted_V } = series.column;
-  const error_mV = voltage_V.map((measured, k) => 1e3 * (measured - predicted_V[k]));
-  const x = { label: "time / s", values: time_s, time: true };
-  const link = `log ${series.name}`;
-  return section(
-    baseName(series.name),
-    lineChart({
-      title: "Voltage",
-      x,
-      y: { label: "voltage / V" },
-      lines: [
-        { label: "measured", values: voltage_V },
-        { label: "predicted", values: predicted_V },
-      ],
-      link,
-    }),
-    lineChart({
-      title: "Measured less predicted voltage",
-      x,
-      y: { label: "error / mV" },
-      lines: [{ label: "error", values: error_mV }],
-      link,
-      height: 160,
-    }),
-  );
+function log(series, k) {
+  const thinned = thinnedNote(series);
+  return section(baseName(series.name), thinned ? note(thinned) : null, logCharts(series, { link: `log ${k}` }));
 }
+
+const mV = (volts) => (typeof volts === "number" ? 1e3 * volts : null);
 
 export const validate = {
   command: "validate",
   title: () => "Prediction against measurement",
   parts: ({ summary, series }) => [
+    element("p", {}, "Each log's current went through the cell; its voltage is compared with the measured one, row by row."),
     table(
       [
-        { title: "log", of: (log) => baseName(log.file) },
-        { title: "rows", of: (log) => log.rows },
-        { title: "mean error / %", of: (log) => log.mean_error_percent },
-        { title: "maximum / %", of: (log) => log.max_error_percent },
-        { title: "rmse / V", of: (log) => log.rmse_V },
+        { title: "log", of: ({ file }) => file },
+        { title: "rows", of: ({ rows }) => rows },
+        { title: "mean error / %", of: ({ mean_error_percent }) => mean_error_percent },
+        { title: "maximum / %", of: ({ max_error_percent }) => max_error_percent },
+        { title: "rms / mV", of: ({ rmse_V }) => mV(rmse_V) },
+        { title: "mean error above 10 % charge / %", of: (row) => row.mean_error_percent_above_10_soc },
+        { title: "rms above 10 % charge / mV", of: (row) => mV(row.rmse_V_above_10_soc) },
+        { title: "rows outside v_oc(A)", of: (row) => row.rows_outside_curve },
       ],
-      summary.logs,
+      summary.logs ?? [],
+      { sort: true, caption: "Errors of the logs" },
     ),
-    ...series.filter(({ kind }) => kind === "log").map(logCharts),
+    ...series.filter(({ kind }) => kind === "log").map(log),
+    provenance(summary.run),
   ],
 };

@@ -2,6 +2,8 @@
 import { compare } from "./compare.js";
 import { design } from "./design.js";
 import { fly } from "./fly.js";
+import { identify } from "./identify.js";
+import { inspect } from "./inspect.js";
 import { plan } from "./plan.js";
 import { poles } from "./poles.js";
 import { study } from "./study.js";
@@ -11,6 +13,8 @@ export const views = [
   compare,
   design,
   fly,
+  identify,
+  inspect,
   plan,
   poles,
   study,

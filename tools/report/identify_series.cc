@@ -1,0 +1,116 @@
+#include "tools/report/identify_series.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "identify/logs/segments.h"
+#include "identify/validation.h"
+#include "tools/report/log_series.h"
+#include "tools/report/thin.h"
+
+namespace lipoid {
+namespace {
+
+constexpr std::size_t kRowsOfCurve = 1500;  // more than a chart has pixels
+
+// Voltages over the state of charge, at some rows of a record.
+Series OverCharge(const std::string& kind,
+                  const OpenCircuitVoltage& curve,
+                  const LoadedLog& log,
+                  const RowsOverCharge& at) {
+  std::vector<double> measured_V = At(log.log.record.voltage_V, at.rows);
+  std::vector<double> open_circuit_V;
+  for (std::size_t k = 0; k < at.rows.size(); ++k)
+    open_circuit_V.push_back(measured_V[k] - at.predicted_V[k] + curve(at.soc[k]));
+  Series series{.kind = kind, .name = log.entry.file, .rows = at.rows.size()};
+  series.columns = {{"soc", at.soc},
+                    {"voltage_V", std::move(measured_V)},
+                    {"open_circuit_V", std::move(open_circuit_V)}};
+  return series;
+}
+
+std::vector<std::size_t> EndsOfRests(const Record& record) {
+  std::vector<std::size_t> rows;
+  for (const Segment& segment : FindSegments(record)) {
+    if (segment.kind == SegmentKind::kRest) rows.push_back(segment.last);
+  }
+  if (rows.size() <= kRowsOfCurve) return rows;
+  std::vector<std::size_t> some;
+  for (std::size_t n = 0; n < kRowsOfCurve; ++n)
+    some.push_back(rows[n * rows.size() / kRowsOfCurve]);
+  return some;
+}
+
+Series CurveSeries(const OpenCircuitVoltage& curve) {
+  constexpr int kSteps = 400;
+  std::vector<double> socs;
+  std::vector<double> volts;
+  for (int n = 0; n <= kSteps; ++n) {
+    const double soc = curve.soc_lo() + (curve.soc_hi() - curve.soc_lo()) * n / kSteps;
+    socs.push_back(soc);
+    volts.push_back(curve(soc));
+  }
+  Series series{.kind = "staged-curve", .name = "staged", .rows = socs.size()};
+  series.columns = {{"soc", std::move(socs)}, {"voltage_V", std::move(volts)}};
+  return series;
+}
+
+}  // namespace
+
+std::vector<Series> IdentifySeries(const Cell& found,
+                                   const Cell* staged,
+                                   const std::vector<LoadedLog>& logs,
+                                   std::size_t n,
+                                   std::size_t campaigns) {
+  Cell cell = found;  // the records are those of one cell
+  cell.series = cell.parallel = 1;
+  Cell other;
+  std::vector<PredictedColumn> cells{{"predicted_V", &cell}};
+  if (staged != nullptr) {
+    other = *staged;
+    other.series = other.parallel = 1;
+    cells.push_back({"staged_V", &other});
+  }
+  std::vector<std::size_t> rows;
+  for (const LoadedLog& log : logs) rows.push_back(log.log.record.size());
+  // Current and voltage, the predictions, and the temperature that some logs have.
+  constexpr std::size_t kMeasured = 3;
+  const auto most = RowsOfPage(rows, campaigns * (kMeasured + cells.size()));
+
+  const std::size_t count = logs.size();
+  std::vector<Series> of_logs(count);
+  std::vector<Series> of_charge(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n_log) {
+    const LoadedLog& log = logs[n_log];
+    const Record& record = log.log.record;
+    const bool low_rate = log.entry.kind == LogKind::kLowRate;
+    RowsOverCharge at;
+    if (low_rate) {
+      const std::array<std::span<const double>, 1> seen{record.voltage_V};
+      at.rows = ThinnedRows(record.size(), seen, {}, kRowsOfCurve);
+    } else if (log.entry.kind != LogKind::kConstantCurrent) {
+      at.rows = EndsOfRests(record);
+    }
+    of_logs[n_log] = LogSeries(cells,
+                               record,
+                               log.entry.file,
+                               log.entry.initial_soc,
+                               most[n_log],
+                               SurroundingsOf(record, log.entry),
+                               &at);
+    of_charge[n_log] =
+        OverCharge(low_rate ? "low-rate" : "rests", cell.open_circuit_voltage, log, at);
+  });
+  std::vector<Series> series = std::move(of_logs);
+  for (Series& each : of_charge) {
+    if (each.rows > 0) series.push_back(std::move(each));
+  }
+  if (staged != nullptr) series.push_back(CurveSeries(other.open_circuit_voltage));
+  for (Series& each : series) each.of = n;
+  return series;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,115 @@
+// What the logs know, and each parameter with its interval and verdict; the staged answer beside it.
+import { element, note, notice, section } from "../../dom.js";
+import { significant } from "../../format.js";
+import { table } from "../../table.js";
+import { expectedError } from "./header.js";
+
+const WORDS = {
+  identified: "identified",
+  weak: "weak",
+  "at-bound": "at a bound",
+  "only-in-combination-with": "only with",
+};
+
+export function verdictText({ verdict, with: partners }) {
+  const word = WORDS[verdict] ?? verdict;
+  return verdict === "only-in-combination-with" ? `${word} ${(partners ?? []).join(", ")}` : word;
+}
+
+// Digits that tell an estimate from its interval.
+function digitsFor({ estimate, standard_error: error }) {
+  if (!(typeof estimate === "number" && error > 0)) return 5;
+  return Math.max(5, Math.min(9, Math.floor(Math.log10(Math.max(1, Math.abs(estimate) / error))) + 2));
+}
+
+const scaled = (value, factor) => (typeof value === "number" ? factor * value : null);
+
+/** "What the logs know": charge, resistances at half charge, the error to expect. */
+export function known({ summary }) {
+  const alpha = (summary.parameters ?? []).find(({ name }) => name === "alpha");
+  const interval = alpha?.interval_95 ?? [];
+  const rows = [
+    { what: "charge alpha", value: scaled(summary.alpha_C, 1 / 3600), low: scaled(interval[0], 1 / 3600), high: scaled(interval[1], 1 / 3600), unit: "Ah" },
+    ...(summary.resistance ?? []).map((r) => ({
+      what: `resistance at ${significant(100 * r.soc)} % charge, ${r.after_s} s after ${significant(r.current_A, 3)} A are switched on`,
+      value: scaled(r.resistance_Ohm, 1e3),
+      low: scaled(r.interval_95?.[0], 1e3),
+      high: scaled(r.interval_95?.[1], 1e3),
+      unit: "mΩ",
+    })),
+  ];
+  return section(
+    "What the logs know",
+    table(
+      [
+        { title: "quantity", of: ({ what }) => what },
+        { title: "value", of: ({ value }) => value },
+        { title: "95 % from", of: ({ low }) => low },
+        { title: "to", of: ({ high }) => high },
+        { title: "unit", of: ({ unit }) => unit },
+      ],
+      rows,
+    ),
+    note(`Mean error to expect of a new log of these kinds: ${expectedError(summary)}.`),
+  );
+}
+
+export function parameters({ summary, cautions }) {
+  const rows = summary.parameters ?? [];
+  if (rows.length === 0) return null;
+  const staged = new Map((summary.staged?.parameters ?? []).map((row) => [row.name, row]));
+  const other = (row) => staged.get(row.name);
+  const one = (of) => (row) => {
+    const value = of(row);
+    return typeof value === "number" ? significant(value, digitsFor(row)) : "unknown";
+  };
+  const number = (of, title) => ({ title, class: "number", of: one(of), by: of });
+  const columns = [
+    { title: "parameter", of: ({ name }) => name },
+    number(({ estimate }) => estimate, "estimate"),
+    { title: "standard error", class: "number", of: (row) => (typeof row.standard_error === "number" ? significant(row.standard_error, 2) : "unknown"), by: (row) => row.standard_error },
+    number(({ interval_95 }) => interval_95?.[0], "95 % from"),
+    number(({ interval_95 }) => interval_95?.[1], "to"),
+    { title: "unit", of: ({ unit }) => unit },
+    { title: "identifiability", of: verdictText },
+  ];
+  if (staged.size > 0) {
+    columns.push(
+      { title: "staged estimate", class: "number", of: (row) => (other(row) ? significant(other(row).estimate, 5) : "–"), by: (row) => other(row)?.estimate },
+      { title: "staged standard error", class: "number", of: (row) => (typeof other(row)?.standard_error === "number" ? significant(other(row).standard_error, 2) : "–"), by: (row) => other(row)?.standard_error },
+      { title: "staged identifiability", of: (row) => (other(row) ? verdictText(other(row)) : "–") },
+    );
+  }
+  const alone = [...staged.values()].filter(({ name }) => !rows.some((row) => row.name === name));
+  const sentence = summary.trust?.sentence;
+  return section(
+    "Parameters",
+    sentence ? element("p", {}, `${sentence}.`) : null,
+    cautions.parameters.map((text) => notice("warning", text)),
+    table(columns, rows, { sort: true, caption: "Estimates with 95 % intervals; “unknown” is an error without limit" }),
+    alone.length > 0
+      ? note(`The staged method alone has ${alone.map((row) => `${row.name} = ${significant(row.estimate, 5)} ${row.unit} (${verdictText(row)})`).join(", ")}.`)
+      : null,
+    summary.trust?.taken_as_exact?.length > 0 ? note(`The intervals take ${summary.trust.taken_as_exact.join(" and ")} as exact.`) : null,
+    summary.not_drawn?.length > 0
+      ? note(`Cells drawn from this one vary only in what is known of ${summary.not_drawn.join(", ")}.`)
+      : null,
+    truth(summary.truth),
+  );
+}
+
+function truth(comparison) {
+  if (!comparison) return null;
+  const rows = Object.entries(comparison.parameters ?? {}).map(([name, row]) => ({ name, ...row }));
+  return table(
+    [
+      { title: "parameter", of: ({ name }) => name },
+      { title: "truth", of: (row) => row.truth, digits: 6 },
+      { title: "estimate", of: (row) => row.estimate, digits: 6 },
+      { title: "error / %", of: (row) => row.error_percent, digits: 3 },
+    ],
+    rows,
+    { caption: `Truth against estimate; v_oc after equal charge is off by ${significant(1e3 * comparison.open_circuit_rms_V, 3)} mV rms, ${
+      significant(1e3 * comparison.open_circuit_max_V, 3)} mV at most` },
+  );
+}
