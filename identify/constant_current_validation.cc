@@ -1,10 +1,9 @@
 #include "identify/constant_current_validation.h"
 
-#include <tbb/parallel_for.h>
-
 #include "identify/logs/discharge.h"
 #include "model/battery/time_to_cutoff.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -57,7 +56,7 @@ std::vector<ConstantCurrentErrors> ValidateConstantCurrents(
   Cell one = cell;
   one.series = one.parallel = 1;  // the records are those of one cell
   std::vector<ConstantCurrentErrors> errors(constant.size());
-  tbb::parallel_for(std::size_t{0}, constant.size(), [&](std::size_t k) {
+  ParallelFor(constant.size(), [&](std::size_t k) {
     const LoadedLog& log = *constant[k];
     errors[k] =
         ErrorsOf(one, log, measured.empty() ? DischargeOf(log, cell.cutoff_V) : measured[k]);

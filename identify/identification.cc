@@ -157,6 +157,28 @@ Json IdentifyOptionsToJson(const IdentifyOptions& options) {
   return json;
 }
 
+Json CampaignToJson(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  Json rows = Json::array();
+  for (const LoadedLog& log : logs) {
+    const Record& record = log.log.record;
+    const double duration_s =
+        record.size() == 0 ? 0.0 : record.time_s.back() - record.time_s.front();
+    rows.push_back({{"file", log.entry.file},
+                    {"kind", options_internal::ToText(log.entry.kind)},
+                    {"rows", record.size()},
+                    {"duration_s", duration_s},
+                    {"initial_soc", log.entry.initial_soc},
+                    {"warnings", log.log.report.warnings}});
+  }
+  return {{"file", campaign.file},
+          {"name", campaign.name},
+          {"capacity_Ah", campaign.capacity_Ah > 0.0 ? Json(campaign.capacity_Ah) : Json(nullptr)},
+          {"cutoff_V", campaign.cutoff_V ? Json(*campaign.cutoff_V) : Json(nullptr)},
+          {"series", campaign.series},
+          {"parallel", campaign.parallel},
+          {"logs", std::move(rows)}};
+}
+
 void AddRunRecord(Identification& found,
                   const IdentifyOptions& options,
                   Json report,

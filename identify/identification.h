@@ -72,8 +72,11 @@ void CheckIdentifyOptions(const IdentifyOptions& options);
                                       const IdentifyOptions& options,
                                       const StageProgress& progress = {});
 
-/// The keys of `lipoid identify --summary` (docs/formats.md), but for `cell` and `file`.
+/// The keys of `lipoid identify --summary` (docs/formats.md), but for `cell`, `campaign` and `file`.
 [[nodiscard]] Json IdentificationToJson(const Identification& found);
+
+/// What a cell was identified from: the key `campaign` of the summary.
+[[nodiscard]] Json CampaignToJson(const Campaign& campaign, const std::vector<LoadedLog>& logs);
 
 /// The cell then carries how it was made: `run` with these options and, as metrics, the report.
 void AddRunRecord(Identification& found,

@@ -1,12 +1,11 @@
 #include "identify/comparison/compare_optimizers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <random>
 
+#include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -98,7 +97,7 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
       comparison.boxed, unknowns.start, options.decades, random_starts, settings.context.seed);
   std::vector<std::vector<OptimizationSummary>> runs(
       optimizers.size(), std::vector<OptimizationSummary>(starts.size()));
-  tbb::parallel_for(std::size_t{0}, optimizers.size() * starts.size(), [&](std::size_t task) {
+  ParallelFor(optimizers.size() * starts.size(), [&](std::size_t task) {
     const std::size_t row = task / starts.size();
     const std::size_t k = task % starts.size();
     const PulseProblem& p = problem(*optimizers[row]);

@@ -1,13 +1,13 @@
 #include "identify/gains/gain_design.h"
 
 #include <ceres/jet.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "identify/stages/row_factor.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/flight/maneuvers/maneuvers.h"
 
 namespace lipoid {
@@ -74,7 +74,7 @@ Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
 double GainProblem::Cost(const Eigen::VectorXd& x) const {
   std::vector<double> sums(tasks_.size(), 0.0);
   const ErrorGains gains = Gains(x);
-  tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t k) {
+  ParallelFor(tasks_.size(), [&](std::size_t k) {
     double sum = 0.0;
     Run(k, gains, [&](std::size_t, double error) { sum += error * error; });
     sums[k] = sum * kControlStep_s * design_.xi[k].weight;
@@ -95,7 +95,7 @@ Eigen::MatrixXd GainProblem::Factor(const Eigen::VectorXd& x, bool jacobian) con
                                    bounds_.integral * Jet(x[1], 1),
                                    bounds_.derivative * Jet(x[2], 2)};
   std::vector<Eigen::MatrixXd> factors(tasks_.size());
-  tbb::parallel_for(std::size_t{0}, tasks_.size(), [&](std::size_t k) {
+  ParallelFor(tasks_.size(), [&](std::size_t k) {
     const double scale = std::sqrt(kControlStep_s * design_.xi[k].weight);
     RowFactor rows(4);
     Run(k, gains, [&](std::size_t, const Jet& error) {

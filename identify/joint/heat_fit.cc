@@ -1,7 +1,5 @@
 #include "identify/joint/heat_fit.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -121,8 +120,7 @@ std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& 
     if (record.size() > 2) used.push_back(&log);
   }
   std::vector<Warming> all(used.size());
-  tbb::parallel_for(
-      std::size_t{0}, used.size(), [&](std::size_t l) { all[l] = WarmingOf(one, *used[l]); });
+  ParallelFor(used.size(), [&](std::size_t l) { all[l] = WarmingOf(one, *used[l]); });
   HeatFit fit;
   fit.logs = all.size();
   std::vector<const Warming*> seen;

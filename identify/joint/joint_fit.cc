@@ -1,7 +1,6 @@
 #include "identify/joint/joint_fit.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "identify/fit/grid.h"
 #include "identify/optimizers/nlopt_methods.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
@@ -566,7 +566,7 @@ JointSolution JointFit::Search(const JointStructure& structure,
   // solution is small, and all of them are compared; else the best of each line.
   const bool keep_all = structure.voltage_soc.empty();
   std::vector<std::vector<JointSolution>> lines(betas.size());
-  tbb::parallel_for(std::size_t{0}, betas.size(), [&](std::size_t b) {
+  ParallelFor(betas.size(), [&](std::size_t b) {
     JointRates with_beta = line.front();
     with_beta.beta_per_sqrt_s = betas[b];  // the energy of diffusion is that of the whole line
     const auto rows = seen_.At(with_beta, false);
@@ -593,8 +593,7 @@ JointSolution JointFit::Search(const JointStructure& structure,
   const auto polished = std::min(static_cast<std::size_t>(followed), best.size());
   const auto end = best.begin() + static_cast<std::ptrdiff_t>(polished);
   std::partial_sort(best.begin(), end, best.end(), cheaper);
-  tbb::parallel_for(
-      std::size_t{0}, polished, [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
+  ParallelFor(polished, [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
   JointSolution found = std::move(*std::min_element(best.begin(), end, cheaper));
   if (coarse != structure && found.x.size() > 0)
     found = Approach(Solve(structure, found.rates, smoothness));

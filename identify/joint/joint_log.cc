@@ -1,7 +1,5 @@
 #include "identify/joint/joint_log.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "identify/logs/segments.h"
 #include "identify/stages/condensed_log.h"
 #include "model/battery/arrhenius.h"
+#include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -271,7 +270,7 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
   JointLogs all;
   all.logs.resize(used.size());
   all.whole = DifferentCurrents(used) >= kWholeCurrents;
-  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t l) {
+  ParallelFor(used.size(), [&](std::size_t l) {
     all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights, all.whole);
   });
   if (std::none_of(all.logs.begin(),

@@ -1,7 +1,6 @@
 #include "identify/joint/joint_run.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "identify/fit/cell_of_solution.h"
 #include "identify/validation.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -142,6 +142,7 @@ class JointRun {
     }
     joint.wait();
     if (failed) std::rethrow_exception(failed);
+    StopIfAsked();
     result_.staged = std::move(staged);
   }
 
@@ -362,7 +363,7 @@ class JointRun {
     Tell("validation", 0.92);
     std::vector<LogErrors> joint(logs_.size());
     std::vector<LogErrors> before(logs_.size());
-    tbb::parallel_for(std::size_t{0}, 2 * logs_.size(), [&](std::size_t task) {
+    ParallelFor(2 * logs_.size(), [&](std::size_t task) {
       const LoadedLog& log = logs_[task / 2];
       const bool by_joint = task % 2 == 0;
       if (!by_joint && log.entry.kind == LogKind::kValidation) return;

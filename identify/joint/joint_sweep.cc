@@ -1,12 +1,11 @@
 #include "identify/joint/joint_sweep.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "identify/fit/cell_rows.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
@@ -92,7 +91,7 @@ Sum SumOverLogs(const JointLogs& logs,
                 AddRow&& add) {
   std::vector<Sum> sums(logs.logs.size(), zero);
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t l) {
+  ParallelFor(sums.size(), [&](std::size_t l) {
     WalkLog(logs,
             l,
             setup,
@@ -116,7 +115,7 @@ SocTrace TraceSoc(const JointLogs& logs,
   SocTrace trace;
   trace.logs.resize(logs.logs.size());
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, logs.logs.size(), [&](std::size_t l) {
+  ParallelFor(logs.logs.size(), [&](std::size_t l) {
     const JointLog& log = logs.logs[l];
     LogTrace& out = trace.logs[l];
     const double energy_J_per_mol = rates.diffusion_J_per_mol;
@@ -275,7 +274,7 @@ std::vector<FittedRows> JointObservations::Rows(const JointStructure& structure,
   const int p = RateSlots(structure).size();
   std::vector<FittedRows> all(logs_.logs.size());
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t l) {
+  ParallelFor(all.size(), [&](std::size_t l) {
     const JointLog& log = logs_.logs[l];
     const auto count =
         std::count_if(log.weight.begin(), log.weight.end(), [](double w) { return w > 0.0; });

@@ -1,12 +1,11 @@
 #include "identify/joint/leave_out.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "identify/trust/trust.h"
+#include "model/core/parallel.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
@@ -43,7 +42,7 @@ Held SolveWithoutEach(const JointFit& fit,
     guess.push_back(std::move(solution.active));
   }
   held.without.resize(static_cast<std::size_t>(logs.groups));
-  tbb::parallel_for(std::size_t{0}, held.without.size(), [&](std::size_t g) {
+  ParallelFor(held.without.size(), [&](std::size_t g) {
     NormalEquations rest = total;
     rest.Add(sums[g], -1.0);
     for (std::size_t s = 0; s < ladder.size(); ++s)

@@ -1,12 +1,11 @@
 #include "identify/logs/columns.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -39,7 +38,7 @@ template <class State, class Step>
 State Fold(std::size_t first, std::size_t end, const Step& step) {
   if (end - first <= kPiece) return FoldPiece<State>(first, end, step);
   std::vector<State> pieces((end - first + kPiece - 1) / kPiece);
-  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+  ParallelFor(pieces.size(), [&](std::size_t p) {
     const std::size_t begin = first + p * kPiece;
     pieces[p] = FoldPiece<State>(begin, std::min(end, begin + kPiece), step);
   });

@@ -1,7 +1,6 @@
 #include "identify/logs/read_logs.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +9,8 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -91,7 +92,7 @@ std::vector<std::vector<Diagnostic>> ReadLogs(const std::vector<LogToRead>& logs
   std::vector<std::optional<Voice>> voices(logs.size());
   const std::vector<std::size_t> order = OrderBySize(logs);
   std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(std::size_t{0}, logs.size(), [&](std::size_t) {
+  ParallelFor(logs.size(), [&](std::size_t) {
     const std::size_t k = order[next++];
     try {
       Log log = ReadLog(logs[k].file, logs[k].options);
@@ -115,7 +116,7 @@ std::vector<std::vector<Diagnostic>> ReadLogs(const std::vector<LogToRead>& logs
       others.push_back(std::move(asked));
     }
   }
-  tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t j) {
+  ParallelFor(open.size(), [&](std::size_t j) {
     const std::size_t k = open[j];
     try {
       problems[k].clear();

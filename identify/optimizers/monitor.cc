@@ -1,6 +1,5 @@
 #include "identify/optimizers/monitor.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <atomic>
@@ -8,6 +7,7 @@
 #include <new>
 #include <utility>
 
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
@@ -63,7 +63,7 @@ std::vector<double> Monitor::Costs(const std::vector<Eigen::VectorXd>& points, i
   std::atomic<bool> give_up = must_stop();
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t k) {
+    ParallelFor(points.size(), [&](std::size_t k) {
       if (give_up) return;
       try {
         StopIfAsked();

@@ -1,7 +1,5 @@
 #include "identify/stages/condensed_log.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
@@ -11,6 +9,7 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -176,7 +175,7 @@ void CondensedLog::AddBlock(std::size_t first, std::size_t rows, bool even, int 
 // Fits a polynomial to the voltages of every block.
 void CondensedLog::ReadVoltages() {
   if (record_->voltage_V.empty()) return;
-  tbb::parallel_for(std::size_t{0}, pieces_.size(), [&](std::size_t p) {
+  ParallelFor(pieces_.size(), [&](std::size_t p) {
     CondensedPiece& piece = pieces_[p];
     if (piece.plain()) return;
     const BlockShape& shape = shapes_[piece.shape];

@@ -1,7 +1,6 @@
 #include "identify/stages/open_circuit_voltage_fit.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include "identify/stages/row_factor.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 #include "model/statistics/order_statistics.h"
 
@@ -166,7 +166,7 @@ NodeSums SumRows(const std::vector<double>& nodes,
   for (std::size_t j = 0; j + 1 < n; ++j) inverse[j] = 1.0 / (nodes[j + 1] - nodes[j]);
   std::vector<NodeSums> pieces((count + kPiece - 1) / kPiece, NodeSums(n));
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+  ParallelFor(pieces.size(), [&](std::size_t p) {
     NodeSums& sums = pieces[p];
     std::size_t j = n - 2;
     NodeSums::Interval open;
@@ -467,16 +467,14 @@ ChargeCount CountedSoc(const Record& record, double alpha_C, double initial_soc)
   const std::size_t pieces = (last + kPiece - 1) / kPiece;
   std::vector<ChargeMoved> moved(pieces);
   const auto end = [&](std::size_t p) { return std::min(last, (p + 1) * kPiece); };
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t p) {
-    moved[p] = CountCharge(record, p * kPiece, end(p));
-  });
+  ParallelFor(pieces, [&](std::size_t p) { moved[p] = CountCharge(record, p * kPiece, end(p)); });
   std::vector<ChargeMoved> before(pieces);
   for (std::size_t p = 1; p < pieces; ++p) {
     before[p] = before[p - 1];
     before[p].Append(moved[p - 1]);
   }
   const std::size_t back = record.hold == Hold::kBackward ? 0 : 1;
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t p) {
+  ParallelFor(pieces, [&](std::size_t p) {
     double charge_C = before[p].charge_C;
     for (std::size_t k = p * kPiece + 1; k <= end(p); ++k) {
       charge_C += record.current_A[k - back] * (record.time_s[k] - record.time_s[k - 1]);

@@ -1,8 +1,6 @@
 #include "identify/stages/staged_run.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +11,7 @@
 #include "identify/logs/segments.h"
 #include "model/battery/discharge_time.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -30,7 +29,7 @@ std::vector<const LoadedLog*> OfKind(const std::vector<LoadedLog>& logs, LogKind
 template <class Check>
 void CheckAll(const std::vector<const LoadedLog*>& logs, Check&& check) {
   std::vector<std::vector<Diagnostic>> problems(logs.size());
-  tbb::parallel_for(std::size_t{0}, logs.size(), [&](std::size_t k) {
+  ParallelFor(logs.size(), [&](std::size_t k) {
     try {
       check(*logs[k]);
     } catch (const LoadError& error) {
@@ -82,7 +81,7 @@ class StagedRun {
     FindAlphaAndBeta();
     Tell("open-circuit voltage", 0.1);
     // Neither waits for the other.
-    tbb::parallel_invoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
+    ParallelInvoke([&] { FindOpenCircuitVoltage(); }, [&] { PreparePulses(); });
     if (result_.from_rests)
       result_.done_instead.push_back("no low-rate log: " + InWords(*result_.from_rests));
   }
@@ -256,9 +255,9 @@ class StagedRun {
                               .terms = options_.pulses.terms,
                               .tail = options_.pulses.tail,
                               .open_circuit_voltage = {}};
-    tbb::parallel_invoke([&] { sweep_.emplace(setup, sweep_logs); },
-                         [&] { coarse_.emplace(setup, sweep_logs, Condensation::Coarse()); },
-                         [&] { result_.start = FindStartValues(records, pulse_segments_); });
+    ParallelInvoke([&] { sweep_.emplace(setup, sweep_logs); },
+                   [&] { coarse_.emplace(setup, sweep_logs, Condensation::Coarse()); },
+                   [&] { result_.start = FindStartValues(records, pulse_segments_); });
   }
 
   void FitPulseParameters() {
@@ -325,9 +324,9 @@ class StagedRun {
   void ValidateCell() {
     const auto held_out = OfKind(logs_, LogKind::kValidation);
     result_.validation.resize(held_out.size());
-    tbb::parallel_invoke(
+    ParallelInvoke(
         [&] {
-          tbb::parallel_for(std::size_t{0}, held_out.size(), [&](std::size_t k) {
+          ParallelFor(held_out.size(), [&](std::size_t k) {
             result_.validation[k] = Validate(result_.cell, *held_out[k]);
           });
         },

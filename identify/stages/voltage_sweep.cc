@@ -1,7 +1,5 @@
 #include "identify/stages/voltage_sweep.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "identify/stages/row_factor.h"
 #include "model/battery/record_stepper.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
@@ -489,7 +488,7 @@ Sum VoltageSweep::SumOverLogs(const JointStructure& structure,
                               Add add) const {
   std::vector<Sum> sums(logs_.size(), zero);
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
+  ParallelFor(logs_.size(), [&](std::size_t k) {
     SumVisitor<Sum, Add> visitor(logs_[k].weight, zero, add);
     Sweep(k, structure, rates, x, visitor);
     sums[k] = std::move(visitor.sum());
@@ -505,7 +504,7 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
   std::vector<Eigen::MatrixXd> factors(logs_.size());
   const JointSolution at = SolutionOf(parameters);
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
+  ParallelFor(logs_.size(), [&](std::size_t k) {
     FactorVisitor visitor(at.x.data(), branches, logs_[k].weight, jacobian);
     Sweep(k, at.structure, at.rates, jacobian ? &at.x : nullptr, visitor);
     factors[k] = visitor.Result();
@@ -548,7 +547,7 @@ std::vector<FittedRows> VoltageSweep::Means(const JointStructure& structure,
   std::vector<FittedRows> means(logs_.size());
   const std::size_t all = rows();
   StopIfAsked();
-  tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t k) {
+  ParallelFor(logs_.size(), [&](std::size_t k) {
     const CondensedLog& log = (*condensed_)[k];
     MeansVisitor visitor(x, RateSlots(structure).size(), log, all <= most);
     Sweep(k, structure, rates, &x, visitor);

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
@@ -127,7 +127,7 @@ std::vector<Profile> FindProfiles(const std::vector<ProfileTask>& tasks, const T
   // Two walks each: away from the estimate to one end, then across to the other. So a point is
   // refitted from either side, and the better valley counts.
   std::vector<std::vector<ProfileCost>> found(2 * tasks.size());
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t walk) {
+  ParallelFor(found.size(), [&](std::size_t walk) {
     const std::size_t t = walk / 2;
     const auto& points = profiles[t].points;
     if (points.empty()) return;

@@ -1,8 +1,5 @@
 #include "identify/trust/trust.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +8,7 @@
 #include "identify/trust/trust_sentence.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 #include "model/core/stop.h"
 #include "model/statistics/order_statistics.h"
 #include "model/statistics/student.h"
@@ -95,7 +93,7 @@ Eigen::MatrixXd Gram(std::span<const FittedRows> logs) {
   }
   const Eigen::Index p = logs[0].sensitivity.cols();
   std::vector<Eigen::MatrixXd> lanes(std::clamp<std::size_t>(strips.size(), 1, kLanes));
-  tbb::parallel_for(std::size_t{0}, lanes.size(), [&](std::size_t lane) {
+  ParallelFor(lanes.size(), [&](std::size_t lane) {
     Eigen::MatrixXd& sum = lanes[lane];
     sum.setZero(p, p);
     Eigen::MatrixXd weighted;
@@ -151,7 +149,7 @@ class Assessment {
     Check(penalty);
     FindFree();
     const Eigen::MatrixXd h = SumRows(penalty);
-    tbb::parallel_invoke(
+    ParallelInvoke(
         [&] {
           if (!options_.assumed) fit_.emplace(h);
         },
@@ -274,7 +272,7 @@ class Assessment {
     Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(logs_[0].sensitivity.cols(), n);
     spread(free_, Eigen::all) = d;
     scores_.resize(logs_.size());
-    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+    ParallelFor(logs_.size(), [&](std::size_t l) {
       scores_[l] = (logs_[l].sensitivity * spread).transpose() * logs_[l].weight.asDiagonal();
     });
   }
@@ -376,14 +374,14 @@ class Assessment {
       designs.push_back(models_.back().design());
     }
     const std::vector<Batch> batches = Batches();
-    tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t k) {
+    ParallelFor(batches.size(), [&](std::size_t k) {
       StopIfAsked();
       FindDesignsOfResiduals(batches[k], designs[batches[k].log]);
     });
     const Eigen::Index series = options_.simulations;
     std::vector<Eigen::MatrixXd> noise(logs_.size());
     variances_.resize(logs_.size());
-    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+    ParallelFor(logs_.size(), [&](std::size_t l) {
       StopIfAsked();
       const CorrelationModel& model = models_[l];
       variances_[l] = model.Fit(model.Variogram(logs_[l].residual_V.transpose()), designs[l]);
@@ -392,7 +390,7 @@ class Assessment {
     // The same of noise that has the correlation found.
     Project(noise);
     simulated_.resize(logs_.size());
-    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+    ParallelFor(logs_.size(), [&](std::size_t l) {
       const Eigen::MatrixXd variograms = models_[l].Variogram(noise[l]);
       simulated_[l].resize(variances_[l].size(), series);
       for (Eigen::Index s = 0; s < series; ++s)
@@ -419,7 +417,7 @@ class Assessment {
       report_.residual_correlation.push_back(models_[l].Describe(variances_[l]));
     const std::vector<Part> parts = Parts();
     sums_.resize(parts.size());
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+    ParallelFor(parts.size(), [&](std::size_t k) {
       const auto [l, m] = parts[k];
       const bool seen = variances_[l][m] > 0.0 || (simulated_[l].row(m).array() > 0.0).any();
       if (seen) sums_[k] = models_[l].QuadraticSum(scores_[l], m);
@@ -490,7 +488,7 @@ class Assessment {
       }
       report_.quantities.push_back(std::move(trust));
     }
-    tbb::parallel_for(std::size_t{0}, quantities_.size(), [&](std::size_t k) {
+    ParallelFor(quantities_.size(), [&](std::size_t k) {
       QuantityTrust& trust = report_.quantities[k];
       if (trust.verdict == Verdict::kWeak && !trust.insensitive)
         FindPartners(static_cast<Eigen::Index>(k), scatter, trust);
@@ -611,7 +609,7 @@ class Assessment {
       report_.drawn.push_back(one.name);
     }
     std::vector<Eigen::MatrixXd> sums(logs_.size());
-    tbb::parallel_for(std::size_t{0}, logs_.size(), [&](std::size_t l) {
+    ParallelFor(logs_.size(), [&](std::size_t l) {
       const Eigen::MatrixXd scores =
           logs_[l].sensitivity(Eigen::all, free_).transpose() * logs_[l].weight.asDiagonal();
       sums[l] = models_[l].QuadraticSum(scores, variances_[l]);

@@ -54,6 +54,7 @@ class CampaignOptions(TypedDict, total=False):
     initial_soc: float
     constant_current: Logs | None
     low_rate: Logs | None
+    low_rate_charge: Logs | None
     pulses: Logs | None
     validation: Logs | None
 
@@ -104,6 +105,8 @@ class IdentifyJointGroup(TypedDict, total=False):
     voltage_nodes: int
     self_heating: Literal["auto", "on", "off"]
     charge_transfer: Literal["auto", "on", "off"]
+    temperature: Literal["auto", "on", "off"]
+    entropy: Literal["auto", "on", "off"]
     smoothness: float
     charge_uncertainty: float
     voltage_uncertainty_V: float

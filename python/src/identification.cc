@@ -68,6 +68,7 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
         AddRunRecord(found, made.options, report, std::move(run));
         summary = {{"cell", CellToJson(found.cell)}};
         summary.update(report);
+        summary["campaign"] = CampaignToJson(described, logs);
         summary["wall_s"] =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
       },
