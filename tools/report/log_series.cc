@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -42,11 +43,14 @@ Series LogSeries(std::span<const PredictedColumn> cells,
                  std::size_t most_rows,
                  const Surroundings& surroundings,
                  RowsOverCharge* over_charge) {
-  std::vector<std::vector<double>> predicted_V(cells.size(), std::vector<double>(record.size()));
+  // Of each cell what is thinned by: its error where the voltage was measured, else its prediction.
+  // One column of a log of millions of rows is much to keep; what it was made of is found again.
   const bool measured = !record.voltage_V.empty();
-  std::vector<std::vector<double>> error_V(measured ? cells.size() : 0);
+  std::vector<std::unique_ptr<double[]>> of_cell(cells.size());
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
-    std::vector<double>& volts = predicted_V[c];
+    of_cell[c] = std::make_unique_for_overwrite<double[]>(record.size());
+    double* const values = of_cell[c].get();
+    const double* const measured_V = record.voltage_V.data();
     const auto predict = [&](auto&& visit) {
       PredictRows(*cells[c].cell,
                   record.time_s,
@@ -54,27 +58,28 @@ Series LogSeries(std::span<const PredictedColumn> cells,
                   record.hold,
                   initial_soc,
                   surroundings,
-                  visit);
+                  [&](std::size_t k, const PredictedRow& row) {
+                    values[k] = measured ? measured_V[k] - row.voltage_V : row.voltage_V;
+                    visit(k, row);
+                  });
     };
     if (c == 0 && over_charge != nullptr) {
       std::size_t next = 0;
       predict([&](std::size_t k, const PredictedRow& row) {
-        volts[k] = row.voltage_V;
         if (next == over_charge->rows.size() || over_charge->rows[next] != k) return;
         ++next;
         over_charge->soc.push_back(row.soc);
         over_charge->predicted_V.push_back(row.voltage_V);
       });
     } else {
-      predict([&](std::size_t k, const PredictedRow& row) { volts[k] = row.voltage_V; });
+      predict([](std::size_t, const PredictedRow&) {});
     }
-    if (!measured) return;
-    error_V[c].resize(record.size());
-    for (std::size_t k = 0; k < record.size(); ++k) error_V[c][k] = record.voltage_V[k] - volts[k];
   });
   std::vector<std::span<const double>> seen{record.current_A};
-  if (!record.voltage_V.empty()) seen.emplace_back(record.voltage_V);
-  seen.insert(seen.end(), error_V.begin(), error_V.end());
+  if (measured) {
+    seen.emplace_back(record.voltage_V);
+    for (const auto& values : of_cell) seen.emplace_back(values.get(), record.size());
+  }
   const auto rows = ThinnedRows(record.size(), seen, record.current_A, most_rows);
   Series series{.kind = "log", .name = name, .rows = record.size()};
   const auto add = [&](const std::string& column, std::span<const double> values) {
@@ -83,7 +88,12 @@ Series LogSeries(std::span<const PredictedColumn> cells,
   add("time_s", record.time_s);
   add("current_A", record.current_A);
   add("voltage_V", record.voltage_V);
-  for (std::size_t c = 0; c < cells.size(); ++c) add(cells[c].name, predicted_V[c]);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    std::vector<double> predicted_V = At({of_cell[c].get(), record.size()}, rows);
+    for (std::size_t n = 0; measured && n < rows.size(); ++n)
+      predicted_V[n] = record.voltage_V[rows[n]] - predicted_V[n];
+    if (!rows.empty()) series.columns.push_back({cells[c].name, std::move(predicted_V)});
+  }
   add("temperature_degC", record.temperature_degC);
   return series;
 }

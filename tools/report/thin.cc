@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace lipoid {
@@ -20,18 +21,24 @@ void KeepExtremes(std::span<const double> column,
                   std::size_t first,
                   std::size_t last,
                   std::vector<std::size_t>& kept) {
-  // NaN would make the order of minmax_element none: it counts as neither least nor largest.
+  // NaN is neither less nor more than anything.
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
   std::size_t least = last;
   std::size_t largest = last;
   for (std::size_t k = first; k < last; ++k) {
     const double value = column[k];
-    if (std::isnan(value)) continue;
-    if (least == last || value < column[least]) least = k;
-    if (largest == last || value > column[largest]) largest = k;
+    if (value < low) {
+      low = value;
+      least = k;
+    }
+    if (value > high) {
+      high = value;
+      largest = k;
+    }
   }
-  if (least == last) return;
-  kept.push_back(least);
-  kept.push_back(largest);
+  if (least < last) kept.push_back(least);
+  if (largest < last) kept.push_back(largest);
 }
 
 // The rows about the largest jumps, at most `most` of them.
