@@ -16,6 +16,7 @@ constexpr std::string_view kHead("\xA3\x95", 2);
 constexpr std::size_t kHeadBytes = 3;
 constexpr std::uint8_t kFormatType = 0x80;
 constexpr std::size_t kFormatBytes = 89;
+constexpr double kMostBatteries = 255.0;  // as many as an instance of one byte can tell
 
 std::size_t BytesOf(char letter) {
   switch (letter) {
@@ -197,7 +198,8 @@ class Reader {
     if (number == 0) {
       double instance = Value(format, payload, "Inst");
       if (std::isnan(instance)) instance = Value(format, payload, "Instance");
-      number = std::isnan(instance) ? 1 : static_cast<int>(instance) + 1;
+      const bool says = instance >= 0.0 && instance < kMostBatteries;
+      number = says ? static_cast<int>(instance) + 1 : 1;
     }
     double time_s = 1e-6 * Value(format, payload, "TimeUS");
     if (std::isnan(time_s)) time_s = 1e-3 * Value(format, payload, "TimeMS");

@@ -105,6 +105,7 @@ std::optional<Declaration> ParseDeclaration(std::string_view text) {
       if (c < '0' || c > '9' || count > kMostBytes) break;
       count = 10 * count + static_cast<std::size_t>(c - '0');
     }
+    if (count == 0) return std::nullopt;
     field.count = count;
     field.type = field.type.substr(0, bracket);
   }
@@ -114,8 +115,14 @@ std::optional<Declaration> ParseDeclaration(std::string_view text) {
 // Where a number stands in the data of a message.
 struct Place {
   std::size_t offset = 0;
-  Type type = Type::kFloat;
+  NamedType type = kBasicTypes[0];
 };
+
+// How many cells in series a number says; 0 where it can say none.
+int CellsOf(double number) {
+  constexpr double kMost = 1000.0;
+  return number >= 1.0 && number <= kMost ? static_cast<int>(number) : 0;
+}
 
 class Reader {
  public:
@@ -211,6 +218,7 @@ class Reader {
       total += *each * field->count;
       if (total > kMostBytes) return std::nullopt;
     }
+    if (total == 0) return std::nullopt;  // else empty formats in one another never end
     return total;
   }
 
@@ -228,7 +236,7 @@ class Reader {
       const auto each = BytesOf(field->type, 0);
       if (!each) break;  // what comes after it cannot be found
       if (const NamedType* type = FindBasicType(field->type); type && field->count > 0)
-        places.emplace(field->name, Place{offset, type->type});
+        places.emplace(field->name, Place{offset, *type});
       offset += *each * field->count;
       if (offset > kMostBytes) break;
     }
@@ -237,14 +245,15 @@ class Reader {
 
   struct Battery {
     BatteryTrack track;
-    std::optional<Place> time_us, voltage_V, current_A, temperature_degC, connected, cells;
+    std::optional<Place> time_us, voltage_V, current_A, temperature_degC, cells;
   };
 
   void Subscribe(std::uint16_t id, int multi_id) {
-    const auto places = PlacesOf(kTopic);
+    if (batteries_.contains(id)) return;  // its rows stay
+    if (places_.empty()) places_ = PlacesOf(kTopic);
     const auto place = [&](std::string_view name) -> std::optional<Place> {
-      const auto found = places.find(name);
-      if (found == places.end()) return std::nullopt;
+      const auto found = places_.find(name);
+      if (found == places_.end()) return std::nullopt;
       return found->second;
     };
     Battery battery;
@@ -254,9 +263,8 @@ class Reader {
     battery.voltage_V = place("voltage_v");
     battery.current_A = place("current_a");
     battery.temperature_degC = place("temperature");
-    battery.connected = place("connected");
     battery.cells = place("cell_count");
-    batteries_.insert_or_assign(id, std::move(battery));
+    batteries_.emplace(id, std::move(battery));
   }
 
   void TakeData(std::uint16_t id, std::string_view data) {
@@ -266,15 +274,9 @@ class Reader {
     const auto number = [&](const std::optional<Place>& place) {
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
       if (!place) return kNone;
-      const std::size_t bytes = place->type == Type::kInt64 || place->type == Type::kUint64 ||
-                                        place->type == Type::kDouble
-                                    ? 8
-                                : place->type == Type::kInt32 || place->type == Type::kUint32 ||
-                                        place->type == Type::kFloat
-                                    ? 4
-                                : place->type == Type::kInt16 || place->type == Type::kUint16 ? 2
-                                                                                              : 1;
-      return place->offset + bytes > data.size() ? kNone : Number(data, place->offset, place->type);
+      return place->offset + place->type.bytes > data.size()
+                 ? kNone
+                 : Number(data, place->offset, place->type.type);
     };
     const double time_us = number(battery.time_us);
     if (std::isnan(time_us)) return;
@@ -285,8 +287,7 @@ class Reader {
     track.current_A.push_back(current_A == -1.0 ? std::numeric_limits<double>::quiet_NaN()
                                                 : current_A);
     track.temperature_degC.push_back(number(battery.temperature_degC));
-    if (const double cells = number(battery.cells); cells > 0.0)
-      track.cells = static_cast<int>(cells);
+    if (const int cells = CellsOf(number(battery.cells)); cells > 0) track.cells = cells;
   }
 
   void Finish() {
@@ -301,8 +302,7 @@ class Reader {
         }
         return std::numeric_limits<double>::quiet_NaN();
       };
-      if (const double cells = parameter("N_CELLS"); track.cells == 0 && cells > 0.0)
-        track.cells = static_cast<int>(cells);
+      if (track.cells == 0) track.cells = CellsOf(parameter("N_CELLS"));
       track.capacity_Ah = 1e-3 * parameter("CAPACITY");  // mAh
       log_.batteries.push_back(std::move(track));
     }
@@ -318,7 +318,8 @@ class Reader {
       return found == texts_.end() ? "" : std::string(found->second);
     };
     std::string name = text("sys_name");
-    if (const auto release = information_.find("ver_sw_release"); release != information_.end()) {
+    if (const auto release = information_.find("ver_sw_release");
+        release != information_.end() && release->second >= 0.0 && release->second < 4294967296.0) {
       const auto number = static_cast<std::uint32_t>(release->second);
       name += fmt::format(" {}.{}.{}", number >> 24, number >> 16 & 0xff, number >> 8 & 0xff);
     }
@@ -330,6 +331,7 @@ class Reader {
   std::string_view bytes_;
   AutopilotLog log_;
   std::map<std::string_view, std::string_view> formats_;
+  std::map<std::string_view, Place> places_;  // of a battery's numbers, once its format is known
   std::map<std::uint16_t, std::string_view> names_;
   std::map<std::uint16_t, Battery> batteries_;
   std::map<std::string_view, std::string_view> texts_;

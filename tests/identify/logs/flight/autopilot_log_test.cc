@@ -10,6 +10,7 @@
 #include <cstring>
 #include <random>
 #include <sstream>
+#include <string>
 
 #include "model/core/json.h"
 #include "tests/support/paths.h"
@@ -315,6 +316,57 @@ TEST(ULog, FormatsThatNestThemselvesEndSomewhere) {
   const AutopilotLog read = Read(log.bytes());
   ASSERT_EQ(read.batteries.size(), 1U);
   EXPECT_TRUE(std::isnan(read.batteries[0].voltage_V.at(0)));
+}
+
+// Formats of nothing but one another: each level names the one below two thousand times.
+TEST(ULog, FormatsWithoutANumberEndSoon) {
+  ULogWriter log;
+  log.Message('F', "level0:uint8_t[0] nothing;");
+  for (int level = 1; level <= 7; ++level) {
+    std::string fields = "level" + std::to_string(level) + ":";
+    for (int k = 0; k < 2000; ++k) fields += "level" + std::to_string(level - 1) + " a;";
+    log.Message('F', fields);
+  }
+  log.Message('F', "battery_status:uint64_t timestamp;level7 deep;float voltage_v;");
+  log.Message(
+      'A',
+      Writer("").Number<std::uint8_t>(0).Number<std::uint16_t>(1).Text("battery_status").bytes());
+  log.Message(
+      'D',
+      Writer("").Number<std::uint16_t>(1).Number<std::uint64_t>(1'000'000).Number(12.0F).bytes());
+  const AutopilotLog read = Read(log.bytes());
+  ASSERT_EQ(read.batteries.size(), 1U);
+  EXPECT_EQ(read.batteries[0].time_s.at(0), 1.0);
+  EXPECT_TRUE(std::isnan(read.batteries[0].voltage_V.at(0)));
+}
+
+// Numbers of a battery that no battery has are passed over, and a second subscription loses no row.
+TEST(ULog, CountsOfCellsThatCannotBeAreNone) {
+  ULogWriter log;
+  log.Message('F', "battery_status:uint64_t timestamp;float voltage_v;float cell_count;");
+  const auto subscribe = [&] {
+    log.Message(
+        'A',
+        Writer("").Number<std::uint8_t>(0).Number<std::uint16_t>(1).Text("battery_status").bytes());
+  };
+  const auto data = [&](float cells) {
+    log.Message('D',
+                Writer("")
+                    .Number<std::uint16_t>(1)
+                    .Number<std::uint64_t>(1'000'000)
+                    .Number(12.0F)
+                    .Number(cells)
+                    .bytes());
+  };
+  subscribe();
+  data(1e30F);
+  data(std::nanf(""));
+  subscribe();
+  data(-3.0F);
+  const AutopilotLog read = Read(log.bytes());
+  ASSERT_EQ(read.batteries.size(), 1U);
+  EXPECT_EQ(read.batteries[0].size(), 3U);
+  EXPECT_EQ(read.batteries[0].cells, 0);
 }
 
 void AddFormat(Writer& log,
