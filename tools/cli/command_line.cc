@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "identify/logs/csv/cells.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
@@ -47,11 +48,6 @@ struct Place {
 
   friend bool operator==(const Place&, const Place&) = default;
 };
-
-std::string LowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 Place PlaceOf(const std::string& path) {
   struct stat status {};

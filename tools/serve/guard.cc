@@ -8,15 +8,9 @@
 #include <boost/asio/ip/address.hpp>
 #include <optional>
 
+#include "identify/logs/csv/cells.h"
+
 namespace lipoid {
-namespace {
-
-std::string LowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
-}  // namespace
 
 std::string RandomKey() {
   unsigned char bytes[16];

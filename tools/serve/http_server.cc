@@ -13,6 +13,7 @@
 #include <chrono>
 #include <limits>
 
+#include "identify/logs/csv/cells.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -32,12 +33,6 @@ constexpr double kForgetting_s = 2.0;
 
 std::chrono::nanoseconds Seconds(double seconds) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
-}
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
 }
 
 int HexDigit(char c) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "identify/logs/csv/cells.h"
 #include "model/core/foreign_text.h"
 
 namespace lipoid {
@@ -14,11 +15,6 @@ constexpr std::size_t kMostBytesOfExtension = 12;
 
 bool IsAlphanumeric(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
-std::string LowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
 }
 
 // Some disks take no name that ends so.
