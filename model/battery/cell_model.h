@@ -283,7 +283,10 @@ class CellModel {
 
   /// Terminal voltage v_b while current_A flows.
   [[nodiscard]] T Voltage(const State& state, const T& current_A) const {
-    const T soc = Soc(state, current_A);
+    return Voltage(state, Soc(state, current_A), current_A);
+  }
+  /// The same where Soc() of this state and current is known already.
+  [[nodiscard]] T Voltage(const State& state, const T& soc, const T& current_A) const {
     T voltage = RestCurve(state, soc) - SeriesResistance(state, soc) * current_A;  // (4.51)
     for (const T& drop : state.branch_V) voltage = voltage - drop;
     if (p_.charge_transfer) voltage = voltage - TransferDrop(state, soc, current_A);

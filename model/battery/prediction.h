@@ -76,7 +76,8 @@ void PredictRows(const Cell& cell,
   for (std::size_t k = 0; k < time_s.size(); ++k) {
     stepper.Row(time_s[k], current_A[k] / cell.parallel);
     if (!measured_degC.empty()) stepper.SetTemperature(measured_degC[k] + kZeroCelsius_K);
-    visit(k, PredictedRow{stepper.Soc(), cell.series * stepper.Voltage(), stepper});
+    const double soc = stepper.Soc();
+    visit(k, PredictedRow{soc, cell.series * stepper.Voltage(soc), stepper});
   }
 }
 

@@ -105,6 +105,8 @@ class RecordStepper {
   [[nodiscard]] T Soc() const { return model_.Soc(state_, current_A_); }
   [[nodiscard]] T OpenCircuit() const { return model_.OpenCircuit(state_, current_A_); }
   [[nodiscard]] T Voltage() const { return model_.Voltage(state_, current_A_); }
+  /// The same where Soc() is known already.
+  [[nodiscard]] T Voltage(const T& soc) const { return model_.Voltage(state_, soc, current_A_); }
 
  private:
   const CellModel<T>& model_;
