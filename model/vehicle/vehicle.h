@@ -1,14 +1,17 @@
 #pragma once
 
 /// @file
-/// A quadrotor as data: what a vehicle file holds. SI units; the numbers are those of the thesis'
-/// Table 6.1 with its misprints corrected (docs/corrections.md). Tests:
+/// A multirotor as data: what a vehicle file holds. SI units; symbols are those of the thesis' Table
+/// 6.1. What a file may leave out has the value that makes the thesis' quadrotor: four rotors on an
+/// X, speed controllers without losses, nothing else on the battery. Tests:
 /// tests/model/vehicle/vehicle_file_test.cc.
 
 #include <array>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "model/vehicle/rotor_layout.h"
 
 namespace lipoid {
 
@@ -20,11 +23,29 @@ constexpr std::array<std::pair<Turning, std::string_view>, 2> OptionNames(Turnin
   return {{{Turning::kClockwise, "clockwise"}, {Turning::kCounterClockwise, "counter-clockwise"}}};
 }
 
+/// An electronic speed controller and what it loses, model/vehicle/powertrain.h. Without losses it
+/// is (3.11).
+struct SpeedController {
+  double resistance_Ohm = 0.0;    ///< >= 0; of the transistors that a motor's current flows through
+  double switching_time_s = 0.0;  ///< >= 0; mean of the rise and the fall of a transistor
+  double switching_frequency_Hz = 0.0;  ///< >= 0; of the pulse width modulation
+  double diode_V = 0.0;  ///< >= 0; drop of the diodes, where it does not rectify synchronously
+  /// True: while the pulse is off the motor's current flows through transistors and may reverse, so
+  /// that a motor which slows down charges the battery. False: it flows through diodes and stops.
+  bool synchronous = true;
+
+  [[nodiscard]] bool lossless() const {
+    return resistance_Ohm == 0.0 && SwitchingShare() == 0.0 && synchronous;
+  }
+  /// Share of a period in which a transistor has both voltage and current, t f.
+  [[nodiscard]] double SwitchingShare() const { return switching_time_s * switching_frequency_Hz; }
+};
+
 struct Vehicle {
   std::string name;
   std::string summary;
 
-  double mass_kg = 0.0;                          ///< m > 0
+  double mass_kg = 0.0;                          ///< m > 0, taking off: with battery and payload
   std::array<double, 3> inertia_kg_m2{};         ///< J_x, J_y, J_z > 0; none above the others' sum
   double arm_m = 0.0;                            ///< l > 0, from the centre of mass to a propeller
   double thrust_coefficient_N_s2 = 0.0;          ///< k_T > 0, thrust per square of rad/s
@@ -37,11 +58,29 @@ struct Vehicle {
   double nominal_voltage_V = 0.0;                ///< v_b0 > 0
   std::array<double, 2> pwm_range{10.0, 500.0};  ///< omega_PWM at D = 0 and D = 1, (6.1)
   double linear_drag_N_s_per_m = 0.0;            ///< >= 0; acts only where drag is on
-  /// Seen from above; back left turns alike, the other two the other way. The thesis' B has it
-  /// clockwise, ArduCopter's quad X counter-clockwise.
+  Layout layout = Layout::kQuadX;
+  /// Of the first rotor of the layout, seen from above; it is front right in a quad-x, where back
+  /// left turns alike and the other two the other way. The thesis' B has it clockwise, ArduCopter's
+  /// quad X counter-clockwise.
   Turning front_right_turns = Turning::kClockwise;
+  /// Thrust of the lower rotor of a coaxial pair over that of the upper one at the same speed, in
+  /// (0, 1]: it works in the upper one's stream.
+  double lower_rotor_thrust_ratio = 1.0;
+  double propeller_diameter_m = 0.0;  ///< >= 0; 0: not known
+  double avionics_power_W = 0.0;      ///< >= 0; what the battery gives to all but the motors
+  int series_cells = 0;               ///< of the pack that it is made for; 0: not known
+  SpeedController esc;                ///< one for each motor, all alike
 
-  /// l_x = l sin 45 degrees, the lever of a motor about either horizontal axis, (3.12).
+  [[nodiscard]] std::size_t rotor_count() const { return RotorsOf(layout).size(); }
+  /// Thrust of all rotors at one speed over the square of it, 4 k_T of a quadrotor.
+  [[nodiscard]] double total_thrust_coefficient_N_s2() const {
+    double rotors = 0.0;
+    for (const Rotor& rotor : RotorsOf(layout)) {
+      rotors += rotor.lower ? lower_rotor_thrust_ratio : 1.0;
+    }
+    return rotors * thrust_coefficient_N_s2;
+  }
+  /// l_x = l sin 45 degrees, the lever of a quad-x's motor about either horizontal axis, (3.12).
   [[nodiscard]] double lever_m() const { return 0.70710678118654752440 * arm_m; }
   /// k_N with the sign of (3.12): what the motors that turn against front right add to the yaw.
   [[nodiscard]] double yaw_coefficient_N_m_s2() const {

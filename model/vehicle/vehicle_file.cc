@@ -15,23 +15,33 @@ namespace {
 constexpr double kAboveZero = TomlReader::kAboveZero;
 constexpr double kMost = TomlReader::kLargest;
 
-constexpr std::array<std::string_view, 17> kKeys{"name",
-                                                 "summary",
-                                                 "mass_kg",
-                                                 "inertia_kg_m2",
-                                                 "arm_m",
-                                                 "thrust_coefficient_N_s2",
-                                                 "torque_coefficient_N_m_s2",
-                                                 "motor_constant_N_m_per_A",
-                                                 "armature_resistance_Ohm",
-                                                 "armature_inductance_H",
-                                                 "friction_N_m_s",
-                                                 "rotor_inertia_kg_m2",
-                                                 "nominal_voltage_V",
-                                                 "pwm_range",
-                                                 "linear_drag_N_s_per_m",
-                                                 "front_right_turns",
-                                                 "source"};
+constexpr auto kKeys = std::to_array<std::string_view>({"name",
+                                                        "summary",
+                                                        "mass_kg",
+                                                        "inertia_kg_m2",
+                                                        "arm_m",
+                                                        "layout",
+                                                        "front_right_turns",
+                                                        "thrust_coefficient_N_s2",
+                                                        "torque_coefficient_N_m_s2",
+                                                        "lower_rotor_thrust_ratio",
+                                                        "propeller_diameter_m",
+                                                        "motor_constant_N_m_per_A",
+                                                        "armature_resistance_Ohm",
+                                                        "armature_inductance_H",
+                                                        "friction_N_m_s",
+                                                        "rotor_inertia_kg_m2",
+                                                        "nominal_voltage_V",
+                                                        "series_cells",
+                                                        "pwm_range",
+                                                        "esc_resistance_Ohm",
+                                                        "esc_switching_time_s",
+                                                        "esc_switching_frequency_Hz",
+                                                        "esc_rectification",
+                                                        "esc_diode_V",
+                                                        "avionics_power_W",
+                                                        "linear_drag_N_s_per_m",
+                                                        "source"});
 
 // A number of the file: where it goes, and what it must be.
 struct NumberKey {
@@ -77,6 +87,12 @@ constexpr NumberKey kNumbers[] = {
      "a moment of inertia above 0 kg m²",
      true},
     {"nominal_voltage_V", &Vehicle::nominal_voltage_V, kAboveZero, "a voltage above 0 V", true},
+    {"propeller_diameter_m",
+     &Vehicle::propeller_diameter_m,
+     kAboveZero,
+     "a diameter above 0 m",
+     false},
+    {"avionics_power_W", &Vehicle::avionics_power_W, 0.0, "a power of at least 0 W", false},
     {"linear_drag_N_s_per_m",
      &Vehicle::linear_drag_N_s_per_m,
      0.0,
@@ -125,6 +141,53 @@ void ReadPwmRange(const TomlReader& reader, Vehicle& vehicle) {
   vehicle.pwm_range = range;
 }
 
+enum class Rectification { kSynchronous, kDiode };
+
+constexpr std::array<std::pair<Rectification, std::string_view>, 2> OptionNames(Rectification) {
+  return {{{Rectification::kSynchronous, "synchronous"}, {Rectification::kDiode, "diode"}}};
+}
+
+void ReadSpeedController(const TomlReader& reader, SpeedController& esc) {
+  reader.Number(
+      "esc_resistance_Ohm", 0.0, kMost, "a resistance of at least 0 Ohm", esc.resistance_Ohm);
+  reader.Number(
+      "esc_switching_time_s", 0.0, 1e-3, "a time from 0 to 0.001 s", esc.switching_time_s);
+  reader.Number("esc_switching_frequency_Hz",
+                0.0,
+                1e6,
+                "a frequency from 0 to 1000000 Hz",
+                esc.switching_frequency_Hz);
+  Rectification rectification = Rectification::kSynchronous;
+  reader.Choice("esc_rectification", rectification);
+  esc.synchronous = rectification == Rectification::kSynchronous;
+  if (!reader.Number("esc_diode_V", 0.0, 5.0, "a voltage from 0 to 5 V", esc.diode_V)) return;
+  if (esc.synchronous && esc.diode_V > 0.0) {
+    reader.Problem(reader.At(reader.Find("esc_diode_V")->source()),
+                   fmt::format("esc_diode_V: expected 0 V where esc_rectification is synchronous, "
+                               "because the current then flows through transistors, found {}",
+                               esc.diode_V));
+  }
+}
+
+// The second of a pair may lose thrust to the first; alone no rotor does.
+void ReadRotors(const TomlReader& reader, Vehicle& vehicle) {
+  reader.Choice("layout", vehicle.layout);
+  reader.Choice("front_right_turns", vehicle.front_right_turns);
+  if (!reader.Number("lower_rotor_thrust_ratio",
+                     kAboveZero,
+                     1.0,
+                     "a ratio above 0 and at most 1",
+                     vehicle.lower_rotor_thrust_ratio)) {
+    return;
+  }
+  for (const Rotor& rotor : RotorsOf(vehicle.layout)) {
+    if (rotor.lower) return;
+  }
+  reader.Problem(reader.At(reader.Find("lower_rotor_thrust_ratio")->source()),
+                 "lower_rotor_thrust_ratio: expected a layout of coaxial pairs, y6 or x8; this "
+                 "layout has no lower rotors");
+}
+
 // The origins of the numbers are for people: only their keys are checked.
 void ReadSource(const TomlReader& reader,
                 const std::string& file,
@@ -167,7 +230,9 @@ Vehicle ParseVehicle(const std::string& text, const std::string& file) {
                                fmt::join(missing, ", ")));
   }
   ReadPwmRange(reader, vehicle);
-  reader.Choice("front_right_turns", vehicle.front_right_turns);
+  ReadRotors(reader, vehicle);
+  reader.Integer("series_cells", 1, 1000, vehicle.series_cells);
+  ReadSpeedController(reader, vehicle.esc);
   ReadSource(reader, file, problems);
   ThrowProblems(std::move(problems));
   return vehicle;

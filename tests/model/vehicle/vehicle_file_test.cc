@@ -90,21 +90,73 @@ TEST(VehicleFile, EveryMistakeIsNamedAtOnce) {
             "found nan\n"
             "v.toml:3:9: error: arm_m: expected a length above 0 m, found 'long'");
   const std::string bad = Replaced("mass_kg = 0.5", "mass_kg = -0.5\ncolour = \"red\"");
-  EXPECT_EQ(
-      Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
-      "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
-      "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
-      "arm_m, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
-      "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
-      "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, front_right_turns, source, found "
-      "'colour'\n"
-      "v.toml:13:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
-      "the first below the second, found [500, 10]\n"
-      "v.toml:15:1: error: expected one of the keys mass_kg, inertia_kg_m2, arm_m, "
-      "thrust_coefficient_N_s2, torque_coefficient_N_m_s2, motor_constant_N_m_per_A, "
-      "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
-      "nominal_voltage_V, pwm_range, linear_drag_N_s_per_m, front_right_turns, found 'mas_kg'\n"
-      "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
+  EXPECT_EQ(Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
+            "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
+            "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
+            "arm_m, layout, front_right_turns, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, "
+            "lower_rotor_thrust_ratio, propeller_diameter_m, motor_constant_N_m_per_A, "
+            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+            "nominal_voltage_V, series_cells, pwm_range, esc_resistance_Ohm, esc_switching_time_s, "
+            "esc_switching_frequency_Hz, esc_rectification, esc_diode_V, avionics_power_W, "
+            "linear_drag_N_s_per_m, source, found 'colour'\n"
+            "v.toml:13:13: error: pwm_range: expected the integers of D = 0 and D = 1, [10, 500], "
+            "the first below the second, found [500, 10]\n"
+            "v.toml:15:1: error: expected one of the keys mass_kg, inertia_kg_m2, arm_m, "
+            "layout, front_right_turns, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, "
+            "lower_rotor_thrust_ratio, propeller_diameter_m, motor_constant_N_m_per_A, "
+            "armature_resistance_Ohm, armature_inductance_H, friction_N_m_s, rotor_inertia_kg_m2, "
+            "nominal_voltage_V, series_cells, pwm_range, esc_resistance_Ohm, esc_switching_time_s, "
+            "esc_switching_frequency_Hz, esc_rectification, esc_diode_V, avionics_power_W, "
+            "linear_drag_N_s_per_m, found 'mas_kg'\n"
+            "v.toml:16:11: error: mass_kg: expected a text in quotes, found 1");
+}
+
+TEST(VehicleFile, RotorsControllersAndWhatElseTheBatteryFeeds) {
+  const Vehicle v = ParseVehicle(
+      With("layout = \"x8\"\nlower_rotor_thrust_ratio = 0.8\npropeller_diameter_m = 0.254\n"
+           "series_cells = 6\nesc_resistance_Ohm = 0.004\nesc_switching_time_s = 1e-7\n"
+           "esc_switching_frequency_Hz = 24000\nesc_rectification = \"diode\"\n"
+           "esc_diode_V = 0.7\navionics_power_W = 6\n"),
+      "v.toml");
+  EXPECT_EQ(v.layout, Layout::kX8);
+  EXPECT_EQ(v.rotor_count(), 8u);
+  EXPECT_EQ(v.lower_rotor_thrust_ratio, 0.8);
+  EXPECT_DOUBLE_EQ(v.total_thrust_coefficient_N_s2(), 7.2 * v.thrust_coefficient_N_s2);
+  EXPECT_EQ(v.propeller_diameter_m, 0.254);
+  EXPECT_EQ(v.series_cells, 6);
+  EXPECT_EQ(v.esc.resistance_Ohm, 0.004);
+  EXPECT_DOUBLE_EQ(v.esc.SwitchingShare(), 0.0024);
+  EXPECT_FALSE(v.esc.synchronous);
+  EXPECT_EQ(v.esc.diode_V, 0.7);
+  EXPECT_EQ(v.avionics_power_W, 6.0);
+}
+
+TEST(VehicleFile, WithoutFurtherKeysItIsTheQuadrotorOfTheThesis) {
+  const Vehicle v = ParseVehicle(std::string(kText), "v.toml");
+  EXPECT_EQ(v.layout, Layout::kQuadX);
+  EXPECT_EQ(v.rotor_count(), 4u);
+  EXPECT_EQ(v.total_thrust_coefficient_N_s2(), 4.0 * v.thrust_coefficient_N_s2);
+  EXPECT_EQ(v.lower_rotor_thrust_ratio, 1.0);
+  EXPECT_EQ(v.propeller_diameter_m, 0.0);
+  EXPECT_EQ(v.series_cells, 0);
+  EXPECT_TRUE(v.esc.lossless());
+  EXPECT_EQ(v.avionics_power_W, 0.0);
+}
+
+TEST(VehicleFile, WhatRotorsAndControllersCannotBe) {
+  EXPECT_EQ(Refusal(With("layout = \"tri\"\n")),
+            "v.toml:12:10: error: layout: expected one of quad-x, quad-plus, hexa-x, hexa-plus, "
+            "octo-x, octo-plus, y6, x8, found 'tri'");
+  EXPECT_EQ(Refusal(With("layout = \"hexa-x\"\nlower_rotor_thrust_ratio = 0.8\n")),
+            "v.toml:13:28: error: lower_rotor_thrust_ratio: expected a layout of coaxial pairs, y6 "
+            "or x8; this layout has no lower rotors");
+  EXPECT_EQ(Refusal(With("esc_diode_V = 0.7\n")),
+            "v.toml:12:15: error: esc_diode_V: expected 0 V where esc_rectification is "
+            "synchronous, because the current then flows through transistors, found 0.7");
+  EXPECT_EQ(Refusal(With("esc_rectification = \"no\"\nseries_cells = 0\n")),
+            "v.toml:12:21: error: esc_rectification: expected one of synchronous, diode, found "
+            "'no'\nv.toml:13:16: error: series_cells: expected an integer from 1 to 1000, found "
+            "0");
 }
 
 TEST(VehicleFile, MotorsTurnEitherWay) {
