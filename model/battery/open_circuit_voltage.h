@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -91,6 +92,7 @@ class OpenCircuitVoltage {
   /// f(A) for any scalar type, (4.49).
   template <class T>
   [[nodiscard]] T operator()(const T& soc) const {
+    if constexpr (std::is_same_v<T, double>) return Value(soc);
     const auto at = Evaluate(ScalarPart(soc));
     return Linearized(at.value_V, at.slope_V, soc);
   }
@@ -105,6 +107,16 @@ class OpenCircuitVoltage {
   };
 
   void SetPieces(std::vector<Piece> pieces);
+  // Evaluate() without the slope.
+  [[nodiscard]] double Value(double soc) const {
+    if (pieces_.empty()) return EvaluateSeries(soc).value_V;
+    if (!(soc >= lo_)) return first_.value_V + first_.slope_V * (soc - lo_);
+    if (soc >= hi_) return last_.value_V + last_.slope_V * (soc - hi_);
+    const std::size_t k = FindPiece(soc);
+    const Piece& p = pieces_[k];
+    const double x = soc - soc_[k];
+    return p.c0 + x * (p.c1 + x * (p.c2 + x * p.c3));
+  }
   // Of soc in [lo, hi).
   [[nodiscard]] std::size_t FindPiece(double soc) const {
     const auto bucket = static_cast<std::size_t>((soc - lo_) * buckets_per_soc_);

@@ -24,6 +24,7 @@ from lipoid._more import (
     targets,
     vehicles,
 )
+from lipoid._report import report
 from lipoid.errors import Diagnostic, LoadError, OptionError, PreconditionError
 
 __version__: str = _core.version
@@ -52,6 +53,7 @@ __all__ = [
     "optimizers",
     "plan",
     "read_log",
+    "report",
     "study",
     "synthesize",
     "targets",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 from collections.abc import Callable, Iterable
@@ -90,6 +91,7 @@ class Identification:
     usable: bool
     sentence: str
     campaign: Campaign = field(repr=False)
+    _staged: Cell | None = field(default=None, repr=False)
 
     @property
     def parameters(self) -> pd.DataFrame:
@@ -138,6 +140,20 @@ class Identification:
         from lipoid import plots
 
         return plots.identification(self, what, axes)
+
+    def report(self, file: str | os.PathLike[str]) -> None:
+        """Write it as one page with plots, for any browser, as ``--report`` does."""
+        from lipoid._report import report
+
+        report(self, file)
+
+    def _shown(self) -> Any:
+        return _core.shown_identification(
+            json.dumps({"command": "identify", **self.summary}),
+            self.campaign._core,
+            self.cell._core,
+            None if self._staged is None else self._staged._core,
+        )
 
     def __repr__(self) -> str:
         state = "" if self.converged else ", not converged"
@@ -205,14 +221,15 @@ def identify(
     """
     made = as_campaign(campaign)
     with Reporter(progress, f"identify {made.name}".strip()) as tell:
-        core, summary, converged, usable, sentence = _core.identify(
+        core, staged, summary, converged, usable, sentence = _core.identify(
             made._core, dict(options), seed, threads, tell
         )
     for note in summary.get("log_notes", []):
         logger.warning("%s", note)
     if not converged:
         logger.warning("%s: not converged", made.name)
-    return Identification(Cell._of(core), summary, converged, usable, sentence, made)
+    beside = None if staged is None else Cell._of(staged)
+    return Identification(Cell._of(core), summary, converged, usable, sentence, made, beside)
 
 
 def validate_one(cell: Cell, log: Log, initial_soc: float) -> dict[str, Any]:

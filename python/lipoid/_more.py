@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,6 +20,7 @@ from lipoid._cell import Cell
 from lipoid._identify import Identification, Progress, Reporter, as_campaign, identify
 from lipoid._keywords import takes
 from lipoid._log import Log
+from lipoid._report import report
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,6 +83,13 @@ class Comparison:
         from lipoid import plots
 
         return plots.comparison(self, axes)
+
+    def report(self, file: str | os.PathLike[str]) -> None:
+        """Write it as one page with plots, for any browser, as ``--report`` does."""
+        report(self, file)
+
+    def _shown(self) -> Any:
+        return _core.shown_summary(json.dumps({"command": "compare", **self.summary}))
 
     def __repr__(self) -> str:
         return (
@@ -285,6 +294,14 @@ class Flight:
         from lipoid import plots
 
         return plots.flight(self, axes)
+
+    def report(self, file: str | os.PathLike[str]) -> None:
+        """Write it as one page with plots, for any browser, as ``--report`` does."""
+        report(self, file)
+
+    def _shown(self) -> Any:
+        columns = {str(name): self.data[name].to_numpy(dtype=float) for name in self.data}
+        return _core.shown_flight(json.dumps({"command": "fly", **self.summary}), columns)
 
     def __repr__(self) -> str:
         s = self.summary

@@ -37,7 +37,7 @@ struct IdentifyKeywords {
   }
 };
 
-// What the cell was made from and how, and the summary of `lipoid identify`.
+// The cell, the staged one beside a joint one, and the summary of `lipoid identify`.
 nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                            const nb::dict& given,
                            std::uint64_t seed,
@@ -74,7 +74,10 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
       },
       progress,
       threads);
+  nb::object staged = nb::none();
+  if (found.joint) staged = nb::cast(PythonCell{std::move(found.joint->staged.cell)});
   return nb::make_tuple(PythonCell{std::move(found.cell)},
+                        staged,
                         ToPython(summary),
                         found.converged,
                         found.usable(),

@@ -11,6 +11,7 @@
 #include "python/src/identification.h"
 #include "python/src/log.h"
 #include "python/src/planning.h"
+#include "python/src/report.h"
 #include "python/src/work.h"
 
 NB_MODULE(_core, module) {
@@ -24,6 +25,7 @@ NB_MODULE(_core, module) {
   AddPlanning(module);
   AddFlights(module);
   AddExport(module);
+  AddReports(module);
   module.def("stop_all_work", &StopAllWork);
   module.attr("version") = lipoid::Version();
   module.attr("commit") = lipoid::GitCommit();

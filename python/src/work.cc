@@ -1,15 +1,19 @@
 #include "python/src/work.h"
 
+#include <pthread.h>
 #include <tbb/global_control.h>
 
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "model/core/stop.h"
 
@@ -39,6 +43,68 @@ struct Listed {
   Stoppable* of;
 };
 
+// Threads that wait for work, as many as ever worked at once. They stay: of every thread that has
+// used its arena oneTBB keeps some kilobytes for good.
+class Workers {
+ public:
+  static Workers& All() {
+    static auto& all = *new Workers;  // threads may wait for it when the process ends
+    return all;
+  }
+
+  void Run(std::function<void()> job, std::function<void()> ended) {
+    Worker* worker = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        worker = idle_.back();
+        idle_.pop_back();
+      }
+    }
+    if (worker == nullptr) {
+      auto made = std::make_unique<Worker>();
+      worker = made.get();
+      std::thread([this, own = std::move(made)] { Serve(*own); }).detach();
+    }
+    const std::lock_guard lock(worker->mutex);
+    worker->job = std::move(job);
+    worker->ended = std::move(ended);
+    worker->wake.notify_one();
+  }
+
+ private:
+  struct Worker {
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::function<void()> job;
+    std::function<void()> ended;
+  };
+
+  // No thread but the one that forks is there after it.
+  Workers() {
+    pthread_atfork(nullptr, nullptr, [] { All().idle_.clear(); });
+  }
+
+  void Serve(Worker& worker) {
+    while (true) {
+      std::unique_lock lock(worker.mutex);
+      worker.wake.wait(lock, [&] { return static_cast<bool>(worker.job); });
+      const auto job = std::exchange(worker.job, nullptr);
+      const auto ended = std::exchange(worker.ended, nullptr);
+      lock.unlock();
+      job();
+      {
+        const std::lock_guard own(mutex_);
+        idle_.push_back(&worker);
+      }
+      ended();  // who waits may come with more work at once, and finds this one idle
+    }
+  }
+
+  std::mutex mutex_;
+  std::vector<Worker*> idle_;
+};
+
 struct Shared {
   std::mutex mutex;
   std::condition_variable ended;
@@ -53,7 +119,8 @@ struct Shared {
 
 void Work(const std::function<void(const Tell&)>& work, const nb::object& progress, int threads) {
   const bool told = !progress.is_none();
-  Shared shared;
+  const auto kept = std::make_shared<Shared>();  // the worker leaves it last
+  Shared& shared = *kept;
   Stoppable stoppable;
   const Listed listed(stoppable);
   const Tell tell = [&](std::string_view what, double share) {
@@ -72,16 +139,19 @@ void Work(const std::function<void(const Tell&)>& work, const nb::object& progre
       limit.emplace(tbb::global_control::max_allowed_parallelism,
                     static_cast<std::size_t>(threads));
     }
-    std::thread worker([&] {
-      try {
-        stoppable.Run([&] { work(tell); });
-      } catch (...) {
-        shared.error = std::current_exception();
-      }
-      const std::lock_guard lock(shared.mutex);
-      shared.done = true;
-      shared.ended.notify_one();
-    });
+    Workers::All().Run(
+        [&] {
+          try {
+            stoppable.Run([&] { work(tell); });
+          } catch (...) {
+            shared.error = std::current_exception();
+          }
+        },
+        [kept] {
+          const std::lock_guard lock(kept->mutex);
+          kept->done = true;
+          kept->ended.notify_one();
+        });
     while (true) {
       bool news = false;
       double share = 0.0;
@@ -102,8 +172,11 @@ void Work(const std::function<void(const Tell&)>& work, const nb::object& progre
         break;
       }
     }
-    if (interrupted) stoppable.Stop();
-    worker.join();
+    if (interrupted) {
+      stoppable.Stop();
+      std::unique_lock lock(shared.mutex);
+      shared.ended.wait(lock, [&] { return shared.done; });
+    }
   }
   if (interrupted) std::rethrow_exception(interrupted);
   if (shared.error) std::rethrow_exception(shared.error);

@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 
+#include "tools/report/thinned_series.h"
+
 namespace lipoid::test {
 namespace {
 

@@ -1,20 +1,16 @@
 #include "tools/report/flight_series.h"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <span>
 
-#include "tools/report/thin.h"
+#include "tools/report/thinned_series.h"
 
 namespace lipoid {
 namespace {
 
+constexpr const char* kTime = "time_s";  // has a type of its own
+
 // Rows in memory: 7 MB.
 constexpr std::size_t kMostRows = std::size_t{1} << 16;
-
-// In base64 three bytes take four.
-constexpr double kBytesOfBase64 = 4.0 / 3.0;
 
 const std::vector<std::string>& LogColumns() {
   static const std::vector<std::string> columns = [] {
@@ -25,72 +21,23 @@ const std::vector<std::string>& LogColumns() {
   return columns;
 }
 
-// Time apart, which has a type of its own.
-bool Shown(const std::string& name) {
-  return name != "time_s" && !name.starts_with("velocity_") && !name.starts_with("climb_") &&
-         !name.ends_with("_rate_rad_per_s") && !name.starts_with("current_");
-}
-
-// Of each stretch of so many rows of the flight the first row, and those at which a column is least
-// or largest; and the last row of all. `index` says which row of the flight each is.
-template <class Column>
-std::vector<std::size_t> ExtremeRows(const std::vector<std::size_t>& index,
-                                     const std::vector<Column>& columns,
-                                     std::size_t stretch) {
-  std::vector<std::size_t> kept;
-  for (std::size_t first = 0; first < index.size();) {
-    std::size_t last = first + 1;
-    while (last < index.size() && index[last] / stretch == index[first] / stretch) ++last;
-    const auto begin = static_cast<std::ptrdiff_t>(kept.size());
-    kept.push_back(first);
-    if (last == index.size()) kept.push_back(last - 1);
-    for (const Column& column : columns) {
-      std::size_t least = first;
-      std::size_t largest = first;
-      for (std::size_t row = first + 1; row < last; ++row) {
-        // A comparison with NaN is false: it is neither.
-        if (column[row] < column[least]) least = row;
-        if (column[row] > column[largest]) largest = row;
-      }
-      kept.push_back(least);
-      kept.push_back(largest);
-    }
-    std::sort(kept.begin() + begin, kept.end());
-    kept.erase(std::unique(kept.begin() + begin, kept.end()), kept.end());
-    first = last;
-  }
-  return kept;
-}
-
 template <class Value>
 void Keep(const std::vector<std::size_t>& rows, std::vector<Value>& column) {
   for (std::size_t to = 0; to < rows.size(); ++to) column[to] = column[rows[to]];
   column.resize(rows.size());
 }
 
-bool Same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-// Columns that repeat another, or one value throughout, take nothing (report.cc).
-double BytesPerRow(const Series& series) {
-  std::size_t bytes = 0;
-  for (auto column = series.columns.begin(); column != series.columns.end(); ++column) {
-    const auto& values = column->values;
-    const bool constant = std::all_of(
-        values.begin(), values.end(), [&](double value) { return Same(value, values[0]); });
-    const bool repeated = std::any_of(series.columns.begin(), column, [&](const auto& earlier) {
-      return std::equal(values.begin(), values.end(), earlier.values.begin(), &Same);
-    });
-    if (!constant && !repeated) bytes += column->name == "time_s" ? sizeof(double) : sizeof(float);
-  }
-  return kBytesOfBase64 * static_cast<double>(std::max<std::size_t>(bytes, 1));
-}
-
 }  // namespace
+
+bool IsShownOfFlight(const std::string& column) {
+  return !column.starts_with("velocity_") && !column.starts_with("climb_") &&
+         !column.ends_with("_rate_rad_per_s") && !column.starts_with("current_");
+}
 
 FlightSeries::FlightSeries() {
   const auto& columns = LogColumns();
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (Shown(columns[k])) shown_.push_back(k);
+    if (columns[k] != kTime && IsShownOfFlight(columns[k])) shown_.push_back(k);
   }
   values_.resize(shown_.size());
 }
@@ -126,27 +73,6 @@ Series FlightSeries::Take(const std::string& name) {
     series.columns.push_back({LogColumns()[shown_[k]], {values.begin(), values.end()}});
   }
   return series;
-}
-
-Series Thinned(const Series& series, std::size_t most_bytes) {
-  const std::size_t rows = series.columns.empty() ? 0 : series.columns[0].values.size();
-  const double most_rows = static_cast<double>(most_bytes) / BytesPerRow(series);
-  if (static_cast<double>(rows) <= most_rows) return series;
-  std::vector<std::size_t> kept(rows);
-  for (std::size_t k = 0; k < rows; ++k) kept[k] = k;
-  const std::vector<std::size_t> all = kept;
-  std::vector<std::span<const double>> columns;
-  for (const auto& column : series.columns) {
-    if (column.name != "time_s") columns.emplace_back(column.values);
-  }
-  // One stretch that holds them all keeps two rows of each column, the least there can be.
-  for (std::size_t stretch = 4; static_cast<double>(kept.size()) > most_rows && stretch / 2 < rows;
-       stretch += stretch / 4)
-    kept = ExtremeRows(all, columns, stretch);
-  Series thinned{series.kind, series.name, series.rows, {}};
-  for (const auto& [name, values] : series.columns)
-    thinned.columns.push_back({name, At(values, kept)});
-  return thinned;
 }
 
 }  // namespace lipoid

@@ -17,9 +17,8 @@
 
 namespace lipoid {
 
-/// What the series of all flights of a page may take together, as they stand in it: with three.js
-/// and all else the page stays below 2 MB.
-inline constexpr std::size_t kBytesOfFlights = 1'150'000;
+/// Whether charts show this column of a flight log: not speeds, rates and currents of single motors.
+[[nodiscard]] bool IsShownOfFlight(const std::string& column);
 
 class FlightSeries {
  public:
@@ -27,9 +26,8 @@ class FlightSeries {
 
   void Row(const FlightSample& sample);
 
-  /// Kind "flight", with the name of its flight log, where it has one. Columns are those of the
-  /// flight log but for speeds, rates and the currents of single motors, which no chart shows. A
-  /// flight of more than 65536 rows is thinned, as by Thinned(). Once.
+  /// Kind "flight", with the name of its flight log, where it has one, and the columns of it that
+  /// charts show. A flight of more than 65536 rows is thinned, as by Thinned(). Once.
   [[nodiscard]] Series Take(const std::string& name);
 
  private:
@@ -42,9 +40,5 @@ class FlightSeries {
   std::size_t seen_ = 0;
   std::size_t stretch_ = 1;
 };
-
-/// The series with so few rows that it takes no more than `most_bytes` of a page: stretches of equal
-/// duration keep the rows at which a column is least or largest, so that no peak is lost.
-[[nodiscard]] Series Thinned(const Series& series, std::size_t most_bytes);
 
 }  // namespace lipoid

@@ -2,12 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "tools/report/thin.h"
+#include "tools/report/thinned_series.h"
 
 namespace lipoid {
 namespace {
@@ -22,18 +21,7 @@ constexpr std::size_t kLeastRows = 200;
 }  // namespace
 
 std::vector<std::size_t> RowsOfPage(std::span<const std::size_t> rows, std::size_t columns) {
-  std::vector<std::size_t> order(rows.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(
-      order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rows[a] < rows[b]; });
-  std::size_t left = kBytesOfPage / (kBytesOfTime + kBytesOfValue * columns);
-  std::vector<std::size_t> kept(rows.size());
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    const std::size_t share = std::max(kLeastRows, left / (order.size() - n));
-    kept[order[n]] = std::min(rows[order[n]], share);
-    left -= std::min(left, kept[order[n]]);
-  }
-  return kept;
+  return Shares(rows, kBytesOfPage / (kBytesOfTime + kBytesOfValue * columns), kLeastRows);
 }
 
 Series LogSeries(std::span<const PredictedColumn> cells,

@@ -7,19 +7,21 @@
 #include <cmath>
 #include <cstring>
 #include <ctime>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
-#include "tools/report/flight_series.h"
 #include "tools/report/shown_summary.h"
+#include "tools/report/thinned_series.h"
 #include "tools/report/web_asset.h"
 
 namespace lipoid {
 namespace {
+
+// Of samples, in base64, beside the scripts of a page with flights and of one without.
+constexpr std::size_t kBytesBesideFlights = 1'150'000;
+constexpr std::size_t kBytesBesideCharts = 1'600'000;
 
 std::string Base64(const unsigned char* bytes, std::size_t size) {
   std::string text((size + 2) / 3 * 4 + 1, '\0');
@@ -120,15 +122,22 @@ std::string ReportPage(std::span<const ReportResult> results) {
   Json page = {{"schema", "lipoid.report/1"},
                {"program", {{"version", Version()}, {"commit", GitCommit()}, {"written", Today()}}},
                {"results", Json::array()}};
-  const std::size_t flights = std::transform_reduce(
-      results.begin(), results.end(), std::size_t{0}, std::plus<>(), [](const auto& result) {
-        return std::count_if(result.series.begin(), result.series.end(), &IsFlight);
-      });
+  // What all samples of the page may take: with the scripts, of which those of a flight are large,
+  // it stays below 2 MB.
+  bool flights = false;
+  std::vector<std::size_t> wanted;
+  for (const ReportResult& result : results) {
+    for (const Series& each : result.series) {
+      flights = flights || IsFlight(each);
+      wanted.push_back(BytesOf(each));
+    }
+  }
+  const auto shares = Shares(wanted, flights ? kBytesBesideFlights : kBytesBesideCharts);
+  auto share = shares.begin();
   for (const ReportResult& result : results) {
     Json series = Json::array();
     for (const Series& each : result.series)
-      series.push_back(
-          SeriesToJson(IsFlight(each) ? Thinned(each, kBytesOfFlights / flights) : each));
+      series.push_back(SeriesToJson(Thinned(each, *share++)));
     Json shown = Json::object();
     shown["summary"] = ShownSummary(result.summary);
     shown["series"] = std::move(series);
@@ -137,7 +146,7 @@ std::string ReportPage(std::span<const ReportResult> results) {
     page["results"].push_back(std::move(shown));
   }
   const std::string data = Escaped(page.dump(-1, ' ', false, Json::error_handler_t::replace));
-  const std::string_view script = *FindWebAsset(flights > 0 ? "report-flight.js" : "report.js");
+  const std::string_view script = *FindWebAsset(flights ? "report-flight.js" : "report.js");
   const std::string_view style = *FindWebAsset("style.css");
   const auto value = [&](std::string_view name) -> std::string {
     if (name == "SCRIPT_HASH") return PolicyHash(script);

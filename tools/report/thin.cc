@@ -10,9 +10,11 @@
 namespace lipoid {
 namespace {
 
-// Rows about a jump that stay, before it and after: a pulse's first instants.
-constexpr std::size_t kRowsBefore = 8;
-constexpr std::size_t kRowsAfter = 56;
+// Rows about a jump that stay, at least and at most: a pulse's first instants. One of eight lies
+// before the jump.
+constexpr std::size_t kLeastAbout = 64;
+constexpr std::size_t kMostAbout = 4096;
+constexpr std::size_t kBefore = 8;
 
 // A jump is what is larger than this share of the largest one.
 constexpr double kJumpShare = 0.05;
@@ -41,6 +43,11 @@ void KeepExtremes(std::span<const double> column,
   if (largest < last) kept.push_back(largest);
 }
 
+void SortedOnce(std::vector<std::size_t>& rows) {
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+}
+
 // The rows about the largest jumps, at most `most` of them.
 void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std::size_t>& kept) {
   std::vector<std::pair<double, std::size_t>> jumps;
@@ -52,7 +59,7 @@ void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std
     const double jump = std::abs(column[k] - column[k - 1]);
     if (jump >= kJumpShare * largest) jumps.emplace_back(jump, k);
   }
-  const std::size_t places = std::min(jumps.size(), most / (kRowsBefore + kRowsAfter));
+  const std::size_t places = std::min(jumps.size(), most / kLeastAbout);
   if (places < jumps.size()) {
     // The largest; of equal ones those that lie evenly over the log.
     const std::size_t stride =
@@ -65,10 +72,12 @@ void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std
     }
     jumps = std::move(spread);
   }
+  if (jumps.empty() || places == 0) return;
+  const std::size_t about = std::min(kMostAbout, most / std::min(places, jumps.size()));
   for (std::size_t n = 0; n < std::min(places, jumps.size()); ++n) {
-    const std::size_t row = jumps[n].second;
-    const std::size_t end = std::min(column.size(), row + kRowsAfter);
-    for (std::size_t k = row - std::min(row, kRowsBefore); k < end; ++k) kept.push_back(k);
+    const std::size_t first = jumps[n].second - std::min(jumps[n].second, about / kBefore);
+    const std::size_t end = std::min(column.size(), first + about);
+    for (std::size_t k = first; k < end; ++k) kept.push_back(k);
   }
 }
 
@@ -85,8 +94,7 @@ std::vector<std::size_t> ThinnedRows(std::size_t rows,
     return kept;
   }
   kept = {0, rows - 1};
-  if (!jumps.empty()) KeepJumps(jumps, most / 2, kept);
-  const std::size_t left = most - std::min(most, kept.size());
+  const std::size_t left = jumps.empty() ? most - 2 : most / 2;
   const std::size_t stretches = left / (2 * std::max<std::size_t>(columns.size(), 1));
   std::vector<std::vector<std::size_t>> extremes(stretches);
   tbb::parallel_for(std::size_t{0}, stretches, [&](std::size_t n) {
@@ -95,8 +103,10 @@ std::vector<std::size_t> ThinnedRows(std::size_t rows,
     for (const auto column : columns) KeepExtremes(column, first, last, extremes[n]);
   });
   for (const auto& each : extremes) kept.insert(kept.end(), each.begin(), each.end());
-  std::sort(kept.begin(), kept.end());
-  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  SortedOnce(kept);
+  // One row is often the extreme of several columns: what that leaves goes to the jumps.
+  if (!jumps.empty()) KeepJumps(jumps, most - std::min(most, kept.size()), kept);
+  SortedOnce(kept);
   return kept;
 }
 

@@ -1,0 +1,34 @@
+"""Results as one page for a browser."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+from lipoid import _core
+
+
+class Reportable(Protocol):
+    """A result that a page can show: an identification, a comparison, a flight."""
+
+    def _shown(self) -> Any: ...
+
+
+def report(results: Reportable | Iterable[Reportable], file: str | os.PathLike[str]) -> None:
+    """Write results as one page with plots: one file, which needs no network.
+
+    Parameters
+    ----------
+    results : Identification, Comparison or Flight, or several
+        Shown one under another; flights over one another.
+    file : path
+        The page to write, HTML.
+
+    Raises
+    ------
+    OptionError
+        Where lipoid was built without npm, which fetches what pages are made of.
+    """
+    several = list(results) if isinstance(results, Iterable) else [results]
+    _core.write_report([one._shown() for one in several], file)
