@@ -15,7 +15,7 @@ struct Place {
 };
 
 struct Row {
-  Layout layout;
+  RotorLayout layout;
   std::array<Place, kMostRotors> places;
   std::size_t count;
 };
@@ -23,11 +23,11 @@ struct Row {
 // The only list of layouts, in the order of the enumeration. Neighbours turn against each other;
 // in coaxial pairs the lower rotor turns against the upper one.
 constexpr std::array kRows{
-    Row{Layout::kQuadX, {{{45, 1}, {135, -1}, {225, 1}, {315, -1}}}, 4},
-    Row{Layout::kQuadPlus, {{{0, 1}, {90, -1}, {180, 1}, {270, -1}}}, 4},
-    Row{Layout::kHexaX, {{{30, 1}, {90, -1}, {150, 1}, {210, -1}, {270, 1}, {330, -1}}}, 6},
-    Row{Layout::kHexaPlus, {{{0, 1}, {60, -1}, {120, 1}, {180, -1}, {240, 1}, {300, -1}}}, 6},
-    Row{Layout::kOctoX,
+    Row{RotorLayout::kQuadX, {{{45, 1}, {135, -1}, {225, 1}, {315, -1}}}, 4},
+    Row{RotorLayout::kQuadPlus, {{{0, 1}, {90, -1}, {180, 1}, {270, -1}}}, 4},
+    Row{RotorLayout::kHexaX, {{{30, 1}, {90, -1}, {150, 1}, {210, -1}, {270, 1}, {330, -1}}}, 6},
+    Row{RotorLayout::kHexaPlus, {{{0, 1}, {60, -1}, {120, 1}, {180, -1}, {240, 1}, {300, -1}}}, 6},
+    Row{RotorLayout::kOctoX,
         {{{22.5, 1},
           {67.5, -1},
           {112.5, 1},
@@ -37,10 +37,10 @@ constexpr std::array kRows{
           {292.5, 1},
           {337.5, -1}}},
         8},
-    Row{Layout::kOctoPlus,
+    Row{RotorLayout::kOctoPlus,
         {{{0, 1}, {45, -1}, {90, 1}, {135, -1}, {180, 1}, {225, -1}, {270, 1}, {315, -1}}},
         8},
-    Row{Layout::kY6,
+    Row{RotorLayout::kY6,
         {{{60, 1, Level::kUpper},
           {60, -1, Level::kLower},
           {180, 1, Level::kUpper},
@@ -48,7 +48,7 @@ constexpr std::array kRows{
           {300, 1, Level::kUpper},
           {300, -1, Level::kLower}}},
         6},
-    Row{Layout::kX8,
+    Row{RotorLayout::kX8,
         {{{45, 1, Level::kUpper},
           {45, -1, Level::kLower},
           {135, -1, Level::kUpper},
@@ -62,8 +62,8 @@ constexpr std::array kRows{
 
 constexpr bool InOrder() {
   for (std::size_t k = 0; k < kRows.size(); ++k)
-    if (kRows[k].layout != Layout(k)) return false;
-  return kRows.size() == OptionNames(Layout{}).size();
+    if (kRows[k].layout != RotorLayout(k)) return false;
+  return kRows.size() == OptionNames(RotorLayout{}).size();
 }
 static_assert(InOrder());
 
@@ -94,7 +94,7 @@ std::array<Rotors, kRows.size()> AllRotors() {
 
 }  // namespace
 
-std::span<const Rotor> RotorsOf(Layout layout) {
+std::span<const Rotor> RotorsOf(RotorLayout layout) {
   static const auto all = AllRotors();
   const auto k = std::size_t(layout);
   return std::span(all[k]).first(kRows[k].count);

@@ -16,17 +16,17 @@
 
 namespace lipoid {
 
-enum class Layout { kQuadX, kQuadPlus, kHexaX, kHexaPlus, kOctoX, kOctoPlus, kY6, kX8 };
+enum class RotorLayout { kQuadX, kQuadPlus, kHexaX, kHexaPlus, kOctoX, kOctoPlus, kY6, kX8 };
 
-constexpr std::array<std::pair<Layout, std::string_view>, 8> OptionNames(Layout) {
-  return {{{Layout::kQuadX, "quad-x"},
-           {Layout::kQuadPlus, "quad-plus"},
-           {Layout::kHexaX, "hexa-x"},
-           {Layout::kHexaPlus, "hexa-plus"},
-           {Layout::kOctoX, "octo-x"},
-           {Layout::kOctoPlus, "octo-plus"},
-           {Layout::kY6, "y6"},
-           {Layout::kX8, "x8"}}};
+constexpr std::array<std::pair<RotorLayout, std::string_view>, 8> OptionNames(RotorLayout) {
+  return {{{RotorLayout::kQuadX, "quad-x"},
+           {RotorLayout::kQuadPlus, "quad-plus"},
+           {RotorLayout::kHexaX, "hexa-x"},
+           {RotorLayout::kHexaPlus, "hexa-plus"},
+           {RotorLayout::kOctoX, "octo-x"},
+           {RotorLayout::kOctoPlus, "octo-plus"},
+           {RotorLayout::kY6, "y6"},
+           {RotorLayout::kX8, "x8"}}};
 }
 
 inline constexpr std::size_t kMostRotors = 8;
@@ -39,6 +39,6 @@ struct Rotor {
 };
 
 /// The rotors of a layout, in their order.
-[[nodiscard]] std::span<const Rotor> RotorsOf(Layout layout);
+[[nodiscard]] std::span<const Rotor> RotorsOf(RotorLayout layout);
 
 }  // namespace lipoid

@@ -58,7 +58,7 @@ struct Vehicle {
   double nominal_voltage_V = 0.0;                ///< v_b0 > 0
   std::array<double, 2> pwm_range{10.0, 500.0};  ///< omega_PWM at D = 0 and D = 1, (6.1)
   double linear_drag_N_s_per_m = 0.0;            ///< >= 0; acts only where drag is on
-  Layout layout = Layout::kQuadX;
+  RotorLayout layout = RotorLayout::kQuadX;
   /// Of the first rotor of the layout, seen from above; it is front right in a quad-x, where back
   /// left turns alike and the other two the other way. The thesis' B has it clockwise, ArduCopter's
   /// quad X counter-clockwise.

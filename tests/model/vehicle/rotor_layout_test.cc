@@ -9,18 +9,18 @@
 namespace lipoid {
 namespace {
 
-class Layouts : public testing::TestWithParam<Layout> {};
+class RotorLayouts : public testing::TestWithParam<RotorLayout> {};
 
 // "quad-x" is no name of a test, "quad_x" is.
-std::string NameOf(const testing::TestParamInfo<Layout>& info) {
-  std::string name(OptionNames(Layout{})[std::size_t(info.param)].second);
+std::string NameOf(const testing::TestParamInfo<RotorLayout>& info) {
+  std::string name(OptionNames(RotorLayout{})[std::size_t(info.param)].second);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
 constexpr double kRounding = 8 * 2.3e-16;  // of eight cosines added up
 
-TEST_P(Layouts, AreBalanced) {
+TEST_P(RotorLayouts, AreBalanced) {
   double ahead = 0.0;
   double right = 0.0;
   double turning = 0.0;
@@ -38,7 +38,7 @@ TEST_P(Layouts, AreBalanced) {
   EXPECT_EQ(RotorsOf(GetParam())[0].turning, 1.0);
 }
 
-TEST_P(Layouts, MirrorThemselvesAboutTheNose) {
+TEST_P(RotorLayouts, MirrorThemselvesAboutTheNose) {
   const auto rotors = RotorsOf(GetParam());
   for (const Rotor& rotor : rotors) {
     bool mirrored = false;
@@ -50,7 +50,7 @@ TEST_P(Layouts, MirrorThemselvesAboutTheNose) {
   }
 }
 
-TEST_P(Layouts, LowerRotorsTurnAgainstTheUpperOneOfTheirArm) {
+TEST_P(RotorLayouts, LowerRotorsTurnAgainstTheUpperOneOfTheirArm) {
   const auto rotors = RotorsOf(GetParam());
   for (std::size_t i = 0; i < rotors.size(); ++i) {
     if (!rotors[i].lower) continue;
@@ -63,19 +63,19 @@ TEST_P(Layouts, LowerRotorsTurnAgainstTheUpperOneOfTheirArm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All,
-                         Layouts,
-                         testing::Values(Layout::kQuadX,
-                                         Layout::kQuadPlus,
-                                         Layout::kHexaX,
-                                         Layout::kHexaPlus,
-                                         Layout::kOctoX,
-                                         Layout::kOctoPlus,
-                                         Layout::kY6,
-                                         Layout::kX8),
+                         RotorLayouts,
+                         testing::Values(RotorLayout::kQuadX,
+                                         RotorLayout::kQuadPlus,
+                                         RotorLayout::kHexaX,
+                                         RotorLayout::kHexaPlus,
+                                         RotorLayout::kOctoX,
+                                         RotorLayout::kOctoPlus,
+                                         RotorLayout::kY6,
+                                         RotorLayout::kX8),
                          NameOf);
 
 TEST(RotorLayout, HasTheRotorsOfItsName) {
-  for (const auto& [layout, name] : OptionNames(Layout{})) {
+  for (const auto& [layout, name] : OptionNames(RotorLayout{})) {
     const std::size_t count = name.starts_with("quad")                          ? 4
                               : name.starts_with("hexa") || name.ends_with("6") ? 6
                                                                                 : 8;
@@ -85,7 +85,7 @@ TEST(RotorLayout, HasTheRotorsOfItsName) {
 
 TEST(RotorLayout, QuadXIsTheOneOfTheThesis) {
   // Front right, back right, back left, front left.
-  const auto rotors = RotorsOf(Layout::kQuadX);
+  const auto rotors = RotorsOf(RotorLayout::kQuadX);
   const double ahead[] = {1, -1, -1, 1};
   const double right[] = {1, 1, -1, -1};
   const double turning[] = {1, -1, 1, -1};
@@ -97,7 +97,8 @@ TEST(RotorLayout, QuadXIsTheOneOfTheThesis) {
 }
 
 TEST(RotorLayout, PlusPutsTheFirstAhead) {
-  for (const Layout layout : {Layout::kQuadPlus, Layout::kHexaPlus, Layout::kOctoPlus}) {
+  for (const RotorLayout layout :
+       {RotorLayout::kQuadPlus, RotorLayout::kHexaPlus, RotorLayout::kOctoPlus}) {
     EXPECT_EQ(RotorsOf(layout)[0].ahead, 1.0);
     EXPECT_EQ(RotorsOf(layout)[0].right, 0.0);
     EXPECT_GT(RotorsOf(layout)[1].right, 0.0);  // clockwise seen from above

@@ -118,7 +118,7 @@ TEST(VehicleFile, RotorsControllersAndWhatElseTheBatteryFeeds) {
            "esc_switching_frequency_Hz = 24000\nesc_rectification = \"diode\"\n"
            "esc_diode_V = 0.7\navionics_power_W = 6\n"),
       "v.toml");
-  EXPECT_EQ(v.layout, Layout::kX8);
+  EXPECT_EQ(v.layout, RotorLayout::kX8);
   EXPECT_EQ(v.rotor_count(), 8u);
   EXPECT_EQ(v.lower_rotor_thrust_ratio, 0.8);
   EXPECT_DOUBLE_EQ(v.total_thrust_coefficient_N_s2(), 7.2 * v.thrust_coefficient_N_s2);
@@ -133,7 +133,7 @@ TEST(VehicleFile, RotorsControllersAndWhatElseTheBatteryFeeds) {
 
 TEST(VehicleFile, WithoutFurtherKeysItIsTheQuadrotorOfTheThesis) {
   const Vehicle v = ParseVehicle(std::string(kText), "v.toml");
-  EXPECT_EQ(v.layout, Layout::kQuadX);
+  EXPECT_EQ(v.layout, RotorLayout::kQuadX);
   EXPECT_EQ(v.rotor_count(), 4u);
   EXPECT_EQ(v.total_thrust_coefficient_N_s2(), 4.0 * v.thrust_coefficient_N_s2);
   EXPECT_EQ(v.lower_rotor_thrust_ratio, 1.0);
