@@ -11,6 +11,12 @@
 #include "model/flight/maneuvers/maneuvers.h"
 
 namespace lipoid {
+namespace {
+
+// What a penalty aims at, so that it ends on the stable side of its bound.
+constexpr double kSlowestDecay_per_s = 1e-3;
+
+}  // namespace
 
 std::vector<FlightCommand> SampledCommands(const FlightPlan& plan) {
   std::vector<FlightCommand> sampled;
@@ -36,7 +42,8 @@ FlightPlan DesignPlan(const GainDesign& design) {
   return plan;
 }
 
-GainProblem::GainProblem(const GainDesign& design) : design_(design) {
+GainProblem::GainProblem(const GainDesign& design, double stability_weight)
+    : design_(design), stability_weight_(stability_weight) {
   Require(!design.xi.empty(), "at least one xi", {});
   const double thesis_bound = design.loop == Loop::kAltitude ? 10.0 : 1.0;  // U of section 6.2
   const auto bound = [&](double given) { return given > 0.0 ? given : thesis_bound; };
@@ -49,6 +56,13 @@ GainProblem::GainProblem(const GainDesign& design) : design_(design) {
     Require(xi > 0.0, "xi above 0", {{"xi", xi}});
     Require(weight >= 0.0, "a weight of at least 0", {{"weight", weight}});
     tasks_.push_back({design.vehicle, xi, design.controller, plan, design.options.motor_lag});
+    const HoverResponse response = ResponseAtHover(design.vehicle, HoverAt(design.vehicle, xi));
+    const AxisResponse& own = design.loop == Loop::kAltitude ? response.altitude : response.pitch;
+    for (const double gain : {1.0 / kStabilityMargin, kStabilityMargin}) {
+      for (const double lag : {0.0, 1.0, kStabilityMargin}) {
+        responses_.push_back({.kappa = gain * own.kappa, .lag_s = lag * own.lag_s});
+      }
+    }
   }
 }
 
@@ -71,6 +85,22 @@ Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
                          gains.derivative / bounds_.derivative);
 }
 
+std::vector<Growth> GainProblem::Lacks(const ErrorGains& gains) const {
+  std::vector<Growth> lacks;
+  for (const AxisResponse& response : responses_) {
+    Growth growth = GrowthOf(response, gains);
+    growth.per_s += kSlowestDecay_per_s;
+    if (growth.per_s > 0.0) lacks.push_back(growth);
+  }
+  return lacks;
+}
+
+bool GainProblem::Stable(const ErrorGains& gains) const {
+  return std::all_of(responses_.begin(), responses_.end(), [&](const AxisResponse& response) {
+    return GrowthOf(response, gains).per_s < 0.0;
+  });
+}
+
 double GainProblem::Cost(const Eigen::VectorXd& x) const {
   std::vector<double> sums(tasks_.size(), 0.0);
   const ErrorGains gains = Gains(x);
@@ -81,6 +111,9 @@ double GainProblem::Cost(const Eigen::VectorXd& x) const {
   });
   double sum = 0.0;  // in order: the same bits for any number of threads
   for (const double one : sums) sum += one;
+  if (stability_weight_ > 0.0) {
+    for (const Growth& lack : Lacks(gains)) sum += stability_weight_ * lack.per_s * lack.per_s;
+  }
   return 0.5 * sum;
 }
 
@@ -114,24 +147,50 @@ Eigen::MatrixXd GainProblem::Factor(const Eigen::VectorXd& x, bool jacobian) con
       all.Push();
     }
   }
+  if (stability_weight_ > 0.0) {
+    const double scale = std::sqrt(stability_weight_);
+    for (const Growth& lack : Lacks(Gains(x))) {
+      double* row = all.NextRow();
+      row[0] = scale * lack.slopes.proportional * bounds_.proportional;
+      row[all.stride()] = scale * lack.slopes.integral * bounds_.integral;
+      row[2 * all.stride()] = scale * lack.slopes.derivative * bounds_.derivative;
+      row[3 * all.stride()] = scale * lack.per_s;
+      all.Push();
+    }
+  }
   return all.Factor();
 }
 
-GainDesignResult DesignGains(const GainProblem& problem,
+GainDesignResult DesignGains(const GainDesign& design,
                              const ErrorGains& start,
                              const OptimizerEntry& optimizer,
                              const OptimizerSettings& settings) {
-  GainDesignResult result;
+  const GainProblem problem(design);
   const Eigen::VectorXd from =
       problem.Point(start).cwiseMax(problem.lower()).cwiseMin(problem.upper());
-  result.optimization = optimizer.Minimize(problem, from, settings);
-  result.start_cost = 2.0 * problem.Cost(from);
-  const Eigen::VectorXd& x = result.optimization.x.size() == 3 ? result.optimization.x : from;
-  result.gains = problem.Gains(x);
-  result.cost = 2.0 * problem.Cost(x);
-  const auto polished = FindOptimizer("levenberg-marquardt").Minimize(problem, x, settings);
-  result.polished_cost =
-      polished.usable() ? std::min(result.cost, 2.0 * polished.cost) : result.cost;
+  const auto& polisher = FindOptimizer("levenberg-marquardt");
+  const auto minimize = [&](const GainProblem& of) {
+    GainDesignResult result;
+    result.optimization = optimizer.Minimize(of, from, settings);
+    result.start_cost = 2.0 * problem.Cost(from);
+    const Eigen::VectorXd& x = result.optimization.x.size() == 3 ? result.optimization.x : from;
+    result.gains = problem.Gains(x);
+    result.cost = 2.0 * problem.Cost(x);
+    const auto polished = polisher.Minimize(of, x, settings);
+    const bool better = polished.usable() && problem.Stable(problem.Gains(polished.x));
+    result.polished_cost =
+        better ? std::min(result.cost, 2.0 * problem.Cost(polished.x)) : result.cost;
+    result.stable = problem.Stable(result.gains);
+    return result;
+  };
+  GainDesignResult result = minimize(problem);
+  // The first weight lets a lack of 0.01/s cost as much as the start, the others more.
+  constexpr double kNoticed_per_s = 0.01;
+  double weight = problem.CostOf(start) / (kNoticed_per_s * kNoticed_per_s);
+  for (int round = 0; round < 3 && !result.stable; ++round, weight *= 100.0) {
+    result = minimize(GainProblem(design, weight));
+    result.constrained = true;
+  }
   return result;
 }
 

@@ -5,6 +5,11 @@
 /// (battery-unaware) or summed over several xi (battery-aware), (5.49)-(5.50) and (6.2)-(6.5).
 /// Motor lag and saturation are included: without them the error at xi = 1 is zero for any gains.
 /// Gains are bounded, their gradient is exact, and every optimizer of the table takes the problem.
+///
+/// A maneuver that the references alone fly well says little about the feedback: the least error may
+/// be that of gains which grow more slowly than the maneuver lasts. Gains are therefore an answer
+/// only where the loop would still be stable with kStabilityMargin times the gain or the lag. Where
+/// the least error does not keep that margin, what it lacks becomes a part of the cost.
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
 #include <vector>
@@ -12,9 +17,12 @@
 #include "identify/gains/reduced_loops.h"
 #include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/optimizers.h"
-#include "model/analysis/poles.h"
+#include "model/analysis/stability.h"
 
 namespace lipoid {
+
+/// How much higher or lower the loop's gain, and how much longer the motors' lag, may be.
+inline constexpr double kStabilityMargin = 1.25;
 
 struct GainDesignOptions {
   double proportional_bound = 0.0;
@@ -69,7 +77,8 @@ struct GainDesign {
 /// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost.
 class GainProblem : public LeastSquaresProblem {
  public:
-  explicit GainProblem(const GainDesign& design);
+  /// Each xi adds the square of what its loop lacks in stability, in 1/s, times this weight.
+  explicit GainProblem(const GainDesign& design, double stability_weight = 0.0);
 
   [[nodiscard]] int size() const override { return 3; }
   [[nodiscard]] Eigen::VectorXd lower() const override { return Eigen::VectorXd::Zero(3); }
@@ -82,12 +91,19 @@ class GainProblem : public LeastSquaresProblem {
   [[nodiscard]] Eigen::VectorXd Point(const ErrorGains& gains) const;
   /// sum_i w_i integral of e² dt, (6.3): m² s, or rad² s.
   [[nodiscard]] double CostOf(const ErrorGains& gains) const { return 2.0 * Cost(Point(gains)); }
+  /// Whether the loop keeps kStabilityMargin at every xi.
+  [[nodiscard]] bool Stable(const ErrorGains& gains) const;
 
  private:
   template <class T, class Visit>
   void Run(std::size_t k, const BasicErrorGains<T>& gains, Visit&& visit) const;
 
+  // What each loop that must be stable lacks in 1/s, with its slopes in the gains.
+  [[nodiscard]] std::vector<Growth> Lacks(const ErrorGains& gains) const;
+
   GainDesign design_;
+  double stability_weight_;
+  std::vector<AxisResponse> responses_;  // of each xi, with all combinations of the margins
   ErrorGains bounds_;
   std::vector<LoopTask> tasks_;
   std::vector<FlightCommand> commands_;
@@ -100,9 +116,11 @@ struct GainDesignResult {
   OptimizationSummary optimization;
   /// Of Levenberg-Marquardt from the answer on: what the optimizer left on the table, at least.
   double polished_cost = 0.0;
+  bool stable = false;       ///< with kStabilityMargin at every xi; false: no answer
+  bool constrained = false;  ///< the least error alone did not keep the margin
 };
 
-[[nodiscard]] GainDesignResult DesignGains(const GainProblem& problem,
+[[nodiscard]] GainDesignResult DesignGains(const GainDesign& design,
                                            const ErrorGains& start,
                                            const OptimizerEntry& optimizer,
                                            const OptimizerSettings& settings);

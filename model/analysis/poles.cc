@@ -35,7 +35,7 @@ Poles SortedEigenvalues(const Eigen::MatrixXd& matrix) {
 template <class T>
 ClosedLoopState<T> Rate(const Plant& vehicle_plant,
                         const Gains& gains,
-                        double xi,
+                        const HoverPoint& hover,
                         const ClosedLoopState<T>& x) {
   using std::sqrt;
   const Vehicle& vehicle = vehicle_plant.vehicle();
@@ -52,10 +52,9 @@ ClosedLoopState<T> Rate(const Plant& vehicle_plant,
                                     {x[kIntegrals + 1], x[kIntegrals + 2], x[kIntegrals + 3]}};
   const auto out = InnerLoops(vehicle, gains, measured, reference, integrals);
   PlantInputs<T> inputs;
-  inputs.supply = {T(xi * vehicle.nominal_voltage_V), T(0.0)};
+  inputs.supply = {T(hover.supply.voltage_V), T(hover.supply.resistance_Ohm)};
   for (std::size_t i = 0; i < 4; ++i) {
-    inputs.duty[i] =
-        DutyCycle(vehicle, T(sqrt(out.speed_squared[i])), T(vehicle.nominal_voltage_V));
+    inputs.duty[i] = DutyCycle(vehicle, T(sqrt(out.speed_squared[i])), T(hover.assumed_V));
   }
   PlantState<T> body_rate;
   vehicle_plant.Derivative(body, inputs, body_rate);
@@ -67,15 +66,15 @@ ClosedLoopState<T> Rate(const Plant& vehicle_plant,
   return rate;
 }
 
-ClosedLoopState<double> Hover(const Vehicle& vehicle, const Gains& gains, double xi) {
-  const Trim trim = HoverTrim(vehicle, Supply<double>{xi * vehicle.nominal_voltage_V, 0.0});
-  Require(gains.altitude.integral > 0.0 || xi == 1.0,
+ClosedLoopState<double> Hover(const Vehicle& vehicle, const Gains& gains, const HoverPoint& hover) {
+  const Trim trim = HoverTrim(vehicle, hover.supply);
+  Require(gains.altitude.integral > 0.0 || trim.battery_V == hover.assumed_V,
           "an integral gain of the altitude: without one hover at xi < 1 is no equilibrium",
-          {{"xi", xi}});
+          {{"xi", trim.battery_V / vehicle.nominal_voltage_V}});
   ClosedLoopState<double> x{};
   x[plant::kPosition + 2] = -kHeight_m;
   for (std::size_t i = 0; i < 4; ++i) x[plant::kSpeeds + i] = trim.speed_rad_per_s;
-  const double speed = trim.commanded_speed_rad_per_s;
+  const double speed = HeldSpeed(vehicle, trim.duty * hover.assumed_V);
   const double thrust_per_mass =
       4.0 * vehicle.thrust_coefficient_N_s2 * speed * speed / vehicle.mass_kg;
   if (gains.altitude.integral > 0.0) {
@@ -108,12 +107,12 @@ Poles ClosedFormPoles(const ErrorGains& gains, double kappa) {
 
 ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
                                      const Gains& gains,
-                                     double xi,
+                                     const HoverPoint& hover,
                                      bool motor_lag) {
-  const ClosedLoopState<double> at = Hover(vehicle, gains, xi);
+  const ClosedLoopState<double> at = Hover(vehicle, gains, hover);
   ClosedLoopState<Jet> x;
   for (int k = 0; k < kClosedLoopStates; ++k) x[std::size_t(k)] = Jet(at[std::size_t(k)], k);
-  const auto rate = Rate(QuietPlant(vehicle, motor_lag), gains, xi, x);
+  const auto rate = Rate(QuietPlant(vehicle, motor_lag), gains, hover, x);
   ClosedLoopMatrix matrix;
   for (int k = 0; k < kClosedLoopStates; ++k) matrix.row(k) = rate[std::size_t(k)].v.transpose();
   return matrix;
@@ -121,10 +120,37 @@ ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
 
 Eigen::Matrix<double, kClosedLoopStates, 1> ClosedLoopRateAtHover(const Vehicle& vehicle,
                                                                   const Gains& gains,
-                                                                  double xi,
+                                                                  const HoverPoint& hover,
                                                                   bool motor_lag) {
-  const auto rate = Rate(QuietPlant(vehicle, motor_lag), gains, xi, Hover(vehicle, gains, xi));
+  const auto rate =
+      Rate(QuietPlant(vehicle, motor_lag), gains, hover, Hover(vehicle, gains, hover));
   return Eigen::Map<const Eigen::Matrix<double, kClosedLoopStates, 1>>(rate.data());
+}
+
+HoverResponse ResponseAtHover(const Vehicle& vehicle, const HoverPoint& hover) {
+  // With gains of 1 the column of an error integral is what a pseudo-control of 1 does.
+  constexpr ErrorGains kOne{.proportional = 1.0, .integral = 1.0, .derivative = 1.0};
+  const Gains gains{.name = {}, .altitude = kOne, .attitude = kOne, .yaw = kOne, .position = {}};
+  const ClosedLoopMatrix matrix = LinearizeClosedLoop(vehicle, gains, hover, /*motor_lag=*/true);
+  constexpr auto kMotors = Eigen::Index(plant::kCharge - plant::kSpeeds);
+  const auto response = [&](std::size_t integral, std::size_t rate) -> AxisResponse {
+    const Eigen::VectorXd pattern =
+        matrix.block(Eigen::Index(plant::kSpeeds), Eigen::Index(kIntegrals + integral), kMotors, 1);
+    const Eigen::RowVectorXd drive =
+        matrix.block(Eigen::Index(rate), Eigen::Index(plant::kSpeeds), 1, kMotors);
+    const Eigen::MatrixXd motors =
+        matrix.block(Eigen::Index(plant::kSpeeds), Eigen::Index(plant::kSpeeds), kMotors, kMotors);
+    const double lag_s = -pattern.squaredNorm() / pattern.dot(motors * pattern);
+    return {.kappa = lag_s * drive.dot(pattern), .lag_s = lag_s};
+  };
+  return {.altitude = response(0, plant::kVelocity + 2),
+          .roll = response(1, plant::kRates),
+          .pitch = response(2, plant::kRates + 1),
+          .yaw = response(3, plant::kRates + 2)};
+}
+
+HoverPoint HoverAt(const Vehicle& vehicle, double xi) {
+  return {.supply = {xi * vehicle.nominal_voltage_V, 0.0}, .assumed_V = vehicle.nominal_voltage_V};
 }
 
 Poles LoopPoles(Loop loop, const ClosedLoopMatrix& matrix, bool motor_lag) {
@@ -151,11 +177,12 @@ Poles LoopPoles(Loop loop, const ClosedLoopMatrix& matrix, bool motor_lag) {
 
 PolesRow PolesAt(Loop loop, const Vehicle& vehicle, const Gains& gains, double xi) {
   const double kappa = Kappa(vehicle, xi);
+  const HoverPoint hover = HoverAt(vehicle, xi);
   return {xi,
           kappa,
           ClosedFormPoles(loop == Loop::kAltitude ? gains.altitude : gains.attitude, kappa),
-          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, xi, false), false),
-          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, xi, true), true)};
+          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, hover, false), false),
+          LoopPoles(loop, LinearizeClosedLoop(vehicle, gains, hover, true), true)};
 }
 
 }  // namespace lipoid

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "model/control/gains.h"
-#include "model/vehicle/vehicle.h"
+#include "model/vehicle/powertrain.h"
 
 namespace lipoid {
 
@@ -32,18 +32,40 @@ using Poles = std::vector<std::complex<double>>;  ///< by falling real part, the
 /// Roots of s³ + A_3 s² + A_2 s + A_1, the denominator of (5.26), and of (5.48) for small signals.
 [[nodiscard]] Poles ClosedFormPoles(const ErrorGains& gains, double kappa);
 
-/// Jacobian of the whole closed loop at the hover of xi: states of model/vehicle/plant.h, then the
+/// A hover: what supplies the motors, and the voltage that commands reckon with.
+struct HoverPoint {
+  Supply<double> supply;
+  double assumed_V;  ///< v_b0 (3.17), or with compensation the battery's own (5.52)
+};
+/// On an ideal source of xi v_b0.
+[[nodiscard]] HoverPoint HoverAt(const Vehicle& vehicle, double xi);
+
+/// Jacobian of the whole closed loop at a hover: states of model/vehicle/plant.h, then the
 /// integrals of altitude, roll, pitch and yaw error.
 inline constexpr int kClosedLoopStates = 21;
 using ClosedLoopMatrix = Eigen::Matrix<double, kClosedLoopStates, kClosedLoopStates>;
 [[nodiscard]] ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
                                                    const Gains& gains,
-                                                   double xi,
+                                                   const HoverPoint& hover,
                                                    bool motor_lag);
 
-/// Time derivative of the closed loop at the hover of xi: zero, as far as the trim is one.
+/// Time derivative of the closed loop at a hover: zero, as far as the trim is one.
 [[nodiscard]] Eigen::Matrix<double, kClosedLoopStates, 1> ClosedLoopRateAtHover(
-    const Vehicle& vehicle, const Gains& gains, double xi, bool motor_lag);
+    const Vehicle& vehicle, const Gains& gains, const HoverPoint& hover, bool motor_lag);
+
+/// Small motions of one axis about a hover, as its controller sees them: the acceleration that
+/// follows the pseudo-control, y'' = kappa nu/(lag s + 1).
+struct AxisResponse {
+  double kappa;
+  double lag_s;
+};
+struct HoverResponse {
+  AxisResponse altitude;
+  AxisResponse roll;
+  AxisResponse pitch;
+  AxisResponse yaw;
+};
+[[nodiscard]] HoverResponse ResponseAtHover(const Vehicle& vehicle, const HoverPoint& hover);
 
 /// The part of it that is the loop: integral, value, rate and, with lag, the speed pattern that
 /// drives it. 3 or 4 poles.

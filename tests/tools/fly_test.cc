@@ -253,6 +253,35 @@ TEST(Fly, TheSameSeedWritesTheSameBytes) {
   EXPECT_EQ(ReadTextFile(folder + "/a.csv"), ReadTextFile(folder + "/b.csv"));
 }
 
+TEST(Fly, SaysBeforeTakeOffThatALoopIsUnstable) {
+  const auto folder = TestFolder();
+  auto run = RunLipoid(folder,
+                       {"fly",
+                        "hover",
+                        "--gains",
+                        "unaware",
+                        "--xi",
+                        "0.8",
+                        "--duration",
+                        "1",
+                        "--summary",
+                        "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string first = FirstLine(run.err);
+  EXPECT_EQ(first.find("the attitude loop is unstable at xi = 0.8 (take-off): its error doubles"),
+            0U)
+      << first;
+  EXPECT_NE(run.err.find("the altitude loop rings at 0.787 rad/s, damping 0.051"),
+            std::string::npos)
+      << run.err;
+  const auto loops = ReadJson(folder, "s.json").at("loops");
+  ASSERT_EQ(loops.size(), 4U);
+  EXPECT_EQ(loops[1].at("loop"), "attitude");
+  EXPECT_FALSE(loops[1].at("stable").get<bool>());
+  EXPECT_TRUE(loops[1].at("phase_margin_deg").is_null());
+  EXPECT_GT(loops[2].at("phase_margin_deg").get<double>(), 40.0);
+}
+
 TEST(List, KnowsManeuvers) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder, {"list", "maneuvers", "--summary", "s.json"});

@@ -15,6 +15,7 @@
 #include "tools/commands/number_range.h"
 #include "tools/commands/poles_json.h"
 #include "tools/commands/split.h"
+#include "tools/commands/stability_json.h"
 
 namespace lipoid {
 namespace {
@@ -46,6 +47,17 @@ Json PolesToJson(const GainDesign& design, Gains gains, const ErrorGains& own) {
   for (const auto& [xi, weight] : design.xi)
     rows.push_back(PolesRowToJson(PolesAt(design.loop, design.vehicle, gains, xi)));
   return rows;
+}
+
+// The loops of a vehicle that flies with these gains, at the voltages of the design.
+std::vector<HoverStability> HoversOf(const GainDesign& design, const Gains& gains) {
+  const LoopSettings settings = LoopSettingsOf(gains, design.controller, design.options.motor_lag);
+  std::vector<HoverStability> hovers;
+  for (const auto& [xi, weight] : design.xi) {
+    hovers.push_back(
+        {"design", xi, CheckLoops(design.vehicle, settings, HoverAt(design.vehicle, xi))});
+  }
+  return hovers;
 }
 
 std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::string& weights) {
@@ -90,7 +102,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   std::string weights;
   std::string output;
   bool aware = false;
-  Check check = Check::kAlways;
+  Check check = Check::kAuto;
   GainDesign design;
   OptimizerSettings settings;
   line.Describe(
@@ -151,7 +163,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   const GainProblem problem(design);
   const ErrorGains& from = altitude ? start.altitude : start.attitude;
   line.progress().Update(0.0, "designing");
-  const GainDesignResult result = DesignGains(problem, from, optimizer, settings);
+  const GainDesignResult result = DesignGains(design, from, optimizer, settings);
 
   Json& summary = line.summary();
   summary["loop"] = loop_name;
@@ -176,6 +188,13 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                                        {"wall_s", better.wall_s},
                                        {"cost", 2.0 * better.cost}});
   }
+  Gains found = start;
+  found.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
+  (altitude ? found.altitude : found.attitude) = result.gains;
+  const auto hovers = HoversOf(design, found);
+  summary["stable"] = result.stable;
+  summary["constrained"] = result.constrained;
+  summary["loops"] = StabilityToJson(hovers);
   summary["poles"] = PolesToJson(design, start, result.gains);
   summary["start"]["poles"] = PolesToJson(design, start, from);
 
@@ -203,7 +222,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     }
     line.progress().Update(0.0, "checking with a run ten times longer");
     const GainDesignResult longer =
-        DesignGains(problem, from, optimizer, TenTimesLonger(optimizer, settings));
+        DesignGains(design, from, optimizer, TenTimesLonger(optimizer, settings));
     row("ten times longer", longer.gains, longer.cost);
     summary["longer_run"] = {{"gains", ToJson(longer.gains)},
                              {"cost", longer.cost},
@@ -233,12 +252,24 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         longer_s);
   }
 
-  if (!output.empty()) {
-    Gains gains = start;
-    gains.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
-    (altitude ? gains.altitude : gains.attitude) = result.gains;
-    WriteFileAtomically(output, JsonText(GainsToJson(gains)));
+  if (!result.stable) {
+    line.Message(
+        "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag; "
+        "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
+        "written",
+        loop_name,
+        kStabilityMargin);
+    return cli::ExitCode::kIncomplete;
   }
+  if (result.constrained) {
+    line.Message(
+        "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
+        "or its lag; these have the least error among those that do",
+        loop_name,
+        kStabilityMargin);
+  }
+  for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
+  if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));
   return result.optimization.usable() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/analysis/stability.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
@@ -18,6 +19,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ensemble_option.h"
+#include "tools/commands/stability_json.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
@@ -256,6 +258,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   EnsembleOption::Drawn drawn;
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
 
+  const auto hovers = CheckFlightLoops(setup);
+  for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
+  if (!std::all_of(hovers.begin(), hovers.end(), [](const auto& at) { return at.stable(); })) {
+    line.Message("gains that suit this vehicle: lipoid design altitude|attitude --vehicle {}",
+                 vehicle_name);
+  }
+
   std::optional<FlightLogWriter> log;
   std::optional<FlightSeries> series;
   FlightRecorder recorder;
@@ -287,6 +296,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
 
   line.summary() = FlightToJson(flight);
   line.summary().update(FlownToJson(setup, maneuver, request));
+  line.summary()["loops"] = StabilityToJson(hovers);
   if (series) line.report_series().push_back(series->Take(output));
   PrintFlight(line, maneuver.name, flight);
   if (ensemble.asked()) {

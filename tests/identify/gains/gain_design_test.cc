@@ -6,6 +6,7 @@
 
 #include "model/core/errors.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/f450.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
@@ -63,12 +64,12 @@ TEST(GainDesign, CostIsTheIntegralOfTheSquaredError) {
 }
 
 TEST(GainDesign, EveryLocalMethodFindsTheSameGains) {
-  const GainProblem problem(Design(Loop::kAltitude, {{0.8, 1.0}, {0.9, 1.0}, {1.0, 1.0}}));
+  const GainDesign design = Design(Loop::kAltitude, {{0.8, 1.0}, {0.9, 1.0}, {1.0, 1.0}});
   double best = std::numeric_limits<double>::infinity();
   std::vector<std::pair<std::string, double>> costs;
   for (const OptimizerEntry& optimizer : Optimizers()) {
     if (optimizer.global) continue;
-    const auto result = DesignGains(problem, LoadGains("aware").altitude, optimizer, {});
+    const auto result = DesignGains(design, LoadGains("aware").altitude, optimizer, {});
     EXPECT_TRUE(result.optimization.usable()) << optimizer.name;
     EXPECT_LE(result.cost, result.start_cost);
     EXPECT_LE(result.polished_cost, result.cost);
@@ -87,9 +88,8 @@ TEST(GainDesign, ABoundOnTheWayIsLeftAgain) {
   GainDesign design = Design(Loop::kAttitude, {{0.8, 1.0}});
   design.options.duration_s = 50.0;
   const GainProblem problem(design);
-  const auto result =
-      DesignGains(problem, LoadGains("aware").attitude, FindOptimizer("levenberg-marquardt"), {});
-  const Eigen::VectorXd x = problem.Point(result.gains);
+  const Eigen::VectorXd from = problem.Point(LoadGains("aware").attitude);
+  const Eigen::VectorXd x = FindOptimizer("levenberg-marquardt").Minimize(problem, from, {}).x;
   Eigen::VectorXd slope;
   // Slopes are of the cost over a whole range of gains: in the corner a third of the cost.
   const double flat = 1e-3 * problem.Gradient(x, slope);
@@ -104,12 +104,13 @@ TEST(GainDesign, ABoundOnTheWayIsLeftAgain) {
 }
 
 TEST(GainDesign, TheSwarmFindsItToo) {
-  const GainProblem problem(Design(Loop::kAltitude, {{0.8, 1.0}, {1.0, 1.0}}));
+  const GainDesign design = Design(Loop::kAltitude, {{0.8, 1.0}, {1.0, 1.0}});
+  const GainProblem problem(design);
   OptimizerSettings settings;
   settings.context.seed = 3;
   const ErrorGains start = LoadGains("unaware").altitude;
-  const auto swarm = DesignGains(problem, start, FindOptimizer("particle-swarm"), settings);
-  const auto again = DesignGains(problem, start, FindOptimizer("particle-swarm"), settings);
+  const auto swarm = DesignGains(design, start, FindOptimizer("particle-swarm"), settings);
+  const auto again = DesignGains(design, start, FindOptimizer("particle-swarm"), settings);
   EXPECT_LT(swarm.cost, 1.001 * swarm.polished_cost);
   EXPECT_EQ(swarm.cost, again.cost);
   EXPECT_LE(swarm.gains.proportional, problem.bounds().proportional);
@@ -122,6 +123,70 @@ TEST(GainDesign, BoundsAreTheThesisOrTheUsers) {
   design.options.derivative_bound = 3.5;
   EXPECT_EQ(GainProblem(design).bounds().derivative, 3.5);
   EXPECT_EQ(GainProblem(Design(Loop::kAttitude, {{1.0, 1.0}})).bounds().proportional, 1.0);
+}
+
+// The least error of this vehicle is that of gains which grow, more slowly than the maneuver lasts.
+TEST(GainDesign, NeverReturnsGainsThatAreUnstable) {
+  GainDesign design = Design(Loop::kAttitude, {});
+  design.vehicle = test::F450();
+  design.vehicle.armature_resistance_Ohm = 0.08;
+  design.vehicle.rotor_inertia_kg_m2 = 2e-5;
+  for (double xi = 0.8; xi < 1.005; xi += 0.05) design.xi.push_back({xi, 1.0});
+  design.options.duration_s = 0.0;
+  const GainProblem problem(design);
+  const ErrorGains start = LoadGains("aware").attitude;
+  const auto& optimizer = FindOptimizer("levenberg-marquardt");
+  const auto alone = optimizer.Minimize(problem, problem.Point(start), {});
+  ASSERT_TRUE(alone.usable());
+  EXPECT_FALSE(problem.Stable(problem.Gains(alone.x)));
+  const auto result = DesignGains(design, start, optimizer, {});
+  EXPECT_TRUE(result.constrained);
+  EXPECT_TRUE(result.stable);
+  EXPECT_TRUE(problem.Stable(result.gains));
+  EXPECT_LT(result.cost, result.start_cost);
+  // The margin costs little, since it is the least error that is just beyond it.
+  EXPECT_LT(result.cost, 1.1 * 2.0 * alone.cost);
+  // The poles themselves, with motor lag, at all voltages.
+  Gains gains = LoadGains("aware");
+  gains.attitude = result.gains;
+  for (const auto& [xi, weight] : design.xi) {
+    EXPECT_LT(PolesAt(Loop::kAttitude, design.vehicle, gains, xi).full.front().real(), 0.0) << xi;
+  }
+}
+
+TEST(GainDesign, SaysWhereNoGainsWithinTheBoundsAreStable) {
+  GainDesign design = Design(Loop::kAttitude, {{0.9, 1.0}});
+  design.vehicle = test::F450();
+  design.vehicle.rotor_inertia_kg_m2 *= 100.0;  // motors of four seconds
+  design.options.duration_s = 1.0;
+  design.options.derivative_bound = 0.01;
+  design.options.integral_bound = 1e-9;
+  const auto result =
+      DesignGains(design, LoadGains("aware").attitude, FindOptimizer("levenberg-marquardt"), {});
+  // K_e > 0 needs K_edot > lag K_e; the step aims at a decay of 1e-3/s.
+  EXPECT_EQ(result.stable, GainProblem(design).Stable(result.gains));
+  EXPECT_TRUE(result.constrained);
+}
+
+TEST(GainDesign, TheRowsOfTheMarginHaveExactSlopes) {
+  GainDesign design = Design(Loop::kAttitude, {{0.8, 1.0}, {1.0, 1.0}});
+  design.vehicle = test::F450();
+  const GainProblem problem(design, 100.0);
+  const Eigen::Vector3d x(0.95, 0.07, 0.05);  // unstable
+  ASSERT_FALSE(problem.Stable(problem.Gains(x)));
+  Eigen::VectorXd gradient;
+  const double cost = problem.Gradient(x, gradient);
+  EXPECT_NEAR(cost, problem.Cost(x), 1e-11 * cost);
+  EXPECT_GT(cost, 1.5 * GainProblem(design).Cost(x));
+  for (int k = 0; k < 3; ++k) {
+    const auto along = [&](double value) {
+      Eigen::VectorXd at = x;
+      at[k] = value;
+      return problem.Cost(at);
+    };
+    const auto slope = test::Ridders(along, x[k], 1e-3);
+    EXPECT_NEAR(gradient[k], slope.value, 1e-5 * gradient.norm() + 10.0 * slope.error) << k;
+  }
 }
 
 TEST(GainDesign, WithoutLagAndSaturationAnyGainsAreAsGoodAtFullVoltage) {

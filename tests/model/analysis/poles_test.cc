@@ -64,7 +64,7 @@ TEST(Poles, KappaIsTheSlopeOfTheThrust) {
 TEST(Poles, HoverIsAnEquilibriumOfTheClosedLoop) {
   const Vehicle vehicle = LoadVehicle("mambo-thesis");
   for (const bool lag : {false, true}) {
-    auto rate = ClosedLoopRateAtHover(vehicle, LoadGains("aware"), 0.85, lag);
+    auto rate = ClosedLoopRateAtHover(vehicle, LoadGains("aware"), HoverAt(vehicle, 0.85), lag);
     rate[16] = 0.0;  // charge leaves
     EXPECT_LT(rate.cwiseAbs().maxCoeff(), 1e-9);
   }
@@ -74,7 +74,7 @@ TEST(Poles, OfALoopAreAmongThoseOfTheWholeVehicle) {
   const Vehicle vehicle = LoadVehicle("mambo-thesis");
   const Gains gains = LoadGains("aware");
   for (const bool lag : {false, true}) {
-    const ClosedLoopMatrix matrix = LinearizeClosedLoop(vehicle, gains, 0.9, lag);
+    const ClosedLoopMatrix matrix = LinearizeClosedLoop(vehicle, gains, HoverAt(vehicle, 0.9), lag);
     const Eigen::EigenSolver<ClosedLoopMatrix> whole(matrix, false);
     for (const Loop loop : {Loop::kAltitude, Loop::kAttitude}) {
       const Poles poles = LoopPoles(loop, matrix, lag);
@@ -129,7 +129,8 @@ TEST(Poles, PrintedOrderOfTheAwareGainsIsUnstable) {
 TEST(Poles, NeedsAnIntegralWhereXiIsBelowOne) {
   Gains gains = LoadGains("aware");
   gains.altitude.integral = 0.0;
-  EXPECT_THROW((void)LinearizeClosedLoop(LoadVehicle("mambo-thesis"), gains, 0.9, true),
+  const Vehicle vehicle = LoadVehicle("mambo-thesis");
+  EXPECT_THROW((void)LinearizeClosedLoop(vehicle, gains, HoverAt(vehicle, 0.9), true),
                PreconditionError);
 }
 
