@@ -14,6 +14,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line);
 cli::ExitCode CompareCommand(cli::CommandLine& line);
 cli::ExitCode ConvertCommand(cli::CommandLine& line);
 cli::ExitCode DesignCommand(cli::CommandLine& line);
+cli::ExitCode EnduranceCommand(cli::CommandLine& line);
 cli::ExitCode ExportCommand(cli::CommandLine& line);
 cli::ExitCode ExportControllerCommand(cli::CommandLine& line);
 cli::ExitCode FlyCommand(cli::CommandLine& line);
@@ -36,6 +37,7 @@ inline constexpr cli::Command kCommands[] = {
     {"compare", "optimizers on the same problem, side by side", &CompareCommand},
     {"convert", "a log of any known format as plain CSV or Battery Data Format", &ConvertCommand},
     {"design", "controller gains by optimization", &DesignCommand},
+    {"endurance", "how long a vehicle flies on a pack, with an interval", &EnduranceCommand},
     {"export", "a cell as the battery of another simulator, with a stated error", &ExportCommand},
     {"export-controller",
      "the flight controller as C, for a microcontroller",

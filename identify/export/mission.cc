@@ -41,8 +41,22 @@ std::size_t FieldOf(const std::vector<std::string>& names, std::string_view name
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+bool HasPower(const std::vector<std::string>& names) {
+  return Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a");
+}
+
+ReadOptions HowToRead(const std::vector<std::string>& names, ReadOptions how) {
+  if (Has(names, "battery_a") && Has(names, "battery_v") && how.columns.empty()) {
+    // A flight log of lipoid: the current that was decided in a row flows until the next one.
+    how.columns = {{"current_A", "battery_A"}, {"voltage_V", "battery_V"}};
+    how.current_sign = "discharge-positive";
+    how.hold = Hold::kForward;
+  }
+  return how;
+}
+
 // The rows of time_s,power_W.
-PowerProfile ReadPower(const std::string& file, Hold hold) {
+PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
   TextSource source(file);
   PowerProfile profile;
   profile.hold = hold;
@@ -279,14 +293,38 @@ ExportMission MissionOf(const Cell& cell,
   return mission;
 }
 
+ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
+  const std::vector<std::string> names = HeaderOf(TextSource(file).head());
+  ReadPower read;
+  if (HasPower(names)) {
+    read.profile = ReadPowerRows(file, options.hold);
+  } else {
+    const ReadOptions how = HowToRead(names, options);
+    const Log log = ReadLog(file, how);
+    read.warnings = log.report.warnings;
+    read.profile = {.time_s = log.record.time_s.ToVector(), .power_W = {}, .hold = log.record.hold};
+    const auto current_A = log.record.current_A.ToVector();
+    const auto voltage_V = log.record.voltage_V.ToVector();
+    for (std::size_t k = 0; k < current_A.size(); ++k)
+      read.profile.power_W.push_back(current_A[k] * voltage_V[k]);
+  }
+  RequireLength(read.profile.time_s, RowsOf(read.profile), file);
+  if (read.profile.time_s.size() < 2) {
+    throw LoadError({file},
+                    fmt::format("expected a power over time of at least 2 rows, found {}",
+                                read.profile.time_s.size()));
+  }
+  return read;
+}
+
 ReadMission ReadMissionFile(const Cell& cell,
                             const std::string& file,
                             const ReadOptions& options,
                             double initial_soc) {
   const std::vector<std::string> names = HeaderOf(TextSource(file).head());
   ReadMission read;
-  if (Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a")) {
-    const PowerProfile profile = ReadPower(file, options.hold);
+  if (HasPower(names)) {
+    const PowerProfile profile = ReadPowerRows(file, options.hold);
     RequireLength(profile.time_s, RowsOf(profile), file);
     read.power = true;
     read.rows_of_file = profile.time_s.size();
@@ -301,14 +339,8 @@ ReadMission ReadMissionFile(const Cell& cell,
           }));
     }
   } else {
-    ReadOptions how = options;
+    ReadOptions how = HowToRead(names, options);
     how.voltage_optional = true;
-    if (Has(names, "battery_a") && Has(names, "battery_v") && how.columns.empty()) {
-      // A flight log of lipoid: the current that was decided in a row flows until the next one.
-      how.columns = {{"current_A", "battery_A"}, {"voltage_V", "battery_V"}};
-      how.current_sign = "discharge-positive";
-      how.hold = Hold::kForward;
-    }
     const Log log = ReadLog(file, how);
     read.warnings = log.report.warnings;
     read.rows_of_file = log.record.size();

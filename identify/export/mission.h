@@ -48,6 +48,14 @@ struct PowerProfile {
   Hold hold = Hold::kBackward;
 };
 
+/// The powers of a file: time_s,power_W, or the product of voltage and current of any log, a flight
+/// log of lipoid among them. LoadError where it is none of these or has fewer than two rows.
+struct ReadPower {
+  PowerProfile profile;
+  std::vector<std::string> warnings;  ///< of the log
+};
+[[nodiscard]] ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options);
+
 /// The currents with which the cell gives these powers, P = i v, with rows at most kMostPowerStep_s
 /// apart: i is constant over a row, and i v is the power at its end. Ends where the cell could give
 /// the power only below its cut-off.

@@ -65,6 +65,19 @@ class BatterySupply {
   [[nodiscard]] double temperature_degC() const { return state_.temperature_K - kZeroCelsius_K; }
   /// A, a fraction, under the last current.
   [[nodiscard]] double soc() const { return model_.Soc(state_, last_A_); }
+  /// A once the cell has rested, which is the share of its charge that is left.
+  [[nodiscard]] double rest_soc() const {
+    const double alpha_C = model_.parameters().alpha_C;
+    return (alpha_C - state_.delivered_C) / alpha_C;
+  }
+  /// Of the pack once it has rested, at the temperature that it has now.
+  [[nodiscard]] double rest_voltage_V() const {
+    auto rested = state_;
+    std::fill(rested.unavailable_C.begin(), rested.unavailable_C.end(), 0.0);
+    return series_ * model_.OpenCircuit(rested, 0.0);
+  }
+  /// Charge of the pack from A = 1 to A = 0 at vanishing rate.
+  [[nodiscard]] double capacity_C() const { return parallel_ * model_.parameters().alpha_C; }
   [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }
   [[nodiscard]] double parallel() const { return parallel_; }
 

@@ -7,7 +7,6 @@
 #include "model/analysis/stability.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
-#include "model/battery/typical_temperature.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
@@ -18,6 +17,7 @@
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/stability_json.h"
 #include "tools/commands/start_options.h"
@@ -228,19 +228,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(cell_name);
     setup.initial_soc = start.Soc(*setup.cell);
-    if (setup.ambient_degC && !setup.cell->temperature) {
-      setup.cell = WithTypicalTemperature(*setup.cell);
-      const Cell::Temperature& term = *setup.cell->temperature;
-      line.Message(
-          "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
-          "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
-          "to the air for each cell",
-          cell_name,
-          1e-3 * term.series_J_per_mol,
-          1e-3 * term.diffusion_J_per_mol,
-          term.heat->heat_capacity_J_per_K,
-          term.heat->thermal_resistance_K_per_W);
-    }
+    if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
   } else if (setup.ambient_degC) {
     throw OptionError(
         "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");

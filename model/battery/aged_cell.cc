@@ -1,0 +1,28 @@
+#include "model/battery/aged_cell.h"
+
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+Cell Aged(Cell cell, double capacity_share, double resistance_factor) {
+  Require(capacity_share > 0.0 && resistance_factor > 0.0,
+          "a share of the capacity and a factor of the resistance above 0",
+          {{"capacity_share", capacity_share}, {"resistance_factor", resistance_factor}});
+  cell.uncertainty.reset();
+  if (capacity_share == 1.0 && resistance_factor == 1.0) return cell;
+  cell.capacity_Ah *= capacity_share;
+  if (cell.diffusion) cell.diffusion->alpha_C *= capacity_share;
+  const auto grow = [resistance_factor](Resistance<double>& resistance) {
+    for (double& r : resistance.resistance_Ohm) r *= resistance_factor;
+  };
+  grow(cell.series_resistance_Ohm);
+  for (Cell::Branch& branch : cell.branches) {
+    grow(branch.resistance_Ohm);
+    if (branch.capacitance_F) *branch.capacitance_F /= resistance_factor;
+  }
+  if (cell.charge_transfer) grow(cell.charge_transfer->resistance_Ohm);
+  if (cell.self_heating) cell.self_heating->resistance_drop_Ohm_per_A2 *= resistance_factor;
+  return cell;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,110 @@
+#pragma once
+
+/// @file
+/// How long a battery carries a mission that is known by the power it takes: hover, cruise, or a
+/// recorded power. The vehicle is in equilibrium at every instant, so that no controller and no
+/// rigid body takes part; `Fly` (simulator.h) has those.
+///
+///   i v_b = P,   v_b = E - R i     so   v_b = (E + sqrt(E² - 4 R P))/2
+///
+/// E and R are the cell as a voltage behind a resistance (battery_supply.h). The current is held
+/// over a step, which the cell then takes exactly.
+///
+/// The mission ends as soon as the share of the charge that is left is down to the reserve, or when
+/// for a second the battery is below its cut-off, too low for the motors, or without the power, or
+/// when A reaches 0. Tests: tests/model/flight/endurance_test.cc.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/battery/cell.h"
+#include "model/core/options.h"
+
+namespace lipoid {
+
+/// A part of a mission, over which the power is constant.
+struct MissionLeg {
+  /// Infinite: it never ends by itself.
+  double duration_s = std::numeric_limits<double>::infinity();
+  double power_W = 0.0;  ///< that the battery gives; negative: that it takes
+  double motor_V =
+      0.0;  ///< the least battery voltage at which the motors reach their speed; 0: any
+};
+
+struct PowerMission {
+  std::vector<MissionLeg> legs;  ///< at least one, each longer than 0
+  bool repeats = true;           ///< from the last leg it goes on with the first
+};
+
+enum class MissionEnd {
+  kReserve,
+  kCutOff,
+  kEmpty,
+  kMotorVoltage,
+  kPower,
+  kMissionDone,
+  kTimeLimit
+};
+
+constexpr std::array<std::pair<MissionEnd, std::string_view>, 7> OptionNames(MissionEnd) {
+  return {{{MissionEnd::kReserve, "reserve"},
+           {MissionEnd::kCutOff, "cut-off"},
+           {MissionEnd::kEmpty, "empty"},
+           {MissionEnd::kMotorVoltage, "motor-voltage"},
+           {MissionEnd::kPower, "power"},
+           {MissionEnd::kMissionDone, "mission-done"},
+           {MissionEnd::kTimeLimit, "time-limit"}}};
+}
+
+struct EnduranceOptions {
+  double step_s = 0.005;
+  double longest_s = 1e6;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("step_s",
+      self.step_s,
+      Range{1e-4, 10.0},
+      "longest step of the cell in s, over which its current is held");
+    v("longest_s",
+      self.longest_s,
+      Range{1.0, 1e8},
+      "flight time in s at which the calculation ends if the battery lasts longer");
+  }
+};
+
+struct EnduranceSetup {
+  Cell cell;
+  double initial_soc = 1.0;
+  std::optional<double> ambient_degC;  ///< none: the reference temperature of the cell
+  double reserve = 0.0;                ///< share of the charge of a full battery that must be left
+  PowerMission mission;
+  EnduranceOptions options;
+};
+
+struct EnduranceResult {
+  MissionEnd ended_by = MissionEnd::kTimeLimit;
+  double time_s = 0.0;
+  double charge_C = 0.0;
+  double energy_J = 0.0;
+  double landing_voltage_V = 0.0;       ///< of the pack at the end, under the mission's load
+  double landing_rest_voltage_V = 0.0;  ///< of the pack once it has rested
+  double minimum_voltage_V = 0.0;
+  double peak_current_A = 0.0;
+  double initial_voltage_V = 0.0;  ///< under the load of the first leg
+  double initial_current_A = 0.0;
+  double soc = 1.0;       ///< A at the end, under load
+  double rest_soc = 1.0;  ///< share of the charge that is left
+  /// The highest of a cell on the way; NaN where it knows no temperature.
+  double hottest_degC = std::numeric_limits<double>::quiet_NaN();
+  int rounds = 0;  ///< how often the whole mission was flown
+};
+
+/// Flies the mission until it ends.
+[[nodiscard]] EnduranceResult FlyMission(const EnduranceSetup& setup);
+
+}  // namespace lipoid

@@ -1,0 +1,67 @@
+#pragma once
+
+/// @file
+/// The question "how long does this vehicle fly on this pack", with what is known only up to a
+/// standard error, and its answer: the flight of the estimates, and flights of values drawn from
+/// all the uncertainties at once. Tests: tests/model/flight/endurance_request_test.cc.
+///
+///   EnduranceRequest request{.vehicle = LoadVehicle("mambo-physical"), .cell = LoadCell(file)};
+///   const EnduranceAnswer answer = FindEndurance(request);
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "model/flight/endurance.h"
+#include "model/statistics/uncertain.h"
+#include "model/vehicle/level_flight.h"
+#include "model/vehicle/vehicle.h"
+
+namespace lipoid {
+
+// What the options of a request may be.
+inline constexpr Range kPayloads_kg{0.0, 1e3};
+inline constexpr Range kCapacityShares{0.01, 2.0};
+inline constexpr Range kResistanceFactors{0.01, 100.0};
+inline constexpr Range kPowerFactors{0.01, 100.0};
+inline constexpr Range kReserves{0.0, 0.99};
+
+inline constexpr int kUsualEnsemble = 200;
+
+struct EnduranceRequest {
+  Vehicle vehicle;
+  Cell cell;
+  double initial_soc = 1.0;
+  std::optional<double> initial_voltage_V;  ///< of the pack at rest, instead of initial_soc
+  Uncertain payload_kg{0.0, 0.0};
+  std::optional<Uncertain> ambient_degC;  ///< none: the reference temperature of the cell
+  Uncertain health{1.0, 0.0};             ///< capacity left over that of the cell file
+  Uncertain resistance_factor{1.0, 0.0};  ///< resistance now over that of the cell file
+  Uncertain power_factor{1.0, 0.0};       ///< of the battery's power over that of the model
+  Uncertain reserve{0.2, 0.0};            ///< share of the charge left at landing
+  std::optional<PowerMission> power;      ///< none: level flight of the vehicle
+  EnduranceOptions options;
+  int ensemble = kUsualEnsemble;
+  std::uint64_t seed = 0;
+
+  /// Whether there is anything to draw.
+  [[nodiscard]] bool uncertain() const;
+};
+
+struct EnduranceAnswer {
+  EnduranceResult estimate;
+  LevelFlight flight;  ///< of the estimates; default-constructed where the mission is a power
+  std::vector<EnduranceResult> flights;  ///< of what was drawn; empty where nothing is uncertain
+  int moved = 0;                         ///< cells that were drawn out of range
+};
+
+using EnduranceProgress = std::function<void(double fraction)>;
+
+/// Flight k of the ensemble depends on the seed and on k alone: not on the number of flights, not
+/// on threads. OptionError where the request is none that can be answered: values out of range, a
+/// full battery at or below the reserve.
+[[nodiscard]] EnduranceAnswer FindEndurance(const EnduranceRequest& request,
+                                            const EnduranceProgress& progress = {});
+
+}  // namespace lipoid

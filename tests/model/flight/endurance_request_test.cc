@@ -1,0 +1,149 @@
+#include "model/flight/endurance_request.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "model/battery/cell_ensemble.h"
+#include "model/battery/cell_file.h"
+#include "model/core/errors.h"
+#include "model/flight/endurance_report.h"
+#include "model/vehicle/vehicle_file.h"
+
+namespace lipoid {
+namespace {
+
+EnduranceRequest Mambo() {
+  EnduranceRequest request;
+  request.vehicle = LoadVehicle("mambo-physical");
+  request.cell = LoadCell("gifi-600mAh-1");
+  request.options.step_s = 0.1;
+  request.seed = 3;
+  return request;
+}
+
+// A constant voltage without resistance: time is reserve, capacity and power in closed form.
+EnduranceRequest Simple() {
+  EnduranceRequest request;
+  request.cell.capacity_Ah = 1.0;
+  request.cell.cutoff_V = 3.0;
+  request.cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.0, 4.0});
+  request.cell.series_resistance_Ohm = 0.0;
+  request.power = PowerMission{.legs = {{.power_W = 40.0}}};
+  request.options.step_s = 0.1;
+  return request;
+}
+
+bool Same(const EnduranceResult& a, const EnduranceResult& b) {
+  return a.time_s == b.time_s && a.charge_C == b.charge_C && a.ended_by == b.ended_by &&
+         a.landing_voltage_V == b.landing_voltage_V && a.energy_J == b.energy_J;
+}
+
+TEST(EnduranceRequest, TimeIsCapacityLessReserveOverCurrent) {
+  EnduranceRequest request = Simple();
+  request.reserve = {0.3, 0.0};
+  request.health = {0.6, 0.0};
+  request.power_factor = {2.0, 0.0};
+  const EnduranceAnswer answer = FindEndurance(request);
+  EXPECT_NEAR(answer.estimate.time_s, 3600.0 * 0.6 * 0.7 / 20.0, 1e-6);
+  EXPECT_TRUE(answer.flights.empty());
+}
+
+TEST(EnduranceRequest, AnEnsembleIsTheSameOnAnyNumberOfThreadsAndOfAnySize) {
+  EnduranceRequest request = Mambo();
+  request.cell.uncertainty =
+      Cell::Uncertainty{.parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 20.0};
+  request.payload_kg = {0.002, 0.001};
+  request.health = {0.9, 0.05};
+  request.ensemble = 12;
+  std::atomic<int> told = 0;
+  const EnduranceAnswer many = FindEndurance(request, [&](double) { ++told; });
+  ASSERT_EQ(many.flights.size(), 12U);
+  EXPECT_EQ(told, 12);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  request.ensemble = 5;
+  const EnduranceAnswer few = FindEndurance(request);
+  for (std::size_t k = 0; k < few.flights.size(); ++k)
+    EXPECT_TRUE(Same(few.flights[k], many.flights[k])) << k;
+  EXPECT_FALSE(Same(many.flights[0], many.flights[1]));
+  EXPECT_TRUE(Same(few.estimate, many.estimate));
+  request.seed = 4;
+  EXPECT_FALSE(Same(FindEndurance(request).flights[0], few.flights[0]));
+}
+
+// Time goes with health: a normal number drawn 2000 times has these quantiles, of which the
+// standard error is sqrt(p (1 - p)/n)/density = 2.6 sigma/sqrt(n).
+TEST(EnduranceRequest, TheIntervalIsThatOfTheUncertainValue) {
+  EnduranceRequest request = Simple();
+  request.reserve = {0.0, 0.0};
+  request.health = {0.8, 0.02};
+  request.ensemble = 2000;
+  const EnduranceAnswer answer = FindEndurance(request);
+  const auto interval = IntervalOf(answer, EnduranceNumbers()[0]);
+  ASSERT_TRUE(interval);
+  const double minutes = 0.8 * 6.0;
+  const double sigma = 0.02 * 6.0;
+  const double allowed = 4.0 * 2.6 * sigma / std::sqrt(2000.0);
+  EXPECT_NEAR(interval->first, minutes - 1.95996 * sigma, allowed);
+  EXPECT_NEAR(interval->second, minutes + 1.95996 * sigma, allowed);
+}
+
+TEST(EnduranceRequest, EachCellDrawnFliesItsOwnFlight) {
+  EnduranceRequest request = Mambo();
+  request.cell.uncertainty =
+      Cell::Uncertainty{.parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 1e7};
+  request.ensemble = 4;
+  const EnduranceAnswer answer = FindEndurance(request);
+  const auto cells = DrawCells(request.cell, 4, request.seed).cells;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    EnduranceRequest own = request;
+    own.cell = cells[k];
+    EXPECT_TRUE(Same(FindEndurance(own).estimate, answer.flights[k])) << k;
+  }
+}
+
+TEST(EnduranceRequest, PayloadColdAndAgeShortenTheFlight) {
+  const double minutes = FindEndurance(Mambo()).estimate.time_s;
+  EnduranceRequest heavy = Mambo();
+  heavy.payload_kg = {0.005, 0.0};
+  const EnduranceAnswer loaded = FindEndurance(heavy);
+  EXPECT_LT(loaded.estimate.time_s, 0.95 * minutes);
+  EXPECT_NEAR(loaded.flight.thrust_N, (0.063 + 0.005) * 9.81, 1e-12);
+  EnduranceRequest worn = Mambo();
+  worn.resistance_factor = {1.5, 0.0};
+  EXPECT_LT(FindEndurance(worn).estimate.time_s, 0.95 * minutes);
+}
+
+TEST(EnduranceRequest, StartsAtTheVoltageOfRest) {
+  EnduranceRequest request = Simple();
+  request.cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.0});
+  request.cell.series = 2;
+  request.initial_voltage_V = 7.5;
+  request.reserve = {0.25, 0.0};
+  EXPECT_NEAR(FindEndurance(request).estimate.charge_C, 0.5 * 3600.0, 1e-6);
+}
+
+TEST(EnduranceRequest, SaysWhatCannotBe) {
+  EnduranceRequest request = Simple();
+  request.reserve = {1.0, 0.0};
+  EXPECT_THROW((void)FindEndurance(request), OptionError);
+  request = Simple();
+  request.initial_soc = 0.2;
+  try {
+    (void)FindEndurance(request);
+    ADD_FAILURE() << "an empty battery flew";
+  } catch (const OptionError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "the battery starts at a state of charge of 0.2, which is not above the reserve of "
+        "0.2: nothing to fly with. Start with more or keep less");
+  }
+  request = Simple();
+  request.health = {0.8, -0.1};
+  EXPECT_THROW((void)FindEndurance(request), OptionError);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,213 @@
+#include "model/flight/endurance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/battery/cell_file.h"
+#include "model/core/errors.h"
+#include "model/flight/maneuvers/maneuvers.h"
+#include "model/flight/simulator.h"
+#include "model/vehicle/level_flight.h"
+#include "model/vehicle/vehicle_file.h"
+
+namespace lipoid {
+namespace {
+
+// v_oc(A) = empty_V + (full_V - empty_V) A behind a resistance, without diffusion or branches.
+Cell StraightCell(double empty_V, double full_V, double resistance_Ohm) {
+  Cell cell;
+  cell.name = "straight";
+  cell.capacity_Ah = 1.0;
+  cell.cutoff_V = 0.5 * empty_V;
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {empty_V, full_V});
+  cell.series_resistance_Ohm = resistance_Ohm;
+  return cell;
+}
+
+EnduranceSetup At(Cell cell, double power_W) {
+  EnduranceSetup setup;
+  setup.cell = std::move(cell);
+  setup.mission.legs = {{.power_W = power_W}};
+  return setup;
+}
+
+// Holding the current over a step of 5 ms is off by half a step's change of it: of a flight of
+// 1000 s about 1e-6.
+constexpr double kHeldCurrent = 2e-6;
+
+TEST(Endurance, AnIdealCellGivesTheEnergyUnderItsCurve) {
+  EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
+  setup.reserve = 0.2;
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kReserve);
+  // The integral of v_oc over the charge from A = 1 to 0.2.
+  const double energy_J = 3600.0 * (3.2 * 0.8 + 0.5 * (1.0 - 0.04));
+  EXPECT_NEAR(result.time_s, energy_J / 10.0, kHeldCurrent * result.time_s);
+  EXPECT_NEAR(result.energy_J, energy_J, kHeldCurrent * energy_J);
+  EXPECT_NEAR(result.charge_C, 0.8 * 3600.0, 1e-6);
+  EXPECT_NEAR(result.rest_soc, 0.2, 1e-12);
+  EXPECT_NEAR(result.landing_voltage_V, 3.4, 1e-9);
+  EXPECT_NEAR(result.landing_rest_voltage_V, 3.4, 1e-9);
+}
+
+TEST(Endurance, AConstantVoltageBehindAResistanceDrawsTheLowerRootOfThePower) {
+  EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.1), 15.0);
+  setup.cell.series = 3;
+  setup.cell.parallel = 2;
+  setup.reserve = 0.25;
+  const EnduranceResult result = FlyMission(setup);
+  // (12 - 0.15 i) i = 15
+  const double current_A = (12.0 - std::sqrt(144.0 - 4.0 * 0.15 * 15.0)) / (2.0 * 0.15);
+  EXPECT_NEAR(result.initial_current_A, current_A, 1e-12);
+  EXPECT_NEAR(result.time_s, 0.75 * 7200.0 / current_A, 1e-6);
+  EXPECT_NEAR(result.landing_voltage_V, 12.0 - 0.15 * current_A, 1e-9);
+  EXPECT_NEAR(result.landing_rest_voltage_V, 12.0, 1e-9);
+  EXPECT_NEAR(result.energy_J, 15.0 * result.time_s, 1e-6);
+}
+
+TEST(Endurance, EndsASecondAfterTheMotorsLackVoltage) {
+  EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
+  setup.mission.legs[0].motor_V = 3.7;
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kMotorVoltage);
+  const double energy_J = 3600.0 * 0.5 * (4.2 + 3.7) * 0.5;
+  // A second, up to one step.
+  EXPECT_NEAR(result.time_s, energy_J / 10.0 + 1.0, setup.options.step_s);
+
+  setup.mission.legs[0].motor_V = 4.3;
+  const EnduranceResult never = FlyMission(setup);
+  EXPECT_EQ(never.ended_by, MissionEnd::kMotorVoltage);
+  EXPECT_EQ(never.time_s, 0.0);
+  EXPECT_EQ(never.charge_C, 0.0);
+}
+
+TEST(Endurance, EndsASecondAfterTheCutOff) {
+  EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
+  setup.cell.cutoff_V = 3.7;
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kCutOff);
+  EXPECT_NEAR(result.time_s, 3600.0 * 0.5 * (4.2 + 3.7) * 0.5 / 10.0 + 1.0, setup.options.step_s);
+}
+
+TEST(Endurance, ABatteryThatNeverGivesThePowerDoesNotTakeOff) {
+  // E²/(4 R) = 22.05 W is the most.
+  const EnduranceResult result = FlyMission(At(StraightCell(3.2, 4.2, 0.2), 22.1));
+  EXPECT_EQ(result.ended_by, MissionEnd::kPower);
+  EXPECT_EQ(result.time_s, 0.0);
+  EXPECT_NEAR(result.landing_voltage_V, 2.1, 1e-12);
+  EXPECT_GT(FlyMission(At(StraightCell(3.2, 4.2, 0.2), 22.0)).time_s, 0.0);
+}
+
+// Diffusion holds charge back, which is there again after a rest.
+TEST(Endurance, TheChargeThatDiffusionHoldsBackIsNotUsedUp) {
+  EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
+  setup.cell.diffusion = Cell::Diffusion{.alpha_C = 3600.0, .beta_per_sqrt_s = 0.1};
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kEmpty);
+  EXPECT_NEAR(result.soc, 0.0, 1e-4);
+  // i pi²/(3 beta²) in the steady state; the current grows by a tenth within the time constant of
+  // the slowest mode, 100 s.
+  const double held_C = 10.0 / 3.2 * std::numbers::pi * std::numbers::pi / (3.0 * 0.01);
+  EXPECT_NEAR(result.rest_soc * 3600.0, held_C, 0.05 * held_C);
+}
+
+TEST(Endurance, AMissionRepeatsOrIsFlownOnce) {
+  EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.0), 0.0);
+  setup.mission.legs = {{.duration_s = 10.001, .power_W = 20.0},
+                        {.duration_s = 5.0, .power_W = 4.0},
+                        {.duration_s = 0.0003, .power_W = -8.0}};
+  setup.mission.repeats = false;
+  const EnduranceResult once = FlyMission(setup);
+  EXPECT_EQ(once.ended_by, MissionEnd::kMissionDone);
+  EXPECT_EQ(once.rounds, 1);
+  EXPECT_NEAR(once.time_s, 15.0013, 1e-9);
+  const double round_C = (10.001 * 20.0 + 5.0 * 4.0 - 0.0003 * 8.0) / 4.0;
+  EXPECT_NEAR(once.charge_C, round_C, 1e-9);
+  EXPECT_NEAR(once.peak_current_A, 5.0, 1e-12);
+
+  setup.mission.repeats = true;
+  setup.reserve = 0.1;
+  const EnduranceResult all = FlyMission(setup);
+  EXPECT_EQ(all.ended_by, MissionEnd::kReserve);
+  EXPECT_EQ(all.rounds, static_cast<int>(0.9 * 3600.0 / round_C));
+  EXPECT_NEAR(all.charge_C, 0.9 * 3600.0, 1e-6);
+}
+
+// A constant heat into one lump of heat capacity behind a thermal resistance.
+TEST(Endurance, ItsHeatWarmsTheCell) {
+  EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.1), 12.0);
+  setup.reserve = 0.5;
+  setup.ambient_degC = 10.0;
+  setup.cell.temperature.emplace().heat =
+      HeatBalance<double>{.heat_capacity_J_per_K = 40.0, .thermal_resistance_K_per_W = 8.0};
+  const EnduranceResult result = FlyMission(setup);
+  const double current_A = (4.0 - std::sqrt(16.0 - 0.4 * 12.0)) / 0.2;
+  const double settled_K = 0.1 * current_A * current_A * 8.0;
+  EXPECT_NEAR(
+      result.hottest_degC, 10.0 - settled_K * std::expm1(-result.time_s / (8.0 * 40.0)), 1e-9);
+  EXPECT_TRUE(std::isnan(FlyMission(At(StraightCell(4.0, 4.0, 0.1), 12.0)).hottest_degC));
+}
+
+// The drop of charge transfer bends, so the current is the root of P = i v(i) at every step.
+TEST(Endurance, ThePowerIsThatOfTheCellsOwnVoltage) {
+  EnduranceSetup setup = At(LoadCell("gifi-600mAh-1"), 9.0);
+  setup.cell.charge_transfer = {.current_A = 0.4, .resistance_Ohm = {{0.0, 0.5}, {0.09, 0.04}}};
+  const EnduranceResult result = FlyMission(setup);
+  const CellModel<double> model(setup.cell.Parameters());
+  EXPECT_NEAR(
+      model.Voltage(model.Relaxed(1.0), result.initial_current_A) * result.initial_current_A,
+      9.0,
+      1e-9);
+  EXPECT_NEAR(result.energy_J, 9.0 * result.time_s, 1e-6 * result.energy_J);
+}
+
+TEST(Endurance, HalfTheStepGivesTheSameTime) {
+  EnduranceSetup setup = At(LoadCell("gifi-600mAh-1"), 9.0);
+  setup.reserve = 0.4;
+  const double time_s = FlyMission(setup).time_s;
+  setup.options.step_s *= 0.5;
+  EXPECT_NEAR(FlyMission(setup).time_s, time_s, kHeldCurrent * time_s);
+}
+
+// The simulator holds the height by its controller, whose vehicle sinks by centimetres as the voltage
+// falls: it takes a little less power for it.
+TEST(Endurance, AgreesWithTheFlightSimulator) {
+  constexpr double kSinking = 1e-3;
+  for (const char* name : {"mambo-coupled", "mambo-physical"}) {
+    FlightSetup flown;
+    flown.vehicle = LoadVehicle(name);
+    flown.cell = LoadCell("gifi-600mAh-1");
+    flown.gains = LoadGains("aware");
+    const FlightResult flight = Fly(flown, FindManeuver("endurance").plan({}));
+    ASSERT_EQ(flight.outcome, Outcome::kBatteryEmpty);
+    const LevelFlight hover = Hover(flown.vehicle);
+    EnduranceSetup setup = At(*flown.cell, hover.battery_W);
+    setup.mission.legs[0].motor_V = hover.motor_V;
+    const EnduranceResult result = FlyMission(setup);
+    EXPECT_EQ(result.ended_by, MissionEnd::kCutOff) << name;
+    EXPECT_NEAR(result.time_s, flight.simulated_s, kSinking * flight.simulated_s) << name;
+    EXPECT_NEAR(result.charge_C, flight.charge_C, kSinking * flight.charge_C) << name;
+    EXPECT_NEAR(result.initial_current_A, flight.trim.battery_A, 1e-9) << name;
+  }
+}
+
+TEST(Endurance, WantsLegsThatLast) {
+  EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.1), 1.0);
+  setup.mission.legs[0].duration_s = 0.0;
+  EXPECT_THROW((void)FlyMission(setup), PreconditionError);
+  setup.mission.legs.clear();
+  EXPECT_THROW((void)FlyMission(setup), PreconditionError);
+}
+
+TEST(Endurance, ABatteryThatIsNeverEmptyMeetsTheTimeLimit) {
+  EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.1), 0.0);
+  setup.options.longest_s = 100.0;
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kTimeLimit);
+  EXPECT_NEAR(result.time_s, 100.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace lipoid

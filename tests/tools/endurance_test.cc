@@ -1,0 +1,164 @@
+// lipoid endurance, end to end. What it finds: tests/model/flight/endurance_test.cc.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
+
+namespace lipoid::test {
+namespace {
+
+constexpr const char* kCell = "gifi-600mAh-1";
+
+Json SummaryOf(const std::string& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "endurance");
+  arguments.insert(arguments.end(), {"--summary", "s.json"});
+  const auto run = RunLipoid(folder, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return ReadJson(folder, "s.json");
+}
+
+TEST(EnduranceCommand, SaysTimeUseAndLandingVoltage) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"endurance",
+                              "--vehicle",
+                              "mambo-physical",
+                              "--cell",
+                              kCell,
+                              "--reserve",
+                              "50%",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("ended_by"), "reserve");
+  EXPECT_NEAR(summary.at("charge_Ah").get<double>(), 0.5 * 1353.6 / 3600.0, 1e-9);
+  EXPECT_NEAR(summary.at("landing_rest_voltage_V").get<double>(), 3.82, 1e-9);
+  EXPECT_TRUE(summary.at("minutes_interval_95").is_null());
+  EXPECT_TRUE(summary.at("hottest_degC").is_null());
+  EXPECT_NE(run.out.find("The reserve of 50 % of the charge was reached"), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.err.find("no intervals"), std::string::npos) << run.err;
+}
+
+TEST(EnduranceCommand, StandardErrorsGiveIntervals) {
+  const auto folder = TestFolder();
+  const auto summary = SummaryOf(folder,
+                                 {"--vehicle",
+                                  "mambo-physical",
+                                  "--cell",
+                                  kCell,
+                                  "--power-factor",
+                                  "1+-5%",
+                                  "--ensemble",
+                                  "50",
+                                  "--set",
+                                  "step_s=0.1"});
+  const auto interval = summary.at("minutes_interval_95").get<std::vector<double>>();
+  ASSERT_EQ(interval.size(), 2U);
+  EXPECT_LT(interval[0], summary.at("minutes").get<double>());
+  EXPECT_GT(interval[1], summary.at("minutes").get<double>());
+  EXPECT_EQ(summary.at("ensemble").at("flights"), 50);
+  EXPECT_EQ(summary.at("ensemble").at("cells_drawn"), false);
+  EXPECT_EQ(summary.at("power_factor").at("standard_error"), 0.05);
+}
+
+TEST(EnduranceCommand, AColdPackWarmsAndFliesShorter) {
+  const auto folder = TestFolder();
+  const std::vector<std::string> mild{
+      "--vehicle", "mambo-physical", "--cell", kCell, "--ambient-degC", "25"};
+  std::vector<std::string> cold = mild;
+  cold.back() = "0";
+  const auto warm = SummaryOf(folder, mild);
+  const auto chilly = SummaryOf(folder, cold);
+  EXPECT_LT(chilly.at("minutes").get<double>(), warm.at("minutes").get<double>());
+  EXPECT_GT(chilly.at("hottest_degC").get<double>(), 1.0);
+  EXPECT_EQ(chilly.at("temperature_assumed"), true);
+}
+
+TEST(EnduranceCommand, APowerIsFlownAgainAndAgainOrOnce) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/power.csv", "time_s,power_W\n0,0\n10,8\n20,4\n");
+  const auto all =
+      SummaryOf(folder, {"--cell", kCell, "--mission", "power=power.csv", "--reserve", "0.5"});
+  EXPECT_EQ(all.at("ended_by"), "reserve");
+  // 6 W on average at 3.99 V of the curve less 0.08 V of diffusion and 0.21 V of the resistance.
+  EXPECT_NEAR(all.at("minutes").get<double>(), 0.5 * 1353.6 * 3.70 / 6.0 / 60.0, 0.2);
+  EXPECT_EQ(all.at("rounds"), std::floor(all.at("minutes").get<double>() * 3.0));
+  EXPECT_TRUE(all.at("level_flight").is_null());
+  const auto once = SummaryOf(folder, {"--cell", kCell, "--mission", "power=power.csv", "--once"});
+  EXPECT_EQ(once.at("ended_by"), "mission-done");
+  EXPECT_NEAR(once.at("minutes").get<double>(), 20.0 / 60.0, 1e-12);
+  EXPECT_NEAR(once.at("energy_Wh").get<double>(), 120.0 / 3600.0, 1e-9);
+}
+
+// What a flight took from its battery, flown once more.
+TEST(EnduranceCommand, AFlightLogIsAMission) {
+  const auto folder = TestFolder();
+  const auto flown = RunLipoid(folder,
+                               {"fly",
+                                "altitude-steps",
+                                "--cell",
+                                kCell,
+                                "--duration",
+                                "20",
+                                "-o",
+                                "flight.csv",
+                                "--summary",
+                                "flight.json"});
+  ASSERT_EQ(flown.exit_code, 0) << flown.err;
+  const auto once = SummaryOf(folder, {"--cell", kCell, "--mission", "power=flight.csv", "--once"});
+  // The row that was not yet flown is one step of 5 ms; the power is that at the start of each step.
+  const double charge_C = ReadJson(folder, "flight.json").at("charge_C").get<double>();
+  EXPECT_NEAR(3600.0 * once.at("charge_Ah").get<double>(), charge_C, 2e-3 * charge_C);
+}
+
+TEST(EnduranceCommand, APackThatCannotCarryTheVehicleIsAnAnswer) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"endurance",
+                              "--vehicle",
+                              "mambo-physical",
+                              "--cell",
+                              kCell,
+                              "--payload-g",
+                              "200",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("minutes"), 0.0);
+  EXPECT_NE(run.out.find("more cells"), std::string::npos) << run.out;
+}
+
+TEST(EnduranceCommand, SaysWhatIsWrong) {
+  const auto folder = TestFolder();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"endurance", "--cell", kCell},
+       "option --vehicle: expected a vehicle that is to hover, found none"},
+      {{"endurance", "--cell", kCell, "--mission", "glide"},
+       "option --mission: expected hover or power=FILE, found 'glide'"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
+       "option --once is for missions of a file; hover has no end"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
+       "option --health: expected 0.01 .. 2, found 'two'"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 2) << message;
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  }
+  WriteText(folder + "/short.csv", "time_s,power_W\n0,5\n");
+  const auto bad =
+      RunLipoid(folder, {"endurance", "--cell", kCell, "--mission", "power=short.csv"});
+  EXPECT_EQ(bad.exit_code, 3);
+  EXPECT_NE(bad.err.find("expected a power over time of at least 2 rows, found 1"),
+            std::string::npos)
+      << bad.err;
+}
+
+}  // namespace
+}  // namespace lipoid::test

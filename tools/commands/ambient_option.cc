@@ -1,0 +1,23 @@
+#include "tools/commands/ambient_option.h"
+
+#include "model/battery/typical_temperature.h"
+
+namespace lipoid {
+
+Cell KnowingTemperature(cli::CommandLine& line, const Cell& cell, const std::string& cell_name) {
+  if (cell.temperature) return cell;
+  Cell knowing = WithTypicalTemperature(cell);
+  const Cell::Temperature& term = *knowing.temperature;
+  line.Message(
+      "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
+      "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
+      "to the air for each cell",
+      cell_name,
+      1e-3 * term.series_J_per_mol,
+      1e-3 * term.diffusion_J_per_mol,
+      term.heat->heat_capacity_J_per_K,
+      term.heat->thermal_resistance_K_per_W);
+  return knowing;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,19 @@
+#pragma once
+
+/// @file
+/// The temperature of the air about a cell that is to fly: --ambient-degC.
+
+#include <string>
+
+#include "model/battery/cell.h"
+#include "tools/cli/command_line.h"
+
+namespace lipoid {
+
+/// The cell as it is where it knows temperature. Else with typical energies and heat, and a message
+/// that says so.
+[[nodiscard]] Cell KnowingTemperature(cli::CommandLine& line,
+                                      const Cell& cell,
+                                      const std::string& cell_name);
+
+}  // namespace lipoid
