@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Locks python/requirements-*.in into .txt files with hashes, for the interpreter that runs this.
 
-usage: tools/lock_requirements.py     needs pip 22.2 or later; asks the package index for each package
+usage: tools/lock_requirements.py [--upgrade]     needs pip 22.2 or later; asks the package index
+
+Packages that are locked keep their versions, unless --upgrade asks for the newest.
 """
 
 import json
@@ -34,6 +36,14 @@ def lock(source, pinned):
     return pinned
 
 
+def locked():
+    """The versions that both files hold now."""
+    files = [FOLDER / "requirements-test.txt", FOLDER / "requirements-extra.txt"]
+    return [line.split(" ")[0] for file in files for line in file.read_text().splitlines() if "==" in line]
+
+
 if __name__ == "__main__":
-    versions = lock(FOLDER / "requirements-test.in", [])
+    if sys.argv[1:] not in ([], ["--upgrade"]):
+        sys.exit("usage: tools/lock_requirements.py [--upgrade]")
+    versions = lock(FOLDER / "requirements-test.in", [] if sys.argv[1:] else locked())
     lock(FOLDER / "requirements-extra.in", versions)

@@ -444,8 +444,12 @@ class Fleet:
         return html
 
 
-def _identify_one(campaign: Any, options: dict[str, Any]) -> Identification:
-    return identify(campaign, **options)
+def identify_or_error(campaign: Any, options: dict[str, Any]) -> Identification | Exception:
+    """Identify one of many: what is wrong with it is its result."""
+    try:
+        return identify(campaign, **options)
+    except Exception as error:
+        return error
 
 
 def identify_many(
@@ -483,11 +487,15 @@ def identify_many(
         try:
             if executor is not None:
                 extra = {} if isinstance(executor, Executor) else {"pure": False}
-                futures = [executor.submit(_identify_one, one, given, **extra) for one in several]
+                futures = [
+                    executor.submit(identify_or_error, one, given, **extra) for one in several
+                ]
             for k, one in enumerate(several):
                 try:
-                    results.append(futures[k].result() if futures else _identify_one(one, given))
-                except Exception as error:
+                    results.append(
+                        futures[k].result() if futures else identify_or_error(one, given)
+                    )
+                except Exception as error:  # of the executor: a worker that died
                     results.append(error)
                 if tell is not None:
                     tell((k + 1) / len(several), f"{k + 1} of {len(several)}")

@@ -144,6 +144,16 @@ void AddIdentification(nb::module_& module) {
              nb::arg("threads"),
              nb::arg("progress").none());
   module.def("validate", &ValidateLog, nb::arg("cell"), nb::arg("log"), nb::arg("initial_soc"));
+  module.def(
+      "check_identify",
+      [](const nb::dict& given) {
+        IdentifyKeywords made;
+        Keywords keywords(given);
+        made.Declare(keywords);
+        keywords.Finish();
+        CheckIdentifyOptions(made.options);
+      },
+      nb::arg("options"));
   module.def("describe_identify", [] {
     IdentifyKeywords made;
     Keywords keywords;

@@ -1,0 +1,242 @@
+"""Campaigns of a folder, a glob, or a table (CSV, Parquet, the rows of an SQL query)."""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import decimal
+import glob
+import json
+import math
+import os
+import sqlite3
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lipoid.errors import LoadError
+from lipoid.fleet.errors import UsageError
+
+CAMPAIGN_FILE = "campaign.toml"
+DATABASES = (".db", ".sqlite", ".sqlite3")
+TABLES = (".csv", ".tsv", ".parquet")
+COLUMN = "campaign"
+
+Value = str | float | int | bool | None
+
+
+class Source(NamedTuple):
+    """One campaign: its file, and what its row of the table says beside (batch, age, ...)."""
+
+    campaign: str
+    metadata: dict[str, Value]
+
+
+def find(given: Iterable[str], query: str = "") -> list[Source]:
+    """Return the campaigns of all sources, each once, in their order.
+
+    Raises
+    ------
+    LoadError
+        For a source that is missing or is not what it should be, with its place.
+    UsageError
+        For a query without a database, and the other way round.
+    """
+    several = list(given)
+    if query and (len(several) != 1 or not is_database(several[0])):
+        raise UsageError("--query needs one SOURCE that is a database: a file or an SQLAlchemy URL")
+    found: dict[str, Source] = {}
+    for source in several:
+        for one in _of_source(source, query):
+            before = found.setdefault(one.campaign, one)
+            if before.metadata != one.metadata:
+                _fail(source, 0, f"{one.campaign} was named before with other columns")
+    return list(found.values())
+
+
+def is_database(source: str) -> bool:
+    """Whether a query, and no path, says where the campaigns are."""
+    return "://" in source or source.endswith(DATABASES)
+
+
+def _fail(file: str, line: int, message: str) -> None:
+    place = f"{file}:{line}:1" if line else file
+    raise LoadError(f"{place}: error: {message}", [(file, line, 1 if line else 0, message)])
+
+
+def _of_source(source: str, query: str) -> Iterator[Source]:
+    if is_database(source):
+        yield from _of_table(source, _read_query(source, query), ".")
+    elif os.path.isdir(source):
+        yield from _of_folder(source)
+    elif source.endswith(TABLES):
+        reads = _read_parquet if source.endswith(".parquet") else _read_csv
+        yield from _of_table(source, reads(source), os.path.dirname(source) or ".")
+    elif os.path.exists(source):
+        yield Source(os.path.abspath(source), {})
+    elif glob.has_magic(source):
+        matches = sorted(glob.glob(source, recursive=True))
+        if not matches:
+            _fail(source, 0, "expected campaigns, found no file or folder of this pattern")
+        for match in matches:
+            if os.path.isdir(match):
+                yield from _of_folder(match)
+            else:
+                yield Source(os.path.abspath(match), {})
+    else:
+        _fail(source, 0, "expected a folder, a campaign, a table or a pattern, found none")
+
+
+def _of_folder(folder: str) -> Iterator[Source]:
+    none = True
+    for path, folders, files in os.walk(folder):
+        folders.sort()
+        if CAMPAIGN_FILE in files:
+            none = False
+            yield Source(os.path.abspath(os.path.join(path, CAMPAIGN_FILE)), {})
+    if none:
+        _fail(folder, 0, f"expected campaigns, found no {CAMPAIGN_FILE} in this folder or below")
+
+
+Row = tuple[int, dict[str, Any]]  # line (0: the table has none) and values by column
+
+
+def _of_table(source: str, rows: Iterable[Row], folder: str) -> Iterator[Source]:
+    lines: dict[str, int] = {}
+    for line, row in rows:
+        campaign = row.get(COLUMN)
+        if not isinstance(campaign, str) or not campaign.strip():
+            _fail(source, line, f"expected a path in the column {COLUMN}, found {campaign!r}")
+        assert isinstance(campaign, str)
+        if not campaign.isprintable():
+            _fail(source, line, f"expected a path, found {campaign!r} with control characters")
+        path = os.path.abspath(os.path.join(folder, campaign))
+        if os.path.isdir(path):
+            path = os.path.join(path, CAMPAIGN_FILE)
+        if path in lines:
+            _fail(source, line, f"{campaign} was named before, in row {lines[path]}")
+        lines[path] = line or len(lines) + 1
+        metadata = {key: _plain(value) for key, value in row.items() if key != COLUMN}
+        yield Source(path, metadata)
+    if not lines:
+        _fail(source, 0, "expected campaigns, found a table without rows")
+
+
+def _plain(value: Any) -> Value:
+    """Make a value of a table one of JSON; what is no number is text, what is not there is null."""
+    if hasattr(value, "item"):  # of NumPy
+        value = value.item()
+    if isinstance(value, decimal.Decimal):
+        value = float(value)
+    if value is None or isinstance(value, (str, bool, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, (datetime.date, datetime.datetime, datetime.time)):
+        return None if str(value) == "NaT" else value.isoformat()
+    return str(value)
+
+
+def _check_columns(source: str, names: list[str], line: int) -> None:
+    if COLUMN not in names:
+        shown = ", ".join(names[:20]) or "none"
+        _fail(source, line, f"expected a column {COLUMN} with paths, found the columns {shown}")
+    if repeated := {name for name in names if names.count(name) > 1}:
+        _fail(source, line, f"column {min(repeated)} is there more than once")
+
+
+def _read_csv(file: str) -> Iterator[Row]:
+    line = 1
+    try:
+        with open(file, encoding="utf-8-sig", newline="") as text:
+            header = text.readline(1 << 20)
+            delimiter = max(",;\t", key=header.count)
+            text.seek(0)
+            reader = csv.reader(text, delimiter=delimiter, strict=True)
+            names = [name.strip() for name in next(reader, [])]
+            _check_columns(file, names, 1)
+            rows: list[tuple[int, list[str]]] = []
+            for fields in reader:
+                line = reader.line_num
+                if len(fields) != len(names):
+                    if not fields:
+                        continue
+                    _fail(file, line, f"expected {len(names)} fields, found {len(fields)}")
+                rows.append((line, fields))
+    except UnicodeDecodeError as error:
+        _fail(
+            file, line, f"expected text in UTF-8, found the byte 0x{error.object[error.start]:02x}"
+        )
+    except csv.Error as error:
+        _fail(file, reader.line_num, str(error))
+    except OSError as error:
+        _fail(file, 0, f"expected a readable file, found none ({error.strerror})")
+    columns = [_numbers([fields[k].strip() for _, fields in rows]) for k in range(len(names))]
+    where = names.index(COLUMN)
+    columns[where] = [fields[where].strip() for _, fields in rows]
+    for k, (number, _) in enumerate(rows):
+        yield number, {name: column[k] for name, column in zip(names, columns, strict=True)}
+
+
+def _numbers(column: list[str]) -> list[Value]:
+    """Make a column numbers where every field that is not empty is one."""
+    try:
+        numbers = [float(field) if field else None for field in column]
+    except ValueError:
+        return [field or None for field in column]
+    if all(one is None or (one.is_integer() and abs(one) < 2**53) for one in numbers):
+        return [None if one is None else int(one) for one in numbers]
+    return list(numbers)
+
+
+def _read_parquet(file: str) -> Iterator[Row]:
+    try:
+        from pyarrow import ArrowException, parquet
+    except ImportError as error:
+        raise UsageError(f"Parquet needs pyarrow: pip install 'lipoid[fleet]' ({error})") from None
+    try:
+        with parquet.ParquetFile(file) as table:
+            _check_columns(file, table.schema_arrow.names, 0)
+            for batch in table.iter_batches():
+                for row in batch.to_pylist():
+                    yield 0, row
+    except (ArrowException, OSError) as error:
+        _fail(file, 0, f"expected a readable Parquet file, found: {error}")
+
+
+def _read_query(source: str, query: str) -> Iterator[Row]:
+    if not query:
+        raise UsageError(f"{source} is a database: --query says which rows, with a column {COLUMN}")
+    try:
+        import sqlalchemy
+    except ImportError as error:
+        message = f"a database needs sqlalchemy: pip install 'lipoid[fleet]' ({error})"
+        raise UsageError(message) from None
+    if "://" in source:
+        engine = sqlalchemy.create_engine(source)
+        shown = sqlalchemy.make_url(source).render_as_string(hide_password=True)
+    else:
+        if not os.path.exists(source):
+            _fail(source, 0, "expected a readable file, found none (No such file or directory)")
+        uri = Path(source).absolute().as_uri() + "?mode=ro"  # never made, never changed
+        engine = sqlalchemy.create_engine(
+            "sqlite://", creator=lambda: sqlite3.connect(uri, uri=True)
+        )
+        shown = source
+    try:
+        with engine.connect() as connection:
+            result = connection.execute(sqlalchemy.text(query))
+            if not result.returns_rows:
+                raise UsageError("--query: expected a SELECT, found a statement without rows")
+            _check_columns(shown, list(result.keys()), 0)
+            for row in result.mappings():
+                yield 0, dict(row)
+    except sqlalchemy.exc.SQLAlchemyError as error:
+        _fail(shown, 0, f"the query failed: {str(error).splitlines()[0]}")
+    finally:
+        engine.dispose()
+
+
+def metadata_text(metadata: dict[str, Value]) -> str:
+    """Return what stands in the column ``metadata``."""
+    return json.dumps(metadata, allow_nan=False, ensure_ascii=False)

@@ -1,0 +1,573 @@
+"""Fleets: one row for each campaign whatever happens, the same bits whatever happened meanwhile."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+import lipoid
+from conftest import Lipoid
+from lipoid.fleet import worker
+from lipoid.fleet.command import main
+from lipoid.fleet.driver import duration, still_the_same
+from lipoid.fleet.worker import Settings, identify_batch
+
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)}
+STAGED = ("--method", "staged", "--quiet")
+CELLS = 8
+
+
+@pytest.fixture(scope="session")
+def cells(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Small campaigns of cells that differ, in two batches."""
+    folder = tmp_path_factory.mktemp("fleet")
+    for k in range(CELLS):
+        lipoid.synthesize(
+            "gifi-600mAh-1",
+            folder / f"batch-{k % 2}" / f"cell-{k}",
+            parameters={"r_s": 0.12 + 0.002 * k, "r_1": 0.03, "c_1": 1500.0},
+            seed=k,
+            sampling_s=10.0,
+            voltage_noise_V=0.001,
+            rates_C="1,2",
+        )
+    return folder
+
+
+def rows(results: Path) -> dict[str, sqlite3.Row]:
+    with sqlite3.connect(results) as database:
+        database.row_factory = sqlite3.Row
+        found = database.execute("SELECT * FROM campaigns").fetchall()
+    assert len({row["campaign"] for row in found}) == len(found)
+    return {row["campaign"]: row for row in found}
+
+
+def essence(results: Path) -> list[tuple[Any, ...]]:
+    """Return what may not depend on what happened meanwhile."""
+    with sqlite3.connect(results) as database:
+        return database.execute(
+            "SELECT campaign, status, failure, reason, converged, usable, grade, rmse_V, options, "
+            "result_sha256, name, unit, estimate, standard_error, low_95, high_95, verdict "
+            "FROM campaigns LEFT JOIN parameters USING (id) ORDER BY campaign, name"
+        ).fetchall()
+
+
+def without(value: Any, names: set[str]) -> Any:
+    if isinstance(value, dict):
+        return {key: without(one, names) for key, one in value.items() if key not in names}
+    return [without(one, names) for one in value] if isinstance(value, list) else value
+
+
+@pytest.fixture(scope="session")
+def undisturbed(cells: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    results = tmp_path_factory.mktemp("undisturbed") / "results.sqlite"
+    assert main([str(cells), "-o", str(results), *STAGED]) == 0
+    return results
+
+
+def test_each_row_is_what_the_program_finds(
+    cells: Path, undisturbed: Path, program: Lipoid, tmp_path: Path
+) -> None:
+    found = rows(undisturbed)
+    assert len(found) == CELLS
+    campaign = cells / "batch-1" / "cell-3" / "campaign.toml"
+    row = found[str(campaign)]
+    theirs = program("identify", campaign, "--method", "staged", "-o", "cell.json", folder=tmp_path)
+    cell = json.loads((tmp_path / "cell.json").read_text())
+    leave = {"wall_s", "run"}
+    assert without(json.loads(row["cell"]), leave) == without(cell, leave)
+    summary = json.loads(row["summary"])
+    assert summary["parameters"] == theirs["parameters"]
+    assert row["rmse_V"] == theirs["verdict"]["rmse_V"]
+    inputs = {one["file"]: one["sha256"] for one in json.loads(row["inputs"])}
+    assert set(inputs.values()) == {one["sha256"] for one in cell["run"]["inputs"]}
+    assert (row["status"], row["attempts"], row["converged"]) == ("done", 1, 1)
+    assert row["version"] == lipoid.__version__
+    assert row["cpu_s"] > 0.0 and 5e7 < row["peak_memory_bytes"] < 1e9
+    with sqlite3.connect(undisturbed) as database:
+        (estimate,) = database.execute(
+            "SELECT estimate FROM parameters JOIN campaigns USING (id) "
+            "WHERE campaign = ? AND name = 'r_s'",
+            (str(campaign),),
+        ).fetchone()
+    assert estimate == {one["name"]: one["estimate"] for one in theirs["parameters"]}["r_s"]
+
+
+def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
+    import shutil
+
+    own = tmp_path / "cells"
+    shutil.copytree(cells / "batch-0", own)
+    results, summary = tmp_path / "results.sqlite", tmp_path / "summary.json"
+    command = [str(own), "-o", str(results), "--summary", str(summary), *STAGED]
+
+    def run(*more: str) -> tuple[int, int]:
+        assert main([*command, *more]) == 0
+        told = json.loads(summary.read_text())
+        return told["done"], told["kept"]
+
+    assert run() == (4, 0)
+    first = rows(results)
+    assert run() == (0, 4)
+    os.utime(own / "cell-0" / "pulses.csv")  # another time, the same bytes
+    assert run() == (0, 4)
+    log = own / "cell-2" / "pulses.csv"
+    lines = log.read_text().splitlines(keepends=True)
+    log.write_text("".join(lines[:-1]))
+    assert run() == (1, 3)
+    assert main([*command, "--branches", "2"]) == 2  # would lose what is there
+    assert {k: row["finished"] for k, row in rows(results).items() if "cell-2" not in k} == {
+        k: row["finished"] for k, row in first.items() if "cell-2" not in k
+    }
+    assert run("--branches", "2", "--replace") == (4, 0)
+
+
+def test_files_that_are_gone_are_not_the_same(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("a")
+    status = file.stat()
+    known = {"bytes": 1, "modified_ns": status.st_mtime_ns, "sha256": "?", "file": str(file)}
+    assert still_the_same([known]) == [known]
+    file.unlink()
+    assert still_the_same([known]) is None
+
+
+def test_what_is_wrong_with_a_campaign_is_its_row(cells: Path, tmp_path: Path) -> None:
+    good = cells / "batch-0" / "cell-0" / "campaign.toml"
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[cell]\ncapacity_Ah = 'much'\n")
+    lacks = tmp_path / "lacks.toml"
+    lacks.write_text('[[log]]\nkind = "pulses"\nfile = "gone.csv"\n')
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "folder.toml" / "campaign.toml").symlink_to("campaign.toml")  # to itself
+    table = tmp_path / "table.csv"
+    table.write_text(
+        f"campaign,batch,age\n{good},A,1\nbad.toml,<b>,2\nlacks.toml,,3\nnone.toml,B,\n"
+        "folder.toml,B,5\n"
+    )
+    results = tmp_path / "results.sqlite"
+    assert main([str(table), "-o", str(results), *STAGED]) == 1
+    found = {Path(key).name: row for key, row in rows(results).items() if "folder" not in key}
+    assert found["campaign.toml"]["status"] == "done"
+    assert json.loads(found["campaign.toml"]["metadata"]) == {"batch": "A", "age": 1}
+    for name in ("bad.toml", "lacks.toml", "none.toml"):
+        assert (found[name]["status"], found[name]["failure"]) == ("failed", "bad-input")
+    assert f"{bad}:2:15: error: capacity_Ah: expected" in found["bad.toml"]["reason"]
+    assert "gone.csv" in found["lacks.toml"]["reason"]
+    assert len(rows(results)) == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            b"",
+            "table.csv:1:1: error: expected a column campaign with paths, found the columns none",
+        ),
+        (b"file,batch\na,b\n", "found the columns file, batch"),
+        (b"campaign,a,a\nx,1,2\n", "table.csv:1:1: error: column a is there more than once"),
+        (b"campaign\n", "found a table without rows"),
+        (b"campaign,a\nx\n", "table.csv:2:1: error: expected 2 fields, found 1"),
+        (b"campaign,a\n ,1\n", "table.csv:2:1: error: expected a path in the column campaign"),
+        (b"campaign,a\nx,1\nx,1\n", "table.csv:3:1: error: x was named before, in row 2"),
+        (b"campaign\nx\0y\n", "control characters"),
+        (b"campaign\n\xff\xfe\n", "expected text in UTF-8, found the byte 0xff"),
+        (b'campaign\n"x\n', "unexpected end of data"),
+        (b"campaign\n" + b"x" * 200_000, "field larger than field limit"),
+    ],
+)
+def test_hostile_tables_are_refused_with_their_place(
+    text: bytes, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "table.csv"
+    table.write_bytes(text)
+    assert main([str(table), "-o", str(tmp_path / "r.sqlite"), *STAGED]) == 3
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "r.sqlite").exists()
+
+
+def test_tables_of_all_kinds_name_the_same_campaigns(cells: Path, tmp_path: Path) -> None:
+    from lipoid.fleet.sources import find
+
+    frame = pd.DataFrame(
+        {
+            "campaign": [str(path) for path in sorted(cells.glob("*/*"))],
+            "batch": ["A", "B"] * (CELLS // 2),
+            "age": [0.5 * k for k in range(CELLS)],
+        }
+    )
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    frame.to_csv(tmp_path / "t.tsv", index=False, sep="\t")
+    frame.to_parquet(tmp_path / "t.parquet")
+    with sqlite3.connect(tmp_path / "t.sqlite") as database:
+        frame.to_sql("cells", database)
+    wanted = find([str(tmp_path / "t.csv")])
+    assert wanted[3].metadata == {"batch": "B", "age": 1.5}
+    assert find([str(tmp_path / "t.tsv")]) == wanted
+    assert find([str(tmp_path / "t.parquet")]) == wanted
+    query = "SELECT campaign, batch, age FROM cells ORDER BY age"
+    assert find([str(tmp_path / "t.sqlite")], query) == wanted
+    assert find([f"sqlite:///{tmp_path}/t.sqlite"], query) == wanted
+    assert [one.campaign for one in find([str(cells / "*" / "*")])] == [
+        one.campaign for one in find([str(cells)])
+    ]
+    assert {one.campaign for one in find([str(cells)])} == {one.campaign for one in wanted}
+    for asked in ("DELETE FROM cells", "SELECT nothing FROM cells", "SELECT batch FROM cells"):
+        results = str(tmp_path / "r.sqlite")
+        asked_of = [str(tmp_path / "t.sqlite"), "--query", asked]
+        assert main([*asked_of, "-o", results, *STAGED]) in (2, 3)
+    assert find([str(tmp_path / "t.sqlite")], query) == wanted  # nothing was deleted
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--method", "magic"], "method: expected"),
+        (["--set", "pulses.term=3"], "unknown option 'pulses.term'"),
+        (["--set", "pulses.terms=many"], "pulses.terms: expected 0 .. 1000, found 'many'"),
+        (["--fix", "beta"], "--fix: expected NAME=VALUE, found 'beta'"),
+        (["--bounds", "beta=1"], "--bounds: expected two numbers with a comma for beta"),
+        (["--branches", "9"], "branches: expected a whole number, 0 .. 5"),
+        (["--seed", "-1"], "--seed: expected a whole number from 0 on"),
+        (["--retries", "-1"], "--retries: expected 0 .. 1000"),
+        (["--time-limit-s", "nan"], "--time-limit-s: expected"),
+        (["--memory-limit", "1MB"], "--memory-limit: expected at least 300MB"),
+        (["--memory-limit", "much"], "--memory-limit: expected a size as 2GB"),
+        (["--query", "SELECT 1"], "--query needs one SOURCE that is a database"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "no scheduler answers"),
+        (["--summary", "/no/such/folder/s.json"], "cannot be written"),
+    ],
+)
+def test_wrong_options_say_what_is_right(
+    words: list[str],
+    message: str,
+    cells: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("lipoid.fleet.cluster.ANSWER_S", 1.0)
+    one = cells / "batch-0" / "cell-0"
+    assert main([str(one), "-o", str(tmp_path / "r.sqlite"), "--quiet", *words]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_options_are_those_of_identify(cells: Path, tmp_path: Path) -> None:
+    words = ["--branches", "2", "--fix", "beta=0.2", "--bounds", "r_s=0.05,0.3"]
+    words += ["--set", "pulses.terms=5", "open_circuit_voltage.knots=50", "--seed", "3"]
+    one = cells / "batch-0" / "cell-0" / "campaign.toml"
+    results = tmp_path / "r.sqlite"
+    main([str(one), "-o", str(results), *STAGED, *words])
+    (row,) = rows(results).values()
+    run = json.loads(row["cell"])["run"]
+    assert run["seed"] == 3
+    assert run["options"]["pulses"]["terms"] == 5
+    assert run["options"]["open_circuit_voltage"]["knots"] == 50
+    assert json.loads(row["cell"])["diffusion"]["beta_per_sqrt_s"] == 0.2
+
+
+def test_outputs_replace_nothing(
+    cells: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = tmp_path / "text.sqlite"
+    text.write_text("my only notes\n" * 100)
+    other = tmp_path / "other.sqlite"
+    with sqlite3.connect(other) as database:
+        database.execute("CREATE TABLE mine (x)")
+    table = tmp_path / "table.csv"
+    table.write_text(f"campaign\n{cells / 'batch-0' / 'cell-0'}\n")
+    before = [text.read_bytes(), other.read_bytes(), table.read_bytes()]
+    assert main([str(cells), "-o", str(text), *STAGED]) == 2
+    assert main([str(cells), "-o", str(other), *STAGED]) == 2
+    assert "that lipoid-fleet did not make" in capsys.readouterr().err
+    assert main([str(table), "-o", str(table), *STAGED]) == 2
+    assert main([str(table), "-o", str(tmp_path / "r.sqlite"), "--parquet", str(table)]) == 2
+    assert main([str(table), "-o", str(tmp_path), *STAGED]) == 2
+    assert main([str(table), "-o", str(tmp_path / "none" / "r.sqlite"), *STAGED]) == 2
+    assert before == [text.read_bytes(), other.read_bytes(), table.read_bytes()]
+    assert not list(tmp_path.glob("*.lock"))
+
+
+def test_limits_cost_a_retry_and_then_a_row(cells: Path, tmp_path: Path) -> None:
+    good = str(cells / "batch-0" / "cell-0" / "campaign.toml")
+    worker.start()  # a run before stopped it
+    late = Settings({"method": "staged"}, time_limit_s=0.001, retries=2)
+    (row,) = identify_batch([good], late)
+    assert (row["failure"], row["attempts"]) == ("time-limit", 3)
+    assert row["reason"] == "took longer than the limit of 0.001 s"
+    lipoid.synthesize("gifi-600mAh-1", tmp_path / "large", sampling_s=0.02, rates_C="1")
+    large = str(tmp_path / "large" / "campaign.toml")
+    (free,) = identify_batch([large], Settings({"method": "staged"}))
+    (small,) = identify_batch([good], Settings({"method": "staged"}))
+    assert free["status"] == small["status"] == "done"
+    # What counts are the bytes that the process may write to: about 170 MB before it begins.
+    assert free["peak_memory_bytes"] > small["peak_memory_bytes"] + 80_000_000
+    limited = Settings({"method": "staged"}, memory_bytes=240_000_000)
+    first, second = identify_batch([large, good], limited)
+    assert (first["failure"], first["attempts"]) == ("memory-limit", 2)
+    assert second["status"] == "done"
+    worker.stop()
+
+
+def children(of: int) -> list[int]:
+    """Return the processes that identify for this one."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int(path.joinpath("stat").read_text().rsplit(")", 1)[1].split()[1])
+            command = path.joinpath("cmdline").read_bytes()
+        except OSError:
+            continue
+        if parent == of and b"lipoid.fleet.runner" in command:
+            found.append(int(path.name))
+    return found
+
+
+def start(*words: object) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", *map(str, words)],
+        env=ENVIRONMENT,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def wait_for_rows(results: Path, count: int, process: subprocess.Popen[str]) -> None:
+    end = time.monotonic() + 60.0
+    while time.monotonic() < end and process.poll() is None:
+        try:
+            with sqlite3.connect(f"file:{results}?mode=ro", uri=True) as database:
+                if database.execute("SELECT count(*) FROM campaigns").fetchone()[0] >= count:
+                    return
+        except sqlite3.Error:
+            pass
+        time.sleep(0.01)
+    assert process.poll() is None, process.communicate()
+
+
+def test_killed_processes_cost_nothing(cells: Path, undisturbed: Path, tmp_path: Path) -> None:
+    results = tmp_path / "results.sqlite"
+    words = [cells, "-o", results, *STAGED, "--retries", "50", "--summary", tmp_path / "s.json"]
+    process = start("lipoid.fleet", *words)
+    killed = 0
+    while process.poll() is None:
+        for one in children(process.pid):
+            if killed < 6:
+                os.kill(one, signal.SIGKILL)
+                killed += 1
+        time.sleep(0.3)
+    assert process.wait() == 0, process.communicate()
+    assert killed == 6
+    assert essence(results) == essence(undisturbed)
+
+
+def test_a_signal_stops_and_the_same_command_goes_on(
+    cells: Path, undisturbed: Path, tmp_path: Path
+) -> None:
+    results = tmp_path / "results.sqlite"
+    words = [cells, "-o", results, "--method", "staged", "--workers", 1]
+    process = start("lipoid.fleet", *words)
+    wait_for_rows(results, 1, process)
+    running = children(process.pid)
+    second = start("lipoid.fleet", *words)
+    process.send_signal(signal.SIGSTOP)
+    assert second.wait() == 2
+    assert "another lipoid-fleet is writing to it" in second.communicate()[1]
+    process.send_signal(signal.SIGCONT)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=30.0)
+    written = len(rows(results))
+    if process.returncode == -signal.SIGINT:  # it was not quicker than the signal
+        assert "the same command goes on" in told
+        assert written < CELLS
+    assert not any(Path(f"/proc/{one}").exists() for one in running)
+    assert not results.with_name("results.sqlite.lock").exists()
+    kept = rows(results)
+    assert main([*map(str, words), "--quiet"]) == 0
+    assert essence(results) == essence(undisturbed)
+    assert all(rows(results)[key]["finished"] == row["finished"] for key, row in kept.items())
+
+
+@pytest.fixture()
+def port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        number: int = one.getsockname()[1]
+        return number
+
+
+def dask(*words: object) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_" + str(words[0]), *map(str, words[1:])],
+        env=ENVIRONMENT,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+
+
+@pytest.fixture()
+def cluster(port: int, tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+    """A scheduler and two workers of dask, each a process."""
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = dask("scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")
+    options = ["--no-nanny", "--nthreads", 1, "--no-dashboard", "--local-directory", tmp_path]
+    processes = [scheduler] + [dask("worker", address, *options) for _ in range(2)]
+    yield address, processes
+    for process in processes:
+        process.kill()
+        process.wait()
+
+
+def test_a_cluster_that_dies_costs_nothing_that_was_written(
+    cells: Path,
+    undisturbed: Path,
+    tmp_path: Path,
+    cluster: tuple[str, list[subprocess.Popen[str]]],
+) -> None:
+    address, (scheduler, first, _) = cluster
+    results = tmp_path / "results.sqlite"
+    command = [cells, "-o", results, "--method", "staged"]
+    process = start("lipoid.fleet", *command, "--scheduler", address)
+    wait_for_rows(results, 1, process)
+    first.kill()
+    wait_for_rows(results, 4, process)
+    scheduler.kill()
+    _, told = process.communicate(timeout=60.0)
+    written = len(rows(results))
+    if written < CELLS:
+        assert process.returncode == 1
+        assert f"the scheduler at {address} is gone; the same command goes on" in told
+    kept = rows(results)
+    assert main([*map(str, command), "--quiet"]) == 0
+    assert essence(results) == essence(undisturbed)
+    assert all(rows(results)[key]["finished"] == row["finished"] for key, row in kept.items())
+
+
+def test_parquet_has_all_of_it(cells: Path, undisturbed: Path, tmp_path: Path) -> None:
+    from lipoid.fleet import parquet
+
+    parquet.write(str(undisturbed), str(tmp_path / "r.parquet"))
+    table = pd.read_parquet(tmp_path / "r.parquet").set_index("campaign")
+    assert len(table) == CELLS
+    with sqlite3.connect(undisturbed) as database:
+        for campaign, name, estimate, error in database.execute(
+            "SELECT campaign, name, estimate, standard_error FROM campaigns JOIN parameters "
+            "USING (id)"
+        ):
+            assert table.loc[campaign, name] == estimate
+            assert error is None or table.loc[campaign, f"{name}_standard_error"] == error
+
+
+def made_up(file: Path, count: int = 400) -> None:
+    """Write results that are known: one stands out, r_s grows with age, alpha differs by batch."""
+    from lipoid.fleet.results import Results
+
+    rng = __import__("numpy").random.default_rng(0)
+    with Results(file, "{}") as results:
+        made = []
+        for k in range(count):
+            batch = "<script>alert(1)</script>" if k % 2 else "A & B"
+            age = k // 4
+            r_s = 0.1 * (1.0 + 0.001 * age) + rng.normal(0.0, 0.0005)
+            r_s += 0.05 if k == 17 else 0.0
+            alpha = 1350.0 - (10.0 if k % 2 else 0.0) + rng.normal(0.0, 3.0)
+            parameters = [
+                ("r_s", "Ohm", r_s, 1e-4, r_s, r_s, "identified"),
+                ("alpha", "C", alpha, 1.0, alpha, alpha, "identified"),
+                ("c_1", "F", 1.0 + k, None, None, None, "weak"),
+            ]
+            row: dict[str, Any] = {
+                "campaign": f"/cells/{k}/<i>.toml",
+                "status": "done",
+                "options": "{}",
+            }
+            row |= {"version": "1", "commit": "c", "finished": "now"}
+            row |= {"metadata": json.dumps({"batch": batch, "age": age})}
+            made.append(row | {"attempts": 1, "rmse_V": 1e-3, "parameters": parameters})
+        failed = {"campaign": "/x<b>.toml", "status": "failed", "failure": "died", "attempts": 2}
+        failed |= {"reason": "<img src=x>", "options": "{}", "version": "1", "commit": "c"}
+        made.append(failed | {"finished": "now", "metadata": "{}"})
+        results.put(made)
+
+
+def test_the_report_finds_what_is_there(tmp_path: Path) -> None:
+    made_up(tmp_path / "r.sqlite")
+    outliers, drift = tmp_path / "outliers.csv", tmp_path / "drift.csv"
+    written = ["--outliers", str(outliers), "--drift", str(drift)]
+    assert (
+        main(["report", str(tmp_path / "r.sqlite"), "-o", str(tmp_path / "s.csv"), *written]) == 0
+    )
+    spread = pd.read_csv(tmp_path / "s.csv").set_index("name")
+    # A median of 200 values is off by 1.25 / sqrt(200) of their width.
+    assert spread.loc["alpha", "median"] == pytest.approx(1345.0, abs=1.0)
+    assert spread.loc["c_1", "identified"] == 0 and spread.loc["c_1", "cells"] == 400
+    far = pd.read_csv(outliers)
+    assert list(far["campaign"]) == ["/cells/17/<i>.toml"] and list(far["name"]) == ["r_s"]
+    moved = pd.read_csv(drift)
+    batches = moved[moved["over"] == "batch"].set_index(["name", "batch"])
+    assert batches.loc[("alpha", "A & B"), "differs"]
+    assert not batches.loc[("r_s", "A & B"), "differs"]
+    ages = moved[moved["over"] == "age"].set_index("name")
+    # The noise of 0.0005 Ohm over 400 cells of ages to 99: 9e-7 Ohm is its standard error.
+    assert ages.loc["r_s", "slope_per_age"] == pytest.approx(1e-4, abs=4e-6)
+    assert ages.loc["r_s", "drifts"] and not ages.loc["alpha", "drifts"]
+
+
+def test_the_page_runs_nothing_and_loads_nothing(tmp_path: Path) -> None:
+    import base64
+    import hashlib
+    import re
+    from html.parser import HTMLParser
+
+    made_up(tmp_path / "r.sqlite")
+    assert main(["report", str(tmp_path / "r.sqlite"), "-o", str(tmp_path / "r.html")]) == 0
+    text = (tmp_path / "r.html").read_text()
+    tags: list[str] = []
+    attributes: list[str] = []
+
+    class Reader(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            tags.append(tag)
+            attributes.extend(name for name, _ in attrs)
+
+    Reader().feed(text)
+    assert not {"script", "img", "link", "iframe", "b", "i", "a"} & set(tags)
+    assert not {"src", "href", "style", "onload", "onclick"} & set(attributes)
+    style = re.search("<style>(.*)</style>", text, re.DOTALL)
+    assert style is not None
+    digest = base64.b64encode(hashlib.sha256(style[1].encode()).digest()).decode()
+    assert f"style-src 'sha256-{digest}'" in text and "default-src 'none'" in text
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in text and "&lt;img src=x&gt;" in text
+    assert "svg" in tags
+
+
+def test_reports_of_little(
+    undisturbed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["report", str(undisturbed), "-o", str(tmp_path / "r.html")]) == 0
+    assert "fewer than two batches" in (tmp_path / "r.html").read_text()
+    assert main(["report", str(tmp_path / "none"), "-o", str(tmp_path / "r.html")]) == 3
+    assert main(["report", __file__, "-o", str(tmp_path / "r.html")]) == 3
+    assert main(["report", str(undisturbed), "-o", str(tmp_path / "r.pdf")]) == 2
+    assert main(["report", str(undisturbed), "-o", str(tmp_path / "none" / "r.csv")]) == 2
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("time_s", "text"),
+    [(12.4, "12 s"), (99.6, "2 min"), (3600.0, "60 min"), (9000.0, "2.5 h"), (4e5, "4.6 days")],
+)
+def test_times_for_a_person(time_s: float, text: str) -> None:
+    assert duration(time_s) == text
