@@ -51,7 +51,7 @@ struct FitQuality {
   std::vector<std::string> reasons; ///< why it is no better; empty where it is good
 
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
-  [[nodiscard]] std::string Sentence() const;
+  [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;
 };
 
 /// `fitted` are the logs that took part, by the cell; `times` those of constant currents;
@@ -63,6 +63,10 @@ struct FitQuality {
                                   double moved_C,
                                   double nominal_Ah);
 
+/// The key `verdict` of a summary, with the reasons as a list.
 [[nodiscard]] Json FitQualityToJson(const FitQuality& quality);
+
+/// The key `fit`, the same with one reason: verdict, mean_error_percent, rmse_V, reason.
+[[nodiscard]] Json FitToJson(const FitQuality& quality);
 
 }  // namespace lipoid
