@@ -16,13 +16,10 @@ constexpr std::size_t kMostRows = std::size_t{1} << 16;
 // In base64 three bytes take four.
 constexpr double kBytesOfBase64 = 4.0 / 3.0;
 
-const std::vector<std::string>& LogColumns() {
-  static const std::vector<std::string> columns = [] {
-    std::vector<std::string> names;
-    FlightSample{}.Visit([&](const char* name, double) { names.emplace_back(name); });
-    return names;
-  }();
-  return columns;
+std::vector<std::string> LogColumns(std::size_t rotors) {
+  std::vector<std::string> names;
+  FlightSample::OfRotors(rotors).Visit([&](const char* name, double) { names.emplace_back(name); });
+  return names;
 }
 
 // Time apart, which has a type of its own.
@@ -87,10 +84,9 @@ double BytesPerRow(const Series& series) {
 
 }  // namespace
 
-FlightSeries::FlightSeries() {
-  const auto& columns = LogColumns();
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (Shown(columns[k])) shown_.push_back(k);
+FlightSeries::FlightSeries(std::size_t rotors) : names_(LogColumns(rotors)) {
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    if (Shown(names_[k])) shown_.push_back(k);
   }
   values_.resize(shown_.size());
 }
@@ -123,7 +119,7 @@ Series FlightSeries::Take(const std::string& name) {
   series.columns.push_back({"time_s", std::move(time_s_)});
   for (std::size_t k = 0; k < shown_.size(); ++k) {
     const auto& values = values_[k];
-    series.columns.push_back({LogColumns()[shown_[k]], {values.begin(), values.end()}});
+    series.columns.push_back({names_[shown_[k]], {values.begin(), values.end()}});
   }
   return series;
 }
