@@ -34,8 +34,9 @@ Eigen::MatrixXd ReferenceColumns(const ReferenceCell& reference,
   Eigen::MatrixXd covariance(n, n);
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
-      covariance(a, b) = uncertainty->covariance[taken[static_cast<std::size_t>(a)]]
-                                                [taken[static_cast<std::size_t>(b)]];
+      covariance(a, b) =
+          uncertainty
+              ->covariance[taken[static_cast<std::size_t>(a)]][taken[static_cast<std::size_t>(b)]];
     }
   }
   const Eigen::VectorXd unit =
@@ -46,8 +47,8 @@ Eigen::MatrixXd ReferenceColumns(const ReferenceCell& reference,
   for (Eigen::Index e = n - 1; e >= 0; --e) {
     constexpr double kOfNote = 1e-3;
     if (solver.eigenvalues()[e] < kOfNote) break;
-    const Eigen::VectorXd move = (std::sqrt(solver.eigenvalues()[e]) * unit).cwiseProduct(
-        solver.eigenvectors().col(e));
+    const Eigen::VectorXd move =
+        (std::sqrt(solver.eigenvalues()[e]) * unit).cwiseProduct(solver.eigenvectors().col(e));
     // A tenth of a standard deviation either way keeps what must be positive positive.
     constexpr double kStep = 0.1;
     Cell up = reference.cell;
@@ -73,7 +74,8 @@ Eigen::MatrixXd ReferenceColumns(const ReferenceCell& reference,
 // flight, from their mean before it.
 class FlightProblem final : public LeastSquaresProblem {
  public:
-  FlightProblem(const FlightSamples& flight, const FlightModel& model) : flight_(flight), model_(model) {}
+  FlightProblem(const FlightSamples& flight, const FlightModel& model)
+      : flight_(flight), model_(model) {}
 
   Eigen::VectorXd mean, deviation, low, high;
   Eigen::MatrixXd reference_columns;  // at rows
@@ -107,10 +109,12 @@ class FlightProblem final : public LeastSquaresProblem {
     columns.col(columns.cols() - 1) -= flight_.voltage_V;
     return columns;
   }
-  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& scaled, bool jacobian) const override {
+  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& scaled,
+                                       bool jacobian) const override {
     Eigen::MatrixXd columns = InWindows(AtRows(scaled), lag_s);
     if (!columns.allFinite())
-      return Eigen::MatrixXd::Constant(size() + 1, size() + 1, std::numeric_limits<double>::quiet_NaN());
+      return Eigen::MatrixXd::Constant(
+          size() + 1, size() + 1, std::numeric_limits<double>::quiet_NaN());
     noise.Whiten(flight_.time_s, columns);
     const auto n = columns.rows();
     Eigen::MatrixXd all(n + size(), size() + 1);
@@ -135,7 +139,9 @@ class FlightProblem final : public LeastSquaresProblem {
 class NoiseProblem final : public OptimizationProblem {
  public:
   // columns are [J r] at the windows, `scaled` where they were taken.
-  NoiseProblem(const std::vector<double>& time_s, const Eigen::MatrixXd& columns, const Eigen::VectorXd& scaled)
+  NoiseProblem(const std::vector<double>& time_s,
+               const Eigen::MatrixXd& columns,
+               const Eigen::VectorXd& scaled)
       : time_s_(time_s), columns_(columns), scaled_(scaled) {
     // From the resolution of the fastest window to the length of the flight.
     const double length_s = std::max(20.0, time_s.back() - time_s.front());
@@ -156,8 +162,8 @@ class NoiseProblem final : public OptimizationProblem {
     normal.diagonal().array() += 1.0;
     const Eigen::VectorXd score = columns.leftCols(p).transpose() * columns.col(p) + scaled_;
     const Eigen::LLT<Eigen::MatrixXd> factor(normal);
-    const double squares = columns.col(p).squaredNorm() + scaled_.squaredNorm() -
-                           score.dot(factor.solve(score));
+    const double squares =
+        columns.col(p).squaredNorm() + scaled_.squaredNorm() - score.dot(factor.solve(score));
     const double log_normal = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
     return 0.5 * (squares + log_determinant + log_normal);
   }
@@ -265,8 +271,10 @@ FlightFit FitFlight(const ReferenceCell& reference,
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round) {
     problem.lag_s = fit.lag_s;
-    problem.reference_columns = ReferenceColumns(
-        reference, model, problem.Natural(scaled).head(p), static_cast<Eigen::Index>(record.size()));
+    problem.reference_columns = ReferenceColumns(reference,
+                                                 model,
+                                                 problem.Natural(scaled).head(p),
+                                                 static_cast<Eigen::Index>(record.size()));
     if (const auto more = problem.reference_columns.cols(); round == 0 && more > 0) {
       const auto grow = [&](Eigen::VectorXd& v, double value) {
         v.conservativeResize(p + more);
@@ -342,8 +350,7 @@ FlightFit FitFlight(const ReferenceCell& reference,
   Eigen::MatrixXd normal = columns.transpose() * columns;
   normal.diagonal().head(n).array() += 1.0;
   normal(n, n) += 1.0 / (sensors.lag_s * sensors.lag_s);
-  const Eigen::MatrixXd covariance =
-      normal.llt().solve(Eigen::MatrixXd::Identity(n + 1, n + 1));
+  const Eigen::MatrixXd covariance = normal.llt().solve(Eigen::MatrixXd::Identity(n + 1, n + 1));
   fit.unknowns = problem.Natural(scaled).head(p);
   fit.prior_deviation = problem.deviation.head(p);
   fit.covariance = problem.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *
@@ -355,7 +362,8 @@ FlightFit FitFlight(const ReferenceCell& reference,
   const Eigen::VectorXd at_fresh = flight.AtFresh(fit.voltage_V, fit.lag_s);
   for (std::size_t f = 0; f < flight.fresh.size(); ++f) {
     const double measured_V = record.voltage_V[flight.fresh[f]];
-    const double error = 100.0 * std::abs(at_fresh[static_cast<Eigen::Index>(f)] / measured_V - 1.0);
+    const double error =
+        100.0 * std::abs(at_fresh[static_cast<Eigen::Index>(f)] / measured_V - 1.0);
     fit.mean_error_percent += error / static_cast<double>(flight.fresh.size());
     fit.max_error_percent = std::max(fit.max_error_percent, error);
   }

@@ -12,7 +12,7 @@
 /// unknowns integrated out (the marginal likelihood, to second order). What is to be believed of x is
 /// then the inverse of the normal matrix. The lag of the voltage is searched over a grid, because the
 /// cost has as many minima in it as the current has edges. Tests:
-/// tests/identify/health/flight_fit_test.cc.
+/// tests/identify/health/coverage_test.cc.
 
 #include <Eigen/Core>
 #include <vector>
@@ -42,9 +42,9 @@ struct FlightFit {
   bool starts_at_rest = false;
   double mean_error_percent = 0.0;  ///< of the rows whose voltage is new
   double max_error_percent = 0.0;
-  double charge_C = 0.0;    ///< from the first row to the last, as shown
+  double charge_C = 0.0;  ///< from the first row to the last, as shown
   double duration_s = 0.0;
-  Eigen::VectorXd soc;      ///< at every row, while its current flows
+  Eigen::VectorXd soc;        ///< at every row, while its current flows
   Eigen::VectorXd voltage_V;  ///< predicted, at every row
 };
 

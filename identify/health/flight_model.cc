@@ -48,7 +48,8 @@ CellParameters<T> WithUnknowns(const CellParameters<double>& p, const std::vecto
   q.tail = p.tail;
   q.series_resistance_Ohm = Scaled(p.series_resistance_Ohm, series);
   for (const auto& branch : p.branches)
-    q.branches.push_back({Scaled(branch.resistance_Ohm, branches), slower * branch.time_constant_s});
+    q.branches.push_back(
+        {Scaled(branch.resistance_Ohm, branches), slower * branch.time_constant_s});
   q.open_circuit_voltage = p.open_circuit_voltage;
   if (p.self_heating) {
     q.self_heating = SelfHeating<T>{T(p.self_heating->time_constant_s),
@@ -104,8 +105,9 @@ typename CellModel<T>::State StartOf(const CellModel<T>& model,
   if (p.temperature) {
     const double reference_degC = p.temperature->reference_K - kZeroCelsius_K;
     const double ambient_degC = among.ambient_degC.value_or(reference_degC);
-    const double first_degC = !among.measured_degC.empty() ? among.measured_degC[0]
-                                                           : among.initial_degC.value_or(ambient_degC);
+    const double first_degC = !among.measured_degC.empty()
+                                  ? among.measured_degC[0]
+                                  : among.initial_degC.value_or(ambient_degC);
     state.temperature_K = T(first_degC + kZeroCelsius_K);
     if (among.measured_degC.empty()) state.ambient_K = T(ambient_degC + kZeroCelsius_K);
   }
@@ -181,8 +183,7 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
          out.soc[k] = soc.a;
          out.voltage_V[k] = voltage_V.a + nodes_V[lower] + share * rise_V;
          const double curve_slope_V = within ? rise_V * (kCurveNodes - 1) : 0.0;
-         out.slope.row(k).head(U::kCount) =
-             (voltage_V.v + curve_slope_V * soc.v).transpose();
+         out.slope.row(k).head(U::kCount) = (voltage_V.v + curve_slope_V * soc.v).transpose();
          out.slope.row(k).tail(kCurveNodes) =
              (1.0 - share) * curve_.row(lower) + share * curve_.row(lower + 1);
        });
@@ -192,12 +193,9 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
 Eigen::VectorXd FlightModel::VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const {
   const std::vector<double> x(unknowns.data(), unknowns.data() + U::kCount);
   Eigen::VectorXd voltage_V(static_cast<Eigen::Index>(record_.size()));
-  Walk(cell.Parameters(),
-       x,
-       record_,
-       mean_A_,
-       among_,
-       [&](std::size_t k, double, double v) { voltage_V[static_cast<Eigen::Index>(k)] = v; });
+  Walk(cell.Parameters(), x, record_, mean_A_, among_, [&](std::size_t k, double, double v) {
+    voltage_V[static_cast<Eigen::Index>(k)] = v;
+  });
   return voltage_V;
 }
 

@@ -23,16 +23,16 @@ namespace lipoid {
 /// What is unknown of one flight.
 struct FlightUnknowns {
   enum : int {
-    kStart,      ///< state of charge at the first row
-    kCapacity,   ///< logarithm of alpha over the reference's
-    kSeries,     ///< of r_s and r_ct
-    kBranches,   ///< of every r_j
-    kBeta,       ///< of beta
-    kTau,        ///< of every tau_j
-    kScale,      ///< true current over shown current, less 1
-    kOffset_A,   ///< shown current where none flows
-    kWarming,    ///< logarithm of the temperature rise over the reference's, by the same heat
-    kBefore,     ///< share of the settled drops of the mean current that is there at the first row
+    kStart,     ///< state of charge at the first row
+    kCapacity,  ///< logarithm of alpha over the reference's
+    kSeries,    ///< of r_s and r_ct
+    kBranches,  ///< of every r_j
+    kBeta,      ///< of beta
+    kTau,       ///< of every tau_j
+    kScale,     ///< true current over shown current, less 1
+    kOffset_A,  ///< shown current where none flows
+    kWarming,   ///< logarithm of the temperature rise over the reference's, by the same heat
+    kBefore,    ///< share of the settled drops of the mean current that is there at the first row
     kCount
   };
 };

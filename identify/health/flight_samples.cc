@@ -166,7 +166,7 @@ void ChooseWindows(FlightSamples& flight) {
     for (double lag_s = -kLargestLag_s; lag_s <= kLargestLag_s; lag_s += step_s) {
       const Coherence at = CoherenceAt(record, flight.fresh, windows, lag_s);
       // A longer window must be clearly better.
-      constexpr double kClearly = 0.02;
+      constexpr double kClearly = 0.005;
       const bool same_window = try_s == window_s && !chosen.empty();
       if (at.correlation > flight.coherence + (same_window ? 0.0 : kClearly)) {
         flight.coherence = at.correlation;
@@ -176,7 +176,7 @@ void ChooseWindows(FlightSamples& flight) {
         chosen = windows;
       }
     }
-    if (flight.coherence >= kCoherent) break;
+    if (flight.coherence >= kCoherentEnough) break;
   }
   const double duration_s = record.time_s.back() - record.time_s.front();
   if (chosen.size() > kMostWindows || chosen.empty()) {
@@ -233,7 +233,8 @@ Eigen::MatrixXd FlightSamples::InWindows(const Eigen::MatrixXd& at_rows, double 
 
 Eigen::VectorXd FlightSamples::LagSlope(const Eigen::VectorXd& at_rows, double after_s) const {
   const double half_s = 0.5 * std::max(MedianInterval(record.time_s), 0.5 * window_s);
-  return (InWindows(at_rows, after_s + half_s) - InWindows(at_rows, after_s - half_s)) / (2.0 * half_s);
+  return (InWindows(at_rows, after_s + half_s) - InWindows(at_rows, after_s - half_s)) /
+         (2.0 * half_s);
 }
 
 Eigen::VectorXd FlightSamples::AtFresh(const Eigen::VectorXd& at_rows, double after_s) const {

@@ -28,13 +28,13 @@ struct FlightSamples {
   Eigen::VectorXd voltage_V;   ///< of each window, its mean
   double voltage_update_s = 0.0;
   double current_update_s = 0.0;
-  double window_s = 0.0;   ///< 0: single rows
-  double lag_s = 0.0;      ///< of the voltage after the current, where they follow best
-  double coherence = 0.0;  ///< correlation of their changes there, with the sign turned
+  double window_s = 0.0;             ///< 0: single rows
+  double lag_s = 0.0;                ///< of the voltage after the current, where they follow best
+  double coherence = 0.0;            ///< correlation of their changes there, with the sign turned
   double edge_resistance_Ohm = 0.0;  ///< what those changes show, at least 0
   double largest_A = 0.0;
-  double gap_C = 0.0;             ///< that may have flowed in gaps between the rows
-  std::size_t dropped_rows = 0;   ///< at the end, while the plug was pulled
+  double gap_C = 0.0;            ///< that may have flowed in gaps between the rows
+  std::size_t dropped_rows = 0;  ///< at the end, while the plug was pulled
 
   /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight
   /// lines between rows, and averaged.
@@ -45,7 +45,8 @@ struct FlightSamples {
   [[nodiscard]] Eigen::VectorXd AtFresh(const Eigen::VectorXd& at_rows, double after_s) const;
 };
 
-/// Voltage and current are taken as simultaneous, within the lag, from this coherence on.
+/// Windows grow until the changes agree so well, within the lag; below the second, they do not.
+inline constexpr double kCoherentEnough = 0.97;
 inline constexpr double kCoherent = 0.9;
 /// The largest lag that is looked for, either way.
 inline constexpr double kLargestLag_s = 1.5;

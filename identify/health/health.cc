@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
@@ -55,14 +55,16 @@ void RefuseIdle(const Log& log, double capacity_Ah) {
   const Record& record = log.record;
   const SourcePosition position{record.file};
   if (record.voltage_V.empty() || record.size() < 2)
-    throw LoadError(position, "expected a flight with voltage and current, found less than two rows");
+    throw LoadError(position,
+                    "expected a flight with voltage and current, found less than two rows");
   const double length_s = record.time_s.back() - record.time_s.front();
   if (length_s < kShortest_s) {
-    throw LoadError(position,
-                    fmt::format("expected a flight of at least {:g} s, found {:.3g} s: too short to "
-                                "say anything of the pack",
-                                kShortest_s,
-                                length_s));
+    throw LoadError(
+        position,
+        fmt::format("expected a flight of at least {:g} s, found {:.3g} s: too short to "
+                    "say anything of the pack",
+                    kShortest_s,
+                    length_s));
   }
   double largest_A = 0.0;
   for (const double i : record.current_A) largest_A = std::max(largest_A, i);
@@ -70,23 +72,25 @@ void RefuseIdle(const Log& log, double capacity_Ah) {
   if (largest_A < kLeastRate_per_h * capacity_Ah || charge_Ah < kLeastCharge * capacity_Ah) {
     throw LoadError(
         position,
-        fmt::format("expected a flight that takes at least {:.3g} A and {:.3g} Ah from this pack of "
-                    "{:.3g} Ah, found {:.3g} A at most and {:.3g} Ah: too idle to say anything of "
-                    "the pack",
-                    kLeastRate_per_h * capacity_Ah,
-                    kLeastCharge * capacity_Ah,
-                    capacity_Ah,
-                    largest_A,
-                    charge_Ah));
+        fmt::format(
+            "expected a flight that takes at least {:.3g} A and {:.3g} Ah from this pack of "
+            "{:.3g} Ah, found {:.3g} A at most and {:.3g} Ah: too idle to say anything of "
+            "the pack",
+            kLeastRate_per_h * capacity_Ah,
+            kLeastCharge * capacity_Ah,
+            capacity_Ah,
+            largest_A,
+            charge_Ah));
   }
   const double rows_s = length_s / static_cast<double>(record.size());
   constexpr double kSlowest_s = 5.0;
   if (rows_s > kSlowest_s) {
-    throw LoadError(position,
-                    fmt::format("expected rows at most {:g} s apart, found one each {:.3g} s: loads "
-                                "of a flight change faster",
-                                kSlowest_s,
-                                rows_s));
+    throw LoadError(
+        position,
+        fmt::format("expected rows at most {:g} s apart, found one each {:.3g} s: loads "
+                    "of a flight change faster",
+                    kSlowest_s,
+                    rows_s));
   }
 }
 
@@ -102,21 +106,22 @@ void AddCautions(const FlightSamples& samples,
         "the log starts under load: what was left of the load before it is estimated, not known");
   }
   if (samples.gap_C > 0.0) {
-    cautions.push_back(fmt::format(
-        "up to {:.2g} % of the capacity may have flowed in gaps between rows",
-        100.0 * samples.gap_C / (reference.cell.alpha_C())));
+    cautions.push_back(
+        fmt::format("up to {:.2g} % of the capacity may have flowed in gaps between rows",
+                    100.0 * samples.gap_C / (reference.cell.alpha_C())));
   }
   if (samples.dropped_rows > 0) {
-    cautions.push_back(fmt::format("the last {} rows were left out: their voltage falls without a "
-                                   "load, as while the plug is pulled",
-                                   samples.dropped_rows));
+    cautions.push_back(
+        fmt::format("the last {} rows were left out: their voltage falls without a "
+                    "load, as while the plug is pulled",
+                    samples.dropped_rows));
   }
   if (samples.coherence < kCoherent) {
-    cautions.push_back(
-        fmt::format("voltage and current are not of the same instant: their changes agree to {:.0f} % "
-                    "at best, over windows of {:.2g} s, so that fast drops are not resolved",
-                    100.0 * samples.coherence,
-                    samples.window_s));
+    cautions.push_back(fmt::format(
+        "voltage and current are not of the same instant: their changes agree to {:.0f} % "
+        "at best, over windows of {:.2g} s, so that fast drops are not resolved",
+        100.0 * samples.coherence,
+        samples.window_s));
   }
   if (!health.temperature_known) {
     cautions.emplace_back(
@@ -137,10 +142,13 @@ void AddCautions(const FlightSamples& samples,
         "do: the reference may be of another chemistry");
   }
   if (std::abs(fit.unknowns[U::kStart]) > 1.045)
-    cautions.emplace_back("the start is at its upper limit: the pack was fuller than the reference's full");
+    cautions.emplace_back(
+        "the start is at its upper limit: the pack was fuller than the reference's full");
 }
 
-FlightHealth AssessFlight(const ReferenceCell& reference, const Log& log, const HealthOptions& options) {
+FlightHealth AssessFlight(const ReferenceCell& reference,
+                          const Log& log,
+                          const HealthOptions& options) {
   Log one = log;
   DivideByPack(one.record, options.series, 1);
   CheckPlausible(one.record, reference.cell.alpha_C() / 3600.0);
@@ -194,16 +202,19 @@ FlightHealth AssessFlight(const ReferenceCell& reference, const Log& log, const 
   const double step_A = 0.5 * samples.largest_A;
   const double middle = std::clamp(0.5 * (x[U::kStart] + soc_end), 0.2, 0.9);
   const ResistanceAt resistance = model.StepResistance(x, middle, std::max(step_A, 1e-3));
-  const double of_resistance = Deviation(resistance.slope, covariance);
-  health.log_resistance_deviation = Deviation(resistance.slope, given);
+  // Where a current was measured at another instant than the voltage, a slope of one over the other
+  // is too small. The slope the other way round is too large, by the square of the coherence between
+  // them: the truth is in between.
+  const double sampling = 0.25 * (1.0 - samples.coherence * samples.coherence);
+  const double of_resistance = std::hypot(Deviation(resistance.slope, covariance), sampling);
+  health.log_resistance_deviation = std::hypot(Deviation(resistance.slope, given), sampling);
   if (health.log_resistance_deviation > kUselessResistance) {
-    health.resistance_Ohm = health.counted_resistance_Ohm =
-        Unknown("the loads of the flight change too little, or voltage and current are too far apart");
+    health.resistance_Ohm = health.counted_resistance_Ohm = Unknown(
+        "the loads of the flight change too little, or voltage and current are too far apart");
   } else {
     const double pack_Ohm = options.series * resistance.resistance_Ohm;
     health.resistance_Ohm = Logarithmic(pack_Ohm, of_resistance);
-    health.counted_resistance_Ohm =
-        Logarithmic(pack_Ohm * scale, health.log_resistance_deviation);
+    health.counted_resistance_Ohm = Logarithmic(pack_Ohm * scale, health.log_resistance_deviation);
   }
   health.current_scale = Symmetric(scale, std::sqrt(covariance(U::kScale, U::kScale)));
   health.current_offset_A =
@@ -217,54 +228,17 @@ FlightHealth AssessFlight(const ReferenceCell& reference, const Log& log, const 
   return health;
 }
 
-// A line through the logarithms, weighted by their deviations and what they scatter beyond them.
+// Of the flights that tell it, by their place among all.
 std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
                                    WithInterval FlightHealth::*counted,
                                    double FlightHealth::*deviation) {
-  constexpr std::size_t kFewest = 3;
-  std::vector<double> at, log_value, spread;
+  std::vector<TrendPoint> points;
   for (std::size_t k = 0; k < flights.size(); ++k) {
-    if (!(flights[k].*counted).known()) continue;
-    at.push_back(static_cast<double>(k));
-    log_value.push_back(std::log((flights[k].*counted).value));
-    spread.push_back(flights[k].*deviation);
+    const WithInterval& quantity = flights[k].*counted;
+    if (quantity.known())
+      points.push_back({static_cast<double>(k), quantity.value, flights[k].*deviation});
   }
-  if (at.size() < kFewest) return std::nullopt;
-  const auto n = static_cast<Eigen::Index>(at.size());
-  const double middle = 0.5 * (at.front() + at.back());
-  Eigen::MatrixXd line(n, 2);
-  Eigen::VectorXd y(n), weight(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const auto f = static_cast<std::size_t>(k);
-    line.row(k) << 1.0, at[f] - middle;
-    y[k] = log_value[f];
-    weight[k] = 1.0 / (spread[f] * spread[f]);
-  }
-  const Eigen::Matrix2d inverse =
-      (line.transpose() * weight.asDiagonal() * line).inverse();
-  const Eigen::Vector2d found = inverse * (line.transpose() * weight.asDiagonal() * y);
-  const Eigen::VectorXd off = y - line * found;
-  const double freedom = static_cast<double>(n) - 2.0;
-  // Of a scatter less than what each flight says of itself: errors that flights share do not
-  // scatter, and cancel in a change.
-  const double scatter = (weight.array() * off.array().square()).sum() / freedom;
-  const Eigen::Matrix2d covariance = scatter * inverse;
-  const auto of_line = [&](double when) {
-    const Eigen::Vector2d a(1.0, when - middle);
-    const double reach = Reach95(freedom) * std::sqrt(a.dot(covariance * a));
-    const double value = a.dot(found);
-    return WithInterval{std::exp(value), std::exp(value - reach), std::exp(value + reach), {}};
-  };
-  const double span = at.back() - at.front();
-  const double reach = Reach95(freedom) * std::sqrt(covariance(1, 1)) * span;
-  const auto percent = [](double log_change) { return 100.0 * std::expm1(log_change); };
-  return HealthTrend{at.size(),
-                     of_line(at.front()),
-                     of_line(at.back()),
-                     {percent(found[1] * span),
-                      percent(found[1] * span - reach),
-                      percent(found[1] * span + reach),
-                      {}}};
+  return FitTrend(points);
 }
 
 }  // namespace
@@ -275,9 +249,9 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   report.reference = cell.name;
   report.typical = reference.typical;
   report.new_capacity_Ah = reference.cell.alpha_C() / 3600.0;
-  report.new_resistance_Ohm =
-      reference.typical ? std::numeric_limits<double>::quiet_NaN()
-                        : options.series * reference.cell.series_resistance_Ohm(0.5);
+  report.new_resistance_Ohm = reference.typical
+                                  ? std::numeric_limits<double>::quiet_NaN()
+                                  : options.series * reference.cell.series_resistance_Ohm(0.5);
   std::vector<FlightHealth> flights(logs.size());
   std::vector<std::vector<Diagnostic>> problems(logs.size());
   ParallelFor(logs.size(), [&](std::size_t k) {
@@ -293,9 +267,8 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
     if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));
   }
   if (report.flights.empty()) throw LoadError(report.refused);
-  report.capacity_trend = TrendOf(report.flights,
-                                  &FlightHealth::counted_capacity_Ah,
-                                  &FlightHealth::log_capacity_deviation);
+  report.capacity_trend = TrendOf(
+      report.flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
   report.resistance_trend = TrendOf(report.flights,
                                     &FlightHealth::counted_resistance_Ohm,
                                     &FlightHealth::log_resistance_deviation);

@@ -3,15 +3,15 @@
 /// @file
 /// How old a pack is, by flights on it: its capacity and resistance now, each with an interval, per
 /// flight and as a trend over flights, against what it was when new. docs/flight-logs.md says what
-/// flights can tell and what not. Tests: tests/identify/health/health_test.cc,
+/// flights can tell and what not. Tests: tests/tools/health_test.cc,
 /// tests/identify/health/coverage_test.cc.
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "identify/health/flight_fit.h"
+#include "identify/health/trend.h"
 #include "identify/logs/log.h"
 #include "model/core/errors.h"
 
@@ -23,15 +23,6 @@ struct HealthOptions {
   std::optional<double> capacity_Ah;  ///< of the new pack; none: the reference's times `parallel`
   std::optional<double> ambient_degC;
   SensorSpread sensors;
-};
-
-/// A number with its 95 % interval; not finite where the flight does not tell.
-struct WithInterval {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
-  std::string unknown_because;  ///< one sentence where it is not known
-  [[nodiscard]] bool known() const { return unknown_because.empty(); }
 };
 
 struct FlightHealth {
@@ -46,12 +37,12 @@ struct FlightHealth {
   WithInterval counted_capacity_Ah;
   WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where temperature is known
   WithInterval counted_resistance_Ohm;
-  double log_capacity_deviation = 0.0;    ///< of the counted ones, for a trend
+  double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
   double log_resistance_deviation = 0.0;
   WithInterval current_scale;  ///< true over shown
   WithInterval current_offset_A;
-  WithInterval lag_s;          ///< of the voltage after the current
-  double window_s = 0.0;       ///< over which rows were averaged; 0: not
+  WithInterval lag_s;     ///< of the voltage after the current
+  double window_s = 0.0;  ///< over which rows were averaged; 0: not
   double coherence = 0.0;
   double mean_error_percent = 0.0;
   double max_error_percent = 0.0;
@@ -59,17 +50,9 @@ struct FlightHealth {
   std::vector<std::string> cautions;
 };
 
-/// A straight line through the logarithms of what the flights say, in their order.
-struct HealthTrend {
-  std::size_t flights = 0;
-  WithInterval first;                 ///< of the line, at the first flight
-  WithInterval last;
-  WithInterval change_percent;        ///< from the first flight to the last
-};
-
 struct HealthReport {
-  std::string reference;       ///< its name
-  bool typical = false;        ///< the curve of a chemistry
+  std::string reference;  ///< its name
+  bool typical = false;   ///< the curve of a chemistry
   double new_capacity_Ah = 0.0;
   double new_resistance_Ohm = 0.0;  ///< of the pack; NaN where the reference says nothing of it
   std::vector<FlightHealth> flights;

@@ -61,20 +61,19 @@ Json TrendToJson(const std::optional<HealthTrend>& trend) {
           {"last", NumberOrNull(trend->last.value)},
           {"last_interval_95", IntervalOf(trend->last)},
           {"change_percent", NumberOrNull(trend->change_percent.value)},
-          {"change_percent_interval_95", IntervalOf(trend->change_percent)}};
+          {"change_percent_interval_95", IntervalOf(trend->change_percent)},
+          {"per_flight_percent", NumberOrNull(trend->per_flight_percent.value)},
+          {"per_flight_percent_interval_95", IntervalOf(trend->per_flight_percent)}};
 }
 
-std::string OneQuantity(const char* name,
-                        const WithInterval& value,
-                        double factor,
-                        const char* unit,
-                        double when_new) {
+std::string OneQuantity(
+    const char* name, const WithInterval& value, double factor, const char* unit, double when_new) {
   if (!value.known()) return fmt::format("{} not known: {}", name, value.unknown_because);
   std::string text = fmt::format("{} {:.3g} {}", name, factor * value.value, unit);
   if (std::isfinite(when_new))
     text += fmt::format(" ({:.0f} % of new)", 100.0 * value.value / when_new);
-  text += fmt::format(
-      ", 95 % from {:.3g} to {:.3g} {}", factor * value.low, factor * value.high, unit);
+  text +=
+      fmt::format(", 95 % from {:.3g} to {:.3g} {}", factor * value.low, factor * value.high, unit);
   return text;
 }
 
@@ -114,11 +113,10 @@ Json HealthToJson(const HealthReport& report) {
 
 std::string HealthSentence(const HealthReport& report, const FlightHealth& flight) {
   constexpr double kMilli = 1e3;
-  std::string text = OneQuantity(
-      "capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
+  std::string text = OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
   text += "; ";
-  text += OneQuantity(
-      "resistance", flight.resistance_Ohm, kMilli, "mOhm", report.new_resistance_Ohm);
+  text +=
+      OneQuantity("resistance", flight.resistance_Ohm, kMilli, "mOhm", report.new_resistance_Ohm);
   return text;
 }
 

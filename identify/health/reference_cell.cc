@@ -36,8 +36,7 @@ void Enlarge(Cell& cell, double factor) {
 }  // namespace
 
 ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double> capacity_Ah) {
-  ReferenceCell reference{
-      .cell = cell, .typical = cell.open_circuit_voltage_assumed, .spread = {}};
+  ReferenceCell reference{.cell = cell, .typical = cell.open_circuit_voltage_assumed, .spread = {}};
   Cell& one = reference.cell;
   one.series = one.parallel = 1;
   const double now_Ah = one.alpha_C() / 3600.0;
@@ -52,7 +51,8 @@ ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double
     one.branches = {{.resistance_Ohm = kShareOfSeries * series_Ohm,
                      .time_constant_s = kTimeConstant_s,
                      .capacitance_F = {}}};
-    if (one.temperature) one.temperature->branches_J_per_mol.assign(1, one.temperature->series_J_per_mol);
+    if (one.temperature)
+      one.temperature->branches_J_per_mol.assign(1, one.temperature->series_J_per_mol);
     reference.spread.log_branches = 1.5;
     reference.spread.log_time_constants = 1.0;
   }

@@ -23,12 +23,12 @@ struct ReferenceSpread {
   double log_beta = 0.2;
   double log_time_constants = 0.2;
   double log_warming = 0.4;
-  double curve_V = 0.005;       ///< of v_oc at one state of charge
-  double curve_length = 0.15;   ///< over which its error changes, in state of charge
+  double curve_V = 0.005;      ///< of v_oc at one state of charge
+  double curve_length = 0.15;  ///< over which its error changes, in state of charge
 };
 
 struct ReferenceCell {
-  Cell cell;  ///< one cell, of the capacity of all that are in parallel
+  Cell cell;             ///< one cell, of the capacity of all that are in parallel
   bool typical = false;  ///< the curve is that of a chemistry, and resistances say nothing
   ReferenceSpread spread;
 };

@@ -116,13 +116,14 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
              report.flights.size() > 1 ? fmt::format("{}: ", last.file) : "",
              HealthSentence(report, last));
   if (report.typical) {
-    line.Print("{}",
-               cli::Wrapped(fmt::format(
-                   "The reference {} is a typical curve, not this pack: 'of new' means of the {:.3g} "
-                   "Ah {}.\n",
-                   report.reference,
-                   report.new_capacity_Ah,
-                   options.capacity_Ah ? "that were given" : "of the reference")));
+    line.Print(
+        "{}",
+        cli::Wrapped(fmt::format(
+            "The reference {} is a typical curve, not this pack: 'of new' means of the {:.3g} "
+            "Ah {}.\n",
+            report.reference,
+            report.new_capacity_Ah,
+            options.capacity_Ah ? "that were given" : "of the reference")));
   }
   cli::TextTable table({{"flight", cli::Align::kLeft},
                         {"SOC from"},
