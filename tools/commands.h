@@ -18,6 +18,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line);
 cli::ExitCode ExportCommand(cli::CommandLine& line);
 cli::ExitCode ExportControllerCommand(cli::CommandLine& line);
 cli::ExitCode FlyCommand(cli::CommandLine& line);
+cli::ExitCode HealthCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode ImportCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
@@ -43,6 +44,7 @@ inline constexpr cli::Command kCommands[] = {
      "the flight controller as C, for a microcontroller",
      &ExportControllerCommand},
     {"fly", "a maneuver of a quadrotor on an identified cell", &FlyCommand},
+    {"health", "how old a pack is, from logs of flights on it", &HealthCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"import", "the battery of another program as a cell file", &ImportCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
