@@ -20,12 +20,11 @@ def needed(program):
     return [line.split("[")[1].split("]")[0] for line in told.splitlines() if "(NEEDED)" in line]
 
 
-def holder(library):
-    """The package of a library, by the list of its files instead of dpkg's search."""
-    for listed in pathlib.Path("/var/lib/dpkg/info").glob("*.list"):
-        if any(line.endswith(f"/{library}") for line in listed.read_text(encoding="utf-8").splitlines()):
-            return listed.name.removesuffix(".list").split(":")[0]
-    return None
+def holders(library):
+    """The packages with a library of this name, by the lists of their files instead of dpkg's search."""
+    return {listed.name.removesuffix(".list").split(":")[0]
+            for listed in pathlib.Path("/var/lib/dpkg/info").glob("*.list")
+            if f"/{library}\n" in listed.read_text(encoding="utf-8")}
 
 
 def main():
@@ -40,9 +39,9 @@ def main():
     libraries = needed(program)
     assert len(libraries) > 5
     for library in libraries:
-        package = holder(library)
+        packages = holders(library)
         # Alternatives, as BLAS is one, belong to no package by that name.
-        assert package is None or package in parts, f"{library} of {package} is missing"
+        assert not packages or packages & set(parts), f"{library} of {packages} is missing"
     assert "g++" in parts and "libeigen3-dev" in parts and "cmake" not in parts
     assert parts["g++"]["purl"].startswith("pkg:deb/debian/g%2B%2B@")
     lock = json.loads((ROOT / "tools/web/package-lock.json").read_text(encoding="utf-8"))["packages"]
