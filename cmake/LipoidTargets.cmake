@@ -13,6 +13,9 @@ target_compile_options(
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # false alarms of GCC 12 at -O3 (its bug 105651)
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Wno-maybe-uninitialized> # and of strings that are moved
     -ffp-contract=off    # the same bits with and without fused multiply-add
+    # The same bytes wherever it is built: files are named from the top of the sources, also where the
+    # compiler cache has made their paths relative. Other builds are for debuggers, which want true paths.
+    "$<$<CONFIG:Release>:-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=;-ffile-prefix-map=../../=;-ffile-prefix-map=${PROJECT_BINARY_DIR}/=>"
     $<$<BOOL:${LIPOID_WARNINGS_AS_ERRORS}>:-Werror>)
 if(LIPOID_SANITIZE)
   target_compile_options(lipoid_options INTERFACE -fsanitize=${LIPOID_SANITIZE} -fno-omit-frame-pointer

@@ -400,6 +400,16 @@ def test_a_signal_stops_and_the_same_command_goes_on(
     assert all(rows(results)[key]["finished"] == row["finished"] for key, row in kept.items())
 
 
+def test_nothing_listens_on_this_machine(cells: Path, tmp_path: Path) -> None:
+    import psutil
+
+    process = start("lipoid.fleet", cells, "-o", tmp_path / "results.sqlite", *STAGED)
+    wait_for_rows(tmp_path / "results.sqlite", 1, process)
+    if process.poll() is None:
+        assert not psutil.Process(process.pid).net_connections("inet")
+    assert process.wait() == 0
+
+
 @pytest.fixture()
 def port() -> int:
     with socket.socket() as one:

@@ -25,8 +25,9 @@ def _distributed() -> Any:
         message = f"lipoid-fleet needs dask.distributed: pip install 'lipoid[fleet]' ({error})"
         raise UsageError(message) from None
     # What matters of its messages is in the rows; the rest tells of workers that come and go.
-    for name in ("distributed", "tornado"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] in ("distributed", "tornado"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
     return distributed
 
 
@@ -38,16 +39,31 @@ def here(workers: int) -> Iterator[Any]:
     listens on any port: on a machine of many, nobody else can hand in work.
     """
     distributed = _distributed()
+    import dask
+
     worker.start()
-    cluster = distributed.LocalCluster(
-        n_workers=1,
-        threads_per_worker=workers,
-        processes=False,
-        protocol="inproc://",
-        dashboard_address=None,
-        memory_limit=0,
-    )
+    loopback = "127.0.0.1:0"
+    no_pages: dict[str, list[str]] = {
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
+    }
+    with dask.config.set(no_pages):
+        cluster = distributed.LocalCluster(
+            n_workers=1,
+            threads_per_worker=workers,
+            processes=False,
+            protocol="inproc://",
+            dashboard_address=loopback,
+            worker_dashboard_address=loopback,
+            memory_limit=0,
+        )
+
+    async def listen_no_more() -> None:
+        for one in (cluster.scheduler, *cluster.workers.values()):
+            one.http_server.stop()
+
     try:
+        cluster.sync(listen_no_more)  # dask's pages about itself cannot be left out otherwise
         with distributed.Client(cluster) as client:
             try:
                 yield client
@@ -97,6 +113,7 @@ def slurm(file: str) -> Iterator[Any]:
     if not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1:
         raise UsageError(f"{file}: expected jobs, a whole number from 1 on, found {jobs!r}")
     described.setdefault("python", sys.executable)
+    described.setdefault("scheduler_options", {"dashboard": False})
     try:
         cluster = SLURMCluster(**described)
     except (TypeError, ValueError) as error:

@@ -5,6 +5,7 @@ A row is committed as soon as it is there, and the disk has it then. Others may 
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import json
 import os
@@ -189,7 +190,10 @@ class Results:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.database.close()  # the last one to close folds the write-ahead log into the file
+        # The last one to close folds the write-ahead log into the file; a reader may be it, who cannot.
+        with contextlib.suppress(sqlite3.Error):
+            self.database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        self.database.close()
         self._unlock()
 
     def done_inputs(self, campaign: str) -> list[dict[str, Any]] | None:
