@@ -29,7 +29,7 @@ class Mission {
       Finish(MissionEnd::kReserve, setup_.mission.legs.front());
     } else if (!suffices_) {
       Finish(MissionEnd::kPower, setup_.mission.legs.front());
-    } else if (voltage_V_ < setup_.mission.legs.front().motor_V) {
+    } else if (voltage_V_ < setup_.mission.legs.front().least_V) {
       Finish(MissionEnd::kMotorVoltage, setup_.mission.legs.front());
     }
     while (!ended_) {
@@ -45,22 +45,29 @@ class Mission {
   }
 
  private:
-  // What flows under the leg's power.
+  // What flows under the leg's load.
   void Draw(const MissionLeg& leg) {
     constexpr double kNear_A = 1e-9;
+    // Where the drop bends, the tangent is moved to where the current lands; with diodes the power
+    // follows the voltage.
+    const bool once = !battery_.bends() && leg.diode_V == 0.0;
+    double power_W = leg.power_W + leg.drive_W;
+    Supply<double> supply = battery_.Linearize();
+    if (leg.diode_V > 0.0 && !(voltage_V_ > 0.0)) voltage_V_ = supply.voltage_V;
     double last_A = std::numeric_limits<double>::quiet_NaN();
-    // Where the drop bends, the tangent is moved to where the current lands.
-    for (int round = 0; round < 8; ++round) {
-      const Supply<double> supply = battery_.Linearize();
-      const double discriminant =
-          supply.voltage_V * supply.voltage_V - 4.0 * supply.resistance_Ohm * leg.power_W;
-      suffices_ = discriminant >= 0.0 && supply.voltage_V > 0.0;
-      voltage_V_ = 0.5 * (supply.voltage_V + std::sqrt(std::max(discriminant, 0.0)));
-      current_A_ =
-          suffices_ ? leg.power_W / voltage_V_ : std::max(0.0, voltage_V_ / supply.resistance_Ohm);
-      if (!battery_.bends() || std::abs(current_A_ - last_A) < kNear_A) return;
-      battery_.Expect(current_A_);
+    for (int round = 0; round < 20; ++round) {
+      if (leg.diode_V > 0.0)
+        power_W = leg.power_W + leg.drive_W * (voltage_V_ / (voltage_V_ + leg.diode_V));
+      const double open_V = supply.voltage_V - supply.resistance_Ohm * leg.switched_A;
+      const double discriminant = open_V * open_V - 4.0 * supply.resistance_Ohm * power_W;
+      suffices_ = discriminant >= 0.0 && open_V > 0.0;
+      voltage_V_ = 0.5 * (open_V + std::sqrt(std::max(discriminant, 0.0)));
+      current_A_ = suffices_ ? power_W / voltage_V_ + leg.switched_A
+                             : std::max(0.0, voltage_V_ / supply.resistance_Ohm);
+      if (once || std::abs(current_A_ - last_A) < kNear_A) return;
       last_A = current_A_;
+      battery_.Expect(current_A_);
+      supply = battery_.Linearize();
     }
   }
 
@@ -88,10 +95,11 @@ class Mission {
     if (at_reserve) dt_s = std::max(spare_C / current_A_, 1e-12);
     battery_.Advance(current_A_ * dt_s, dt_s);
     result_.charge_C += current_A_ * dt_s;
+    result_.distance_m += leg.ground_speed_m_per_s * dt_s;
     result_.energy_J += voltage_V_ * current_A_ * dt_s;
     if (warms_) result_.hottest_degC = std::max(result_.hottest_degC, battery_.temperature_degC());
     without_power_s_ = suffices_ ? 0.0 : without_power_s_ + dt_s;
-    below_motors_s_ = voltage_V_ < leg.motor_V ? below_motors_s_ + dt_s : 0.0;
+    below_motors_s_ = voltage_V_ < leg.least_V ? below_motors_s_ + dt_s : 0.0;
     below_cutoff_s_ = voltage_V_ < battery_.cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
     const auto lasted = [](double time_s) { return time_s >= kEmptyAfter_s - kRounding_s; };
     std::optional<MissionEnd> end;
@@ -144,7 +152,7 @@ EnduranceResult FlyMission(const EnduranceSetup& setup) {
                                                        return leg.duration_s > 0.0 &&
                                                               std::isfinite(leg.power_W);
                                                      }),
-          "a mission of legs that last, each with a finite power");
+          "a mission of legs that last, each with a finite load");
   Require(setup.options.step_s > 0.0 && setup.reserve < 1.0,
           "a step above 0 and a reserve below 1",
           {{"step_s", setup.options.step_s}, {"reserve", setup.reserve}});

@@ -26,13 +26,20 @@
 
 namespace lipoid {
 
-/// A part of a mission, over which the power is constant.
+/// A part of a mission, over which the load is constant. What it takes from a battery of voltage v:
+///
+///   P(v) = power_W + drive_W v/(v + diode_V) + switched_A v
+///
+/// the last two by speed controllers with diodes and with switching losses (powertrain.h).
 struct MissionLeg {
   /// Infinite: it never ends by itself.
   double duration_s = std::numeric_limits<double>::infinity();
-  double power_W = 0.0;  ///< that the battery gives; negative: that it takes
-  double motor_V =
-      0.0;  ///< the least battery voltage at which the motors reach their speed; 0: any
+  double power_W = 0.0;  ///< negative: the battery takes it
+  double drive_W = 0.0;
+  double diode_V = 0.0;     ///< >= 0
+  double switched_A = 0.0;  ///< >= 0
+  double least_V = 0.0;     ///< battery voltage of a duty cycle of 1: below it motors are too slow
+  double ground_speed_m_per_s = 0.0;
 };
 
 struct PowerMission {
@@ -101,7 +108,8 @@ struct EnduranceResult {
   double rest_soc = 1.0;  ///< share of the charge that is left
   /// The highest of a cell on the way; NaN where it knows no temperature.
   double hottest_degC = std::numeric_limits<double>::quiet_NaN();
-  int rounds = 0;  ///< how often the whole mission was flown
+  double distance_m = 0.0;  ///< over the ground
+  int rounds = 0;           ///< how often the whole mission was flown
 };
 
 /// Flies the mission until it ends.

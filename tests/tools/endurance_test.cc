@@ -137,11 +137,11 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"endurance", "--cell", kCell},
-       "option --vehicle: expected a vehicle that is to hover, found none"},
+       "option --vehicle: expected a vehicle that is to fly, found none"},
       {{"endurance", "--cell", kCell, "--mission", "glide"},
-       "option --mission: expected hover or power=FILE, found 'glide'"},
+       "option --mission: expected hover, cruise or power=FILE, found 'glide'"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
-       "option --once is for missions of a file; hover has no end"},
+       "option --once is for missions of a file; level flight has no end"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
        "option --health: expected 0.01 .. 2, found 'two'"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},

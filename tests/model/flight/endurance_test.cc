@@ -69,14 +69,14 @@ TEST(Endurance, AConstantVoltageBehindAResistanceDrawsTheLowerRootOfThePower) {
 
 TEST(Endurance, EndsASecondAfterTheMotorsLackVoltage) {
   EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
-  setup.mission.legs[0].motor_V = 3.7;
+  setup.mission.legs[0].least_V = 3.7;
   const EnduranceResult result = FlyMission(setup);
   EXPECT_EQ(result.ended_by, MissionEnd::kMotorVoltage);
   const double energy_J = 3600.0 * 0.5 * (4.2 + 3.7) * 0.5;
   // A second, up to one step.
   EXPECT_NEAR(result.time_s, energy_J / 10.0 + 1.0, setup.options.step_s);
 
-  setup.mission.legs[0].motor_V = 4.3;
+  setup.mission.legs[0].least_V = 4.3;
   const EnduranceResult never = FlyMission(setup);
   EXPECT_EQ(never.ended_by, MissionEnd::kMotorVoltage);
   EXPECT_EQ(never.time_s, 0.0);
@@ -183,8 +183,8 @@ TEST(Endurance, AgreesWithTheFlightSimulator) {
     const FlightResult flight = Fly(flown, FindManeuver("endurance").plan({}));
     ASSERT_EQ(flight.outcome, Outcome::kBatteryEmpty);
     const LevelFlight hover = Hover(flown.vehicle);
-    EnduranceSetup setup = At(*flown.cell, hover.battery_W);
-    setup.mission.legs[0].motor_V = hover.motor_V;
+    EnduranceSetup setup = At(*flown.cell, BatteryPower(flown.vehicle, hover, 1.0));
+    setup.mission.legs[0].least_V = hover.battery_V;
     const EnduranceResult result = FlyMission(setup);
     EXPECT_EQ(result.ended_by, MissionEnd::kCutOff) << name;
     EXPECT_NEAR(result.time_s, flight.simulated_s, kSinking * flight.simulated_s) << name;
