@@ -46,9 +46,9 @@ inline constexpr double kHighestOpenCircuit_V = 5.0;
 
 struct FitQuality {
   FitGrade grade = FitGrade::kPoor;
-  double rmse_V = 0.0;              ///< over the fitted logs, each with the same weight
-  double mean_error_percent = 0.0;  ///< the same
-  std::vector<std::string> reasons; ///< why it is no better; empty where it is good
+  double rmse_V = 0.0;               ///< over the fitted logs, each with the same weight
+  double mean_error_percent = 0.0;   ///< the same
+  std::vector<std::string> reasons;  ///< why it is no better; empty where it is good
 
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
   [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;

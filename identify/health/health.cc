@@ -243,6 +243,27 @@ std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
 
 }  // namespace
 
+int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
+  if (given) return *given;
+  int found = 0;
+  for (const Log& log : logs) {
+    const int cells = log.report.flight ? log.report.flight->cells : 0;
+    if (cells > 0 && found > 0 && cells != found) {
+      throw OptionError(fmt::format(
+          "option --series: the logs name packs of {} and of {} cells; give flights of one pack",
+          found,
+          cells));
+    }
+    if (cells > 0) found = cells;
+  }
+  if (found == 0) {
+    throw OptionError(
+        "option --series: expected how many cells the pack has in series, which these logs do not "
+        "say; give --series 4, say");
+  }
+  return found;
+}
+
 HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthOptions& options) {
   const ReferenceCell reference = MakeReference(cell, options.parallel, options.capacity_Ah);
   HealthReport report;

@@ -60,6 +60,10 @@ struct HealthReport {
   std::optional<HealthTrend> capacity_trend, resistance_trend;
 };
 
+/// Cells in series: `given`, else as the autopilots were told. OptionError where no log says it, or
+/// they differ.
+[[nodiscard]] int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given);
+
 /// The logs are those of the pack. Flights that are too short or too idle to tell anything are
 /// refused; LoadError where all of them are.
 [[nodiscard]] HealthReport AssessHealth(const Cell& reference,

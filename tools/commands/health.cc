@@ -29,28 +29,6 @@ std::vector<Log> ReadFlights(const std::vector<std::string>& files, const ReadOp
   return logs;
 }
 
-// Cells in series as the autopilots were told, where nobody says it here.
-int SeriesOf(const std::vector<Log>& logs, std::optional<int> given) {
-  if (given) return *given;
-  int found = 0;
-  for (const Log& log : logs) {
-    const int cells = log.report.flight ? log.report.flight->cells : 0;
-    if (cells > 0 && found > 0 && cells != found) {
-      throw OptionError(fmt::format(
-          "option --series: the logs name packs of {} and of {} cells; give flights of one pack",
-          found,
-          cells));
-    }
-    if (cells > 0) found = cells;
-  }
-  if (found == 0) {
-    throw OptionError(
-        "option --series: expected how many cells the pack has in series, which these logs do not "
-        "say; give --series 4, say");
-  }
-  return found;
-}
-
 std::string Interval(const WithInterval& value, double factor) {
   if (!value.known()) return "-";
   return fmt::format("{} .. {}",
@@ -99,7 +77,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
 
   const Cell cell = LoadCell(cell_name);
   std::vector<Log> logs = ReadFlights(files, log_options.ToReadOptions());
-  options.series = SeriesOf(logs, pack.series);
+  options.series = SeriesOfPack(logs, pack.series);
   options.parallel = pack.parallel.value_or(1);
   for (const Log& log : logs) {
     for (const std::string& warning : log.report.warnings)
