@@ -30,6 +30,15 @@ struct Scales {
 // A small reading is not measured to a small part of itself.
 constexpr double kFloorShare = 0.02;
 
+// The positive root of r k_N w² + (k_e² + r b) w = k_e V, without a difference of near numbers.
+template <class T>
+T HeldSpeed(const T& k_e, const T& k_N, const T& r, const T& b, double pulse_V) {
+  using std::sqrt;
+  const T slope = k_e * k_e + r * b;
+  const T drive = k_e * pulse_V;
+  return 2.0 * drive / (slope + sqrt(slope * slope + 4.0 * r * k_N * drive));  // (5.10)
+}
+
 struct RowResidual {
   BenchRow row;
   std::array<double, kChannels> weight{};  // of a difference in SI units; 0: no such channel
@@ -38,17 +47,12 @@ struct RowResidual {
   template <class T>
   bool operator()(const T* x, T* residual) const {
     using std::exp;
-    using std::sqrt;
     const T k_T = exp(x[kThrust]);
     const T k_N = exp(x[kTorque]);
     const T k_e = exp(x[kConstant]);
     const T r = exp(x[kResistance]);
     const T b = x[kFriction] * scales.friction;
-    // The positive root of r k_N w² + (k_e² + r b) w = k_e D v_b, without a difference of near
-    // numbers.
-    const T slope = k_e * k_e + r * b;
-    const T drive = k_e * (row.duty * row.voltage_V);
-    const T speed = 2.0 * drive / (slope + sqrt(slope * slope + 4.0 * r * k_N * drive));  // (5.10)
+    const T speed = HeldSpeed(k_e, k_N, r, b, row.duty * row.voltage_V);
     const T motor_A = (b + k_N * speed) * speed / k_e;
     const double switching = row.duty < 1.0 ? scales.switching : 0.0;
     const T battery_A = (row.duty + switching * x[kSwitching]) * motor_A;
