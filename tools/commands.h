@@ -32,6 +32,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
+cli::ExitCode VehicleCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
     {"ageing", "what changed between cells identified at several ages", &AgeingCommand},
@@ -60,6 +61,7 @@ inline constexpr cli::Command kCommands[] = {
      "the lab's logs of a known cell, with the truth beside them",
      &SynthesizeCommand},
     {"validate", "prediction against measurement", &ValidateCommand},
+    {"vehicle", "a vehicle file from what its builder knows", &VehicleCommand},
 };
 static_assert(std::is_sorted(std::begin(kCommands),
                              std::end(kCommands),
