@@ -7,8 +7,9 @@
 ///
 ///   i v_b = P,   v_b = E - R i     so   v_b = (E + sqrt(E² - 4 R P))/2
 ///
-/// E and R are the cell as a voltage behind a resistance (battery_supply.h). The current is held
-/// over a step, which the cell then takes exactly.
+/// E and R are the cell as a voltage behind a resistance (battery_supply.h). Over a step the current
+/// is held that the middle of it will have, as it goes on changing as in the step before: of second
+/// order in the step. The cell then takes the step exactly.
 ///
 /// The mission ends as soon as the share of the charge that is left is down to the reserve, or when
 /// for a second the battery is below its cut-off, too low for the motors, or without the power, or
@@ -17,6 +18,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -68,15 +70,16 @@ constexpr std::array<std::pair<MissionEnd, std::string_view>, 7> OptionNames(Mis
 }
 
 struct EnduranceOptions {
-  double step_s = 0.005;
+  double step_s = 0.0;
   double longest_s = 1e6;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     v("step_s",
       self.step_s,
-      Range{1e-4, 10.0},
-      "longest step of the cell in s, over which its current is held");
+      Range{0.0, 10.0},
+      "longest step of the cell in s, over which its current is held; 0: a 50,000th of the time that "
+      "the charge would last, at least 0.005 s");
     v("longest_s",
       self.longest_s,
       Range{1.0, 1e8},
@@ -114,5 +117,12 @@ struct EnduranceResult {
 
 /// Flies the mission until it ends.
 [[nodiscard]] EnduranceResult FlyMission(const EnduranceSetup& setup);
+
+/// Flies each mission; side by side where they fit (endurance_lanes.h), which changes results by
+/// rounding. A result depends on its own setup alone.
+[[nodiscard]] std::vector<EnduranceResult> FlyMissions(std::span<const EnduranceSetup> setups);
+
+/// How many missions FlyMissions() flies side by side.
+inline constexpr std::size_t kMissionsAtOnce = 8;
 
 }  // namespace lipoid

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "model/battery/aged_cell.h"
@@ -184,12 +185,21 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& asked, const EnduranceProg
     answer.moved = cells.moved;
   }
   answer.flights.resize(static_cast<std::size_t>(request.ensemble));
+  // Groups that fly side by side are the same whatever the number of threads.
+  const std::size_t groups = (answer.flights.size() + kMissionsAtOnce - 1) / kMissionsAtOnce;
   std::atomic<std::size_t> flown = 0;
-  ParallelFor(answer.flights.size(), [&](std::size_t k) {
-    const Cell& cell = cells.cells.empty() ? request.cell : cells.cells[k];
-    answer.flights[k] = FlyMission(SetupOf(request, cell, Drawn(request, k)));
-    if (progress)
-      progress(static_cast<double>(++flown) / static_cast<double>(answer.flights.size()));
+  ParallelFor(groups, [&](std::size_t g) {
+    StopIfAsked();
+    const std::size_t first = g * kMissionsAtOnce;
+    const std::size_t end = std::min(first + kMissionsAtOnce, answer.flights.size());
+    std::vector<EnduranceSetup> setups;
+    for (std::size_t k = first; k < end; ++k) {
+      const Cell& cell = cells.cells.empty() ? request.cell : cells.cells[k];
+      setups.push_back(SetupOf(request, cell, Drawn(request, k)));
+    }
+    const std::vector<EnduranceResult> results = FlyMissions(setups);
+    std::copy(results.begin(), results.end(), answer.flights.begin() + std::ptrdiff_t(first));
+    if (progress) progress(static_cast<double>(++flown) / static_cast<double>(groups));
   });
   return answer;
 }

@@ -202,6 +202,7 @@ TEST(LevelFlight, DenserAirCarriesBetter) {
 // The rotors of a coaxial pair work on one disk.
 TEST(LevelFlight, CoaxialPairsShareTheirDisks) {
   Vehicle vehicle = Quadrotor();
+  vehicle.torque_coefficient_N_m_s2 *= 1.5;
   const double flat = Hover(vehicle).figure_of_merit;
   vehicle.layout = decltype(vehicle.layout)::kX8;
   EXPECT_NEAR(Hover(vehicle).figure_of_merit, std::sqrt(2.0) * flat, 1e-12);
