@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -28,19 +29,38 @@ std::mutex mutex;
 std::vector<std::string> uncommitted;
 FileSet* innermost = nullptr;
 
+// Files that are complete and wait for their FileSet without a name: the open file of the name that
+// each will have. Descriptors are few: beyond so many, files wait under their hidden names.
+constexpr std::size_t kMostNameless = 64;
+std::map<std::string, int> nameless;
+
 void Forget(const std::string& path) {
   const auto found = std::find(uncommitted.begin(), uncommitted.end(), path);
   if (found != uncommitted.end()) uncommitted.erase(found);
 }
 
 void Remove(const std::string& path) {
-  ::unlink(path.c_str());
+  if (const auto waiting = nameless.find(path); waiting != nameless.end()) {
+    ::close(waiting->second);
+    nameless.erase(waiting);
+  } else {
+    ::unlink(path.c_str());
+  }
   Forget(path);
+}
+
+// A file that waits without a name fills its folder like one that has a name.
+bool IsAwaited(const std::string& folder) {
+  return std::any_of(nameless.begin(), nameless.end(), [&](const auto& waiting) {
+    std::error_code none;
+    return fs::absolute(waiting.first, none).lexically_normal().parent_path() == folder;
+  });
 }
 
 void RemoveFolders(std::vector<std::string>& folders) {
   for (auto path = folders.rbegin(); path != folders.rend(); ++path) {
-    ::rmdir(path->c_str());  // fails where someone else put something into it: then it stays
+    // Fails where someone else put something into it: then it stays.
+    if (!IsAwaited(*path)) ::rmdir(path->c_str());
     Forget(*path);
   }
   folders.clear();
@@ -68,6 +88,52 @@ bool WithFreeName(const std::string& target, std::string& name, Make&& make) {
     if (errno != EEXIST) return false;
   }
   return false;
+}
+
+// How an open file is found that has no name.
+std::string NameOfDescriptor(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+
+// A file in the folder of `target` that has no name yet: whatever ends the program, nothing of it is
+// left. -1 where the file system or a system without /proc cannot give it a name later.
+int OpenNameless(const std::string& target, mode_t mode) {
+  const std::string folder = fs::path(target).parent_path().string();
+  constexpr int kNameless = O_WRONLY | O_TMPFILE | O_CLOEXEC;
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), kNameless, mode);
+  if (descriptor < 0 || ::access(NameOfDescriptor(descriptor).c_str(), F_OK) == 0)
+    return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+bool GiveName(int descriptor, const char* name) {
+  const std::string open_file = NameOfDescriptor(descriptor);
+  return ::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+}
+
+// The hidden name that it waits under, or will have when it needs one; empty with errno where it
+// cannot have one.
+std::string NameOfNameless(int descriptor, const std::string& target) {
+  std::string name = TemporaryName(target);
+  const int kept = nameless.size() < kMostNameless ? ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0) : -1;
+  if (kept >= 0) {
+    nameless[name] = kept;
+  } else if (!WithFreeName(
+                 target, name, [&](const char* free) { return GiveName(descriptor, free); })) {
+    return "";
+  }
+  uncommitted.push_back(name);
+  return name;
+}
+
+// Where it waited without a name, it gets the one that was meant for it. False with errno where it
+// cannot.
+bool HasName(const std::string& temporary) {
+  const auto waiting = nameless.find(temporary);
+  if (waiting == nameless.end()) return true;
+  if (!GiveName(waiting->second, temporary.c_str())) return false;
+  ::close(waiting->second);
+  nameless.erase(waiting);
+  return true;
 }
 
 // The descriptor that /dev/stdout or /dev/fd/3 stands for; -1 for other names.
@@ -140,17 +206,20 @@ void AtomicFile::Open(const std::string& model) {
   has_other_names_ = exists && old.st_nlink > 1;
   struct stat of_model {};
   const bool has_model = ::stat(model.c_str(), &of_model) == 0 && S_ISREG(of_model.st_mode);
+  const mode_t mode = has_model ? 0600 : 0666;
   const std::scoped_lock lock(mutex);
-  int descriptor = -1;
-  std::string temporary;
-  const bool made = WithFreeName(target_, temporary, [&](const char* name) {
-    constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
-    descriptor = ::open(name, kNew, has_model ? 0600 : 0666);
-    return descriptor >= 0;
-  });
-  if (!made) return;
-  temporary_ = temporary;
-  uncommitted.push_back(temporary_);
+  int descriptor = OpenNameless(target_, mode);
+  if (descriptor < 0) {
+    std::string temporary;
+    const bool made = WithFreeName(target_, temporary, [&](const char* name) {
+      constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+      descriptor = ::open(name, kNew, mode);
+      return descriptor >= 0;
+    });
+    if (!made) return;
+    temporary_ = temporary;
+    uncommitted.push_back(temporary_);
+  }
   if (has_model) TakeOver(descriptor, of_model);
   file_ = ::fdopen(descriptor, "wb");
 }
@@ -164,16 +233,21 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::Write(std::string_view bytes) {
   if (reader_left_ || std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size()) return;
-  if (!temporary_.empty() || errno != EPIPE) Fail(std::strerror(errno));
+  if (!target_.empty() || errno != EPIPE) Fail(std::strerror(errno));
   reader_left_ = true;
 }
 
 void AtomicFile::Commit() {
   int error = 0;
   if (std::fflush(file_) != 0) error = errno;
-  if (error == 0 && !temporary_.empty() && ::fsync(::fileno(file_)) != 0) error = errno;
+  if (error == 0 && !target_.empty() && ::fsync(::fileno(file_)) != 0) error = errno;
+  if (error == 0 && !target_.empty() && temporary_.empty()) {
+    const std::scoped_lock lock(mutex);
+    temporary_ = NameOfNameless(::fileno(file_), target_);
+    if (temporary_.empty()) error = errno;
+  }
   if (std::fclose(std::exchange(file_, nullptr)) != 0 && error == 0) error = errno;
-  if (temporary_.empty()) {
+  if (target_.empty()) {
     if (error != 0 && error != EPIPE && !reader_left_) Fail(std::strerror(error));
     return;
   }
@@ -252,7 +326,10 @@ void FileSet::Publish(const std::vector<Waiting>& files) {
       });
       if (!set_aside) before[k].clear();
     }
-    if (set_aside && std::rename(files[k].temporary.c_str(), target) == 0) continue;
+    // A link cannot replace a file, so that for a moment it has a hidden name.
+    if (set_aside && HasName(files[k].temporary) &&
+        std::rename(files[k].temporary.c_str(), target) == 0)
+      continue;
     const int error = errno;
     restore(k);
     throw OptionError(fmt::format("cannot write '{}': {}", files[k].path, std::strerror(error)));

@@ -1,5 +1,6 @@
 #include "model/core/atomic_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -139,6 +140,19 @@ TEST(AtomicFile, WritesWhateverTheNameThatADiskTakes) {
   }
   const auto file = folder + "/" + std::string(256, 'x');
   EXPECT_EQ(OptionErrorOf(file), "cannot write '" + file + "': File name too long");
+}
+
+TEST(AtomicFile, HasNoNameWhereNoneIsNeeded) {
+  const auto folder = test::FreshFolder("AtomicFile.Nameless");
+  const int possible = ::open(folder.c_str(), O_WRONLY | O_TMPFILE, 0600);
+  if (possible < 0) GTEST_SKIP() << "this file system has no files without a name";
+  ::close(possible);
+  AtomicFile file(folder + "/a.txt");
+  file.Write("half");
+  EXPECT_EQ(FileCount(folder), 0U);
+  file.Write(" and half");
+  file.Commit();
+  EXPECT_EQ(ReadTextFile(folder + "/a.txt"), "half and half");
 }
 
 // As kill -9 leaves them: in the way of nobody, whatever their process was called.
