@@ -39,6 +39,8 @@ class Simulation:
         Terminal voltage of the pack in V, of the shape of the currents.
     soc : ndarray
         State of charge, a fraction, of the shape of the currents.
+    temperature_degC : ndarray or None
+        Of a cell that knows temperature, in degrees Celsius, of the shape of the currents.
     rows_outside_curve : int
         Rows whose state of charge lies outside the range that v_oc(A) was made for.
     """
@@ -49,6 +51,7 @@ class Simulation:
     soc: FloatArray
     rows_outside_curve: int
     cell: Cell = field(repr=False)
+    temperature_degC: FloatArray | None = None
 
     @property
     def open_circuit_V(self) -> FloatArray:
@@ -160,6 +163,14 @@ class Cell:
         """Return so many of these cells in series and in parallel."""
         return Cell._of(self._core.pack(series, parallel))
 
+    def with_typical_temperature(self) -> Cell:
+        """Return the cell with typical temperature terms, where it has none of its own."""
+        return (
+            self
+            if self._core.knows_temperature
+            else Cell._of(self._core.with_typical_temperature())
+        )
+
     def open_circuit_voltage(self, soc: npt.ArrayLike) -> FloatArray:
         """Voltage of the pack at rest in V, at states of charge (fractions) of any shape."""
         array = np.asarray(soc, dtype=np.float64)
@@ -174,6 +185,8 @@ class Cell:
         hold: Literal["backward", "forward"] = "backward",
         initial_soc: float = 1.0,
         initial_voltage_V: float | None = None,
+        temperature_degC: Any = None,
+        ambient_degC: float | None = None,
         threads: int = 0,
     ) -> Simulation:
         """Predict the voltage under a current, or under many at once on all cores.
@@ -191,6 +204,13 @@ class Cell:
             State of charge of the first row, where the cell is relaxed.
         initial_voltage_V : float, optional
             Instead: the voltage at which the pack rested before the first row, in V.
+        temperature_degC : array_like, optional
+            Measured at each row in degrees Celsius, shape (rows,) or (currents, rows); not given:
+            that of the log, or the cell warms from the ambient. Only cells that know temperature
+            look at it.
+        ambient_degC : float, optional
+            Temperature of the surroundings, where none was measured; not given: the reference of
+            the cell.
         threads : int
             Cores to use; 0: all.
 
@@ -201,6 +221,8 @@ class Cell:
         """
         if isinstance(time_s, Log):
             hold = time_s.hold
+            if temperature_degC is None and ambient_degC is None:
+                temperature_degC = time_s.temperature_degC
             time_s, current_A = time_s.time_s, time_s.current_A
         elif current_A is None:
             raise OptionError("simulate: current_A is missing")
@@ -214,17 +236,30 @@ class Cell:
             raise OptionError("simulate: expected times that increase")
         if not (np.isfinite(t).all() and np.isfinite(i).all()):
             raise OptionError("simulate: expected finite times and currents")
+        measured = None
+        if temperature_degC is not None:
+            measured = np.ascontiguousarray(temperature_degC, dtype=np.float64)
+            if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
+                raise OptionError("simulate: expected a finite temperature for each row")
+            if ambient_degC is not None:
+                raise OptionError("simulate: give temperature_degC or ambient_degC, not both")
+        if ambient_degC is not None and not -100.0 <= ambient_degC <= 150.0:
+            raise OptionError("simulate: expected ambient_degC in degrees Celsius")
         voltage_V, soc = np.empty_like(i), np.empty_like(i)
+        warm = np.empty_like(i) if self._core.knows_temperature else None
         outside = self._core.simulate(
             np.atleast_2d(t),
             np.atleast_2d(i),
             np.atleast_2d(voltage_V),
             np.atleast_2d(soc),
+            None if warm is None else np.atleast_2d(warm),
             hold,
             initial_soc,
+            None if measured is None else np.atleast_2d(measured),
+            ambient_degC,
             threads,
         )
-        return Simulation(t, i, voltage_V, soc, outside, self)
+        return Simulation(t, i, voltage_V, soc, outside, self, warm)
 
     def band(
         self,

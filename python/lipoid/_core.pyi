@@ -99,10 +99,16 @@ class Cell:
         current_A: FloatArray,
         voltage_V: FloatArray,
         soc: FloatArray,
+        temperature_degC: FloatArray | None,
         hold: str,
         initial_soc: float,
+        measured_degC: FloatArray | None,
+        ambient_degC: float | None,
         threads: int,
     ) -> int: ...
+    @property
+    def knows_temperature(self) -> bool: ...
+    def with_typical_temperature(self) -> Cell: ...
     def band(
         self,
         time_s: FloatArray,

@@ -16,6 +16,7 @@
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/stop.h"
@@ -35,31 +36,44 @@ Hold HoldOf(const std::string& text) {
   return hold;
 }
 
-// Currents in rows, times once or in rows; the arrays that are filled are Python's own.
+// Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
+// Python's own, that of temperatures only for a cell that knows it.
 std::size_t Simulate(const PythonCell& self,
                      const Table& time_s,
                      const Table& current_A,
                      const Output& voltage_V,
                      const Output& soc,
+                     const std::optional<Output>& temperature_degC,
                      const std::string& hold_text,
                      double initial_soc,
+                     const std::optional<Table>& measured_degC,
+                     std::optional<double> ambient_degC,
                      int threads) {
   const Hold hold = HoldOf(hold_text);
   const std::size_t count = current_A.shape(0);
   const std::size_t rows = current_A.shape(1);
   const std::size_t times = time_s.shape(0);
   Require(time_s.shape(1) == rows && (times == 1 || times == count), "as many times as currents");
+  const std::size_t measured = measured_degC ? measured_degC->shape(0) : 0;
+  Require(
+      !measured_degC || (measured_degC->shape(1) == rows && (measured == 1 || measured == count)),
+      "as many temperatures as currents");
   const Cell& cell = self.cell;
   std::atomic<std::size_t> outside = 0;
   const auto one = [&](std::size_t k) {
     StopIfAsked();
+    Surroundings among{.ambient_degC = ambient_degC};
+    if (measured_degC)
+      among.measured_degC = {measured_degC->data() + (measured == 1 ? 0 : k * rows), rows};
+    double* const warm = temperature_degC ? temperature_degC->data() + k * rows : nullptr;
     double* const v = voltage_V.data() + k * rows;
     double* const a = soc.data() + k * rows;
     const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
     const std::span<const double> i(current_A.data() + k * rows, rows);
     std::size_t beyond = 0;
-    PredictRows(cell, t, i, hold, initial_soc, {}, [&](std::size_t row, const PredictedRow& of) {
+    PredictRows(cell, t, i, hold, initial_soc, among, [&](std::size_t row, const PredictedRow& of) {
       v[row] = of.voltage_V;
+      if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
       a[row] = of.soc;
       if (!cell.open_circuit_voltage.InRange(of.soc)) ++beyond;
     });
@@ -145,6 +159,10 @@ void AddCells(nb::module_& module) {
       .def_prop_ro("capacity_Ah", [](const PythonCell& self) { return self.cell.capacity_Ah; })
       .def_prop_ro("cutoff_V", [](const PythonCell& self) { return self.cell.cutoff_V; })
       .def_prop_ro("alpha_C", [](const PythonCell& self) { return self.cell.alpha_C(); })
+      .def_prop_ro("knows_temperature",
+                   [](const PythonCell& self) { return self.cell.temperature.has_value(); })
+      .def("with_typical_temperature",
+           [](const PythonCell& self) { return PythonCell{WithTypicalTemperature(self.cell)}; })
       .def_prop_ro("has_uncertainty",
                    [](const PythonCell& self) { return self.cell.uncertainty.has_value(); })
       .def("to_dict", [](const PythonCell& self) { return ToPython(CellToJson(self.cell)); })
@@ -167,8 +185,11 @@ void AddCells(nb::module_& module) {
            nb::arg("current_A").noconvert(),
            nb::arg("voltage_V").noconvert(),
            nb::arg("soc").noconvert(),
+           nb::arg("temperature_degC").noconvert().none(),
            nb::arg("hold"),
            nb::arg("initial_soc"),
+           nb::arg("measured_degC").noconvert().none(),
+           nb::arg("ambient_degC").none(),
            nb::arg("threads"))
       .def("band",
            &Band,

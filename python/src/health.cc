@@ -61,8 +61,6 @@ nb::tuple Health(const PythonCell& cell,
   Work([&](const Tell&) {
     const HealthReport report = AssessHealth(cell.cell, std::move(logs), made.options);
     summary = HealthToJson(report);
-    summary["refused"] = Json::array();
-    for (const Diagnostic& refused : report.refused) summary["refused"].push_back(refused.Text());
     sentence = TrendSentence(report);
     if (sentence.empty()) sentence = HealthSentence(report, report.flights.back());
   });

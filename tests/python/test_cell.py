@@ -7,6 +7,7 @@ import pickle
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import lipoid
@@ -127,3 +128,44 @@ def test_the_band_holds_the_estimate(result: lipoid.Identification) -> None:
     low, high = result.cell.band(T, I, cells=100)
     voltage_V = result.cell.simulate(T, I).voltage_V
     assert np.mean((low <= voltage_V) & (voltage_V <= high)) > 0.9
+
+
+def test_a_cell_in_the_cold_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    cell.save(tmp_path / "cell.json")
+    t = np.arange(0.0, 400.0, 2.0)
+    i = np.where(t > 10.0, 2.0, 0.0)
+    pd.DataFrame({"time_s": t, "current_A": i}).to_csv(tmp_path / "load.csv", index=False)
+    program(
+        "simulate",
+        "cell.json",
+        "--current",
+        "load.csv",
+        "--current-sign",
+        "discharge-positive",
+        "--ambient-degC",
+        -5,
+        "-o",
+        "out.csv",
+        folder=tmp_path,
+    )
+    theirs = pd.read_csv(tmp_path / "out.csv", float_precision="round_trip")
+    made = cell.simulate(t, i, ambient_degC=-5.0)
+    assert made.temperature_degC is not None
+    assert np.array_equal(made.voltage_V[: len(theirs)], theirs["voltage_V"])
+    # It warms by its losses; as a measurement the same temperatures give the same voltages.
+    assert made.temperature_degC[0] == pytest.approx(-5.0)
+    assert made.temperature_degC[-1] > -4.0
+    warm = cell.simulate(t, np.stack([i, i]), temperature_degC=made.temperature_degC)
+    assert warm.voltage_V.shape == (2, len(t))
+    assert np.allclose(warm.voltage_V[1], made.voltage_V, atol=2e-3)
+    assert np.all(cell.simulate(t, i).voltage_V[10:] > made.voltage_V[10:])
+
+
+def test_temperatures_that_do_not_go_with_the_currents() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    t = np.arange(5.0)
+    with pytest.raises(lipoid.OptionError, match="temperature for each row"):
+        cell.simulate(t, t, temperature_degC=[1.0, 2.0])
+    with pytest.raises(lipoid.OptionError, match="not both"):
+        cell.simulate(t, t, temperature_degC=t, ambient_degC=3.0)

@@ -220,6 +220,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
               "flights with values drawn from all uncertainties, for the intervals; 0: none");
   line.Group("", request.options);
   line.Group("air", request.air);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   request.cell = LoadCell(cell_name);

@@ -73,6 +73,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
               "sensor as it came, 0.01 of a calibrated one");
   log_options.AddTo(line);
   pack.AddTo(line);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Cell cell = LoadCell(cell_name);

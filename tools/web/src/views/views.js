@@ -1,7 +1,9 @@
 // The only list of views: one for each command whose result can be seen.
 import { compare } from "./compare.js";
 import { design } from "./design.js";
+import { endurance } from "./endurance.js";
 import { fly } from "./fly.js";
+import { health } from "./health.js";
 import { identify } from "./identify.js";
 import { inspect } from "./inspect.js";
 import { plan } from "./plan.js";
@@ -12,7 +14,9 @@ import { validate } from "./validate.js";
 export const views = [
   compare,
   design,
+  endurance,
   fly,
+  health,
   identify,
   inspect,
   plan,

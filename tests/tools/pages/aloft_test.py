@@ -1,0 +1,54 @@
+"""The pages of lipoid endurance and lipoid health: what they show is what the summaries say."""
+
+import json
+import shutil
+import unittest
+
+from page import PROJECT, PageTest, main
+
+CELL = "gifi-600mAh-1"
+SOLO = PROJECT / "fixtures" / "flights" / "log171.bin"
+
+ROWS = "return [...document.querySelectorAll('tbody')[0].rows].map(row => [...row.cells].map(cell => cell.textContent))"
+CHARTS = """return [...document.querySelectorAll('.chart')].map((figure) => ({
+  title: figure.querySelector('.title').textContent,
+  data: figure.plot.data.map((column) => Array.from(column)),
+}));"""
+
+
+class Aloft(PageTest):
+    def test_endurance_shows_each_number_with_its_interval(self):
+        self.lipoid("endurance", "--vehicle", "mambo-physical", "--cell", CELL, "--health", "0.9+-0.03",
+                    "--ensemble", 40, "--set", "step_s=0.1", "--report", "page.html", "--summary", "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        page = self.open("page.html")
+        rows = page.run(ROWS)
+        time = rows[0]
+        self.assertEqual(time[0], "minutes")
+        low, high = summary["minutes_interval_95"]
+        for shown, value in zip(time[1:], (summary["minutes"], low, high)):
+            self.assertAlmostEqual(float(shown), value, delta=5e-4 * value)
+        self.assertIn(f"{summary['minutes']:.3g} minutes", page.run("return document.querySelector('h2').textContent"))
+
+    def test_health_shows_flights_and_how_they_change(self):
+        logs = []
+        for k in range(3):
+            shutil.copy(SOLO, self.folder / f"flight {k}.bin")
+            logs.append(f"flight {k}.bin")
+        self.lipoid("health", "--cell", CELL, "--capacity-Ah", 5.2, "--series", 4, *logs,
+                    "--report", "page.html", "--summary", "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        page = self.open("page.html")
+        rows = page.run(ROWS)
+        self.assertEqual([row[0] for row in rows], logs)
+        for row, one in zip(rows, summary["flights"]):
+            self.assertAlmostEqual(float(row[4]), one["capacity_Ah"], delta=5e-3 * one["capacity_Ah"])
+            self.assertAlmostEqual(float(row[6]), 1e3 * one["resistance_Ohm"], delta=5.0 * one["resistance_Ohm"])
+        charts = {chart["title"]: chart["data"] for chart in page.run(CHARTS)}
+        data = charts["Capacity over the flights"]
+        self.assertEqual(data[0], [1, 2, 3])
+        self.assertEqual(data[1], [one["counted_capacity_Ah"] for one in summary["flights"]])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+// `lipoid health`: capacity and resistance of a pack by flights on it, each with its interval, and over the flights.
+import { lineChart } from "../chart.js";
+import { element, facts, note, notice, section } from "../dom.js";
+import { baseName, duration, plural, significant } from "../format.js";
+import { isNumber, listOf, times } from "../numbers.js";
+import { provenance } from "../provenance.js";
+import { table } from "../table.js";
+
+const interval = (pair, factor = 1, digits = 3) =>
+  (Array.isArray(pair) && pair.every(isNumber) ? `${significant(factor * pair[0], digits)} to ${significant(factor * pair[1], digits)}` : null);
+
+// What stands under an interval's name: "soc_start_interval_95", or with the unit's place taken, "capacity_interval_95".
+const intervalOf = (one, name) => one[`${name}_interval_95`] ?? one[`${name.replace(/_[A-Za-z]+$/, "")}_interval_95`];
+
+function overFlights(flights, name, title, label, factor) {
+  const ends = (side) => flights.map((one) => times(factor, intervalOf(one, name)?.[side]));
+  return lineChart({
+    title,
+    x: { label: "flight", values: flights.map((_, k) => k + 1) },
+    y: { label, zero: true },
+    lines: [{ label: "as the sensor counts, with its 95 % interval", values: flights.map((one) => times(factor, one[name])), band: [ends(0), ends(1)], dots: true }],
+    name: title,
+  });
+}
+
+function trendFacts(trend) {
+  const change = (one, what) =>
+    (one ? [what, `${significant(one.change_percent, 3)} % over ${plural(one.flights, "flight")} (95 %: ${interval(one.change_interval_95 ?? one.change_percent_interval_95) ?? "unknown"})`] : null);
+  return facts([change(trend.counted_capacity_Ah, "Capacity"), change(trend.counted_resistance_Ohm, "Resistance")].filter(Boolean));
+}
+
+export const health = {
+  command: "health",
+  title: () => "Health of a pack, by its flights",
+  parts: ({ summary }) => {
+    const flights = listOf(summary.flights);
+    const reference = summary.reference ?? {};
+    return [
+      facts([
+        ["Flights", plural(flights.length, "flight")],
+        ["When new", isNumber(reference.capacity_Ah) ? `${significant(reference.capacity_Ah)} Ah` : null],
+        ["Reference", reference.typical ? `${reference.name}, a typical curve and not this pack's` : reference.name],
+      ]),
+      summary.trend ? section("Over the flights", trendFacts(summary.trend)) : null,
+      table(
+        [
+          { title: "flight", of: ({ file }) => baseName(file) },
+          { title: "duration", of: (one) => duration(one.duration_s), by: (one) => one.duration_s, class: "number" },
+          { title: "charge at start / %", of: (one) => times(100, one.soc_start), digits: 3 },
+          { title: "at the end / %", of: (one) => times(100, one.soc_end), digits: 3 },
+          { title: "capacity / Ah", of: (one) => one.capacity_Ah, digits: 3 },
+          { title: "95 %", of: (one) => interval(intervalOf(one, "capacity_Ah")), class: "number" },
+          { title: "resistance / mΩ", of: (one) => times(1e3, one.resistance_Ohm), digits: 3 },
+          { title: "95 %", of: (one) => interval(intervalOf(one, "resistance_Ohm"), 1e3), class: "number" },
+          { title: "mean error / %", of: (one) => one.mean_error_percent, digits: 2 },
+        ],
+        flights,
+        { sort: true, caption: "What each flight says of the pack" },
+      ),
+      flights.length > 1
+        ? [overFlights(flights, "counted_capacity_Ah", "Capacity over the flights", "capacity / Ah", 1),
+           overFlights(flights, "counted_resistance_Ohm", "Resistance over the flights", "resistance / mΩ", 1e3)]
+        : note("Give several flights on one pack, the oldest first, to see how it ages."),
+      listOf(summary.refused).map(({ file, reason }) => notice("warning", `${file}: ${reason}`)),
+      flights.map((one) => {
+        const all = [one.capacity_unknown_because, one.resistance_unknown_because, ...listOf(one.cautions)].filter(Boolean);
+        return all.length > 0
+          ? section(baseName(one.file), element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
+      }),
+      provenance(summary.run),
+    ];
+  },
+};
