@@ -88,7 +88,7 @@ void RunAltitudeLoop(const LoopTask& task,
                      const BasicErrorGains<T>& gains,
                      Visit&& visit) {
   using State = std::array<T, 3>;  // Z, W, omega
-  const Vehicle& v = task.vehicle;
+  const Vehicle v = EquivalentQuadrotor(task.vehicle);
   const double source_V = task.xi * v.nominal_voltage_V;
   const Trim trim = HoverTrim(v, Supply<double>{source_V, 0.0});
   const double highest = HeldSpeed(v, v.nominal_voltage_V);
@@ -133,7 +133,7 @@ void RunPitchLoop(const LoopTask& task,
                   Visit&& visit) {
   using std::cos;
   using State = std::array<T, 6>;  // Z, W, Theta, q, omega front, omega back
-  const Vehicle& v = task.vehicle;
+  const Vehicle v = EquivalentQuadrotor(task.vehicle);
   const double source_V = task.xi * v.nominal_voltage_V;
   const Trim trim = HoverTrim(v, Supply<double>{source_V, 0.0});
   const double highest = HeldSpeed(v, v.nominal_voltage_V);

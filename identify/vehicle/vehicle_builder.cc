@@ -119,7 +119,7 @@ class Draft {
                "(Faessler, Franchi and Scaramuzza, 2018)");
     v.series_cells = n_.series_cells;
     From("series_cells", "given");
-    v.nominal_voltage_V = kFull_V * n_.series_cells;
+    v.nominal_voltage_V = Rounded(kFull_V * n_.series_cells);
     From("nominal_voltage_V", fmt::format("{} full cells of {} V", n_.series_cells, kFull_V));
   }
 

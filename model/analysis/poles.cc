@@ -88,6 +88,13 @@ Plant QuietPlant(const Vehicle& vehicle, bool motor_lag) {
   return {vehicle, {.motor_lag = motor_lag, .drag = false, .ground = false}};
 }
 
+// Four motors take less current than six or eight: behind so much more resistance they see the same
+// voltage.
+HoverPoint OfFourMotors(const Vehicle& vehicle, HoverPoint hover) {
+  hover.supply.resistance_Ohm *= static_cast<double>(vehicle.rotor_count()) / 4.0;
+  return hover;
+}
+
 }  // namespace
 
 double Kappa(const Vehicle& vehicle, double xi) {
@@ -106,10 +113,12 @@ Poles ClosedFormPoles(const ErrorGains& gains, double kappa) {
   return SortedEigenvalues(companion);
 }
 
-ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
+ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& of,
                                      const Gains& gains,
-                                     const HoverPoint& hover,
+                                     const HoverPoint& at_hover,
                                      bool motor_lag) {
+  const Vehicle vehicle = EquivalentQuadrotor(of);
+  const HoverPoint hover = OfFourMotors(of, at_hover);
   const ClosedLoopState<double> at = Hover(vehicle, gains, hover);
   ClosedLoopState<Jet> x;
   for (int k = 0; k < kClosedLoopStates; ++k) x[std::size_t(k)] = Jet(at[std::size_t(k)], k);
@@ -119,10 +128,12 @@ ClosedLoopMatrix LinearizeClosedLoop(const Vehicle& vehicle,
   return matrix;
 }
 
-Eigen::Matrix<double, kClosedLoopStates, 1> ClosedLoopRateAtHover(const Vehicle& vehicle,
+Eigen::Matrix<double, kClosedLoopStates, 1> ClosedLoopRateAtHover(const Vehicle& of,
                                                                   const Gains& gains,
-                                                                  const HoverPoint& hover,
+                                                                  const HoverPoint& at_hover,
                                                                   bool motor_lag) {
+  const Vehicle vehicle = EquivalentQuadrotor(of);
+  const HoverPoint hover = OfFourMotors(of, at_hover);
   const auto rate =
       Rate(QuietPlant(vehicle, motor_lag), gains, hover, Hover(vehicle, gains, hover));
   return Eigen::Map<const Eigen::Matrix<double, kClosedLoopStates, 1>>(rate.data());

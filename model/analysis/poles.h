@@ -40,7 +40,8 @@ struct HoverPoint {
 /// On an ideal source of xi v_b0.
 [[nodiscard]] HoverPoint HoverAt(const Vehicle& vehicle, double xi);
 
-/// Jacobian of the whole closed loop at a hover: states of model/vehicle/plant.h, then the
+/// Jacobian of the whole closed loop, of vehicles of more rotors that of the equivalent quadrotor
+/// (model/vehicle/allocation.h), at a hover: states of model/vehicle/plant.h, then the
 /// integrals of altitude, roll, pitch and yaw error.
 inline constexpr int kClosedLoopStates = 21;
 using ClosedLoopMatrix = Eigen::Matrix<double, kClosedLoopStates, kClosedLoopStates>;

@@ -36,6 +36,7 @@ Vehicle EquivalentQuadrotor(const Vehicle& vehicle) {
   quadrotor.layout = RotorLayout::kQuadX;
   quadrotor.lower_rotor_thrust_ratio = 1.0;
   quadrotor.mass_kg *= 4.0 / sums.thrust;
+  quadrotor.avionics_power_W *= 4.0 / static_cast<double>(vehicle.rotor_count());
   // An X's motors have sin 45 degrees each, and 4 sin² 45 degrees together.
   quadrotor.inertia_kg_m2[0] *= right * (2.0 / std::sqrt(0.5)) / sums.right_squared;
   quadrotor.inertia_kg_m2[1] *= ahead * (2.0 / std::sqrt(0.5)) / sums.ahead_squared;

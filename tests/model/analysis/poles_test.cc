@@ -134,5 +134,27 @@ TEST(Poles, NeedsAnIntegralWhereXiIsBelowOne) {
                PreconditionError);
 }
 
+// The gains act on accelerations, so that the number of rotors and their places do not matter.
+TEST(Poles, OfAnyLayoutAreThoseOfTheSameMotorsOnAnX) {
+  const Gains gains = LoadGains("aware");
+  Vehicle vehicle = LoadVehicle("mambo-coupled");
+  const PolesRow altitude = PolesAt(Loop::kAltitude, vehicle, gains, 0.9);
+  const PolesRow attitude = PolesAt(Loop::kAttitude, vehicle, gains, 0.9);
+  for (const auto& [layout, name] : OptionNames(RotorLayout{})) {
+    Vehicle other = vehicle;
+    other.layout = layout;
+    other.mass_kg *= static_cast<double>(other.rotor_count()) / 4.0;  // each motor works as hard
+    for (const auto& [loop, row] :
+         {std::pair{Loop::kAltitude, altitude}, std::pair{Loop::kAttitude, attitude}}) {
+      const PolesRow found = PolesAt(loop, other, gains, 0.9);
+      ASSERT_EQ(found.full.size(), row.full.size());
+      for (std::size_t k = 0; k < row.full.size(); ++k) {
+        // Rounding of an eigenvalue problem with entries of thousands.
+        EXPECT_LT(std::abs(found.full[k] - row.full[k]), 1e-9) << name << ", pole " << k;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lipoid
