@@ -96,7 +96,7 @@ std::optional<std::pair<double, double>> IntervalOf(const EnduranceAnswer& answe
   return Interval95(values);
 }
 
-Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer) {
+Json EnduranceNumbersToJson(const EnduranceAnswer& answer) {
   Json json = Json::object();
   for (const EnduranceNumber& number : kNumbers) {
     const std::string key(number.key);
@@ -105,8 +105,13 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
     json[key + "_interval_95"] =
         interval ? Json({interval->first, interval->second}) : Json(nullptr);
   }
+  json["ended_by"] = options_internal::ToText(answer.estimate.ended_by);
+  return json;
+}
+
+Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer) {
+  Json json = EnduranceNumbersToJson(answer);
   const EnduranceResult& estimate = answer.estimate;
-  json["ended_by"] = options_internal::ToText(estimate.ended_by);
   json["rounds"] = estimate.rounds;
   json["initial_voltage_V"] = estimate.initial_voltage_V;
   json["initial_current_A"] = estimate.initial_current_A;

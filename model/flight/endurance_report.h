@@ -27,6 +27,9 @@ struct EnduranceNumber {
 [[nodiscard]] std::optional<std::pair<double, double>> IntervalOf(const EnduranceAnswer& answer,
                                                                   const EnduranceNumber& number);
 
+/// The numbers alone, each with its interval, and why it ended: a row of a table.
+[[nodiscard]] Json EnduranceNumbersToJson(const EnduranceAnswer& answer);
+
 /// minutes, minutes_interval_95, charge_Ah, ...; ended_by, initial, ensemble.
 [[nodiscard]] Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer);
 

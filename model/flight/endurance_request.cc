@@ -9,10 +9,58 @@
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
+#include "model/core/nearest_name.h"
 #include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
+
+constexpr double kGram_kg = 1e-3;
+
+template <class T>
+Uncertain& Of(std::optional<T>& number) {
+  return number ? *number : number.emplace();
+}
+
+constexpr EnduranceVariable kVariables[] = {
+    {"airspeed-m-per-s",
+     kAirspeeds_m_per_s,
+     1.0,
+     "speed through the air in m/s: of cruise, or of the wind in which it hovers",
+     [](EnduranceRequest& r) -> Uncertain& { return Of(r.airspeed_m_per_s); }},
+    {"ambient-degC",
+     kTemperatures_degC,
+     1.0,
+     "temperature of the air in degC, from which the battery starts and warms (default the "
+     "reference temperature of the cell; a cell file that knows no temperature gets typical "
+     "energies and heat, and a message says so)",
+     [](EnduranceRequest& r) -> Uncertain& { return Of(r.ambient_degC); }},
+    {"health",
+     kCapacityShares,
+     1.0,
+     "capacity left, as a share of that in the cell file (default 1)",
+     [](EnduranceRequest& r) -> Uncertain& { return r.health; }},
+    {"payload-g",
+     Range{kPayloads_kg.lo / kGram_kg, kPayloads_kg.hi / kGram_kg},
+     kGram_kg,
+     "mass in g that the vehicle carries besides its own (default 0)",
+     [](EnduranceRequest& r) -> Uncertain& { return r.payload_kg; }},
+    {"power-factor",
+     kPowerFactors,
+     1.0,
+     "power that the battery gives over what the vehicle file says (default 1)",
+     [](EnduranceRequest& r) -> Uncertain& { return r.power_factor; }},
+    {"reserve",
+     kReserves,
+     1.0,
+     "share of the full battery's charge that is left at landing, 0.2 or 20% (default 0.2)",
+     [](EnduranceRequest& r) -> Uncertain& { return r.reserve; }},
+    {"resistance-factor",
+     kResistanceFactors,
+     1.0,
+     "resistance of the aged cell over that in the cell file (default 1)",
+     [](EnduranceRequest& r) -> Uncertain& { return r.resistance_factor; }},
+};
 
 // One value of each thing that may be uncertain.
 struct Values {
@@ -139,6 +187,17 @@ EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const 
 }
 
 }  // namespace
+
+std::span<const EnduranceVariable> EnduranceVariables() { return kVariables; }
+
+const EnduranceVariable& FindEnduranceVariable(std::string_view name) {
+  std::vector<std::string> known;
+  for (const EnduranceVariable& variable : kVariables) {
+    if (variable.name == name) return variable;
+    known.emplace_back(variable.name);
+  }
+  throw OptionError(UnknownName("quantity", name, known));
+}
 
 bool EnduranceRequest::uncertain() const {
   return cell.uncertainty.has_value() || !payload_kg.known() || !health.known() ||

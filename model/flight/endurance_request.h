@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "model/flight/endurance.h"
@@ -61,6 +63,21 @@ struct EnduranceRequest {
   /// Whether there is anything to draw.
   [[nodiscard]] bool uncertain() const;
 };
+
+/// A quantity of a request that may be uncertain and over which a table may be asked for.
+struct EnduranceVariable {
+  std::string_view name;  ///< with the unit in which it is given
+  Range valid;            ///< in that unit
+  double unit;            ///< in that of the request
+  std::string_view help;
+  Uncertain& (*of)(EnduranceRequest&);  ///< sets an optional one to 0 where it is not there
+};
+
+/// The only list of them: options and help of the command, `--over`, keys and messages.
+[[nodiscard]] std::span<const EnduranceVariable> EnduranceVariables();
+
+/// OptionError naming all of them.
+[[nodiscard]] const EnduranceVariable& FindEnduranceVariable(std::string_view name);
 
 struct EnduranceAnswer {
   EnduranceResult estimate;

@@ -170,6 +170,53 @@ TEST(EnduranceCommand, CruiseSaysTheBestSpeeds) {
   EXPECT_NE(run.err.find("propeller_diameter_m"), std::string::npos) << run.err;
 }
 
+TEST(EnduranceCommand, TablesGoOverAQuantity) {
+  const auto folder = TestFolder();
+  const auto summary = SummaryOf(
+      folder, {"--vehicle", "mambo-physical", "--cell", kCell, "--over", "payload-g=0:5:10"});
+  const auto& rows = summary.at("over").at("rows");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].at("minutes"), summary.at("minutes"));
+  EXPECT_EQ(rows[1].at("value"), 5.0);
+  const auto loaded =
+      SummaryOf(folder, {"--vehicle", "mambo-physical", "--cell", kCell, "--payload-g", "10"});
+  EXPECT_EQ(rows[2].at("minutes"), loaded.at("minutes"));
+  EXPECT_LT(rows[2].at("minutes"), rows[1].at("minutes"));
+}
+
+// The route is flown by the simulator, and its power until the battery ends it.
+TEST(EnduranceCommand, ARouteIsFlownUntilTheReserve) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/route.toml", R"(
+[[waypoint]]
+altitude_m = 2.0
+stay_s = 5.0
+[[waypoint]]
+altitude_m = 2.0
+x_m = 2.0
+stay_s = 10.0
+[[waypoint]]
+altitude_m = 2.0
+stay_s = 10.0
+)");
+  const auto hover =
+      SummaryOf(folder, {"--vehicle", "mambo-physical", "--cell", kCell, "--reserve", "0.4"});
+  const auto route = SummaryOf(folder,
+                               {"--vehicle",
+                                "mambo-physical",
+                                "--cell",
+                                kCell,
+                                "--reserve",
+                                "0.4",
+                                "--mission",
+                                "waypoints=route.toml"});
+  EXPECT_EQ(route.at("ended_by"), "reserve");
+  // Two metres there and back in 25 s take little more than hover does.
+  EXPECT_NEAR(route.at("minutes").get<double>(), hover.at("minutes").get<double>(), 0.1);
+  EXPECT_EQ(route.at("rounds"), std::floor(route.at("minutes").get<double>() * 60.0 / 25.0));
+  EXPECT_NEAR(route.at("range_km").get<double>(), 0.004 * route.at("rounds").get<int>(), 0.005);
+}
+
 TEST(EnduranceCommand, APackThatCannotCarryTheVehicleIsAnAnswer) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder,
@@ -192,8 +239,12 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"endurance", "--cell", kCell},
        "option --vehicle: expected a vehicle that is to fly, found none"},
-      {{"endurance", "--cell", kCell, "--mission", "glide"},
-       "option --mission: expected hover, cruise or power=FILE, found 'glide'"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--over", "payload"},
+       "option --over: expected NAME=FIRST:STEP:LAST, such as payload-g=0:100:500, found 'payload'"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--over", "load=0:1:2"},
+       "quantity"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--mission", "glide"},
+       "option --mission: expected hover, cruise, waypoints=FILE or power=FILE, found 'glide'"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
        "option --once is for missions of a file; level flight has no end"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},

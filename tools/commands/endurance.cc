@@ -7,14 +7,17 @@
 #include "identify/export/mission.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
+#include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
+#include "model/flight/endurance_route.h"
 #include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
+#include "tools/commands/number_range.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/uncertain_option.h"
 
@@ -105,11 +108,26 @@ PowerMission MissionOf(const PowerProfile& profile) {
   return mission;
 }
 
-// Reads hover, cruise or power=FILE.
-void SetMission(cli::CommandLine& line, const std::string& text, EnduranceRequest& request) {
+// Reads hover, cruise, waypoints=FILE or power=FILE. Vehicle and quantities are set already.
+void SetMission(cli::CommandLine& line,
+                const std::string& text,
+                const std::string& gains,
+                EnduranceRequest& request) {
   constexpr std::string_view kPower = "power=";
-  request.cruise = text == "cruise";
+  constexpr std::string_view kRoute = "waypoints=";
   if (request.cruise || text == "hover") return;
+  if (text.starts_with(kRoute)) {
+    const std::string file = text.substr(kRoute.size());
+    line.AddInputs({file});
+    if (!request.payload_kg.known() || request.airspeed_m_per_s) {
+      throw OptionError(
+          "options --payload-g X+-SE and --airspeed-m-per-s: a route is flown once, with a payload "
+          "that is known and at the speeds of its controller; leave the standard error and the speed "
+          "out");
+    }
+    request.power = FlyRoute(request, LoadGains(gains), file);
+    return;
+  }
   if (text.starts_with(kPower)) {
     const std::string file = text.substr(kPower.size());
     line.AddInputs({file});
@@ -119,20 +137,82 @@ void SetMission(cli::CommandLine& line, const std::string& text, EnduranceReques
     return;
   }
   throw OptionError(
-      fmt::format("option --mission: expected hover, cruise or power=FILE, found '{}'", text));
+      fmt::format("option --mission: expected hover, cruise, waypoints=FILE or power=FILE, found "
+                  "'{}'",
+                  text));
 }
 
-// Reads a speed or the name of one.
-void SetAirspeed(const std::string& text, EnduranceRequest& request) {
+// Reads a quantity; of the airspeed also the name of one.
+void SetQuantity(const EnduranceVariable& variable,
+                 const std::string& text,
+                 EnduranceRequest& request) {
   if (text.empty()) return;
+  const bool airspeed = variable.name == "airspeed-m-per-s";
   for (const auto& [speed, name] : OptionNames(CruiseSpeed{})) {
-    if (text != name) continue;
+    if (!airspeed || text != name) continue;
     if (!request.cruise)
       throw OptionError(fmt::format("option --airspeed-m-per-s: {} is for --mission cruise", name));
     request.cruise_speed = speed;
     return;
   }
-  request.airspeed_m_per_s = ReadUncertain("airspeed-m-per-s", text, kAirspeeds_m_per_s);
+  const Uncertain given = ReadUncertain(std::string(variable.name), text, variable.valid);
+  variable.of(request) = {variable.unit * given.value, variable.unit * given.standard_error};
+}
+
+// NAME=FIRST:STEP:LAST
+struct Over {
+  const EnduranceVariable* variable = nullptr;
+  std::vector<double> values;  // in the unit of the option
+};
+
+Over ReadOver(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) {
+    throw OptionError(fmt::format(
+        "option --over: expected NAME=FIRST:STEP:LAST, such as payload-g=0:100:500, found '{}'",
+        text));
+  }
+  Over over;
+  over.variable = &FindEnduranceVariable(text.substr(0, equals));
+  over.values =
+      ReadRange("over " + text.substr(0, equals), text.substr(equals + 1), over.variable->valid);
+  constexpr std::size_t kMost = 1000;
+  if (over.values.size() > kMost)
+    throw OptionError(fmt::format(
+        "option --over: expected at most {} rows, found {}", kMost, over.values.size()));
+  return over;
+}
+
+// The table of --over; its rows for the summary.
+Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Over& over) {
+  cli::TextTable table({{std::string(over.variable->name)},
+                        {"minutes"},
+                        {"95 % from"},
+                        {"to"},
+                        {"landing / V"},
+                        {"rested / V"},
+                        {"ended by", Align::kLeft}});
+  Json rows = Json::array();
+  for (std::size_t k = 0; k < over.values.size(); ++k) {
+    line.progress().Update(static_cast<double>(k) / static_cast<double>(over.values.size()),
+                           "flying the table");
+    EnduranceRequest row = request;
+    over.variable->of(row).value = over.variable->unit * over.values[k];
+    const EnduranceAnswer answer = FindEndurance(row);
+    const auto interval = IntervalOf(answer, EnduranceNumbers().front());
+    table.Row({fmt::format("{:g}", over.values[k]),
+               Significant(answer.estimate.time_s / 60.0),
+               interval ? Significant(interval->first) : "",
+               interval ? Significant(interval->second) : "",
+               Significant(answer.estimate.landing_voltage_V),
+               Significant(answer.estimate.landing_rest_voltage_V),
+               options_internal::ToText(answer.estimate.ended_by)});
+    Json numbers = EnduranceNumbersToJson(answer);
+    numbers["value"] = over.values[k];
+    rows.push_back(std::move(numbers));
+  }
+  line.Print("\n{}", table.Text());
+  return {{"name", over.variable->name}, {"rows", std::move(rows)}};
 }
 
 }  // namespace
@@ -143,13 +223,9 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::string vehicle_name;
   std::string cell_name;
   std::string mission = "hover";
-  std::string airspeed;
-  std::string payload_g = "0";
-  std::string ambient_degC;
-  std::string health = "1";
-  std::string resistance_factor = "1";
-  std::string power_factor = "1";
-  std::string reserve = "0.2";
+  std::string gains = "aware";
+  std::string over_text;
+  std::vector<std::string> quantities(EnduranceVariables().size());
   bool once = false;
   std::optional<int> series;
   std::optional<int> parallel;
@@ -163,6 +239,8 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Example(
       "lipoid endurance --vehicle mambo-physical --cell cell.json --ambient-degC 5 "
       "--health 0.8+-0.05 --power-factor 1+-0.05");
+  line.Example(
+      "lipoid endurance --vehicle mambo-physical --cell gifi-600mAh-1 --over payload-g=0:2:10");
   line.Example("lipoid endurance --cell cell.json --series 4 --mission power=flight.csv");
   line.Input(
       "vehicle",
@@ -179,40 +257,24 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Text("mission",
             mission,
             "M",
-            "hover, cruise, or power=FILE: a CSV of time_s,power_W or any log with voltage and "
-            "current, which is flown again and again (default hover)");
-  line.Text("airspeed-m-per-s",
-            airspeed,
-            "SPEED",
-            "speed through the air in m/s as X or X+-SE: of cruise, or of the wind in which it "
-            "hovers; of cruise also best-range or best-endurance (default best-range)");
+            "hover; cruise; waypoints=FILE, a route as of `lipoid fly waypoints`; or power=FILE, a "
+            "CSV of time_s,power_W or any log with voltage and current (default hover)");
   line.Flag("once", once, "fly the mission of a file once instead of again and again");
-  line.Text("payload-g",
-            payload_g,
-            kUncertainWord,
-            "mass in g that the vehicle carries besides its own (default 0)");
-  line.Text("ambient-degC",
-            ambient_degC,
-            kUncertainWord,
-            "temperature of the air in degC, from which the battery starts and warms (default the "
-            "reference temperature of the cell; a cell file that knows no temperature gets typical "
-            "energies and heat, and a message says so)");
-  line.Text("health",
-            health,
-            kUncertainWord,
-            "capacity left, as a share of that in the cell file (default 1)");
-  line.Text("resistance-factor",
-            resistance_factor,
-            kUncertainWord,
-            "resistance of the aged cell over that in the cell file (default 1)");
-  line.Text("power-factor",
-            power_factor,
-            kUncertainWord,
-            "power that the battery gives over what the vehicle file says (default 1)");
-  line.Text("reserve",
-            reserve,
-            kUncertainWord,
-            "share of the full battery's charge that is left at landing, 0.2 or 20% (default 0.2)");
+  line.Input("gains", gains, "GAINS", "unaware, aware, or a gains file, for waypoints");
+  for (std::size_t k = 0; k < quantities.size(); ++k) {
+    const EnduranceVariable& variable = EnduranceVariables()[k];
+    const bool airspeed = variable.name == "airspeed-m-per-s";
+    line.Text(
+        variable.name,
+        quantities[k],
+        kUncertainWord,
+        std::string(variable.help) +
+            (airspeed ? "; of cruise also best-range or best-endurance (default best-range)" : ""));
+  }
+  line.Text("over",
+            over_text,
+            "NAME=FIRST:STEP:LAST",
+            "a table over one of the quantities above, such as payload-g=0:100:500");
   start.AddTo(line);
   line.Option("ensemble",
               request.ensemble,
@@ -228,41 +290,43 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   request.cell.parallel = parallel.value_or(request.cell.parallel);
   request.initial_soc = start.Soc(request.cell);
   request.initial_voltage_V = start.initial_voltage_V;
-  request.payload_kg =
-      ReadUncertain("payload-g", payload_g, Range{0.0, kGramsPerKilogram * kPayloads_kg.hi});
-  request.payload_kg.value /= kGramsPerKilogram;
-  request.payload_kg.standard_error /= kGramsPerKilogram;
-  if (!ambient_degC.empty()) {
-    request.ambient_degC = ReadUncertain("ambient-degC", ambient_degC, kTemperatures_degC);
+  request.cruise = mission == "cruise";
+  for (std::size_t k = 0; k < quantities.size(); ++k)
+    SetQuantity(EnduranceVariables()[k], quantities[k], request);
+  std::optional<Over> over;
+  if (!over_text.empty()) over = ReadOver(over_text);
+  if (request.ambient_degC || (over && over->variable->name == "ambient-degC"))
     request.cell = KnowingTemperature(line, request.cell, cell_name);
-  }
-  request.health = ReadUncertain("health", health, kCapacityShares);
-  request.resistance_factor =
-      ReadUncertain("resistance-factor", resistance_factor, kResistanceFactors);
-  request.power_factor = ReadUncertain("power-factor", power_factor, kPowerFactors);
-  request.reserve = ReadUncertain("reserve", reserve, kReserves);
   request.seed = line.seed();
-  SetMission(line, mission, request);
-  SetAirspeed(airspeed, request);
-  if (request.power) {
-    request.power->repeats = !once;
-    if (!vehicle_name.empty() || line.Given("payload-g") || !airspeed.empty()) {
+  if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
+  if (mission.starts_with("power=")) {
+    if (!vehicle_name.empty() || line.Given("payload-g") || line.Given("airspeed-m-per-s")) {
       throw OptionError(
           "options --vehicle, --payload-g and --airspeed-m-per-s: a mission of powers does not ask "
           "what takes them; leave them out");
     }
-  } else {
-    if (once) throw OptionError("option --once is for missions of a file; level flight has no end");
-    if (vehicle_name.empty())
-      throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
-    request.vehicle = LoadVehicle(vehicle_name);
+  } else if (vehicle_name.empty()) {
+    throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
+  }
+  SetMission(line, mission, gains, request);
+  if (request.power) {
+    request.power->repeats = !once;
+    if (over && (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s"))
+      throw OptionError(
+          fmt::format("option --over: {} is for hover and cruise, not for the mission "
+                      "of a file",
+                      over->variable->name));
+  } else if (once) {
+    throw OptionError("option --once is for missions of a file; level flight has no end");
   }
 
   const EnduranceAnswer answer = FindEndurance(
       request, [&](double fraction) { line.progress().Update(fraction, "flying the ensemble"); });
   line.summary() = EnduranceToJson(request, answer);
   line.summary()["mission"] = mission;
+  if (!vehicle_name.empty()) line.summary()["vehicle"] = request.vehicle.name;
   PrintAnswer(line, request, answer);
+  line.summary()["over"] = over ? PrintOver(line, request, *over) : Json(nullptr);
   if (!request.uncertain()) {
     line.Message(
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",

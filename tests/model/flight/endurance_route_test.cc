@@ -1,0 +1,51 @@
+#include "model/flight/endurance_route.h"
+
+#include <gtest/gtest.h>
+
+#include "model/battery/cell_file.h"
+#include "model/core/errors.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tests/support/text_files.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+EnduranceRequest Mambo() {
+  EnduranceRequest request;
+  request.vehicle = LoadVehicle("mambo-physical");
+  request.cell = LoadCell("gifi-600mAh-1");
+  return request;
+}
+
+TEST(EnduranceRoute, StayingWhereItIsTakesThePowerOfHover) {
+  const auto file = test::WriteText("endurance_route_hover.toml",
+                                    "[[waypoint]]\naltitude_m = 2.0\nstay_s = 3.0\n");
+  EnduranceRequest request = Mambo();
+  request.payload_kg = {0.004, 0.0};
+  const PowerMission mission = FlyRoute(request, LoadGains("aware"), file);
+  ASSERT_EQ(mission.legs.size(), 600U);
+  Vehicle loaded = request.vehicle;
+  loaded.mass_kg += 0.004;
+  const LevelFlight hover = Hover(loaded);
+  const double power_W = BatteryPower(loaded, hover, 3.7);
+  // The controller rounds speeds to steps of its pulse width.
+  for (const MissionLeg& leg : mission.legs) {
+    ASSERT_NEAR(leg.power_W, power_W, 0.05 * power_W);
+    ASSERT_NEAR(leg.least_V, hover.battery_V, 0.05 * hover.battery_V);
+    ASSERT_NEAR(leg.ground_speed_m_per_s, 0.0, 1e-9);
+  }
+}
+
+TEST(EnduranceRoute, SaysThatTheVehicleCrashes) {
+  const auto file = test::WriteText("endurance_route_crash.toml",
+                                    "[[waypoint]]\naltitude_m = 2.0\nstay_s = 20.0\n");
+  Gains unstable = LoadGains("aware");
+  unstable.altitude = {.proportional = -50.0, .integral = 0.0, .derivative = 0.0};
+  const std::string message =
+      test::MessageOf<OptionError>([&] { (void)FlyRoute(Mambo(), unstable, file); });
+  EXPECT_NE(message.find("mambo-physical crashes on the route of"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace lipoid
