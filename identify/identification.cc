@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "identify/health/health_report.h"
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
@@ -95,9 +96,41 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   return found;
 }
 
+Identification IdentifyByFlights(const Campaign& campaign,
+                                 const std::vector<LoadedLog>& logs,
+                                 const IdentifyOptions& options) {
+  if (!options.profiled.empty())
+    throw OptionError("--profile needs lab logs: flights alone have no profiles");
+  Identification found;
+  found.flights_alone = IdentifyFlightsAlone(campaign, logs);
+  const FlightsAlone& flights = *found.flights_alone;
+  found.cell = flights.cell;
+  found.converged = flights.converged;
+  found.trust = flights.trust;
+  AddUncertainty(found, false);
+  return found;
+}
+
+// Flights beside lab logs, against the cell that those gave.
+void AssessFlights(Identification& found, const std::vector<LoadedLog>& logs) {
+  std::vector<Log> flights;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kFlight) continue;
+    flights.push_back(log.log);
+    flights.back().record.file = log.entry.file;
+  }
+  if (!flights.empty())
+    found.health = AssessHealth(found.cell, std::move(flights), HealthOptions());
+}
+
 FitQuality QualityOf(const Identification& found,
                      const Campaign& campaign,
                      const std::vector<LoadedLog>& logs) {
+  if (found.flights_alone) {
+    std::vector<LogErrors> fitted;
+    for (const auto& flight : found.flights_alone->flights) fitted.push_back(flight.errors);
+    return JudgeFit(found.cell, fitted, {}, 0.0, campaign.capacity_Ah);
+  }
   double moved_C = 0.0;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;
@@ -121,6 +154,7 @@ FitQuality QualityOf(const Identification& found,
 }  // namespace
 
 std::vector<LogKind> Identification::fitted_kinds() const {
+  if (flights_alone) return {LogKind::kFlight};
   if (staged) return {staged->fitted_kind};
   return {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses};
 }
@@ -128,6 +162,10 @@ std::vector<LogKind> Identification::fitted_kinds() const {
 double Identification::mean_error_percent() const {
   if (staged) return staged->pulses.errors.mean_error_percent;
   double sum = 0.0;
+  if (flights_alone) {
+    for (const auto& flight : flights_alone->flights) sum += flight.errors.all.mean_error_percent;
+    return sum / static_cast<double>(flights_alone->flights.size());
+  }
   for (const LogErrors& log : joint->fitted) sum += log.all.mean_error_percent;
   return sum / static_cast<double>(joint->fitted.size());
 }
@@ -203,11 +241,26 @@ Identification Identify(const Campaign& campaign,
                         const IdentifyOptions& options,
                         const StageProgress& progress) {
   CheckIdentifyOptions(options);
-  Identification found = options.method == IdentifyMethod::kJoint
-                             ? IdentifyAllAtOnce(campaign, logs, options, progress)
-                             : IdentifyByStages(campaign, logs, options, progress);
+  const auto by_method = [&](const Campaign& of, const std::vector<LoadedLog>& from) {
+    return options.method == IdentifyMethod::kJoint ? IdentifyAllAtOnce(of, from, options, progress)
+                                                    : IdentifyByStages(of, from, options, progress);
+  };
+  Identification found;
+  if (campaign.OnlyFlights()) {
+    found = IdentifyByFlights(campaign, logs, options);
+  } else if (campaign.Count(LogKind::kFlight) == 0) {
+    found = by_method(campaign, logs);
+  } else {
+    Campaign of_lab = campaign;
+    std::erase_if(of_lab.logs, [](const auto& log) { return log.kind == LogKind::kFlight; });
+    std::vector<LoadedLog> lab = logs;
+    std::erase_if(lab, [](const auto& log) { return log.entry.kind == LogKind::kFlight; });
+    found = by_method(of_lab, lab);
+    AssessFlights(found, logs);
+  }
   found.log_notes = NotesOnLogs(logs);
   for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
     const std::string doubt =
         DoubtAboutStart(found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
     if (!doubt.empty()) found.log_notes.push_back(fmt::format("{} {}", log.entry.file, doubt));
@@ -217,7 +270,10 @@ Identification Identify(const Campaign& campaign,
 }
 
 Json IdentificationToJson(const Identification& found) {
-  Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
+  Json json = found.flights_alone ? FlightsAloneToJson(*found.flights_alone)
+              : found.joint       ? JointToJson(*found.joint, found.trust)
+                                  : StagedToJson(*found.staged);
+  if (found.health) json["health"] = HealthToJson(*found.health);
   json["verdict"] = FitQualityToJson(found.quality);
   json["fit"] = FitToJson(found.quality);
   json["not_drawn"] = found.not_drawn;

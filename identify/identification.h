@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "identify/fit_quality.h"
+#include "identify/health/flights_alone.h"
+#include "identify/health/health.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/leave_out.h"
 #include "identify/stages/staged_run.h"
@@ -48,6 +50,9 @@ struct Identification {
   ExpectedError expected_error;        ///< of a new log of the fitted kinds, from held-out rows
   std::optional<StagedResult> staged;  ///< of the staged method
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
+  std::optional<FlightsAlone> flights_alone;  ///< of a campaign of nothing but flights
+  /// Of flights beside lab logs: against the cell that those gave.
+  std::optional<HealthReport> health;
   std::vector<std::string> log_notes;  ///< NotesOnLogs()
 
   /// Whether the cell can be used: the search converged and the cell describes its logs.

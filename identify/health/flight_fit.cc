@@ -57,9 +57,11 @@ Eigen::MatrixXd ReferenceColumns(const ReferenceCell& reference,
       const std::string& name = uncertainty->parameters[taken[static_cast<std::size_t>(a)]];
       const auto value = CellParameter(reference.cell, name);
       if (!value) continue;
-      const double step = name.rfind("v_oc", 0) == 0
-                              ? kStep * move[a]
-                              : std::clamp(kStep * move[a], -0.5 * *value, 0.5 * *value);
+      // Neither a voltage nor what must be positive, or at most one, leaves its range.
+      const auto kind = FindCellParameter(name.substr(0, name.find('[')));  // of a table's node
+      const double step =
+          kind ? std::clamp(kStep * move[a], -0.5 * *value, 0.5 * *value) : kStep * move[a];
+      if (kind && !(kind->kind->Holds(*value + step) && kind->kind->Holds(*value - step))) continue;
       SetCellParameter(up, name, *value + step);
       SetCellParameter(down, name, *value - step);
     }

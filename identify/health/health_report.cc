@@ -5,6 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/stages/staged_report.h"
+#include "identify/trust/trust_report.h"
+
 namespace lipoid {
 namespace {
 
@@ -109,6 +112,27 @@ Json HealthToJson(const HealthReport& report) {
           {"flights", std::move(flights)},
           {"refused", std::move(refused)},
           {"trend", std::move(trend)}};
+}
+
+Json FlightsAloneToJson(const FlightsAlone& found) {
+  Json flights = Json::array();
+  for (const auto& flight : found.flights) {
+    Json row = LogErrorsToJson(flight.errors);
+    row["lag_s"] = flight.lag_s;
+    row["window_s"] = flight.window_s;
+    row["coherence"] = NumberOrNull(flight.coherence);
+    flights.push_back(std::move(row));
+  }
+  return {{"method", "flights"},
+          {"converged", found.converged},
+          {"flights",
+           {{"fitted", std::move(flights)},
+            {"lowest_soc", found.lowest_soc},
+            {"highest_soc", found.highest_soc},
+            {"total_resistance_Ohm", found.total_resistance_Ohm},
+            {"cautions", found.cautions}}},
+          {"parameters", TrustedParametersToJson(found.trust)},
+          {"trust", TrustToJson(found.trust)}};
 }
 
 std::string HealthSentence(const HealthReport& report, const FlightHealth& flight) {

@@ -6,12 +6,16 @@
 
 #include <string>
 
+#include "identify/health/flights_alone.h"
 #include "identify/health/health.h"
 #include "model/core/json.h"
 
 namespace lipoid {
 
 [[nodiscard]] Json HealthToJson(const HealthReport& report);
+
+/// The keys of `lipoid identify --summary` of flights alone.
+[[nodiscard]] Json FlightsAloneToJson(const FlightsAlone& found);
 
 /// "capacity 1.21 Ah (81 % of new), 95 % from 1.15 to 1.27 Ah; resistance ...", of one flight.
 [[nodiscard]] std::string HealthSentence(const HealthReport& report, const FlightHealth& flight);

@@ -1,6 +1,7 @@
 #include "identify/health/reference_cell.h"
 
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "model/battery/typical_temperature.h"
@@ -10,6 +11,14 @@ namespace {
 
 void Scale(Resistance<double>& resistance, double factor) {
   for (double& value_Ohm : resistance.resistance_Ohm) value_Ohm *= factor;
+}
+
+// How a parameter of that name goes with the capacity.
+double FactorOf(std::string_view name, double factor) {
+  if (name.starts_with("r_")) return 1.0 / factor;
+  if (name.starts_with("c_") || name == "i_0" || name == "alpha") return factor;
+  if (name == "rho_h") return 1.0 / (factor * factor * factor);
+  return 1.0;
 }
 
 // As many cells in parallel, as one.
@@ -25,6 +34,15 @@ void Enlarge(Cell& cell, double factor) {
   if (cell.charge_transfer) {
     cell.charge_transfer->current_A *= factor;
     Scale(cell.charge_transfer->resistance_Ohm, 1.0 / factor);
+  }
+  if (cell.uncertainty) {
+    Cell::Uncertainty& of = *cell.uncertainty;
+    for (std::size_t a = 0; a < of.parameters.size(); ++a) {
+      for (std::size_t b = 0; b < of.parameters.size(); ++b) {
+        of.covariance[a][b] *=
+            FactorOf(of.parameters[a], factor) * FactorOf(of.parameters[b], factor);
+      }
+    }
   }
   if (cell.temperature && cell.temperature->heat) {
     cell.temperature->heat->heat_capacity_J_per_K *= factor;
@@ -66,7 +84,7 @@ ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double
     reference.spread.log_branches = 1.5;
     reference.spread.log_beta = 0.7;
     reference.spread.log_time_constants = 1.0;
-    reference.spread.curve_V = 0.02;
+    reference.spread.curve_V = 0.03;
   }
   return reference;
 }

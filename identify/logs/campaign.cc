@@ -176,6 +176,12 @@ std::size_t Campaign::Count(LogKind kind) const {
       logs.begin(), logs.end(), [&](const CampaignLog& log) { return log.kind == kind; }));
 }
 
+bool Campaign::OnlyFlights() const {
+  return Count(LogKind::kFlight) > 0 && std::all_of(logs.begin(), logs.end(), [](const auto& log) {
+           return log.kind == LogKind::kFlight || log.kind == LogKind::kValidation;
+         });
+}
+
 Campaign ParseCampaign(const std::string& text, const std::string& file) {
   std::vector<Diagnostic> problems;
   const toml::table document = ParseToml(text, file, "a campaign");
@@ -304,6 +310,7 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
       {LogKind::kConstantCurrent, &arguments.constant_current},
       {LogKind::kLowRate, &arguments.low_rate},
       {LogKind::kPulses, &arguments.pulses},
+      {LogKind::kFlight, &arguments.flight},
       {LogKind::kValidation, &arguments.validation}};
   for (const auto& [kind, files] : lists) {
     for (const std::string& file : *files) {
@@ -329,6 +336,13 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {
   std::vector<std::string> problems;
   const bool typed = campaign.file.empty();
+  if (campaign.OnlyFlights()) {
+    if (campaign.capacity_Ah > 0.0) return;
+    const std::string message =
+        "expected the capacity of the cell, because flights alone do not tell it, found none; give ";
+    if (typed) throw OptionError(message + "--capacity-Ah");
+    throw LoadError({campaign.file}, message + "capacity_Ah in [cell]");
+  }
   if (campaign.Count(LogKind::kLowRate) + campaign.Count(LogKind::kPulses) == 0 &&
       !open_circuit_voltage_given) {
     problems.push_back(

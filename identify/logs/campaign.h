@@ -16,13 +16,16 @@
 
 namespace lipoid {
 
-enum class LogKind { kConstantCurrent, kLowRate, kLowRateCharge, kPulses, kValidation };
+/// A flight takes no part in the fit of lab logs: it is assessed against the cell that they give
+/// (identify/health/health.h). Flights alone give what they can (identify/health/flights_alone.h).
+enum class LogKind { kConstantCurrent, kLowRate, kLowRateCharge, kPulses, kFlight, kValidation };
 
-constexpr std::array<std::pair<LogKind, std::string_view>, 5> OptionNames(LogKind) {
+constexpr std::array<std::pair<LogKind, std::string_view>, 6> OptionNames(LogKind) {
   return {{{LogKind::kConstantCurrent, "constant-current"},
            {LogKind::kLowRate, "low-rate"},
            {LogKind::kLowRateCharge, "low-rate-charge"},
            {LogKind::kPulses, "pulses"},
+           {LogKind::kFlight, "flight"},
            {LogKind::kValidation, "validation"}}};
 }
 
@@ -49,6 +52,8 @@ struct Campaign {
   std::vector<CampaignLog> logs;
 
   [[nodiscard]] std::size_t Count(LogKind kind) const;
+  /// Whether there are flights and nothing else that a cell could be identified from.
+  [[nodiscard]] bool OnlyFlights() const;
 };
 
 /// Strict: unknown keys and kinds, wrong types, values out of range are LoadErrors with line and
@@ -70,6 +75,7 @@ struct CampaignArguments {
   std::vector<std::string> constant_current;
   std::vector<std::string> low_rate;
   std::vector<std::string> pulses;
+  std::vector<std::string> flight;
   std::vector<std::string> validation;
   std::string name;
   double capacity_Ah = 0.0;
@@ -84,7 +90,7 @@ struct CampaignArguments {
 [[nodiscard]] Campaign CampaignFromArguments(const CampaignArguments& arguments);
 
 /// Whether the logs may be enough to identify a cell: a low-rate log, pulses or a given curve for
-/// v_oc(A); pulses or constant currents; a cut-off for constant currents. LoadError at the
+/// v_oc(A); pulses or constant currents; a cut-off for constant currents; a capacity for flights alone. LoadError at the
 /// campaign's file, or OptionError where it was given on the command line.
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given);
 

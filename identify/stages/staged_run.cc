@@ -127,6 +127,7 @@ class StagedRun {
           break;
         }
         case LogKind::kLowRateCharge:
+        case LogKind::kFlight:
         case LogKind::kValidation:
           break;
       }

@@ -139,5 +139,47 @@ TEST(Health, NamesWhatItLeavesOut) {
   EXPECT_NE(run.err.find("sample_log_small.ulg"), std::string::npos) << run.err;
 }
 
+TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "--flight",
+                              Flight("log171.bin"),
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5.2",
+                              "--initial-soc",
+                              "0.93",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  EXPECT_NE(run.out.find("What flights alone do not tell"), std::string::npos) << run.out;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("method"), "flights");
+  const Json flights = summary.at("flights");
+  EXPECT_LT(flights.at("fitted").at(0).at("mean_error_percent").get<double>(), 0.5);
+  // 729 of 5200 mAh.
+  EXPECT_NEAR(flights.at("highest_soc").get<double>() - flights.at("lowest_soc").get<double>(),
+              0.729 / 5.2,
+              0.002);
+  const auto simulated = RunLipoid(
+      folder,
+      {"validate", "cell.json", Flight("log171.bin"), "--series", "4", "--initial-soc", "0.93"});
+  EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
+}
+
+TEST(IdentifyFlights, AsksForTheCapacity) {
+  const auto run =
+      RunLipoid(TestFolder(),
+                {"identify", "--flight", Flight("log171.bin"), "--series", "4", "-o", "cell.json"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("flights alone do not tell it, found none; give --capacity-Ah"),
+            std::string::npos)
+      << run.err;
+}
+
 }  // namespace
 }  // namespace lipoid::test

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "identify/health/health_report.h"
 #include "identify/identification.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
@@ -16,6 +17,7 @@
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/run_record.h"
+#include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/joint_text.h"
@@ -35,9 +37,21 @@ std::string IdentificationText(const Campaign& campaign,
                                bool verbose) {
   std::string text = fmt::format(
       "{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.quality.Sentence());
+  if (found.flights_alone) {
+    text += TrustText(found.trust, "") + "\n";
+    return text + cli::Bullets("What flights alone do not tell", found.flights_alone->cautions);
+  }
   text += KnownText(found) + "\n";
   text += found.joint ? JointReport(*found.joint, found.trust, verbose)
                       : IdentifyReport(*found.staged, verbose);
+  if (found.health) {
+    text += "\nThe flights, against this cell\n";
+    for (const FlightHealth& flight : found.health->flights) {
+      text += cli::Wrapped(
+          fmt::format("   {}: {}", flight.file, HealthSentence(*found.health, flight)), 3);
+      text += "\n";
+    }
+  }
   if (!found.not_drawn.empty()) {
     text += fmt::format(
         "\nCells drawn from this one (--ensemble) vary only in what is known of {}: no prediction "
@@ -179,6 +193,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       "lipoid identify campaign.toml -o cell.json");
   line.Example("lipoid identify --low-rate c20.csv --pulses hppc.csv --cutoff-V 3 -o cell.json");
   line.Example("lipoid identify campaign.toml --method staged -o cell.json");
+  line.Example("lipoid identify --flight flight.bin --series 4 --capacity-Ah 5.2 -o cell.json");
   line.Example("lipoid identify cell1.toml cell2.toml cell3.toml -o cells/");
   line.InputArguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);

@@ -36,6 +36,12 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
               "discharges at constant current, to cut-off");
   line.Inputs("low-rate", typed_.low_rate, "LOG", "a discharge so slow that it shows v_oc");
   line.Inputs("pulses", typed_.pulses, "LOG", "pulses with rests");
+  line.Inputs(
+      "flight",
+      typed_.flight,
+      "LOG",
+      "logs of flights: beside lab logs they are assessed against the cell; alone they give "
+      "v_oc over the range flown, the total resistance and a fast branch");
   line.Inputs("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
   line.Option(
       "cutoff-V", typed_.cutoff_V, Range{0.0, 100.0}, "voltage of one cell that ends a discharge");
@@ -66,7 +72,7 @@ void StagedArguments::AddGroupsTo(cli::CommandLine& line) {
 
 bool StagedArguments::ByOptions() const {
   return !typed_.constant_current.empty() || !typed_.low_rate.empty() || !typed_.pulses.empty() ||
-         !typed_.validation.empty();
+         !typed_.flight.empty() || !typed_.validation.empty();
 }
 
 std::vector<Campaign> StagedArguments::Campaigns(cli::CommandLine& line,

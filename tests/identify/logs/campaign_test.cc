@@ -171,7 +171,7 @@ TEST(CampaignRefuses, AnUnknownKind) {
   EXPECT_EQ(
       Refusal("[[log]]\nkind = \"pulse\"\nfile = 'a.csv'\n"),
       "lab/c.toml:2:8: error: kind: expected one of constant-current, low-rate, low-rate-charge, pulses, "
-      "validation, found "
+      "flight, validation, found "
       "'pulse'");
 }
 
@@ -189,7 +189,7 @@ TEST(CampaignRefuses, WrongTypes) {
       "lab/c.toml:3:15: error: capacity_Ah: expected a capacity above 0 Ah, found '33'\n"
       "lab/c.toml:4:10: error: series: expected an integer from 1 to 100000, found 1.5\n"
       "lab/c.toml:6:8: error: kind: expected one of constant-current, low-rate, low-rate-charge, pulses, "
-      "validation, found true\n"
+      "flight, validation, found true\n"
       "lab/c.toml:7:8: error: file: expected a text in quotes, found an array");
 }
 
@@ -272,11 +272,19 @@ std::string SetRefusal(const std::string& kinds, const std::string& cell, bool c
             (kind == 'c'   ? "constant-current"
              : kind == 'l' ? "low-rate"
              : kind == 'p' ? "pulses"
+             : kind == 'f' ? "flight"
                            : "validation") +
             "'\n";
   }
   const auto campaign = ParseCampaign(text, "c.toml");
   return LoadErrorOf([&] { CheckCampaign(campaign, curve_given); });
+}
+
+TEST(CheckCampaign, OfFlightsAloneNeedsTheCapacity) {
+  EXPECT_EQ(SetRefusal("fv", "capacity_Ah = 5.2", false), "no error");
+  EXPECT_EQ(SetRefusal("ff", "cutoff_V = 3.0", false),
+            "c.toml:1:1: error: expected the capacity of the cell, because flights alone do not "
+            "tell it, found none; give capacity_Ah in [cell]");
 }
 
 TEST(CheckCampaign, NeedsALowRateLogPulsesOrACurve) {

@@ -1,0 +1,203 @@
+#include "identify/health/flights_alone.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "identify/fit/cell_of_solution.h"
+#include "identify/fit/linearized_fit.h"
+#include "identify/health/flight_samples.h"
+#include "identify/health/refuse_flight.h"
+#include "identify/joint/joint_sweep.h"
+#include "identify/trust/cell_uncertainty.h"
+#include "model/battery/error_metrics.h"
+
+namespace lipoid {
+namespace {
+
+// A branch slower than this is not to be told from the curve over the charge of a flight.
+constexpr double kSlowestBranch_s = 30.0;
+// Nodes of v_oc(A) at least so far apart.
+constexpr double kNodes = 0.04;
+
+// The windows of a flight as points of the joint fit. The charge is that of all rows; the current at
+// a point is the mean over its window, `lag_s` earlier, as its voltage is.
+JointLog PointsOf(const FlightSamples& flight, const LoadedLog& loaded, double alpha_C) {
+  const Record& record = flight.record;
+  const auto rows = static_cast<Eigen::Index>(record.size());
+  const std::vector<double> delivered = DeliveredCharge(record);
+  Eigen::MatrixXd columns(rows, 2);
+  for (Eigen::Index k = 0; k < rows; ++k)
+    columns.row(k) << delivered[static_cast<std::size_t>(k)],
+        record.current_A[static_cast<std::size_t>(k)];
+  const Eigen::MatrixXd in = flight.InWindows(columns, flight.lag_s);
+  JointLog log;
+  log.file = loaded.entry.file;
+  log.kind = LogKind::kFlight;
+  log.delivered_C = alpha_C * (1.0 - loaded.entry.initial_soc) + in(0, 0);
+  log.rows = record.size();
+  log.log_weight = loaded.entry.weight;
+  log.shortest_s = std::max(flight.window_s, flight.voltage_update_s);
+  log.longest_s = kSlowestBranch_s;
+  const auto n = flight.windows.size();
+  for (std::size_t w = 0; w < n; ++w) {
+    const auto k = static_cast<Eigen::Index>(w);
+    const double step_s = w == 0 ? 0.0 : flight.time_s[w] - flight.time_s[w - 1];
+    log.time_s.push_back(flight.time_s[w]);
+    log.step_A.push_back(w == 0 ? 0.0 : (in(k, 0) - in(k - 1, 0)) / step_s);
+    log.current_A.push_back(in(k, 1));
+    log.voltage_V.push_back(flight.voltage_V[k]);
+    log.count.push_back(1.0);
+    log.weight.push_back(log.log_weight / static_cast<double>(n));
+    log.group.push_back(JointLog::kAlways);
+    log.unit.push_back(JointLog::kAlways);
+    log.interval_s.push_back(step_s);
+    log.interval.push_back(static_cast<std::uint32_t>(w));
+  }
+  return log;
+}
+
+JointLogs AllOf(std::vector<JointLog> logs) {
+  JointLogs all;
+  all.logs = std::move(logs);
+  double squares = 0.0;
+  for (const JointLog& log : all.logs) {
+    all.weight_sum += log.log_weight;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      all.largest_A = std::max(all.largest_A, std::abs(log.current_A[k]));
+      squares += log.weight[k] * log.current_A[k] * log.current_A[k];
+    }
+  }
+  all.typical_A = std::sqrt(squares / all.weight_sum);
+  return all;
+}
+
+// The range that was flown.
+std::pair<double, double> SocRange(const JointLogs& logs, double alpha_C) {
+  double lowest = 2.0;
+  double highest = -1.0;
+  for (const JointLog& log : logs.logs) {
+    double charge_C = log.delivered_C;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (k > 0) charge_C += log.step_A[k] * (log.time_s[k] - log.time_s[k - 1]);
+      lowest = std::min(lowest, 1.0 - charge_C / alpha_C);
+      highest = std::max(highest, 1.0 - charge_C / alpha_C);
+    }
+  }
+  return {lowest, highest};
+}
+
+void AssessInto(FlightsAlone& found, const JointObservations& seen, const GivenParameters& known) {
+  const JointSolution& best = found.solution;
+  const LinearizedFit fit = Linearize(seen, best, known);
+  std::vector<TrustedQuantity> quantities = fit.quantities;
+  TrustedQuantity total = fit.Quantity("r_total", "Ohm", found.total_resistance_Ohm);
+  const JointLayout layout(best.structure);
+  for (int t = 0; t < layout.tables(); ++t)
+    total.combination[fit.Linear(layout.table(t))] = 1.0 / found.logs.typical_A;
+  quantities.push_back(std::move(total));
+  TrustOptions options;
+  options.held = fit.held;
+  options.drawn = CellParametersAmong(quantities);
+  const Eigen::Index size = fit.quantities.front().combination.size();
+  for (std::size_t k = 0; k < found.cell.open_circuit_voltage.soc().size(); ++k) {
+    // The unknowns are rises: a node is the sum of those up to it.
+    Eigen::VectorXd of = Eigen::VectorXd::Zero(size);
+    of.segment(fit.Linear(0), static_cast<Eigen::Index>(k) + 1).setOnes();
+    options.drawn.push_back({fmt::format("v_oc[{}]", k), std::move(of), {}});
+  }
+  found.trust = AssessTrust(fit.logs, fit.penalty, quantities, options);
+}
+
+}  // namespace
+
+FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  FlightsAlone found;
+  const double alpha_C = 3600.0 * campaign.capacity_Ah;
+  std::vector<JointLog> points;
+  std::vector<Diagnostic> refused;
+  for (const LoadedLog& loaded : logs) {
+    if (loaded.entry.kind != LogKind::kFlight) continue;
+    try {
+      RefuseIdleFlight(loaded.log.record, campaign.capacity_Ah);
+    } catch (const LoadError& error) {
+      refused.insert(refused.end(), error.diagnostics().begin(), error.diagnostics().end());
+      continue;
+    }
+    const FlightSamples flight = SampleFlight(loaded.log);
+    points.push_back(PointsOf(flight, loaded, alpha_C));
+    found.flights.push_back(
+        {loaded.entry.file, flight.lag_s, flight.window_s, flight.coherence, {}});
+    if (flight.coherence < kCoherent) {
+      found.cautions.push_back(fmt::format(
+          "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "
+          "the resistance is too small",
+          loaded.entry.file,
+          100.0 * flight.coherence));
+    }
+  }
+  if (!refused.empty()) throw LoadError(std::move(refused));
+  found.logs = AllOf(std::move(points));
+  std::tie(found.lowest_soc, found.highest_soc) = SocRange(found.logs, alpha_C);
+
+  JointStructure structure;
+  structure.branches = 1;
+  const int pieces = std::max(1, static_cast<int>((found.highest_soc - found.lowest_soc) / kNodes));
+  for (int k = 0; k <= pieces; ++k) {
+    structure.voltage_soc.push_back(found.lowest_soc +
+                                    (found.highest_soc - found.lowest_soc) * k / pieces);
+  }
+  found.setup.alpha_C = alpha_C;
+  found.setup.diffusion = false;
+  // A straight line: where the flights say nothing, the curve is smooth.
+  found.setup.open_circuit_voltage = OpenCircuitVoltage::Linear(
+      {structure.voltage_soc.front(), structure.voltage_soc.back()}, {3.7, 3.7});
+  GivenParameters known;
+  known.bounds["tau_1"] = {0.2, kSlowestBranch_s};
+  const JointObservations seen(found.logs, found.setup);
+  const JointFit fit(seen, known);
+  constexpr double kSmoothness = 1e-3;
+  found.solution = fit.Polish(fit.Search(structure, kSmoothness), kFineStep);
+  found.converged = found.solution.termination == Termination::kConverged;
+  SortBranches(found.solution);
+
+  const JointLayout layout(structure);
+  for (int t = 0; t < layout.tables(); ++t)
+    found.total_resistance_Ohm += found.solution.x[layout.table(t)] / found.logs.typical_A;
+  Cell& cell = found.cell;
+  cell.name = campaign.name;
+  cell.capacity_Ah = campaign.capacity_Ah;
+  cell.cutoff_V = campaign.cutoff_V.value_or(kUsualCutoff_V);
+  cell.open_circuit_voltage = CurveOf(found.solution, found.setup.open_circuit_voltage);
+  PutInto(cell, found.solution, found.logs.typical_A);
+  AssessInto(found, seen, known);
+
+  const auto rows = seen.Rows(structure, found.solution.rates, found.solution.x);
+  for (std::size_t l = 0; l < rows.size(); ++l) {
+    ErrorAccumulator errors;
+    const auto& log = found.logs.logs[l];
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      const double residual_V = rows[l].residual_V[static_cast<Eigen::Index>(k)];
+      errors.Add(log.voltage_V[k], log.voltage_V[k] - residual_V);
+    }
+    found.flights[l].errors.file = log.file;
+    found.flights[l].errors.all = errors.Result();
+    found.flights[l].errors.above_10_soc = errors.Result();
+  }
+  found.cautions.push_back(fmt::format(
+      "the state of charge is counted from where each log is said to start (initial_soc), by the "
+      "capacity of {:.4g} Ah that was given and the current as shown: flights alone tell neither",
+      campaign.capacity_Ah));
+  found.cautions.push_back(fmt::format(
+      "v_oc(A) is known from {:.3f} to {:.3f} of the charge, and goes on with its end slope",
+      found.lowest_soc,
+      found.highest_soc));
+  found.cautions.emplace_back(
+      "diffusion and branches slower than 30 s are in v_oc(A): the cell recovers less at rest than "
+      "the real one");
+  return found;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,96 @@
+#include "identify/health/flights_alone.h"
+
+#include <gtest/gtest.h>
+
+#include "identify/identification.h"
+#include "tests/support/synthetic_campaign.h"
+#include "tests/support/synthetic_flight.h"
+
+namespace lipoid::test {
+namespace {
+
+// What flights alone can tell: no diffusion, a branch of seconds.
+Cell Simple() {
+  Cell cell = NewFlightCell();
+  cell.diffusion.reset();
+  cell.capacity_Ah = 5.0;
+  cell.branches = {{Resistance<double>(0.002), 6.0, {}}};
+  return cell;
+}
+
+LoadedLog FlightOf(const Cell& cell, const FlightPlan& plan, const FlightRecorder& recorder) {
+  LoadedLog log = AsLog(LogKind::kFlight, FlyAndLog(cell, 1, plan, recorder, "flight").log.record);
+  log.entry.initial_soc = plan.start_soc;
+  return log;
+}
+
+FlightRecorder Fine() {
+  FlightRecorder recorder;
+  recorder.voltage_noise_V = 0.001;
+  recorder.voltage_step_V = 0.001;
+  recorder.lag_s = 0.2;
+  return recorder;
+}
+
+TEST(FlightsAlone, GiveTheCurveAndTheTotalResistance) {
+  const Cell truth = Simple();
+  FlightPlan plan;
+  plan.start_soc = 0.97;
+  const std::vector<LoadedLog> logs{FlightOf(truth, plan, Fine())};
+  Campaign campaign = CampaignOf(logs, 5.0);
+  const FlightsAlone found = IdentifyFlightsAlone(campaign, logs);
+  EXPECT_NEAR(found.flights.at(0).lag_s, 0.2, 0.05);
+  // Of 6 milliohm; averages over windows blur the first half second of the branch.
+  EXPECT_NEAR(found.total_resistance_Ohm, 0.006, 0.04 * 0.006);
+  EXPECT_LT(found.flights[0].errors.all.mean_error_percent, 0.1);
+  EXPECT_NEAR(found.highest_soc, 0.97, 0.002);
+  EXPECT_NEAR(found.lowest_soc, 0.37, 0.01);
+  // The nodes of the shipped curve lie between those found: 5 mV of what is bent there.
+  for (const double soc : {0.45, 0.55, 0.65, 0.75, 0.85, 0.94})
+    EXPECT_NEAR(found.cell.open_circuit_voltage(soc), truth.open_circuit_voltage(soc), 0.005)
+        << soc;
+  bool told = false;
+  for (const QuantityTrust& q : found.trust.quantities) {
+    if (q.name != "r_total") continue;
+    told = true;
+    EXPECT_LT(q.low, 0.0062);
+    EXPECT_GT(q.high, 0.0058);
+  }
+  EXPECT_TRUE(told);
+  EXPECT_FALSE(found.cell.diffusion.has_value());
+  EXPECT_EQ(found.cell.branches.size(), 1U);
+}
+
+TEST(FlightsAlone, OfACampaignAreACellWithItsUncertainty) {
+  FlightPlan plan;
+  plan.start_soc = 0.97;
+  const std::vector<LoadedLog> logs{FlightOf(Simple(), plan, Fine())};
+  const Identification found = Identify(CampaignOf(logs, 5.0), logs, {});
+  ASSERT_TRUE(found.flights_alone);
+  EXPECT_TRUE(found.usable()) << found.quality.Sentence();
+  EXPECT_EQ(found.fitted_kinds(), std::vector<LogKind>{LogKind::kFlight});
+  ASSERT_TRUE(found.cell.uncertainty);
+  EXPECT_NO_THROW((void)ParseCell(CellToJson(found.cell).dump(), "cell.json"));
+}
+
+// Beside lab logs a flight does not move the cell, and is held against it.
+TEST(FlightsAlone, AreNotAloneBesideLabLogs) {
+  const Cell truth = NewFlightCell();
+  std::vector<LoadedLog> logs = SyntheticLogs(truth, 5.0, 0.0002);
+  const Identification lab = Identify(CampaignOf(logs, 5.0), logs, {});
+  FlightPlan plan;
+  plan.start_soc = 0.97;
+  logs.push_back(FlightOf(WithTypicalTemperature(truth), plan, LikePx4()));
+  const Identification found = Identify(CampaignOf(logs, 5.0), logs, {});
+  EXPECT_EQ(CellToJson(found.cell), CellToJson(lab.cell));
+  EXPECT_FALSE(found.flights_alone);
+  ASSERT_TRUE(found.health);
+  const FlightHealth& flight = found.health->flights.at(0);
+  EXPECT_LT(flight.capacity_Ah.low, 5.0);
+  EXPECT_GT(flight.capacity_Ah.high, 5.0);
+  EXPECT_LT(flight.soc_start.low, 0.97);
+  EXPECT_GT(flight.soc_start.high, 0.97);
+}
+
+}  // namespace
+}  // namespace lipoid::test
