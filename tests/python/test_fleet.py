@@ -105,6 +105,22 @@ def test_each_row_is_what_the_program_finds(
     assert estimate == {one["name"]: one["estimate"] for one in theirs["parameters"]}["r_s"]
 
 
+def test_a_row_is_made_again_from_its_run_record_alone(undisturbed: Path) -> None:
+    import hashlib
+
+    from lipoid.fleet.runner import identify_one
+
+    row = next(iter(rows(undisturbed).values()))
+    record = json.loads(row["cell"])["run"]
+    for one in record["inputs"]:
+        assert hashlib.sha256(Path(one["file"]).read_bytes()).hexdigest() == one["sha256"]
+    options = dict(record["options"])
+    options["open_circuit_voltage_fit"] = options.pop("open_circuit_voltage")
+    options |= options.pop("given")
+    again = identify_one(record["inputs"][0]["file"], {"seed": record["seed"], **options})
+    assert again["result_sha256"] == row["result_sha256"]
+
+
 def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
     import shutil
 
