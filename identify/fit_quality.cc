@@ -61,8 +61,9 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
 
 }  // namespace
 
-std::string FitQuality::Sentence() const {
-  std::string text = fmt::format("predicts its own logs to {:.3g} mV ({:.2g} %): {}",
+std::string FitQuality::Sentence(std::string_view what) const {
+  std::string text = fmt::format("predicts {} to {:.3g} mV ({:.2g} %): {}",
+                                 what,
                                  1e3 * rmse_V,
                                  mean_error_percent,
                                  options_internal::ToText(grade));
@@ -120,6 +121,13 @@ Json FitQualityToJson(const FitQuality& quality) {
           {"rmse_V", NumberOrNull(quality.rmse_V)},
           {"mean_error_percent", NumberOrNull(quality.mean_error_percent)},
           {"reasons", quality.reasons}};
+}
+
+Json FitToJson(const FitQuality& quality) {
+  return {{"verdict", options_internal::ToText(quality.grade)},
+          {"mean_error_percent", NumberOrNull(quality.mean_error_percent)},
+          {"rmse_V", NumberOrNull(quality.rmse_V)},
+          {"reason", fmt::format("{}", fmt::join(quality.reasons, "; "))}};
 }
 
 }  // namespace lipoid

@@ -46,12 +46,12 @@ inline constexpr double kHighestOpenCircuit_V = 5.0;
 
 struct FitQuality {
   FitGrade grade = FitGrade::kPoor;
-  double rmse_V = 0.0;              ///< over the fitted logs, each with the same weight
-  double mean_error_percent = 0.0;  ///< the same
-  std::vector<std::string> reasons; ///< why it is no better; empty where it is good
+  double rmse_V = 0.0;               ///< over the fitted logs, each with the same weight
+  double mean_error_percent = 0.0;   ///< the same
+  std::vector<std::string> reasons;  ///< why it is no better; empty where it is good
 
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
-  [[nodiscard]] std::string Sentence() const;
+  [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;
 };
 
 /// `fitted` are the logs that took part, by the cell; `times` those of constant currents;
@@ -63,6 +63,10 @@ struct FitQuality {
                                   double moved_C,
                                   double nominal_Ah);
 
+/// The key `verdict` of a summary, with the reasons as a list.
 [[nodiscard]] Json FitQualityToJson(const FitQuality& quality);
+
+/// The key `fit`, the same with one reason: verdict, mean_error_percent, rmse_V, reason.
+[[nodiscard]] Json FitToJson(const FitQuality& quality);
 
 }  // namespace lipoid

@@ -219,6 +219,7 @@ Identification Identify(const Campaign& campaign,
 Json IdentificationToJson(const Identification& found) {
   Json json = found.joint ? JointToJson(*found.joint, found.trust) : StagedToJson(*found.staged);
   json["verdict"] = FitQualityToJson(found.quality);
+  json["fit"] = FitToJson(found.quality);
   json["not_drawn"] = found.not_drawn;
   json["expected_error_percent"] = NumberOrNull(found.expected_error.percent);
   json["expected_error_interval_95"] = {NumberOrNull(found.expected_error.low_percent),

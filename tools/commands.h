@@ -18,6 +18,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line);
 cli::ExitCode ExportCommand(cli::CommandLine& line);
 cli::ExitCode ExportControllerCommand(cli::CommandLine& line);
 cli::ExitCode FlyCommand(cli::CommandLine& line);
+cli::ExitCode HealthCommand(cli::CommandLine& line);
 cli::ExitCode IdentifyCommand(cli::CommandLine& line);
 cli::ExitCode ImportCommand(cli::CommandLine& line);
 cli::ExitCode InspectCommand(cli::CommandLine& line);
@@ -31,6 +32,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line);
 cli::ExitCode StudyCommand(cli::CommandLine& line);
 cli::ExitCode SynthesizeCommand(cli::CommandLine& line);
 cli::ExitCode ValidateCommand(cli::CommandLine& line);
+cli::ExitCode VehicleCommand(cli::CommandLine& line);
 
 inline constexpr cli::Command kCommands[] = {
     {"ageing", "what changed between cells identified at several ages", &AgeingCommand},
@@ -43,6 +45,7 @@ inline constexpr cli::Command kCommands[] = {
      "the flight controller as C, for a microcontroller",
      &ExportControllerCommand},
     {"fly", "a maneuver of a quadrotor on an identified cell", &FlyCommand},
+    {"health", "how old a pack is, from logs of flights on it", &HealthCommand},
     {"identify", "from lab logs to a cell file", &IdentifyCommand},
     {"import", "the battery of another program as a cell file", &ImportCommand},
     {"inspect", "what is in logs; drafts a campaign from them", &InspectCommand},
@@ -58,6 +61,7 @@ inline constexpr cli::Command kCommands[] = {
      "the lab's logs of a known cell, with the truth beside them",
      &SynthesizeCommand},
     {"validate", "prediction against measurement", &ValidateCommand},
+    {"vehicle", "a vehicle file from what its builder knows", &VehicleCommand},
 };
 static_assert(std::is_sorted(std::begin(kCommands),
                              std::end(kCommands),

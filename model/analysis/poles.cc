@@ -51,10 +51,11 @@ ClosedLoopState<T> Rate(const Plant& vehicle_plant,
   const ErrorIntegrals<T> integrals{x[kIntegrals],
                                     {x[kIntegrals + 1], x[kIntegrals + 2], x[kIntegrals + 3]}};
   const auto out = InnerLoops(vehicle, gains, measured, reference, integrals);
+  const PerMotor<T> squares = SquaredSpeedsOf(vehicle, out.wrench);  // (3.13)
   PlantInputs<T> inputs;
   inputs.supply = {T(hover.supply.voltage_V), T(hover.supply.resistance_Ohm)};
   for (std::size_t i = 0; i < 4; ++i) {
-    inputs.duty[i] = DutyCycle(vehicle, T(sqrt(out.speed_squared[i])), T(hover.assumed_V));
+    inputs.duty[i] = DutyCycle(vehicle, T(sqrt(squares[i])), T(hover.assumed_V));
   }
   PlantState<T> body_rate;
   vehicle_plant.Derivative(body, inputs, body_rate);

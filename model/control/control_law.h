@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// The inner loops as one function: from references, measured state and error integrals to
-/// commanded speeds. The flight controller samples it, the poles differentiate it. T is double, or
+/// The inner loops as one function: from references, measured state and error integrals to the
+/// torques and the thrust that are commanded. The flight controller samples it, the poles differentiate it. T is double, or
 /// an automatic-differentiation scalar. Tests: tests/model/control/control_law_test.cc.
 
 #include "model/control/command_generation.h"
@@ -46,8 +46,7 @@ struct InnerLoopOutput {
   Triple<T> angle_errors;
   T pseudo_control_down;
   Triple<T> pseudo_control_angles;
-  Wrench<T> wrench;           ///< tau_C and T_C
-  PerMotor<T> speed_squared;  ///< omega_C²; negative where no motor can follow
+  Wrench<T> wrench;  ///< tau_C and T_C; model/vehicle/allocation.h makes speeds of them
 };
 
 /// Errors and pseudo-controls of the four loops, which all control laws share. `angle_rates` are what
@@ -90,7 +89,6 @@ InnerLoopOutput<T> InnerLoops(const Vehicle& vehicle,
   out.wrench.torque_N_m =
       InvertAttitude(vehicle, attitude, state.body_rates, out.pseudo_control_angles);
   out.wrench.thrust_N = InvertAltitude(vehicle, attitude, out.pseudo_control_down);
-  out.speed_squared = SquaredSpeedsOf(vehicle, out.wrench);  // (3.13)
   return out;
 }
 

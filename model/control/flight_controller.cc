@@ -33,16 +33,15 @@ LoopReference<double> Reference(const ReferenceModel::Output& out) {
 Triple<double> AngleReferenceLimits(const Vehicle& vehicle, double highest_speed) {
   constexpr std::array kShare{0.35, 0.35, 0.05};
   const double hover_squared =
-      vehicle.mass_kg * kGravity_m_per_s2 / (4.0 * vehicle.thrust_coefficient_N_s2);
+      vehicle.mass_kg * kGravity_m_per_s2 / vehicle.total_thrust_coefficient_N_s2();
   const double margin =
       std::clamp(std::min(hover_squared, highest_speed * highest_speed - hover_squared),
                  0.05 * hover_squared,
                  hover_squared);
-  const double tilt = vehicle.lever_m() * vehicle.thrust_coefficient_N_s2;
-  const std::array torque_per_square{tilt, tilt, vehicle.torque_coefficient_N_m_s2};
+  const Triple<double> torque_per_square = TorqueReach(vehicle);
   Triple<double> limits;
   for (std::size_t k = 0; k < 3; ++k) {
-    limits[k] = kShare[k] * 4.0 * torque_per_square[k] * margin / vehicle.inertia_kg_m2[k];
+    limits[k] = kShare[k] * torque_per_square[k] * margin / vehicle.inertia_kg_m2[k];
   }
   return limits;
 }
@@ -57,10 +56,8 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
               AngleReference(options, 1, kNoLimit),
               AngleReference(options, 2, kNoLimit)},
       position_{PositionReference(options, gains_), PositionReference(options, gains_)},
-      pulse_width_{PulseWidth(vehicle_, options.pwm),
-                   PulseWidth(vehicle_, options.pwm),
-                   PulseWidth(vehicle_, options.pwm),
-                   PulseWidth(vehicle_, options.pwm)} {}
+      pulse_width_(vehicle_.rotor_count(), PulseWidth(vehicle_, options.pwm)),
+      speed_squared_(vehicle_.rotor_count(), 0.0) {}
 
 void FlightController::Reset(const MeasuredState& state,
                              double commanded_speed,
@@ -75,24 +72,24 @@ void FlightController::Reset(const MeasuredState& state,
   for (std::size_t k = 0; k < 3; ++k) angles_[k].Reset(state.angles_rad[k]);
   for (std::size_t k = 0; k < 2; ++k) position_[k].Reset(state.position_m[k]);
   integrals_ = {};
-  const double pseudo_control = kGravity_m_per_s2 - 4.0 * vehicle_.thrust_coefficient_N_s2 *
+  const double pseudo_control = kGravity_m_per_s2 - vehicle_.total_thrust_coefficient_N_s2() *
                                                         commanded_speed * commanded_speed /
                                                         vehicle_.mass_kg;
   if (gains_.altitude.integral > 0.0) integrals_.down = pseudo_control / gains_.altitude.integral;
   saturated_ = false;
 }
 
-PerMotor<double> FlightController::Duties(double battery_V) {
+MotorValues FlightController::Duties(double battery_V) {
   if (options_.saturate) {
     const double highest_speed = HeldSpeed(vehicle_, battery_V);
-    saturated_ = Desaturate(output_.speed_squared, highest_speed * highest_speed);
+    saturated_ = Desaturate(speed_squared_, highest_speed * highest_speed);
   }
-  PerMotor<double> duty;
-  for (std::size_t i = 0; i < 4; ++i) {
+  MotorValues duty;
+  for (std::size_t i = 0; i < speed_squared_.size(); ++i) {
     // Without saturation a negative square still has no root.
-    const double speed = std::sqrt(std::max(output_.speed_squared[i], 0.0));
-    duty[i] = DutyCycle(vehicle_, speed, battery_V);
-    if (options_.saturate) duty[i] = pulse_width_[i](duty[i]);
+    const double speed = std::sqrt(std::max(speed_squared_[i], 0.0));
+    const double wanted = DutyCycle(vehicle_, speed, battery_V);
+    duty.push_back(options_.saturate ? pulse_width_[i](wanted) : wanted);
   }
   return duty;
 }
@@ -114,7 +111,7 @@ TiltCommand FlightController::Tilt(const FlightCommand& command, const MeasuredS
       gains_.position, state.angles_rad[2], error[0], error[1], velocity[0], velocity[1]);
 }
 
-PerMotor<double> FlightController::Step(const FlightCommand& command, const MeasuredState& state) {
+MotorValues FlightController::Step(const FlightCommand& command, const MeasuredState& state) {
   const TiltCommand tilt = command.hold_position ? Tilt(command, state)
                                                  : TiltCommand{.roll_rad = command.roll_rad,
                                                                .pitch_rad = command.pitch_rad};
@@ -131,13 +128,14 @@ PerMotor<double> FlightController::Step(const FlightCommand& command, const Meas
   double& yaw_N_m = output_.wrench.torque_N_m[2];
   if (std::abs(yaw_N_m) > yaw_limit_N_m_) {
     yaw_N_m = std::copysign(yaw_limit_N_m_, yaw_N_m);
-    output_.speed_squared = SquaredSpeedsOf(vehicle_, output_.wrench);  // (3.13)
   }
+  Allocate<double>(
+      vehicle_, output_.wrench, {speed_squared_.data(), speed_squared_.size()});  // (3.13)
   saturated_ = false;
   const double voltage = options_.compensate && state.battery_V > 0.0
                              ? state.battery_V              // (5.52)
                              : vehicle_.nominal_voltage_V;  // (3.17)
-  const PerMotor<double> duty = Duties(voltage);
+  const MotorValues duty = Duties(voltage);
 
   const auto integrate = [&](double& integral, double error) {
     if (MayIntegrate(saturated_, integral, error)) integral += kControlStep_s * error;  // (3.61)

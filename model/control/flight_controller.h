@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "model/control/laws/control_laws.h"
 #include "model/control/reference_model.h"
@@ -116,11 +117,13 @@ class FlightController {
   void Reset(const MeasuredState& state, double commanded_speed, double highest_speed);
 
   /// Duty cycles for the coming step. Does not allocate.
-  PerMotor<double> Step(const FlightCommand& command, const MeasuredState& state);
+  MotorValues Step(const FlightCommand& command, const MeasuredState& state);
 
   /// Of the last step.
   [[nodiscard]] const InnerLoopReferences<double>& references() const { return references_; }
   [[nodiscard]] const InnerLoopOutput<double>& output() const { return output_; }
+  /// Squares of the commanded speeds, saturated.
+  [[nodiscard]] const MotorValues& speed_squared() const { return speed_squared_; }
   [[nodiscard]] bool saturated() const { return saturated_; }
   [[nodiscard]] const ErrorIntegrals<double>& integrals() const { return integrals_; }
 
@@ -135,7 +138,7 @@ class FlightController {
 
  private:
   [[nodiscard]] TiltCommand Tilt(const FlightCommand& command, const MeasuredState& state);
-  PerMotor<double> Duties(double battery_V);
+  MotorValues Duties(double battery_V);
 
   Vehicle vehicle_;
   Gains gains_;
@@ -144,10 +147,11 @@ class FlightController {
   ReferenceModel down_;
   std::array<ReferenceModel, 3> angles_;
   std::array<ReferenceModel, 2> position_;
-  std::array<PulseWidth, 4> pulse_width_;
+  std::vector<PulseWidth> pulse_width_;
   InnerLoopReferences<double> references_{};
   ErrorIntegrals<double> integrals_{};
   InnerLoopOutput<double> output_{};
+  MotorValues speed_squared_;
   double yaw_limit_N_m_ = std::numeric_limits<double>::infinity();
   bool saturated_ = false;
 };

@@ -11,6 +11,7 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/provenance.h"
+#include "model/flight/coupling.h"
 #include "model/vehicle/motor.h"
 
 namespace lipoid {
@@ -219,6 +220,7 @@ int LawInC(const ControlLaw& law) {
 
 std::vector<NamedFile> ExportController(const ControllerExportRequest& request) {
   Require(request.lowest_V > 0.0, "lowest_V > 0", {{"lowest_V", request.lowest_V}});
+  RequireQuadX(request.vehicle, "the exported controller");
   std::vector<NamedFile> files;
   for (const auto& code : kFlightCode)
     files.push_back({std::string(code.name), std::string(code.text)});

@@ -9,8 +9,10 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "model/core/errors.h"
+#include "model/core/options.h"
 #include "model/vehicle/battery_supply.h"
 #include "model/vehicle/plant.h"
 #include "model/vehicle/wind.h"
@@ -18,10 +20,10 @@
 namespace lipoid {
 
 /// New duty cycles make the current jump: the battery's straight line is moved to where it lands.
-template <std::size_t N>
-void FollowTheCurrent(const Plant& plant,
+template <std::size_t R, std::size_t N>
+void FollowTheCurrent(const RotorPlant<R>& plant,
                       const PlantState<double, N>& x,
-                      PlantInputs<double>& inputs,
+                      PlantInputs<double, R>& inputs,
                       BatterySupply& battery) {
   constexpr double kNear_A = 1e-6;  // of a tangent: nothing
   double last_A = std::numeric_limits<double>::quiet_NaN();
@@ -46,6 +48,16 @@ inline void RequireDrag(const Vehicle& vehicle) {
       "drag and wind need a vehicle with linear_drag_N_s_per_m; {} has none. Write it into a "
       "vehicle file and give that",
       vehicle.name));
+}
+
+/// OptionError where the vehicle is no quadrotor on an X; `what` is what flies nothing else.
+inline void RequireQuadX(const Vehicle& vehicle, std::string_view what) {
+  if (vehicle.layout == RotorLayout::kQuadX) return;
+  throw OptionError(
+      fmt::format("{} flies vehicles of the layout quad-x; {} is a {}. Give another vehicle",
+                  what,
+                  vehicle.name,
+                  options_internal::ToText(vehicle.layout)));
 }
 
 }  // namespace lipoid

@@ -7,8 +7,9 @@
 ///
 ///   i v_b = P,   v_b = E - R i     so   v_b = (E + sqrt(E² - 4 R P))/2
 ///
-/// E and R are the cell as a voltage behind a resistance (battery_supply.h). The current is held
-/// over a step, which the cell then takes exactly.
+/// E and R are the cell as a voltage behind a resistance (battery_supply.h). Over a step the current
+/// is held that the middle of it will have, as it goes on changing as in the step before: of second
+/// order in the step. The cell then takes the step exactly.
 ///
 /// The mission ends as soon as the share of the charge that is left is down to the reserve, or when
 /// for a second the battery is below its cut-off, too low for the motors, or without the power, or
@@ -17,6 +18,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -26,13 +28,20 @@
 
 namespace lipoid {
 
-/// A part of a mission, over which the power is constant.
+/// A part of a mission, over which the load is constant. What it takes from a battery of voltage v:
+///
+///   P(v) = power_W + drive_W v/(v + diode_V) + switched_A v
+///
+/// the last two by speed controllers with diodes and with switching losses (powertrain.h).
 struct MissionLeg {
   /// Infinite: it never ends by itself.
   double duration_s = std::numeric_limits<double>::infinity();
-  double power_W = 0.0;  ///< that the battery gives; negative: that it takes
-  double motor_V =
-      0.0;  ///< the least battery voltage at which the motors reach their speed; 0: any
+  double power_W = 0.0;  ///< negative: the battery takes it
+  double drive_W = 0.0;
+  double diode_V = 0.0;     ///< >= 0
+  double switched_A = 0.0;  ///< >= 0
+  double least_V = 0.0;     ///< battery voltage of a duty cycle of 1: below it motors are too slow
+  double ground_speed_m_per_s = 0.0;
 };
 
 struct PowerMission {
@@ -61,15 +70,16 @@ constexpr std::array<std::pair<MissionEnd, std::string_view>, 7> OptionNames(Mis
 }
 
 struct EnduranceOptions {
-  double step_s = 0.005;
+  double step_s = 0.0;
   double longest_s = 1e6;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     v("step_s",
       self.step_s,
-      Range{1e-4, 10.0},
-      "longest step of the cell in s, over which its current is held");
+      Range{0.0, 10.0},
+      "longest step of the cell in s, over which its current is held; 0: a 50,000th of the time that "
+      "the charge would last, at least 0.005 s");
     v("longest_s",
       self.longest_s,
       Range{1.0, 1e8},
@@ -101,10 +111,18 @@ struct EnduranceResult {
   double rest_soc = 1.0;  ///< share of the charge that is left
   /// The highest of a cell on the way; NaN where it knows no temperature.
   double hottest_degC = std::numeric_limits<double>::quiet_NaN();
-  int rounds = 0;  ///< how often the whole mission was flown
+  double distance_m = 0.0;  ///< over the ground
+  int rounds = 0;           ///< how often the whole mission was flown
 };
 
 /// Flies the mission until it ends.
 [[nodiscard]] EnduranceResult FlyMission(const EnduranceSetup& setup);
+
+/// Flies each mission; side by side where they fit (endurance_lanes.h), which changes results by
+/// rounding. A result depends on its own setup alone.
+[[nodiscard]] std::vector<EnduranceResult> FlyMissions(std::span<const EnduranceSetup> setups);
+
+/// How many missions FlyMissions() flies side by side.
+inline constexpr std::size_t kMissionsAtOnce = 8;
 
 }  // namespace lipoid

@@ -1,6 +1,7 @@
 #include "model/flight/endurance_report.h"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -35,6 +36,11 @@ constexpr EnduranceNumber kNumbers[] = {
     {"remaining_soc",
      "share of the charge left",
      [](const EnduranceResult& r) { return r.rest_soc; }},
+    {"range_km",
+     "way over the ground / km",
+     [](const EnduranceResult& r) {
+       return r.distance_m > 0.0 ? 1e-3 * r.distance_m : std::numeric_limits<double>::quiet_NaN();
+     }},
     {"hottest_degC",
      "hottest cell / degC",
      [](const EnduranceResult& r) { return r.hottest_degC; }},
@@ -54,12 +60,25 @@ Json EndsToJson(const std::vector<EnduranceResult>& flights) {
 }
 
 Json LevelFlightToJson(const LevelFlight& flight) {
-  return {{"thrust_N", flight.thrust_N},
+  return {{"airspeed_m_per_s", flight.airspeed_m_per_s},
+          {"tilt_rad", flight.tilt_rad},
+          {"thrust_N", flight.thrust_N},
           {"rotor_speed_rad_per_s", flight.speed_rad_per_s},
           {"motor_V", flight.motor_V},
           {"motor_A", flight.motor_A},
+          {"least_battery_V", flight.battery_V},
           {"shaft_W", flight.shaft_W},
-          {"battery_W", flight.battery_W}};
+          {"induced_W", NumberOrNull(flight.induced_W)},
+          {"profile_W", NumberOrNull(flight.profile_W)},
+          {"parasite_W", flight.parasite_W},
+          {"advance_ratio", flight.advance_ratio},
+          {"figure_of_merit", NumberOrNull(flight.figure_of_merit)}};
+}
+
+Json SpeedsToJson(const BestSpeeds& speeds) {
+  return {{"best_endurance_m_per_s", speeds.endurance.airspeed_m_per_s},
+          {"best_range_m_per_s", speeds.range.airspeed_m_per_s},
+          {"fastest_m_per_s", speeds.fastest_m_per_s}};
 }
 
 }  // namespace
@@ -91,7 +110,9 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   json["rounds"] = estimate.rounds;
   json["initial_voltage_V"] = estimate.initial_voltage_V;
   json["initial_current_A"] = estimate.initial_current_A;
+  json["initial_power_W"] = estimate.initial_voltage_V * estimate.initial_current_A;
   json["level_flight"] = request.power ? Json(nullptr) : LevelFlightToJson(answer.flight);
+  json["speeds"] = answer.speeds ? SpeedsToJson(*answer.speeds) : Json(nullptr);
   json["ensemble"] = answer.flights.empty()
                          ? Json(nullptr)
                          : Json({{"flights", answer.flights.size()},
@@ -111,6 +132,8 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   json["health"] = UncertainToJson(request.health);
   json["resistance_factor"] = UncertainToJson(request.resistance_factor);
   json["power_factor"] = UncertainToJson(request.power_factor);
+  json["airspeed_m_per_s"] =
+      request.airspeed_m_per_s ? UncertainToJson(*request.airspeed_m_per_s) : Json(nullptr);
   json["reserve"] = UncertainToJson(request.reserve);
   return json;
 }

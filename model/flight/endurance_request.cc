@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "model/battery/aged_cell.h"
@@ -21,6 +22,7 @@ struct Values {
   double resistance_factor;
   double power_factor;
   double reserve;
+  double airspeed_m_per_s;
 };
 
 // Streams of noise from here on are those of the inputs; the cells have the lower ones.
@@ -32,7 +34,8 @@ Values Estimates(const EnduranceRequest& request) {
           .health = request.health.value,
           .resistance_factor = request.resistance_factor.value,
           .power_factor = request.power_factor.value,
-          .reserve = request.reserve.value};
+          .reserve = request.reserve.value,
+          .airspeed_m_per_s = request.airspeed_m_per_s ? request.airspeed_m_per_s->value : 0.0};
 }
 
 Values Drawn(const EnduranceRequest& request, std::size_t k) {
@@ -44,6 +47,8 @@ Values Drawn(const EnduranceRequest& request, std::size_t k) {
   values.resistance_factor = request.resistance_factor.Draw(normal, kResistanceFactors);
   values.power_factor = request.power_factor.Draw(normal, kPowerFactors);
   values.reserve = request.reserve.Draw(normal, kReserves);
+  values.airspeed_m_per_s =
+      request.airspeed_m_per_s.value_or(Uncertain{}).Draw(normal, kAirspeeds_m_per_s);
   return values;
 }
 
@@ -67,6 +72,8 @@ void Check(const EnduranceRequest& request) {
   CheckRange("resistance factor", request.resistance_factor, kResistanceFactors);
   CheckRange("power factor", request.power_factor, kPowerFactors);
   CheckRange("reserve", request.reserve, kReserves);
+  if (request.airspeed_m_per_s)
+    CheckRange("airspeed in m/s", *request.airspeed_m_per_s, kAirspeeds_m_per_s);
   if (request.ensemble < 0)
     throw OptionError(
         fmt::format("ensemble: expected at least 0 flights, found {}", request.ensemble));
@@ -78,10 +85,35 @@ double StartOf(const EnduranceRequest& request, const Cell& cell) {
              : request.initial_soc;
 }
 
-LevelFlight FlightOf(const EnduranceRequest& request, double payload_kg) {
+Vehicle Loaded(const EnduranceRequest& request, double payload_kg) {
   Vehicle loaded = request.vehicle;
   loaded.mass_kg += payload_kg;
-  return Hover(loaded);
+  return loaded;
+}
+
+MissionLeg LegOf(const EnduranceRequest& request,
+                 const Vehicle& vehicle,
+                 const LevelFlight& flight) {
+  const SpeedController& esc = vehicle.esc;
+  const double diode_V = esc.synchronous ? 0.0 : esc.diode_V;
+  const double motors_A = static_cast<double>(vehicle.rotor_count()) * flight.motor_A;
+  return {.power_W = vehicle.avionics_power_W,
+          .drive_W = (flight.battery_V + diode_V) * motors_A,
+          .diode_V = diode_V,
+          .switched_A = esc.SwitchingShare() * motors_A,
+          .least_V = flight.battery_V,
+          .ground_speed_m_per_s = request.cruise ? flight.airspeed_m_per_s : 0.0};
+}
+
+void RequireAdvanceRatio(const EnduranceRequest& request, const LevelFlight& flight) {
+  if (flight.advance_ratio <= kLargestAdvanceRatio) return;
+  throw OptionError(fmt::format(
+      "an airspeed of {:g} m/s is {:.2f} of the speed of the blade tips of {}, beyond the {:g} up to "
+      "which momentum theory holds: fly slower",
+      flight.airspeed_m_per_s,
+      flight.advance_ratio,
+      request.vehicle.name,
+      kLargestAdvanceRatio));
 }
 
 EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const Values& values) {
@@ -94,10 +126,15 @@ EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const 
   if (request.power) {
     setup.mission = *request.power;
   } else {
-    const LevelFlight flight = FlightOf(request, values.payload_kg);
-    setup.mission.legs = {{.power_W = flight.battery_W, .motor_V = flight.motor_V}};
+    const Vehicle vehicle = Loaded(request, values.payload_kg);
+    const LevelFlight flight = Cruise(vehicle, values.airspeed_m_per_s, request.air);
+    setup.mission.legs = {LegOf(request, vehicle, flight)};
   }
-  for (MissionLeg& leg : setup.mission.legs) leg.power_W *= values.power_factor;
+  for (MissionLeg& leg : setup.mission.legs) {
+    leg.power_W *= values.power_factor;
+    leg.drive_W *= values.power_factor;
+    leg.switched_A *= values.power_factor;
+  }
   return setup;
 }
 
@@ -106,12 +143,31 @@ EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const 
 bool EnduranceRequest::uncertain() const {
   return cell.uncertainty.has_value() || !payload_kg.known() || !health.known() ||
          !resistance_factor.known() || !power_factor.known() || !reserve.known() ||
+         (airspeed_m_per_s && !airspeed_m_per_s->known()) ||
          (ambient_degC && !ambient_degC->known());
 }
 
-EnduranceAnswer FindEndurance(const EnduranceRequest& request, const EnduranceProgress& progress) {
-  Check(request);
+EnduranceAnswer FindEndurance(const EnduranceRequest& asked, const EnduranceProgress& progress) {
+  Check(asked);
   EnduranceAnswer answer;
+  EnduranceRequest request = asked;
+  if (!request.power) {
+    const Vehicle vehicle = Loaded(request, request.payload_kg.value);
+    if (request.cruise) {
+      // One speed for all: it is flown as planned, whatever the battery turns out to be.
+      const double battery_V = request.cell.series * request.cell.open_circuit_voltage(0.5);
+      answer.speeds = FindBestSpeeds(vehicle, battery_V, request.air);
+      if (!request.airspeed_m_per_s && answer.speeds) {
+        const LevelFlight& best = request.cruise_speed == CruiseSpeed::kBestRange
+                                      ? answer.speeds->range
+                                      : answer.speeds->endurance;
+        request.airspeed_m_per_s = Uncertain{best.airspeed_m_per_s, 0.0};
+      }
+    }
+    answer.flight = Cruise(
+        vehicle, request.airspeed_m_per_s ? request.airspeed_m_per_s->value : 0.0, request.air);
+    RequireAdvanceRatio(request, answer.flight);
+  }
   const EnduranceSetup setup = SetupOf(request, request.cell, Estimates(request));
   if (!(setup.initial_soc > setup.reserve)) {
     throw OptionError(
@@ -120,7 +176,6 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& request, const EndurancePr
                     setup.initial_soc,
                     setup.reserve));
   }
-  if (!request.power) answer.flight = FlightOf(request, request.payload_kg.value);
   answer.estimate = FlyMission(setup);
   if (!request.uncertain() || request.ensemble == 0) return answer;
 
@@ -130,12 +185,21 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& request, const EndurancePr
     answer.moved = cells.moved;
   }
   answer.flights.resize(static_cast<std::size_t>(request.ensemble));
+  // Groups that fly side by side are the same whatever the number of threads.
+  const std::size_t groups = (answer.flights.size() + kMissionsAtOnce - 1) / kMissionsAtOnce;
   std::atomic<std::size_t> flown = 0;
-  ParallelFor(answer.flights.size(), [&](std::size_t k) {
-    const Cell& cell = cells.cells.empty() ? request.cell : cells.cells[k];
-    answer.flights[k] = FlyMission(SetupOf(request, cell, Drawn(request, k)));
-    if (progress)
-      progress(static_cast<double>(++flown) / static_cast<double>(answer.flights.size()));
+  ParallelFor(groups, [&](std::size_t g) {
+    StopIfAsked();
+    const std::size_t first = g * kMissionsAtOnce;
+    const std::size_t end = std::min(first + kMissionsAtOnce, answer.flights.size());
+    std::vector<EnduranceSetup> setups;
+    for (std::size_t k = first; k < end; ++k) {
+      const Cell& cell = cells.cells.empty() ? request.cell : cells.cells[k];
+      setups.push_back(SetupOf(request, cell, Drawn(request, k)));
+    }
+    const std::vector<EnduranceResult> results = FlyMissions(setups);
+    std::copy(results.begin(), results.end(), answer.flights.begin() + std::ptrdiff_t(first));
+    if (progress) progress(static_cast<double>(++flown) / static_cast<double>(groups));
   });
   return answer;
 }

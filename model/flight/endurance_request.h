@@ -26,6 +26,14 @@ inline constexpr Range kCapacityShares{0.01, 2.0};
 inline constexpr Range kResistanceFactors{0.01, 100.0};
 inline constexpr Range kPowerFactors{0.01, 100.0};
 inline constexpr Range kReserves{0.0, 0.99};
+inline constexpr Range kAirspeeds_m_per_s{0.0, 100.0};
+
+enum class CruiseSpeed { kBestRange, kBestEndurance };
+
+constexpr std::array<std::pair<CruiseSpeed, std::string_view>, 2> OptionNames(CruiseSpeed) {
+  return {
+      {{CruiseSpeed::kBestRange, "best-range"}, {CruiseSpeed::kBestEndurance, "best-endurance"}}};
+}
 
 inline constexpr int kUsualEnsemble = 200;
 
@@ -41,6 +49,11 @@ struct EnduranceRequest {
   Uncertain power_factor{1.0, 0.0};       ///< of the battery's power over that of the model
   Uncertain reserve{0.2, 0.0};            ///< share of the charge left at landing
   std::optional<PowerMission> power;      ///< none: level flight of the vehicle
+  bool cruise = false;                    ///< level flight over the ground; else it hovers
+  /// Of cruise: none: the best of a kind. Hover: that of the wind.
+  std::optional<Uncertain> airspeed_m_per_s;
+  CruiseSpeed cruise_speed = CruiseSpeed::kBestRange;
+  LevelFlightOptions air;
   EnduranceOptions options;
   int ensemble = kUsualEnsemble;
   std::uint64_t seed = 0;
@@ -52,6 +65,9 @@ struct EnduranceRequest {
 struct EnduranceAnswer {
   EnduranceResult estimate;
   LevelFlight flight;  ///< of the estimates; default-constructed where the mission is a power
+  /// Of the estimates at the voltage of the pack at rest and half its charge; none where the mission
+  /// is no cruise.
+  std::optional<BestSpeeds> speeds;
   std::vector<EnduranceResult> flights;  ///< of what was drawn; empty where nothing is uncertain
   int moved = 0;                         ///< cells that were drawn out of range
 };

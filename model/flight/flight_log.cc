@@ -3,9 +3,9 @@
 namespace lipoid {
 namespace {
 
-std::string Header() {
+std::string Header(std::size_t rotors) {
   std::string header;
-  FlightSample{}.Visit([&](const char* name, double) {
+  FlightSample::OfRotors(rotors).Visit([&](const char* name, double) {
     if (!header.empty()) header += ',';
     header += name;
   });
@@ -14,7 +14,8 @@ std::string Header() {
 
 }  // namespace
 
-FlightLogWriter::FlightLogWriter(const std::string& file) : csv_(file, Header()) {}
+FlightLogWriter::FlightLogWriter(const std::string& file, std::size_t rotors)
+    : csv_(file, Header(rotors)) {}
 
 void FlightLogWriter::Row(const FlightSample& sample) {
   row_.clear();

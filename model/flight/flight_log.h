@@ -14,6 +14,15 @@
 namespace lipoid {
 
 struct FlightSample {
+  /// Names the columns of a vehicle of so many rotors.
+  [[nodiscard]] static FlightSample OfRotors(std::size_t rotors) {
+    FlightSample sample;
+    for (MotorValues* values : {&sample.speed_rad_per_s, &sample.duty, &sample.current_A}) {
+      values->assign(rotors, 0.0);
+    }
+    return sample;
+  }
+
   double time_s = 0.0;
   Triple<double> position_m{};        ///< x, y, altitude (up)
   Triple<double> velocity_m_per_s{};  ///< along x, y and up
@@ -24,9 +33,10 @@ struct FlightSample {
   Triple<double> position_command_m{};  ///< x, y, altitude (up)
   double altitude_estimate_m = 0.0;
   Triple<double> angle_estimates_rad{};
-  PerMotor<double> speed_rad_per_s{};
-  PerMotor<double> duty{};
-  PerMotor<double> current_A{};
+  // As many as the vehicle has motors; all three alike.
+  MotorValues speed_rad_per_s = MotorValues(4, 0.0);
+  MotorValues duty = MotorValues(4, 0.0);
+  MotorValues current_A = MotorValues(4, 0.0);
   double battery_V = 0.0;
   double battery_A = 0.0;
   double soc = 0.0;  ///< NaN with an ideal source
@@ -60,13 +70,28 @@ struct FlightSample {
     v("roll_estimate_rad", angle_estimates_rad[0]);
     v("pitch_estimate_rad", angle_estimates_rad[1]);
     v("yaw_estimate_rad", angle_estimates_rad[2]);
-    constexpr std::array kSpeed{
-        "speed_1_rad_per_s", "speed_2_rad_per_s", "speed_3_rad_per_s", "speed_4_rad_per_s"};
-    constexpr std::array kDuty{"duty_1", "duty_2", "duty_3", "duty_4"};
-    constexpr std::array kCurrent{"current_1_A", "current_2_A", "current_3_A", "current_4_A"};
-    for (std::size_t i = 0; i < 4; ++i) v(kSpeed[i], speed_rad_per_s[i]);
-    for (std::size_t i = 0; i < 4; ++i) v(kDuty[i], duty[i]);
-    for (std::size_t i = 0; i < 4; ++i) v(kCurrent[i], current_A[i]);
+    constexpr std::array kSpeed{"speed_1_rad_per_s",
+                                "speed_2_rad_per_s",
+                                "speed_3_rad_per_s",
+                                "speed_4_rad_per_s",
+                                "speed_5_rad_per_s",
+                                "speed_6_rad_per_s",
+                                "speed_7_rad_per_s",
+                                "speed_8_rad_per_s"};
+    constexpr std::array kDuty{
+        "duty_1", "duty_2", "duty_3", "duty_4", "duty_5", "duty_6", "duty_7", "duty_8"};
+    constexpr std::array kCurrent{"current_1_A",
+                                  "current_2_A",
+                                  "current_3_A",
+                                  "current_4_A",
+                                  "current_5_A",
+                                  "current_6_A",
+                                  "current_7_A",
+                                  "current_8_A"};
+    static_assert(kSpeed.size() == kMostRotors);
+    for (std::size_t i = 0; i < speed_rad_per_s.size(); ++i) v(kSpeed[i], speed_rad_per_s[i]);
+    for (std::size_t i = 0; i < duty.size(); ++i) v(kDuty[i], duty[i]);
+    for (std::size_t i = 0; i < current_A.size(); ++i) v(kCurrent[i], current_A[i]);
     v("battery_V", battery_V);
     v("battery_A", battery_A);
     v("soc", soc);
@@ -77,7 +102,8 @@ struct FlightSample {
 /// appears at Commit(), whole or not at all. OptionError where it cannot be written.
 class FlightLogWriter {
  public:
-  explicit FlightLogWriter(const std::string& file);
+  /// With columns for so many rotors.
+  explicit FlightLogWriter(const std::string& file, std::size_t rotors = 4);
   void Row(const FlightSample& sample);
   void Commit() { csv_.Commit(); }
 

@@ -29,12 +29,12 @@ void CheckLandingVoltage(const FlightSetup& setup) {
 // mass, and which way they turn seen from above.
 Json Geometry(const Vehicle& vehicle) {
   Json motors = Json::array();
-  for (std::size_t i = 0; i < kPitchSign.size(); ++i) {
-    const bool as_front_right = kYawSign[i] == kYawSign[0];
-    const bool clockwise = (vehicle.front_right_turns == Turning::kClockwise) == as_front_right;
+  for (const Rotor& rotor : RotorsOf(vehicle.layout)) {
+    const bool clockwise =
+        (vehicle.front_right_turns == Turning::kClockwise) == (rotor.turning > 0.0);
     motors.push_back(
-        {{"ahead_m", vehicle.lever_m() * kPitchSign[i]},
-         {"right_m", -vehicle.lever_m() * kRollSign[i]},
+        {{"ahead_m", vehicle.arm_m * rotor.ahead},
+         {"right_m", vehicle.arm_m * rotor.right},
          {"turns",
           options_internal::ToText(clockwise ? Turning::kClockwise : Turning::kCounterClockwise)}});
   }

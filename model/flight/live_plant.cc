@@ -180,6 +180,7 @@ std::unique_ptr<LivePlant> MakeLivePlant(const LiveSetup& setup) {
         setup.initial_soc));
   }
   if (Blows(setup.wind)) RequireDrag(setup.vehicle);
+  RequireQuadX(setup.vehicle, "an autopilot's interface");
   if (setup.vehicle.armature_inductance_H > 0.0) {
     return std::make_unique<Live<plant::kStatesWithInductance>>(setup);
   }

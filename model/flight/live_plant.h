@@ -68,8 +68,8 @@ class LivePlant {
   [[nodiscard]] virtual const LiveReport& report() const = 0;
 };
 
-/// OptionError where the setup cannot be flown: an empty cell, wind on a vehicle without drag,
-/// motors faster than any step.
+/// OptionError where the setup cannot be flown: a vehicle that is no quad-x, an empty cell, wind on a
+/// vehicle without drag, motors faster than any step.
 [[nodiscard]] std::unique_ptr<LivePlant> MakeLivePlant(const LiveSetup& setup);
 
 }  // namespace lipoid

@@ -72,6 +72,7 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
         "battery's voltage and it on them. Give --battery ideal --xi X");
   }
   if (setup.simulation.drag || Blows(setup.wind)) RequireDrag(setup.vehicle);
+  if (setup.flight_code != nullptr) RequireQuadX(setup.vehicle, "flight code from outside");
   // Runge-Kutta of fourth order is stable up to 2.78 time constants; half of it is accurate.
   const double dt_s = kControlStep_s / setup.simulation.substeps;
   const double constant_s =
@@ -130,7 +131,7 @@ class Pilot {
   double y_m_ = 0.0;
 };
 
-template <std::size_t N>
+template <std::size_t R, std::size_t N>
 class Simulation {
  public:
   Simulation(const FlightSetup& setup, const FlightPlan& plan)
@@ -164,7 +165,7 @@ class Simulation {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     result_.simulated_s = double(result_.steps) * kControlStep_s;
     const auto electrical = plant_.ElectricalAt(x_, inputs_);
-    result_.charge_C = x_[plant::kCharge];
+    result_.charge_C = x_[kCharge];
     result_.final_voltage_V = electrical.battery_V;
     result_.final_soc = Soc();
     if (setup_.cell && setup_.cell->temperature)
@@ -187,9 +188,9 @@ class Simulation {
     x_[plant::kPosition + 1] = first.y_m;
     x_[plant::kPosition + 2] = -first.altitude_m;
     x_[plant::kAngles + 2] = first.yaw_rad;
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < R; ++i) {
       x_[plant::kSpeeds + i] = trim.speed_rad_per_s;
-      if constexpr (N > plant::kCurrents) x_[plant::kCurrents + i] = trim.motor_A;
+      if constexpr (N > plant::States(R)) x_[plant::Currents(R) + i] = trim.motor_A;
       inputs_.duty[i] = setup_.controller.saturate ? std::min(trim.duty, 1.0) : trim.duty;
     }
     const MeasuredState measured = Truth(trim.battery_V);
@@ -260,8 +261,11 @@ class Simulation {
     // The voltage is sampled before the new duty cycles take effect.
     const MeasuredState measured = Measure();
     command_ = pilot_.At(time_s_);
-    inputs_.duty = controller_.Step(command_, measured);
-    if (setup_.flight_code != nullptr) inputs_.duty = setup_.flight_code->Step(command_, measured);
+    SetDuties(controller_.Step(command_, measured));
+    if constexpr (R == 4) {
+      if (setup_.flight_code != nullptr)
+        inputs_.duty = setup_.flight_code->Step(command_, measured);
+    }
     if (battery_ && battery_->bends()) FollowTheCurrent(plant_, x_, inputs_, *battery_);
     if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
     saturated_ += controller_.saturated() ? 1 : 0;
@@ -275,8 +279,12 @@ class Simulation {
     if (record) record(Sample(measured, electrical));
   }
 
+  void SetDuties(const MotorValues& duties) {
+    for (std::size_t i = 0; i < R; ++i) inputs_.duty[i] = duties[i];
+  }
+
   [[nodiscard]] FlightSample Sample(const MeasuredState& measured,
-                                    const Electrical<double>& electrical) const {
+                                    const Electrical<double, R>& electrical) const {
     const auto& reference = controller_.references();
     FlightSample s;
     s.time_s = time_s_;
@@ -291,9 +299,9 @@ class Simulation {
     s.position_command_m = {command_.x_m, command_.y_m, command_.altitude_m};
     s.altitude_estimate_m = -measured.position_m[2];
     s.angle_estimates_rad = measured.angles_rad;
-    s.speed_rad_per_s = electrical.speed_rad_per_s;
-    s.duty = inputs_.duty;
-    s.current_A = electrical.current_A;
+    s.speed_rad_per_s.assign(electrical.speed_rad_per_s.begin(), electrical.speed_rad_per_s.end());
+    s.duty.assign(inputs_.duty.begin(), inputs_.duty.end());
+    s.current_A.assign(electrical.current_A.begin(), electrical.current_A.end());
     s.battery_V = electrical.battery_V;
     s.battery_A = electrical.battery_A;
     s.soc = Soc();
@@ -308,7 +316,7 @@ class Simulation {
     };
     for (int k = 0; k < substeps; ++k) {
       if (battery_) inputs_.supply = battery_->Linearize();
-      const double before_C = x_[plant::kCharge];
+      const double before_C = x_[kCharge];
       if (setup_.simulation.integrator == Integrator::kRk4) {
         rk4_.do_step(derivative, x_, 0.0, dt_s);
       } else {
@@ -321,12 +329,12 @@ class Simulation {
             dt_s,
             dt_s);
       }
-      if (battery_) battery_->Advance(x_[plant::kCharge] - before_C, dt_s);
+      if (battery_) battery_->Advance(x_[kCharge] - before_C, dt_s);
     }
     // The slots of motors without lag show what (5.10) gives.
     if (!setup_.simulation.motor_lag) {
       const auto electrical = plant_.ElectricalAt(x_, inputs_);
-      for (std::size_t i = 0; i < 4; ++i) x_[plant::kSpeeds + i] = electrical.speed_rad_per_s[i];
+      for (std::size_t i = 0; i < R; ++i) x_[plant::kSpeeds + i] = electrical.speed_rad_per_s[i];
     }
   }
 
@@ -409,6 +417,7 @@ class Simulation {
     }
   }
 
+  static constexpr std::size_t kCharge = plant::Charge(R);
   using State = PlantState<double, N>;
   using DormandPrince =
       odeint::runge_kutta_dopri5<State, double, State, double, odeint::array_algebra>;
@@ -416,7 +425,7 @@ class Simulation {
   const FlightSetup& setup_;
   const FlightPlan& plan_;
   Pilot pilot_;
-  Plant plant_;
+  RotorPlant<R> plant_;
   FlightController controller_;
   Metrics metrics_;
   std::optional<BatterySupply> battery_;
@@ -426,7 +435,7 @@ class Simulation {
   odeint::runge_kutta4<State, double, State, double, odeint::array_algebra> rk4_;
 
   State x_{};
-  PlantInputs<double> inputs_;
+  PlantInputs<double, R> inputs_;
   FlightCommand command_;
   FlightResult result_;
   double time_s_ = 0.0;
@@ -444,10 +453,14 @@ FlightResult Fly(const FlightSetup& setup,
                  const FlightRecorder& record,
                  const FlightProgress& progress) {
   CheckSetup(setup, plan);
-  if (setup.vehicle.armature_inductance_H > 0.0) {
-    return Simulation<plant::kStatesWithInductance>(setup, plan).Run(record, progress);
-  }
-  return Simulation<plant::kStates>(setup, plan).Run(record, progress);
+  return ForRotorsOf(setup.vehicle, [&](auto rotors) {
+    constexpr std::size_t kRotors = rotors;
+    if (setup.vehicle.armature_inductance_H > 0.0) {
+      return Simulation<kRotors, plant::StatesWithInductance(kRotors)>(setup, plan)
+          .Run(record, progress);
+    }
+    return Simulation<kRotors, plant::States(kRotors)>(setup, plan).Run(record, progress);
+  });
 }
 
 }  // namespace lipoid

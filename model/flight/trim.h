@@ -9,8 +9,8 @@
 namespace lipoid {
 
 struct Trim {
-  double speed_rad_per_s = 0.0;  ///< omega_h = sqrt(m g/(4 k_T))
-  double motor_V = 0.0;          ///< D v_b
+  double speed_rad_per_s = 0.0;  ///< omega_h = sqrt(m g/(4 k_T)) of a quadrotor
+  double motor_V = 0.0;          ///< across the winding: D v_b without losses
   double motor_A = 0.0;
   double battery_V = 0.0;
   double battery_A = 0.0;

@@ -76,6 +76,13 @@ class BatterySupply {
     std::fill(rested.unavailable_C.begin(), rested.unavailable_C.end(), 0.0);
     return series_ * model_.OpenCircuit(rested, 0.0);
   }
+  /// Goes on from another state of a cell, in which this current of one cell was the last.
+  void Continue(CellModel<double>::State state, double cell_A) {
+    const double ambient_K = state_.ambient_K;
+    state_ = std::move(state);
+    state_.ambient_K = ambient_K;
+    last_A_ = cell_A;
+  }
   /// Charge of the pack from A = 1 to A = 0 at vanishing rate.
   [[nodiscard]] double capacity_C() const { return parallel_ * model_.parameters().alpha_C; }
   [[nodiscard]] double cutoff_V() const { return series_ * cutoff_V_; }

@@ -41,6 +41,14 @@ struct SpeedController {
   [[nodiscard]] double SwitchingShare() const { return switching_time_s * switching_frequency_Hz; }
 };
 
+/// Sums over the rotors of a layout, each weighted with its share of thrust f.
+struct RotorSums {
+  double thrust = 0.0;         ///< of f
+  double ahead_squared = 0.0;  ///< of f cos² of the angle from the nose
+  double right_squared = 0.0;  ///< of f sin²
+  double per_thrust = 0.0;     ///< of 1/f
+};
+
 struct Vehicle {
   std::string name;
   std::string summary;
@@ -72,14 +80,28 @@ struct Vehicle {
   SpeedController esc;                ///< one for each motor, all alike
 
   [[nodiscard]] std::size_t rotor_count() const { return RotorsOf(layout).size(); }
+  /// f_i of model/vehicle/allocation.h.
+  [[nodiscard]] double ThrustShare(const Rotor& rotor) const {
+    return rotor.lower ? lower_rotor_thrust_ratio : 1.0;
+  }
+  [[nodiscard]] RotorSums SumsOverRotors() const {
+    RotorSums sums;
+    for (const Rotor& rotor : RotorsOf(layout)) {
+      const double share = ThrustShare(rotor);
+      sums.thrust += share;
+      sums.ahead_squared += share * rotor.ahead * rotor.ahead;
+      sums.right_squared += share * rotor.right * rotor.right;
+      sums.per_thrust += 1.0 / share;
+    }
+    return sums;
+  }
   /// Thrust of all rotors at one speed over the square of it, 4 k_T of a quadrotor.
   [[nodiscard]] double total_thrust_coefficient_N_s2() const {
-    double rotors = 0.0;
-    for (const Rotor& rotor : RotorsOf(layout)) {
-      rotors += rotor.lower ? lower_rotor_thrust_ratio : 1.0;
-    }
-    return rotors * thrust_coefficient_N_s2;
+    return SumsOverRotors().thrust * thrust_coefficient_N_s2;
   }
+  /// Whether the battery's current is (3.11) and no more.
+  [[nodiscard]] bool lossless_supply() const { return esc.lossless() && avionics_power_W == 0.0; }
+
   /// l_x = l sin 45 degrees, the lever of a quad-x's motor about either horizontal axis, (3.12).
   [[nodiscard]] double lever_m() const { return 0.70710678118654752440 * arm_m; }
   /// k_N with the sign of (3.12): what the motors that turn against front right add to the yaw.

@@ -7,6 +7,7 @@
 
 #include "generated/shipped_vehicles.h"
 #include "model/core/json.h"
+#include "model/core/options.h"
 #include "model/core/toml_reader.h"
 
 namespace lipoid {
@@ -236,6 +237,49 @@ Vehicle ParseVehicle(const std::string& text, const std::string& file) {
   ReadSource(reader, file, problems);
   ThrowProblems(std::move(problems));
   return vehicle;
+}
+
+std::string VehicleToToml(const Vehicle& v, const VehicleSources& sources) {
+  const Vehicle defaults;
+  std::string text = fmt::format("name = {}\n", TomlText(v.name));
+  const auto line = [&](std::string_view key, const std::string& value) {
+    text += fmt::format("{} = {}\n", key, value);
+  };
+  if (!v.summary.empty()) line("summary", TomlText(v.summary));
+  text += '\n';
+  if (v.layout != defaults.layout) {
+    line("layout", fmt::format("\"{}\"", options_internal::ToText(v.layout)));
+  }
+  if (v.front_right_turns != defaults.front_right_turns) {
+    line("front_right_turns", fmt::format("\"{}\"", options_internal::ToText(v.front_right_turns)));
+  }
+  if (v.lower_rotor_thrust_ratio != 1.0) {
+    line("lower_rotor_thrust_ratio", TomlFloat(v.lower_rotor_thrust_ratio));
+  }
+  line("inertia_kg_m2",
+       fmt::format("[{}, {}, {}]",
+                   TomlFloat(v.inertia_kg_m2[0]),
+                   TomlFloat(v.inertia_kg_m2[1]),
+                   TomlFloat(v.inertia_kg_m2[2])));
+  for (const NumberKey& number : kNumbers) {
+    const double value = v.*number.member;
+    if (number.required || value != defaults.*number.member) line(number.key, TomlFloat(value));
+  }
+  if (v.series_cells > 0) line("series_cells", fmt::format("{}", v.series_cells));
+  if (v.pwm_range != defaults.pwm_range) {
+    line("pwm_range", fmt::format("[{:.0f}, {:.0f}]", v.pwm_range[0], v.pwm_range[1]));
+  }
+  const SpeedController& esc = v.esc;
+  if (esc.resistance_Ohm > 0.0) line("esc_resistance_Ohm", TomlFloat(esc.resistance_Ohm));
+  if (esc.switching_time_s > 0.0) line("esc_switching_time_s", TomlFloat(esc.switching_time_s));
+  if (esc.switching_frequency_Hz > 0.0) {
+    line("esc_switching_frequency_Hz", TomlFloat(esc.switching_frequency_Hz));
+  }
+  if (!esc.synchronous) line("esc_rectification", "\"diode\"");
+  if (esc.diode_V > 0.0) line("esc_diode_V", TomlFloat(esc.diode_V));
+  if (!sources.empty()) text += "\n[source]\n";
+  for (const auto& [key, from] : sources) line(key, TomlText(from));
+  return text;
 }
 
 Vehicle ReadVehicleFile(const std::string& file) { return ParseVehicle(ReadTextFile(file), file); }

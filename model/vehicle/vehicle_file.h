@@ -12,6 +12,7 @@
 ///   mass_kg = "Table 6.1"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/vehicle/vehicle.h"
@@ -22,6 +23,13 @@ namespace lipoid {
 /// an inertia that no body has are LoadErrors with line and column, all of one file at once.
 [[nodiscard]] Vehicle ReadVehicleFile(const std::string& file);
 [[nodiscard]] Vehicle ParseVehicle(const std::string& text, const std::string& file);
+
+/// Where the numbers of a vehicle are from: key and sentence.
+using VehicleSources = std::vector<std::pair<std::string, std::string>>;
+
+/// The file of a vehicle, which ParseVehicle() reads back to the last bit. Numbers at their defaults
+/// are left out where a file may leave them out.
+[[nodiscard]] std::string VehicleToToml(const Vehicle& vehicle, const VehicleSources& sources);
 
 /// Names of the vehicles that are shipped, sorted.
 [[nodiscard]] std::vector<std::string> ShippedVehicleNames();

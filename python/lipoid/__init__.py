@@ -4,6 +4,7 @@ Discharge current is positive, every name carries its unit, a state of charge is
 """
 
 from lipoid import _core
+from lipoid._aloft import Endurance, Health, endurance, health
 from lipoid._campaign import Campaign
 from lipoid._cell import Cell, Simulation, cells
 from lipoid._identify import Identification, identify, validate
@@ -34,8 +35,10 @@ __all__ = [
     "Cell",
     "Comparison",
     "Diagnostic",
+    "Endurance",
     "Fleet",
     "Flight",
+    "Health",
     "Identification",
     "LoadError",
     "Log",
@@ -45,8 +48,10 @@ __all__ = [
     "__version__",
     "cells",
     "compare",
+    "endurance",
     "export",
     "fly",
+    "health",
     "identify",
     "identify_many",
     "maneuvers",

@@ -92,9 +92,8 @@ class Comparison:
         return _core.shown_summary(json.dumps({"command": "compare", **self.summary}))
 
     def __repr__(self) -> str:
-        return (
-            f"Comparison({len(self.results)} optimizers, best {self.summary['best_optimizer']!r})"
-        )
+        best = self.summary["best"]["optimizer"]
+        return f"Comparison({len(self.results)} optimizers, best {best!r})"
 
     def _repr_html_(self) -> str:
         html: str = self.results.to_html(float_format=lambda x: f"{x:.5g}")

@@ -481,6 +481,55 @@ class FlyOptions(TypedDict, total=False):
     estimator: FlyEstimatorGroup
 
 
+class EnduranceFlightGroup(TypedDict, total=False):
+    """Keys of ``flight``."""
+
+    step_s: float
+    longest_s: float
+
+
+class EnduranceAirGroup(TypedDict, total=False):
+    """Keys of ``air``."""
+
+    air_density_kg_per_m3: float
+    flat_plate_area_m2: float
+    induced_power_factor: float
+    profile_power_growth: float
+    hover_inflow_share: float
+
+
+class EnduranceOptions(TypedDict, total=False):
+    """Keyword arguments."""
+
+    vehicle: Path | None
+    series: int | None
+    parallel: int | None
+    mission: Literal["hover", "cruise"]
+    power: tuple[Any, Any] | None
+    once: bool
+    airspeed_m_per_s: float | tuple[float, float] | None
+    payload_g: float | tuple[float, float] | None
+    ambient_degC: float | tuple[float, float] | None
+    health: float | tuple[float, float] | None
+    resistance_factor: float | tuple[float, float] | None
+    power_factor: float | tuple[float, float] | None
+    reserve: float | tuple[float, float] | None
+    initial_soc: float
+    ensemble: int
+    flight: EnduranceFlightGroup
+    air: EnduranceAirGroup
+
+
+class HealthOptions(TypedDict, total=False):
+    """Keyword arguments."""
+
+    series: int | None
+    parallel: int
+    capacity_Ah: float | None
+    ambient_degC: float | None
+    current_scale_uncertainty: float
+
+
 class ExportOptions(TypedDict, total=False):
     """Keyword arguments."""
 

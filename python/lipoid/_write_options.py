@@ -18,6 +18,8 @@ FUNCTIONS = {
     "PlanOptions": _core.describe_plan,
     "SynthesizeOptions": _core.describe_synthesize,
     "FlyOptions": _core.describe_fly,
+    "EnduranceOptions": _core.describe_endurance,
+    "HealthOptions": _core.describe_health,
     "ExportOptions": _core.describe_export,
 }
 

@@ -100,7 +100,9 @@ nb::tuple FlyManeuver(const std::string& name,
   if (made.duration_s) plan.duration_s = *made.duration_s;
 
   std::vector<std::string> names;
-  FlightSample{}.Visit([&](const char* column, double) { names.emplace_back(column); });
+  FlightSample::OfRotors(setup.vehicle.rotor_count()).Visit([&](const char* column, double) {
+    names.emplace_back(column);
+  });
   std::vector<std::vector<double>> columns(names.size());
   const auto every = std::max(1LL, std::llround(made.log_step_s / kControlStep_s));
   Json summary;

@@ -5,9 +5,11 @@
 #include "python/src/campaign.h"
 #include "python/src/cell.h"
 #include "python/src/comparison.h"
+#include "python/src/endurance.h"
 #include "python/src/errors.h"
 #include "python/src/export.h"
 #include "python/src/flight.h"
+#include "python/src/health.h"
 #include "python/src/identification.h"
 #include "python/src/log.h"
 #include "python/src/planning.h"
@@ -24,6 +26,8 @@ NB_MODULE(_core, module) {
   AddComparison(module);
   AddPlanning(module);
   AddFlights(module);
+  AddEndurance(module);
+  AddHealth(module);
   AddExport(module);
   AddReports(module);
   module.def("stop_all_work", &StopAllWork);

@@ -63,9 +63,7 @@ def test_page_of_several_results_holds_each(result: lipoid.Identification, tmp_p
     assert [r["summary"]["command"] for r in results] == ["identify", "fly"]
     (series,) = results[1]["series"]
     assert series["kind"] == "flight"
-    assert np.allclose(
-        column(series, "battery_V"), flight.data["battery_V"].to_numpy(), rtol=1e-6
-    )
+    assert np.allclose(column(series, "battery_V"), flight.data["battery_V"].to_numpy(), rtol=1e-6)
 
 
 def test_page_of_a_comparison(tmp_path: Path) -> None:
@@ -73,11 +71,12 @@ def test_page_of_a_comparison(tmp_path: Path) -> None:
     found = lipoid.compare(campaign, optimizers=["levenberg-marquardt", "sqp"])
     found.report(tmp_path / "compare.html")
     (shown,) = data_of(tmp_path / "compare.html")["results"]
-    assert shown["summary"]["best_optimizer"] == found.summary["best_optimizer"]
+    assert shown["summary"]["best"] == found.summary["best"]
+    assert "2 optimizers" in repr(found)
 
 
 def test_a_page_that_cannot_be_written_says_so(
     result: lipoid.Identification, tmp_path: Path
 ) -> None:
-    with pytest.raises(lipoid.LoadError):
+    with pytest.raises(lipoid.OptionError, match="cannot write"):
         result.report(tmp_path / "no" / "folder" / "cell.html")

@@ -116,6 +116,60 @@ TEST(EnduranceCommand, AFlightLogIsAMission) {
   EXPECT_NEAR(3600.0 * once.at("charge_Ah").get<double>(), charge_C, 2e-3 * charge_C);
 }
 
+constexpr const char* kQuadrotor = R"(
+name = "quadrotor"
+summary = "1.2 kg"
+mass_kg = 1.2
+inertia_kg_m2 = [0.01, 0.01, 0.018]
+arm_m = 0.225
+thrust_coefficient_N_s2 = 1.1e-5
+torque_coefficient_N_m_s2 = 1.7e-7
+motor_constant_N_m_per_A = 0.0104
+armature_resistance_Ohm = 0.12
+friction_N_m_s = 8e-6
+rotor_inertia_kg_m2 = 5e-5
+nominal_voltage_V = 11.1
+propeller_diameter_m = 0.239
+)";
+
+TEST(EnduranceCommand, CruiseSaysTheBestSpeeds) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/quadrotor.toml", kQuadrotor);
+  const std::vector<std::string> cruise{"--vehicle",
+                                        "quadrotor.toml",
+                                        "--cell",
+                                        "grepow-32Ah-1",
+                                        "--series",
+                                        "3",
+                                        "--health",
+                                        "0.15",
+                                        "--mission",
+                                        "cruise"};
+  const auto far = SummaryOf(folder, cruise);
+  const auto& speeds = far.at("speeds");
+  EXPECT_EQ(far.at("level_flight").at("airspeed_m_per_s"), speeds.at("best_range_m_per_s"));
+  EXPECT_LT(speeds.at("best_endurance_m_per_s").get<double>(),
+            speeds.at("best_range_m_per_s").get<double>());
+  EXPECT_LE(speeds.at("best_range_m_per_s").get<double>(),
+            speeds.at("fastest_m_per_s").get<double>());
+  EXPECT_NEAR(
+      far.at("range_km").get<double>(),
+      0.06 * speeds.at("best_range_m_per_s").get<double>() * far.at("minutes").get<double>(),
+      1e-9);
+  std::vector<std::string> slow = cruise;
+  slow.insert(slow.end(), {"--airspeed-m-per-s", "best-endurance"});
+  const auto longest = SummaryOf(folder, slow);
+  EXPECT_GT(longest.at("minutes").get<double>(), far.at("minutes").get<double>());
+  slow.back() = "4+-1";
+  slow.insert(slow.end(), {"--ensemble", "40"});
+  EXPECT_FALSE(SummaryOf(folder, slow).at("range_km_interval_95").is_null());
+  // Level flight of a vehicle whose propellers are not known.
+  const auto run = RunLipoid(
+      folder, {"endurance", "--vehicle", "mambo-coupled", "--cell", kCell, "--mission", "cruise"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("propeller_diameter_m"), std::string::npos) << run.err;
+}
+
 TEST(EnduranceCommand, APackThatCannotCarryTheVehicleIsAnAnswer) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder,
@@ -137,13 +191,21 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"endurance", "--cell", kCell},
-       "option --vehicle: expected a vehicle that is to hover, found none"},
+       "option --vehicle: expected a vehicle that is to fly, found none"},
       {{"endurance", "--cell", kCell, "--mission", "glide"},
-       "option --mission: expected hover or power=FILE, found 'glide'"},
+       "option --mission: expected hover, cruise or power=FILE, found 'glide'"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
-       "option --once is for missions of a file; hover has no end"},
+       "option --once is for missions of a file; level flight has no end"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
        "option --health: expected 0.01 .. 2, found 'two'"},
+      {{"endurance",
+        "--cell",
+        kCell,
+        "--vehicle",
+        "mambo-physical",
+        "--airspeed-m-per-s",
+        "best-range"},
+       "option --airspeed-m-per-s: best-range is for --mission cruise"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
   };
   for (const auto& [arguments, message] : cases) {

@@ -299,7 +299,15 @@ TEST(Identify, ErrorsAreThoseThatValidateFindsAndThatTheResidualsShow) {
   const auto validate =
       RunLipoid(folder, {"validate", "cell.json", "logs/pulses.csv", "--summary", "v.json"});
   ASSERT_EQ(validate.exit_code, 0) << validate.err;
-  const Json log = ReadJson(folder, "v.json").at("logs")[0];
+  const Json validated = ReadJson(folder, "v.json");
+  const Json log = validated.at("logs")[0];
+  // One log: the judgement of all of them is that of this one.
+  EXPECT_EQ(validated.at("fit").at("verdict"), "good");
+  EXPECT_EQ(validated.at("fit").at("rmse_V"), log.at("rmse_V"));
+  EXPECT_EQ(validated.at("fit").at("mean_error_percent"), log.at("mean_error_percent"));
+  EXPECT_EQ(validated.at("fit").at("reason"), "");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("fit").at("verdict"), "good");
+  EXPECT_NE(validate.out.find("predicts this log to "), std::string::npos) << validate.out;
   constexpr double kSameSum_V = 1e-9;  // the same numbers from a file printed to round-trip
   EXPECT_NEAR(log.at("rmse_V").get<double>(), pulses.at("rmse_V").get<double>(), kSameSum_V);
   EXPECT_NEAR(log.at("mean_error_percent").get<double>(),

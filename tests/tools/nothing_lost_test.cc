@@ -114,6 +114,8 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"validate", "cell.json", "logs/pulses.csv", "--summary", "logs/pulses.csv"},
       {"validate", "cell.json", "logs/pulses.csv", "--summary", "cell.json"},
       {"validate", "cell.json", "logs/pulses.csv", "--summary=link.csv"},
+      {"vehicle", "--bench-table", "logs/cc.csv", "-o", "logs/cc.csv"},
+      {"vehicle", "--bench-table", "logs/cc.csv", "-o", "v.toml", "--summary", "logs/cc.csv"},
       {"simulate", "cell.json", "--current", "logs/cc.csv", "-o", "linked/cc.csv"},
       {"convert", "logs/cc.csv", "-o", "logs/cc.csv"},
       {"import", "gains.json", "-o", "gains.json"},

@@ -100,7 +100,7 @@ TEST(Program, ListsTheShippedCells) {
   for (const auto& name : names) EXPECT_NE(run.out.find(name), std::string::npos);
 }
 
-// At hover the four thrusts hold the weight, the motor's torque is its friction and drag, and the
+// At hover the thrusts hold the weight, the motor's torque is its friction and drag, and the
 // voltage is what falls over winding and rotor.
 TEST(Program, ListsTheShippedVehiclesWithTheirHover) {
   const auto folder = TestFolder();
@@ -118,8 +118,9 @@ TEST(Program, ListsTheShippedVehiclesWithTheirHover) {
     const double speed = row.at("hover_speed_rad_per_s");
     const double current = row.at("hover_motor_current_A");
     const double voltage = row.at("hover_motor_voltage_V");
+    const double rotors = double(v.rotor_count());  // none of them coaxial
     EXPECT_NEAR(
-        4.0 * v.thrust_coefficient_N_s2 * speed * speed / (v.mass_kg * 9.81), 1.0, kRounding);
+        rotors * v.thrust_coefficient_N_s2 * speed * speed / (v.mass_kg * 9.81), 1.0, kRounding);
     EXPECT_NEAR(v.motor_constant_N_m_per_A * current /
                     (v.friction_N_m_s * speed + v.torque_coefficient_N_m_s2 * speed * speed),
                 1.0,

@@ -50,7 +50,7 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
     case MissionEnd::kMotorVoltage:
       return fmt::format(
           "The motors need {}more than the {:.2f} V that the battery gives under load.{}",
-          request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.motor_V),
+          request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
           result.landing_voltage_V,
           result.time_s == 0.0 ? " The vehicle cannot fly on this pack: give more cells (--series)."
                                : "");
@@ -85,6 +85,14 @@ void PrintAnswer(cli::CommandLine& line,
     table.Row(std::move(cells));
   }
   line.Print("{}{}\n", table.Text(), Reason(request, answer));
+  if (!answer.speeds) return;
+  line.Print(
+      "At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no faster "
+      "than {:.1f} m/s.\n",
+      answer.flight.airspeed_m_per_s,
+      answer.speeds->endurance.airspeed_m_per_s,
+      answer.speeds->range.airspeed_m_per_s,
+      answer.speeds->fastest_m_per_s);
 }
 
 PowerMission MissionOf(const PowerProfile& profile) {
@@ -97,10 +105,11 @@ PowerMission MissionOf(const PowerProfile& profile) {
   return mission;
 }
 
-// Reads hover or power=FILE.
+// Reads hover, cruise or power=FILE.
 void SetMission(cli::CommandLine& line, const std::string& text, EnduranceRequest& request) {
   constexpr std::string_view kPower = "power=";
-  if (text == "hover") return;
+  request.cruise = text == "cruise";
+  if (request.cruise || text == "hover") return;
   if (text.starts_with(kPower)) {
     const std::string file = text.substr(kPower.size());
     line.AddInputs({file});
@@ -110,7 +119,20 @@ void SetMission(cli::CommandLine& line, const std::string& text, EnduranceReques
     return;
   }
   throw OptionError(
-      fmt::format("option --mission: expected hover or power=FILE, found '{}'", text));
+      fmt::format("option --mission: expected hover, cruise or power=FILE, found '{}'", text));
+}
+
+// Reads a speed or the name of one.
+void SetAirspeed(const std::string& text, EnduranceRequest& request) {
+  if (text.empty()) return;
+  for (const auto& [speed, name] : OptionNames(CruiseSpeed{})) {
+    if (text != name) continue;
+    if (!request.cruise)
+      throw OptionError(fmt::format("option --airspeed-m-per-s: {} is for --mission cruise", name));
+    request.cruise_speed = speed;
+    return;
+  }
+  request.airspeed_m_per_s = ReadUncertain("airspeed-m-per-s", text, kAirspeeds_m_per_s);
 }
 
 }  // namespace
@@ -121,6 +143,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::string vehicle_name;
   std::string cell_name;
   std::string mission = "hover";
+  std::string airspeed;
   std::string payload_g = "0";
   std::string ambient_degC;
   std::string health = "1";
@@ -156,8 +179,13 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Text("mission",
             mission,
             "M",
-            "hover, or power=FILE: a CSV of time_s,power_W or any log with voltage and current, "
-            "which is flown again and again (default hover)");
+            "hover, cruise, or power=FILE: a CSV of time_s,power_W or any log with voltage and "
+            "current, which is flown again and again (default hover)");
+  line.Text("airspeed-m-per-s",
+            airspeed,
+            "SPEED",
+            "speed through the air in m/s as X or X+-SE: of cruise, or of the wind in which it "
+            "hovers; of cruise also best-range or best-endurance (default best-range)");
   line.Flag("once", once, "fly the mission of a file once instead of again and again");
   line.Text("payload-g",
             payload_g,
@@ -191,6 +219,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
               Range{0, 100000},
               "flights with values drawn from all uncertainties, for the intervals; 0: none");
   line.Group("", request.options);
+  line.Group("air", request.air);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   request.cell = LoadCell(cell_name);
@@ -213,17 +242,18 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   request.reserve = ReadUncertain("reserve", reserve, kReserves);
   request.seed = line.seed();
   SetMission(line, mission, request);
+  SetAirspeed(airspeed, request);
   if (request.power) {
     request.power->repeats = !once;
-    if (!vehicle_name.empty() || line.Given("payload-g")) {
+    if (!vehicle_name.empty() || line.Given("payload-g") || !airspeed.empty()) {
       throw OptionError(
-          "options --vehicle and --payload-g: a mission of powers does not ask what takes them; "
-          "leave them out");
+          "options --vehicle, --payload-g and --airspeed-m-per-s: a mission of powers does not ask "
+          "what takes them; leave them out");
     }
   } else {
-    if (once) throw OptionError("option --once is for missions of a file; hover has no end");
+    if (once) throw OptionError("option --once is for missions of a file; level flight has no end");
     if (vehicle_name.empty())
-      throw OptionError("option --vehicle: expected a vehicle that is to hover, found none");
+      throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
     request.vehicle = LoadVehicle(vehicle_name);
   }
 

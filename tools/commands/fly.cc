@@ -258,8 +258,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   FlightRecorder recorder;
   const double step_s =
       log_step_s.value_or(plan.duration_s > kLongFlight_s ? kLongFlightLogStep_s : kControlStep_s);
-  if (!output.empty()) log.emplace(output);
-  if (!line.report_file().empty()) series.emplace();
+  if (!output.empty()) log.emplace(output, setup.vehicle.rotor_count());
+  if (!line.report_file().empty()) series.emplace(setup.vehicle.rotor_count());
   if (log || series) {
     const auto every = std::max(1LL, std::llround(step_s / kControlStep_s));
     recorder = [&log, &series, every, k = 0LL](const FlightSample& sample) mutable {

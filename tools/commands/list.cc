@@ -210,7 +210,7 @@ Json ListVehicles(cli::CommandLine& line) {
   for (const auto& name : ShippedVehicleNames()) {
     const Vehicle v = LoadVehicle(name);
     const double speed =
-        std::sqrt(v.mass_kg * kGravity_m_per_s2 / (4.0 * v.thrust_coefficient_N_s2));
+        std::sqrt(v.mass_kg * kGravity_m_per_s2 / v.total_thrust_coefficient_N_s2());
     const double voltage = HoldingVoltage(v, speed);
     const double current = HoldingCurrent(v, speed);
     const double duty = voltage / v.nominal_voltage_V;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/fit_quality.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
@@ -60,6 +61,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
   const auto most_rows = RowsOfPage(lengths, kColumns);
   const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
+  std::vector<LogErrors> all;
   for (const auto& loaded : logs) {
     const Surroundings among = surroundings.Of(loaded.log.record);
     LogErrors errors = Validate(one, loaded.log.record, initial_soc, among);
@@ -76,6 +78,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                cli::Significant(errors.above_10_soc.mean_error_percent),
                cli::Significant(errors.above_10_soc.rmse)});
     rows.push_back(LogErrorsToJson(errors));
+    all.push_back(errors);
     if (std::isfinite(errors.temperature_rmse_K)) {
       line.Message("{}: the predicted temperature is {:.2f} degC rms off the measured one",
                    errors.file,
@@ -96,8 +99,13 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
         errors.file,
         errors.rows_outside_curve);
   }
+  const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0);
+  line.summary()["fit"] = FitToJson(quality);
   line.summary()["logs"] = std::move(rows);
-  line.Print("{}", table.Text());
+  line.Print("{} {}\n\n{}",
+             cell.name.empty() ? cell_name : cell.name,
+             quality.Sentence(files.size() == 1 ? "this log" : "these logs"),
+             table.Text());
   return cli::ExitCode::kDone;
 }
 

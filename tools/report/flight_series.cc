@@ -12,13 +12,10 @@ constexpr const char* kTime = "time_s";  // has a type of its own
 // Rows in memory: 7 MB.
 constexpr std::size_t kMostRows = std::size_t{1} << 16;
 
-const std::vector<std::string>& LogColumns() {
-  static const std::vector<std::string> columns = [] {
-    std::vector<std::string> names;
-    FlightSample{}.Visit([&](const char* name, double) { names.emplace_back(name); });
-    return names;
-  }();
-  return columns;
+std::vector<std::string> LogColumns(std::size_t rotors) {
+  std::vector<std::string> names;
+  FlightSample::OfRotors(rotors).Visit([&](const char* name, double) { names.emplace_back(name); });
+  return names;
 }
 
 template <class Value>
@@ -34,10 +31,9 @@ bool IsShownOfFlight(const std::string& column) {
          !column.ends_with("_rate_rad_per_s") && !column.starts_with("current_");
 }
 
-FlightSeries::FlightSeries() {
-  const auto& columns = LogColumns();
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (columns[k] != kTime && IsShownOfFlight(columns[k])) shown_.push_back(k);
+FlightSeries::FlightSeries(std::size_t rotors) : names_(LogColumns(rotors)) {
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    if (names_[k] != kTime && IsShownOfFlight(names_[k])) shown_.push_back(k);
   }
   values_.resize(shown_.size());
 }
@@ -70,7 +66,7 @@ Series FlightSeries::Take(const std::string& name) {
   series.columns.push_back({"time_s", std::move(time_s_)});
   for (std::size_t k = 0; k < shown_.size(); ++k) {
     const auto& values = values_[k];
-    series.columns.push_back({LogColumns()[shown_[k]], {values.begin(), values.end()}});
+    series.columns.push_back({names_[shown_[k]], {values.begin(), values.end()}});
   }
   return series;
 }

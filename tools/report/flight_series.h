@@ -22,7 +22,8 @@ namespace lipoid {
 
 class FlightSeries {
  public:
-  FlightSeries();
+  /// Of a vehicle of so many rotors.
+  explicit FlightSeries(std::size_t rotors = 4);
 
   void Row(const FlightSample& sample);
 
@@ -33,6 +34,7 @@ class FlightSeries {
  private:
   void KeepExtremes(std::size_t stretch);
 
+  std::vector<std::string> names_;  // of the columns of a flight log
   std::vector<std::size_t> shown_;  // of the columns of a flight log, those of the series
   std::vector<std::size_t> index_;  // of each row kept, which row of the flight it is
   std::vector<double> time_s_;

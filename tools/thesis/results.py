@@ -3,7 +3,7 @@
 import json
 import re
 
-from . import compensation, design, hover, poles, square, transients
+from . import compensation, controllers, design, hover, poles, square, transients
 
 SCHEMA = "lipoid.thesis-results/1"
 STAGES = {
@@ -11,6 +11,7 @@ STAGES = {
     "altitude": transients.altitude,
     "attitude": transients.attitude,
     "compensation": compensation.measure,
+    "controllers": controllers.measure,
     "square": square.measure,
     "hover": hover.measure,
     "design": design.measure,

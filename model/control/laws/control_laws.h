@@ -13,8 +13,8 @@
 
 namespace lipoid {
 
-/// From references, measured state and error integrals to commanded squared speeds; everything
-/// around it (references, anti-windup, saturation, PWM) is the flight controller's.
+/// From references, measured state and error integrals to the wrench that is commanded; everything
+/// around it (references, allocation, anti-windup, saturation, PWM) is the flight controller's.
 struct ControlLaw {
   std::string_view name;
   std::string_view summary;

@@ -20,7 +20,6 @@ inline InnerLoopOutput<double> PidInnerLoops(const Vehicle& vehicle,
   for (std::size_t k = 0; k < 3; ++k)
     out.wrench.torque_N_m[k] = vehicle.inertia_kg_m2[k] * out.pseudo_control_angles[k];
   out.wrench.thrust_N = vehicle.mass_kg * (kGravity_m_per_s2 - out.pseudo_control_down);
-  out.speed_squared = SquaredSpeedsOf(vehicle, out.wrench);  // (3.13)
   return out;
 }
 

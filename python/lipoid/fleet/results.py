@@ -190,7 +190,7 @@ class Results:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        # The last one to close folds the write-ahead log into the file, which a reader cannot do.
+        # The last one to close folds the write-ahead log into the file; a reader cannot.
         with contextlib.suppress(sqlite3.Error):
             self.database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         self.database.close()

@@ -22,7 +22,7 @@ const Vehicle& Mambo() {
 
 TEST(ControlLaw, WithoutErrorsItHovers) {
   const auto out = InnerLoops<double>(Mambo(), LoadGains("aware"), {}, {}, {});
-  for (const double squared : out.speed_squared) {
+  for (const double squared : SquaredSpeedsOf(Mambo(), out.wrench)) {
     EXPECT_NEAR(std::sqrt(squared), test::HoverSpeed(Mambo()), 8.0 * kEpsilon * 2000.0);
   }
   EXPECT_EQ(out.pseudo_control_down, 0.0);
@@ -89,11 +89,12 @@ TEST(ControlLaw, ClosedWithoutLagTheErrorsAreLinear) {
         at[plant::kStates],
         {at[plant::kStates + 1], at[plant::kStates + 2], at[plant::kStates + 3]}};
     const auto out = InnerLoops<double>(Mambo(), gains, state, {}, integrals);
+    const auto squares = SquaredSpeedsOf(Mambo(), out.wrench);
     PlantInputs<double> in;
     in.supply = {Mambo().nominal_voltage_V, 0.0};
     for (std::size_t i = 0; i < 4; ++i) {
-      ASSERT_GT(out.speed_squared[i], 0.0) << "motor " << i + 1;
-      in.duty[i] = DutyCycle(Mambo(), std::sqrt(out.speed_squared[i]), 4.2);
+      ASSERT_GT(squares[i], 0.0) << "motor " << i + 1;
+      in.duty[i] = DutyCycle(Mambo(), std::sqrt(squares[i]), 4.2);
     }
     PlantState<double> dx;
     plant.Derivative(x, in, dx);
@@ -124,7 +125,7 @@ TEST(ControlLaw, CanBeDifferentiated) {
     using T = decltype(down);
     const InnerLoopState<T> state{
         down, T(0.3), {roll, T(-0.2), T(0.4)}, {T(0.5), T(roll * 2.0), T(-0.3)}};
-    return InnerLoops<T>(Mambo(), gains, state, {}, {}).speed_squared;
+    return SquaredSpeedsOf(Mambo(), InnerLoops<T>(Mambo(), gains, state, {}, {}).wrench);
   };
   for (std::size_t i = 0; i < 4; ++i) {
     const auto in_down = test::Ridders([&](double z) { return speeds(z, 0.1)[i]; }, 0.2, 0.05);

@@ -39,7 +39,7 @@ class DynamicInversion : public testing::TestWithParam<std::string> {};
 // The whole chain at xi = 1 with motors at their equilibrium: inversion, allocation, duty cycle,
 // motor, forces, kinematics. What is asked for is what happens, in any attitude and motion.
 TEST_P(DynamicInversion, CancelsTheDynamicsWithoutMotorLag) {
-  const Vehicle v = LoadVehicle(GetParam());
+  const Vehicle v = EquivalentQuadrotor(LoadVehicle(GetParam()));
   const Plant plant(v, {.motor_lag = false, .drag = false, .ground = false});
   std::mt19937 engine(kSeed);
   int compared = 0;

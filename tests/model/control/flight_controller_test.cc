@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -36,6 +37,13 @@ FlightController Hovering(const ControllerOptions& options,
   FlightController controller(Mambo(), LoadGains("aware"), options);
   controller.Reset(AtHeight(1.0), commanded_speed, HeldSpeed(Mambo(), 4.2));
   return controller;
+}
+
+// What the commanded speeds of a quadrotor make.
+Wrench<double> WrenchOfFour(const FlightController& controller) {
+  PerMotor<double> squares;
+  std::copy_n(controller.speed_squared().begin(), squares.size(), squares.begin());
+  return WrenchOf(Mambo(), squares);
 }
 
 TEST(FlightController, HoldsTheDutyOfItsTrim) {
@@ -118,16 +126,16 @@ TEST(FlightController, KeepsItsTorqueWhereThrustSaturates) {
     const auto duty = a.Step({.altitude_m = 1.0, .hold_position = false}, state);
     (void)b.Step({.altitude_m = 1.0, .hold_position = false}, state);
     EXPECT_TRUE(a.saturated());
-    const auto given = WrenchOf(Mambo(), a.output().speed_squared);
-    const auto wanted = WrenchOf(Mambo(), b.output().speed_squared);
+    const auto given = WrenchOfFour(a);
+    const auto wanted = WrenchOfFour(b);
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_NEAR(
           given.torque_N_m[k], wanted.torque_N_m[k], 1e-15 + 1e-9 * std::abs(wanted.torque_N_m[k]));
       EXPECT_NE(wanted.torque_N_m[k], 0.0);
     }
     for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_GE(a.output().speed_squared[i], 0.0);
-      EXPECT_LE(a.output().speed_squared[i], highest);
+      EXPECT_GE(a.speed_squared()[i], 0.0);
+      EXPECT_LE(a.speed_squared()[i], highest);
       EXPECT_GE(duty[i], 0.0);
       EXPECT_LE(duty[i], 1.0);
     }
@@ -146,8 +154,8 @@ TEST(FlightController, BoundsTheYawTorqueAndNoOther) {
   options.saturate = false;
   FlightController free = Hovering(options);
   (void)free.Step(command, state);
-  const auto given = WrenchOf(Mambo(), bounded.output().speed_squared);
-  const auto wanted = WrenchOf(Mambo(), free.output().speed_squared);
+  const auto given = WrenchOfFour(bounded);
+  const auto wanted = WrenchOfFour(free);
   const double limit = AngleReferenceLimits(Mambo(), HeldSpeed(Mambo(), 4.2))[2] * 1e-4;  // J_z
   EXPECT_LT(wanted.torque_N_m[2], -10.0 * limit);
   EXPECT_NEAR(given.torque_N_m[2], -limit, 1e-9 * limit);

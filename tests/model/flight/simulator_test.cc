@@ -344,5 +344,90 @@ TEST(Fly, TheEstimatorFliesToo) {
   }
 }
 
+// A vehicle of n rotors whose equivalent quadrotor is the Mambo flies as the Mambo does, on n/4 of
+// its current: commands of one axis at a time, which do not saturate.
+TEST(Fly, AnyNumberOfRotorsFliesAsItsEquivalentQuadrotor) {
+  FlightPlan steps = For(AltitudeSteps().plan({}), 10.0);
+  for (const auto& [layout, name] : OptionNames(RotorLayout{})) {
+    FlightSetup setup = Ideal(1.0);
+    setup.controller.pwm = Pwm::kContinuous;
+    const auto of_quadrotor = Record(setup, steps);
+    setup.vehicle.layout = layout;
+    const double rotors = double(setup.vehicle.rotor_count());
+    setup.vehicle.mass_kg *= rotors / 4.0;
+    const auto samples = Record(setup, steps);
+    ASSERT_EQ(samples.size(), of_quadrotor.size());
+    ASSERT_EQ(samples[0].duty.size(), setup.vehicle.rotor_count());
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      // Rounding, added up over 2000 steps.
+      ASSERT_NEAR(samples[k].altitude_m(), of_quadrotor[k].altitude_m(), 1e-9) << name << k;
+      ASSERT_NEAR(samples[k].battery_A, rotors / 4.0 * of_quadrotor[k].battery_A, 1e-6) << name;
+      ASSERT_LT(std::abs(samples[k].angles_rad[0]) + std::abs(samples[k].angles_rad[1]), 1e-9);
+    }
+  }
+}
+
+// Roll, pitch and yaw of every layout go where they are commanded.
+TEST(Fly, EveryLayoutTurnsAsItIsTold) {
+  for (const auto& [layout, name] : OptionNames(RotorLayout{})) {
+    FlightSetup setup = Ideal(1.0);
+    setup.vehicle.layout = layout;
+    setup.vehicle.mass_kg *= double(setup.vehicle.rotor_count()) / 4.0;
+    if (RotorsOf(layout)[1].lower) setup.vehicle.lower_rotor_thrust_ratio = 0.9;
+    // Three poles at 8 rad/s: those of the thesis ring for seconds.
+    setup.gains.attitude = {.proportional = 192.0, .integral = 512.0, .derivative = 24.0};
+    FlightPlan plan;
+    plan.commands = {{0.0, {.altitude_m = 5.0, .hold_position = false}},
+                     {1.0,
+                      {.altitude_m = 5.0,
+                       .yaw_rad = 0.5,
+                       .hold_position = false,
+                       .roll_rad = 0.05,
+                       .pitch_rad = -0.08}}};
+    plan.duration_s = 6.0;
+    const auto samples = Record(setup, plan);
+    ASSERT_EQ(samples.size(), 1200u) << name;
+    EXPECT_NEAR(samples.back().angles_rad[0], 0.05, 5e-3) << name;
+    EXPECT_NEAR(samples.back().angles_rad[1], -0.08, 5e-3) << name;
+    EXPECT_NEAR(samples.back().angles_rad[2], 0.5, 5e-3) << name;
+    EXPECT_NEAR(samples.back().altitude_m(), 5.0, 0.05) << name;
+  }
+}
+
+TEST(Fly, LossesCostChargeAndNotControl) {
+  FlightSetup setup = Coupled();
+  const FlightPlan plan = For(AltitudeSteps().plan({}), 20.0);
+  const FlightResult without = Fly(setup, plan);
+  setup.vehicle.esc = {.resistance_Ohm = 0.02,
+                       .switching_time_s = 1e-7,
+                       .switching_frequency_Hz = 2e4,
+                       .diode_V = 0.3,
+                       .synchronous = false};
+  const FlightResult with = Fly(setup, plan);
+  ASSERT_EQ(with.outcome, Outcome::kCompleted);
+  EXPECT_GT(with.charge_C, 1.02 * without.charge_C);
+  EXPECT_LT(with.mse_altitude_m2, 4.0 * without.mse_altitude_m2);
+  // Inductance as a state gives the same flight.
+  setup.vehicle.armature_inductance_H = 1e-4;
+  setup.simulation.substeps = 20;
+  const FlightResult slow = Fly(setup, plan);
+  EXPECT_NEAR(slow.charge_C, with.charge_C, 2e-3 * with.charge_C);
+}
+
+TEST(Fly, FlightCodeFromOutsideFliesQuadrotorsOnAnX) {
+  struct Nothing : FlightCode {
+    void Reset(const MeasuredState&) override {}
+    PerMotor<double> Step(const FlightCommand&, const MeasuredState&) override { return {}; }
+    void ResetEstimator(const MeasuredState&, std::span<const SensorReadings>) override {}
+    MeasuredState Estimate(const SensorReadings&) override { return {}; }
+  } code;
+  FlightSetup setup = Ideal(1.0);
+  setup.flight_code = &code;
+  setup.vehicle.layout = RotorLayout::kHexaX;
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
+            "flight code from outside flies vehicles of the layout quad-x; mambo-thesis is a "
+            "hexa-x. Give another vehicle");
+}
+
 }  // namespace
 }  // namespace lipoid

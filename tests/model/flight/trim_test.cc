@@ -14,19 +14,23 @@ namespace {
 // Every rate of the plant at the trim, save the delivered charge's; accelerations of the rotors are
 // thousands of rad/s² when a millivolt is missing.
 double LargestRate(const Vehicle& vehicle, const Trim& trim, const Supply<double>& supply) {
-  const Plant plant(vehicle, {});
-  PlantState<double> x{};
-  x[plant::kPosition + 2] = -1.0;
-  for (std::size_t i = 0; i < 4; ++i) x[plant::kSpeeds + i] = trim.speed_rad_per_s;
-  PlantInputs<double> inputs;
-  inputs.duty.fill(trim.duty);
-  inputs.supply = supply;
-  PlantState<double> rate;
-  plant.Derivative(x, inputs, rate);
-  rate[plant::kCharge] = 0.0;
-  double largest = 0.0;
-  for (const double r : rate) largest = std::max(largest, std::abs(r));
-  return largest;
+  return ForRotorsOf(vehicle, [&](auto rotors) {
+    constexpr std::size_t kRotors = rotors;
+    const RotorPlant<kRotors> plant(vehicle, {});
+    PlantState<double, plant::States(kRotors)> x{};
+    x[plant::kPosition + 2] = -1.0;
+    for (std::size_t i = 0; i < kRotors; ++i) x[plant::kSpeeds + i] = trim.speed_rad_per_s;
+    PlantInputs<double, kRotors> inputs;
+    inputs.duty.fill(trim.duty);
+    inputs.supply = supply;
+    auto rate = x;
+    plant.Derivative(x, inputs, rate);
+    EXPECT_NEAR(rate[plant::Charge(kRotors)], trim.battery_A, 1e-9 * trim.battery_A);
+    rate[plant::Charge(kRotors)] = 0.0;
+    double largest = 0.0;
+    for (const double r : rate) largest = std::max(largest, std::abs(r));
+    return largest;
+  });
 }
 
 TEST(HoverTrim, IsAnEquilibriumOnAnIdealSource) {
@@ -108,6 +112,28 @@ TEST(HoverTrim, SaysThatASupplyIsTooWeak) {
   EXPECT_FALSE(soft.power_suffices);
   EXPECT_FALSE(soft.possible());
   EXPECT_DOUBLE_EQ(soft.battery_V, 2.1);
+}
+
+TEST(HoverTrim, IsAnEquilibriumOfEveryLayoutWithLossesAndAvionics) {
+  for (const auto& [layout, name] : OptionNames(RotorLayout{})) {
+    for (const bool synchronous : {true, false}) {
+      Vehicle vehicle = LoadVehicle("mambo-physical");
+      vehicle.layout = layout;
+      vehicle.mass_kg *= double(vehicle.rotor_count()) / 4.0;
+      if (RotorsOf(layout)[1].lower) vehicle.lower_rotor_thrust_ratio = 0.85;
+      vehicle.esc = {.resistance_Ohm = 0.02,
+                     .switching_time_s = 2e-7,
+                     .switching_frequency_Hz = 2e4,
+                     .diode_V = synchronous ? 0.0 : 0.3,
+                     .synchronous = synchronous};
+      vehicle.avionics_power_W = 0.5;
+      const Supply<double> supply{4.2, 0.05};
+      const Trim trim = HoverTrim(vehicle, supply);
+      EXPECT_TRUE(trim.possible()) << name;
+      // Rounding of speeds of 2000 rad/s with time constants of 18 ms.
+      EXPECT_LT(LargestRate(vehicle, trim, supply), 1e-8) << name;
+    }
+  }
 }
 
 }  // namespace

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/plant_flight.h"
@@ -122,6 +127,139 @@ TEST(Allocation, WhatNoMotorCanDoComesOutNegative) {
   const Vehicle v = LoadVehicle("mambo-thesis");
   const auto squares = SquaredSpeedsOf(v, Wrench<double>{{0.0, 0.0, 0.0}, -1.0});
   for (const double s : squares) EXPECT_LT(s, 0.0);
+}
+
+// Layouts of any number of rotors, coaxial pairs with lower rotors that push less.
+Vehicle WithLayout(RotorLayout layout) {
+  Vehicle v = LoadVehicle("mambo-physical");
+  v.layout = layout;
+  if (layout == RotorLayout::kY6 || layout == RotorLayout::kX8) v.lower_rotor_thrust_ratio = 0.8;
+  return v;
+}
+
+constexpr RotorLayout kLayouts[] = {RotorLayout::kQuadX,
+                                    RotorLayout::kQuadPlus,
+                                    RotorLayout::kHexaX,
+                                    RotorLayout::kHexaPlus,
+                                    RotorLayout::kOctoX,
+                                    RotorLayout::kOctoPlus,
+                                    RotorLayout::kY6,
+                                    RotorLayout::kX8};
+
+// Effectiveness by geometry: forces at their arms, and the reaction of each propeller's drag, which
+// turns the body against the propeller. z points down, so that clockwise from above is positive.
+Eigen::MatrixXd Effectiveness(const Vehicle& v) {
+  const auto rotors = RotorsOf(v.layout);
+  Eigen::MatrixXd b(4, Eigen::Index(rotors.size()));
+  for (std::size_t i = 0; i < rotors.size(); ++i) {
+    const Rotor& rotor = rotors[i];
+    const double force =
+        (rotor.lower ? v.lower_rotor_thrust_ratio : 1.0) * v.thrust_coefficient_N_s2;
+    const Eigen::Vector3d arm(v.arm_m * rotor.ahead, v.arm_m * rotor.right, 0.0);
+    Eigen::Vector3d torque = arm.cross(Eigen::Vector3d(0.0, 0.0, -force));
+    const bool clockwise = (rotor.turning > 0.0) == (v.front_right_turns == Turning::kClockwise);
+    torque[2] += (clockwise ? -1.0 : 1.0) * v.torque_coefficient_N_m_s2;
+    b.col(Eigen::Index(i)) << torque, force;
+  }
+  return b;
+}
+
+template <std::size_t R>
+void CheckAllocation(const Vehicle& v) {
+  const Eigen::MatrixXd b = Effectiveness(v);
+  ASSERT_EQ(b.cols(), Eigen::Index(R));
+  const Eigen::MatrixXd inverse = b.completeOrthogonalDecomposition().pseudoInverse();
+  const double weight_N = v.mass_kg * kGravity_m_per_s2;
+  const double hover_squared = weight_N / v.total_thrust_coefficient_N_s2();
+  std::mt19937 engine(kSeed);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::Vector4d wanted(share(engine) * 0.1 * v.arm_m * weight_N,
+                           share(engine) * 0.1 * v.arm_m * weight_N,
+                           share(engine) * 1e-3 * v.arm_m * weight_N,
+                           weight_N * (1.0 + 0.3 * share(engine)));
+    const auto squares =
+        SquaredSpeedsOf<R>(v, Wrench<double>{{wanted[0], wanted[1], wanted[2]}, wanted[3]});
+    const auto s = test::AsEigen(squares);
+    const Eigen::Vector4d given = b * s;
+    const auto wrench = WrenchOf<double, R>(v, squares);
+    // Sums of R terms, of which each may be as large as weight times arm.
+    const double rounding = 64.0 * kEpsilon * weight_N;
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_NEAR(given[k], wanted[k], rounding * v.arm_m) << k;
+      ASSERT_NEAR(wrench.torque_N_m[std::size_t(k)], wanted[k], rounding * v.arm_m) << k;
+    }
+    ASSERT_NEAR(given[3], wanted[3], rounding);
+    ASSERT_NEAR(wrench.thrust_N, wanted[3], rounding);
+    if (v.lower_rotor_thrust_ratio == 1.0) {
+      const Eigen::VectorXd least = inverse * wanted;
+      ASSERT_LT((least - s).cwiseAbs().maxCoeff(), 256.0 * kEpsilon * hover_squared);
+    }
+  }
+  for (const double square : SquaredSpeedsOf<R>(v, Wrench<double>{{0.0, 0.0, 0.0}, weight_N})) {
+    EXPECT_NEAR(square, hover_squared, 8.0 * kEpsilon * hover_squared);
+  }
+}
+
+TEST(Allocation, EveryLayoutGivesTheWrenchThatIsWantedWithTheLeastSquares) {
+  for (const RotorLayout layout : kLayouts) {
+    for (const Turning turning : {Turning::kClockwise, Turning::kCounterClockwise}) {
+      SCOPED_TRACE(OptionNames(RotorLayout{})[std::size_t(layout)].second);
+      Vehicle v = WithLayout(layout);
+      v.front_right_turns = turning;
+      if (v.rotor_count() == 4) CheckAllocation<4>(v);
+      if (v.rotor_count() == 6) CheckAllocation<6>(v);
+      if (v.rotor_count() == 8) CheckAllocation<8>(v);
+    }
+  }
+}
+
+// Any change of the squares that leaves the wrench makes the sum of f_i s_i² larger.
+TEST(Allocation, CoaxialPairsShareSoThatTheWeightedSquaresAreLeast) {
+  for (const RotorLayout layout : {RotorLayout::kY6, RotorLayout::kX8}) {
+    const Vehicle v = WithLayout(layout);
+    const Eigen::MatrixXd b = Effectiveness(v);
+    std::vector<double> squares(v.rotor_count());
+    Allocate<double>(v, Wrench<double>{{0.01, -0.02, 1e-4}, 0.6}, squares);
+    const Eigen::MatrixXd rest = b.fullPivLu().kernel();  // what no wrench sees
+    ASSERT_EQ(rest.cols(), b.cols() - 4);
+    for (Eigen::Index j = 0; j < rest.cols(); ++j) {
+      double slope = 0.0;
+      double size = 0.0;
+      for (std::size_t i = 0; i < squares.size(); ++i) {
+        const double term =
+            (RotorsOf(layout)[i].lower ? 0.8 : 1.0) * squares[i] * rest(Eigen::Index(i), j);
+        slope += term;
+        size += std::abs(term);
+      }
+      EXPECT_LT(std::abs(slope), 1e-12 * size) << j;
+    }
+  }
+}
+
+TEST(Allocation, TheEquivalentQuadrotorWorksItsMotorsAsHard) {
+  for (const RotorLayout layout : kLayouts) {
+    const Vehicle v = WithLayout(layout);
+    const Vehicle quad = EquivalentQuadrotor(v);
+    const auto hardest = [](const Vehicle& of, int axis, double acceleration) {
+      std::vector<double> squares(of.rotor_count());
+      Wrench<double> wrench{};
+      if (axis < 3) {
+        wrench.torque_N_m[std::size_t(axis)] = of.inertia_kg_m2[std::size_t(axis)] * acceleration;
+      } else {
+        wrench.thrust_N = of.mass_kg * acceleration;
+      }
+      Allocate<double>(of, wrench, squares);
+      double most = 0.0;
+      for (const double s : squares) most = std::max(most, std::abs(s));
+      return most;
+    };
+    for (int axis = 0; axis < 4; ++axis) {
+      const double of_vehicle = hardest(v, axis, 1.0);
+      EXPECT_NEAR(hardest(quad, axis, 1.0), of_vehicle, 16.0 * kEpsilon * of_vehicle)
+          << OptionNames(RotorLayout{})[std::size_t(layout)].second << ", axis " << axis;
+    }
+  }
 }
 
 }  // namespace

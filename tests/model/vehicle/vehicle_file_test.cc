@@ -226,10 +226,17 @@ TEST(VehicleFile, ReadsFilesByNameAndShippedOnesByTheirs) {
   EXPECT_EQ(LoadVehicle(file).name, "test");
   EXPECT_EQ(ReadVehicleFile(file).mass_kg, 0.5);
   EXPECT_EQ(ShippedVehicleNames(),
-            (std::vector<std::string>{"mambo-coupled", "mambo-physical", "mambo-thesis"}));
+            (std::vector<std::string>{"camera-10in",
+                                      "f450",
+                                      "hexacopter",
+                                      "mambo-coupled",
+                                      "mambo-physical",
+                                      "mambo-thesis",
+                                      "racer-5in"}));
   EXPECT_EQ(test::MessageOf<LoadError>([] { (void)LoadVehicle("mambo"); }),
             "mambo: error: expected a vehicle file or one of the shipped vehicles "
-            "(mambo-coupled, mambo-physical, mambo-thesis), found neither");
+            "(camera-10in, f450, hexacopter, mambo-coupled, mambo-physical, mambo-thesis, "
+            "racer-5in), found neither");
   EXPECT_EQ(test::MessageOf<LoadError>([] { (void)LoadVehicle("no/such.toml"); }),
             "no/such.toml: error: expected a readable file, found none (No such file or "
             "directory)");
@@ -282,7 +289,9 @@ TEST(VehicleFile, ShippedVehiclesSayWhereEveryNumberIsFrom) {
       if (value.is_string() || value.is_table()) continue;
       EXPECT_TRUE(source.contains(key.str())) << key.str();
     }
-    EXPECT_EQ(source.size() + 3, document.size());  // name, summary and source itself
+    for (const auto& [key, value] : source) {
+      EXPECT_TRUE(document.contains(key.str())) << key.str();
+    }
   }
 }
 

@@ -84,7 +84,7 @@ export function parameters({ summary, cautions }) {
   const sentence = summary.trust?.sentence;
   return section(
     "Parameters",
-    sentence ? element("p", {}, `${sentence}.`) : null,
+    sentence ? element("p", {}, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`) : null,
     cautions.parameters.map((text) => notice("warning", text)),
     table(columns, rows, { sort: true, caption: "Estimates with 95 % intervals; “unknown” is an error without limit" }),
     alone.length > 0

@@ -1,0 +1,56 @@
+#pragma once
+
+/// @file
+/// The unknowns of one flight, by least squares that knows how its errors are correlated and what
+/// was known before.
+///
+///   minimize (v - v^(x))' S^-1 (v - v^(x)) + (x - m)' P^-1 (x - m)
+///
+/// v are the voltages of the windows of flight_samples.h, m and P what the reference and its spread
+/// say before the flight. S is the covariance of the errors, white and two processes of
+/// coloured_noise.h whose deviations and time constants make the voltages most likely, with the
+/// unknowns integrated out (the marginal likelihood, to second order). What is to be believed of x is
+/// then the inverse of the normal matrix. The lag of the voltage is searched over a grid, because the
+/// cost has as many minima in it as the current has edges. Tests:
+/// tests/identify/health/coverage_test.cc.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/health/coloured_noise.h"
+#include "identify/health/flight_model.h"
+#include "identify/health/flight_samples.h"
+
+namespace lipoid {
+
+/// What is known of the sensors before a flight, as standard deviations.
+struct SensorSpread {
+  double current_scale = 0.06;  ///< true over shown current, less 1: uniform within 10 %
+  double offset_share = 0.01;   ///< of the largest current
+  double least_offset_A = 0.05;
+  double lag_s = 0.5;
+};
+
+struct FlightFit {
+  bool converged = false;
+  Eigen::VectorXd unknowns;    ///< those of flight_model.h
+  Eigen::MatrixXd covariance;  ///< of them
+  Eigen::VectorXd prior_deviation;
+  double lag_s = 0.0;
+  double lag_deviation_s = 0.0;
+  ColouredNoise noise;
+  bool starts_at_rest = false;
+  double mean_error_percent = 0.0;  ///< of the rows whose voltage is new
+  double max_error_percent = 0.0;
+  double charge_C = 0.0;  ///< from the first row to the last, as shown
+  double duration_s = 0.0;
+  Eigen::VectorXd soc;        ///< at every row, while its current flows
+  Eigen::VectorXd voltage_V;  ///< predicted, at every row
+};
+
+[[nodiscard]] FlightFit FitFlight(const ReferenceCell& reference,
+                                  const FlightSamples& flight,
+                                  const FlightModel& model,
+                                  const SensorSpread& sensors);
+
+}  // namespace lipoid

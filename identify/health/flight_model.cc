@@ -1,0 +1,215 @@
+#include "identify/health/flight_model.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "model/battery/record_stepper.h"
+
+namespace lipoid {
+namespace {
+
+using U = FlightUnknowns;
+using Jet = ceres::Jet<double, U::kCount>;
+
+double Exp(double x) { return std::exp(x); }
+Jet Exp(const Jet& x) { return ceres::exp(x); }
+
+template <class T>
+std::vector<T> As(const std::vector<double>& values) {
+  std::vector<T> as;
+  for (const double value : values) as.push_back(T(value));
+  return as;
+}
+
+template <class T>
+Resistance<T> Scaled(const Resistance<double>& resistance, const T& factor) {
+  Resistance<T> scaled;
+  scaled.soc = resistance.soc;
+  scaled.resistance_Ohm.clear();
+  for (const double value_Ohm : resistance.resistance_Ohm)
+    scaled.resistance_Ohm.push_back(factor * value_Ohm);
+  return scaled;
+}
+
+// The reference with the unknowns in it.
+template <class T>
+CellParameters<T> WithUnknowns(const CellParameters<double>& p, const std::vector<T>& x) {
+  const T series = Exp(x[U::kSeries]);
+  const T branches = Exp(x[U::kBranches]);
+  const T slower = Exp(x[U::kTau]);
+  CellParameters<T> q;
+  q.alpha_C = p.alpha_C * Exp(x[U::kCapacity]);
+  q.diffusion = p.diffusion;
+  q.beta_per_sqrt_s = p.beta_per_sqrt_s * Exp(x[U::kBeta]);
+  q.terms = p.terms;
+  q.tail = p.tail;
+  q.series_resistance_Ohm = Scaled(p.series_resistance_Ohm, series);
+  for (const auto& branch : p.branches)
+    q.branches.push_back(
+        {Scaled(branch.resistance_Ohm, branches), slower * branch.time_constant_s});
+  q.open_circuit_voltage = p.open_circuit_voltage;
+  if (p.self_heating) {
+    q.self_heating = SelfHeating<T>{T(p.self_heating->time_constant_s),
+                                    series * p.self_heating->resistance_drop_Ohm_per_A2};
+  }
+  if (p.charge_transfer) {
+    q.charge_transfer = ChargeTransfer<T>{T(p.charge_transfer->current_A),
+                                          Scaled(p.charge_transfer->resistance_Ohm, series)};
+  }
+  if (p.temperature) {
+    const auto& t = *p.temperature;
+    auto& term = q.temperature.emplace();
+    term.reference_K = t.reference_K;
+    term.series_J_per_mol = T(t.series_J_per_mol);
+    term.branches_J_per_mol = As<T>(t.branches_J_per_mol);
+    term.diffusion_J_per_mol = T(t.diffusion_J_per_mol);
+    term.charge_transfer_J_per_mol = T(t.charge_transfer_J_per_mol);
+    if (t.heat) {
+      term.heat = HeatBalance<T>{t.heat->heat_capacity_J_per_K * Exp(-x[U::kWarming]),
+                                 t.heat->thermal_resistance_K_per_W * Exp(x[U::kWarming])};
+    }
+    if (t.entropy) {
+      auto& entropy = term.entropy.emplace();
+      entropy.soc = t.entropy->soc;
+      entropy.slope_V_per_K = As<T>(t.entropy->slope_V_per_K);
+      entropy.reversible_heat = t.entropy->reversible_heat;
+    }
+  }
+  if (p.hysteresis) {
+    auto& hysteresis = q.hysteresis.emplace();
+    hysteresis.folds = T(p.hysteresis->folds);
+    hysteresis.soc = p.hysteresis->soc;
+    hysteresis.half_V = As<T>(p.hysteresis->half_V);
+  }
+  return q;
+}
+
+template <class T>
+typename CellModel<T>::State StartOf(const CellModel<T>& model,
+                                     const std::vector<T>& x,
+                                     double mean_A,
+                                     const Surroundings& among) {
+  auto state = model.Relaxed(x[U::kStart]);
+  const auto& p = model.parameters();
+  const T share_A = x[U::kBefore] * mean_A;
+  for (std::size_t m = 0; m < state.unavailable_C.size(); ++m) {
+    const auto place = static_cast<double>(m + 1);
+    state.unavailable_C[m] =
+        share_A / (place * place * p.beta_per_sqrt_s * p.beta_per_sqrt_s);  // (4.46), settled
+  }
+  for (std::size_t j = 0; j < state.branch_V.size(); ++j)
+    state.branch_V[j] = share_A * p.branches[j].resistance_Ohm(x[U::kStart]);
+  if (p.temperature) {
+    const double reference_degC = p.temperature->reference_K - kZeroCelsius_K;
+    const double ambient_degC = among.ambient_degC.value_or(reference_degC);
+    const double first_degC = !among.measured_degC.empty()
+                                  ? among.measured_degC[0]
+                                  : among.initial_degC.value_or(ambient_degC);
+    state.temperature_K = T(first_degC + kZeroCelsius_K);
+    if (among.measured_degC.empty()) state.ambient_K = T(ambient_degC + kZeroCelsius_K);
+  }
+  return state;
+}
+
+// visit(k, soc, voltage) at every row.
+template <class T, class Visit>
+void Walk(const CellParameters<double>& parameters,
+          const std::vector<T>& x,
+          const Record& record,
+          double mean_A,
+          const Surroundings& among,
+          Visit&& visit) {
+  const CellModel<T> model(WithUnknowns(parameters, x));
+  RecordStepper<T> stepper(model, record.hold, StartOf(model, x, mean_A, among));
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const T current_A = (T(1.0) + x[U::kScale]) * (T(record.current_A[k]) - x[U::kOffset_A]);
+    stepper.Row(record.time_s[k], current_A);
+    if (!among.measured_degC.empty())
+      stepper.SetTemperature(T(among.measured_degC[k] + kZeroCelsius_K));
+    visit(k, stepper.Soc(), stepper.Voltage());
+  }
+}
+
+struct CurveShare {
+  int lower;
+  double upper_share;
+};
+CurveShare ShareOf(double soc) {
+  const double place = std::clamp(soc, 0.0, 1.0) * (kCurveNodes - 1);
+  const int lower = std::min(static_cast<int>(place), kCurveNodes - 2);
+  return {lower, place - lower};
+}
+
+}  // namespace
+
+FlightModel::FlightModel(const ReferenceCell& reference,
+                         const Record& record,
+                         const Surroundings& among)
+    : reference_(reference), record_(record), among_(among) {
+  Eigen::MatrixXd covariance(kCurveNodes, kCurveNodes);
+  for (int a = 0; a < kCurveNodes; ++a) {
+    for (int b = 0; b < kCurveNodes; ++b) {
+      const double apart = (a - b) / (kCurveNodes - 1.0) / reference.spread.curve_length;
+      covariance(a, b) = std::exp(-0.5 * apart * apart);
+    }
+    covariance(a, a) += 1e-6;
+  }
+  curve_ = reference.spread.curve_V * Eigen::MatrixXd(covariance.llt().matrixL());
+  double charge_C = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k)
+    charge_C += record.current_A[k] * (record.time_s[k] - record.time_s[k - 1]);
+  if (record.size() > 1) mean_A_ = charge_C / (record.time_s.back() - record.time_s.front());
+}
+
+FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
+  std::vector<Jet> x;
+  for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
+  const Eigen::VectorXd nodes_V = curve_ * unknowns.segment(U::kCount, kCurveNodes);
+  const auto rows = static_cast<Eigen::Index>(record_.size());
+  FlightPrediction out{Eigen::VectorXd(rows), Eigen::MatrixXd(rows, size()), Eigen::VectorXd(rows)};
+  Walk(reference_.cell.Parameters(),
+       x,
+       record_,
+       mean_A_,
+       among_,
+       [&](std::size_t row, const Jet& soc, const Jet& voltage_V) {
+         const auto k = static_cast<Eigen::Index>(row);
+         const auto [lower, share] = ShareOf(soc.a);
+         const double rise_V = nodes_V[lower + 1] - nodes_V[lower];
+         const bool within = soc.a > 0.0 && soc.a < 1.0;
+         out.soc[k] = soc.a;
+         out.voltage_V[k] = voltage_V.a + nodes_V[lower] + share * rise_V;
+         const double curve_slope_V = within ? rise_V * (kCurveNodes - 1) : 0.0;
+         out.slope.row(k).head(U::kCount) = (voltage_V.v + curve_slope_V * soc.v).transpose();
+         out.slope.row(k).tail(kCurveNodes) =
+             (1.0 - share) * curve_.row(lower) + share * curve_.row(lower + 1);
+       });
+  return out;
+}
+
+Eigen::VectorXd FlightModel::VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const {
+  const std::vector<double> x(unknowns.data(), unknowns.data() + U::kCount);
+  Eigen::VectorXd voltage_V(static_cast<Eigen::Index>(record_.size()));
+  Walk(cell.Parameters(), x, record_, mean_A_, among_, [&](std::size_t k, double, double v) {
+    voltage_V[static_cast<Eigen::Index>(k)] = v;
+  });
+  return voltage_V;
+}
+
+ResistanceAt FlightModel::StepResistance(const Eigen::VectorXd& unknowns,
+                                         double soc,
+                                         double current_A) const {
+  std::vector<Jet> x;
+  for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
+  const CellModel<Jet> model(WithUnknowns(reference_.cell.Parameters(), x));
+  const auto rest = model.Relaxed(Jet(soc));
+  const Jet drop_V = model.Voltage(rest, Jet(0.0)) - model.Voltage(rest, Jet(current_A));
+  ResistanceAt at{drop_V.a / current_A, Eigen::VectorXd::Zero(size())};
+  at.slope.head(U::kCount) = drop_V.v / drop_V.a;
+  return at;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,78 @@
+#pragma once
+
+/// @file
+/// The voltage of a cell along a flight, with exact slopes in what a flight is asked.
+///
+/// The cell is that of cell_model.h; its parameters and the measured current become functions of the
+/// unknowns below, and automatic differentiation carries their slopes. The curve v_oc(A) may be off
+/// by a smooth function of A, a Gaussian process at kCurveNodes nodes with straight lines between
+/// them; its coordinates, and those of the reference's own uncertainty, follow the unknowns, each in
+/// units of its standard deviation. Tests: tests/identify/health/flight_model_test.cc.
+
+#include <Eigen/Core>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "identify/health/reference_cell.h"
+#include "identify/logs/record.h"
+#include "model/battery/prediction.h"
+
+namespace lipoid {
+
+/// What is unknown of one flight.
+struct FlightUnknowns {
+  enum : int {
+    kStart,     ///< state of charge at the first row
+    kCapacity,  ///< logarithm of alpha over the reference's
+    kSeries,    ///< of r_s and r_ct
+    kBranches,  ///< of every r_j
+    kBeta,      ///< of beta
+    kTau,       ///< of every tau_j
+    kScale,     ///< true current over shown current, less 1
+    kOffset_A,  ///< shown current where none flows
+    kWarming,   ///< logarithm of the temperature rise over the reference's, by the same heat
+    kBefore,    ///< share of the settled drops of the mean current that is there at the first row
+    kCount
+  };
+};
+
+inline constexpr int kCurveNodes = 11;  ///< at A = 0, 0.1, ..., 1
+
+struct FlightPrediction {
+  Eigen::VectorXd voltage_V;  ///< at every row
+  Eigen::MatrixXd slope;      ///< rows x (FlightUnknowns::kCount + kCurveNodes)
+  Eigen::VectorXd soc;        ///< at every row
+};
+
+struct ResistanceAt {
+  double resistance_Ohm = 0.0;
+  Eigen::VectorXd slope;  ///< of its logarithm, in the unknowns
+};
+
+class FlightModel {
+ public:
+  /// The record is that of one cell and outlives the model.
+  FlightModel(const ReferenceCell& reference, const Record& record, const Surroundings& among);
+
+  [[nodiscard]] int size() const { return FlightUnknowns::kCount + kCurveNodes; }
+  [[nodiscard]] FlightPrediction Predict(const Eigen::VectorXd& unknowns) const;
+
+  /// The voltage of another cell, say one with other parameters, at these unknowns.
+  [[nodiscard]] Eigen::VectorXd VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const;
+
+  /// What a step from rest to current_A shows at once, over the current, at the reference
+  /// temperature.
+  [[nodiscard]] ResistanceAt StepResistance(const Eigen::VectorXd& unknowns,
+                                            double soc,
+                                            double current_A) const;
+
+ private:
+  const ReferenceCell& reference_;
+  const Record& record_;
+  Surroundings among_;
+  double mean_A_ = 0.0;
+  Eigen::MatrixXd curve_;  // node voltages of unit coordinates: nodes x coordinates
+};
+
+}  // namespace lipoid

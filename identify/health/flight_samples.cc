@@ -1,0 +1,251 @@
+#include "identify/health/flight_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/logs/flight/updates.h"
+#include "identify/logs/gaps.h"
+#include "model/statistics/order_statistics.h"
+
+namespace lipoid {
+namespace {
+
+// Rows closer together are averaged: nothing in a cell that a flight log can show is faster.
+constexpr double kShortestStep_s = 0.05;
+// Windows that are fitted. More add no information but take longer.
+constexpr std::size_t kMostWindows = 2500;
+constexpr double kLongestWindow_s = 5.0;
+// A last row whose voltage has left by this much while no more current flows was measured while the
+// plug was pulled.
+constexpr double kUnpluggedFall = 0.03;
+constexpr std::size_t kUnplugRows = 3;
+
+Record Thinned(const Record& record) {
+  Record thin;
+  thin.file = record.file;
+  thin.hold = record.hold;
+  const bool warm = !record.temperature_degC.empty();
+  const double row_s = MedianInterval(record.time_s);
+  if (row_s >= kShortestStep_s) {
+    for (std::size_t k = 0; k < record.size(); ++k) {
+      thin.time_s.push_back(record.time_s[k]);
+      thin.current_A.push_back(record.current_A[k]);
+      thin.voltage_V.push_back(record.voltage_V[k]);
+      if (warm) thin.temperature_degC.push_back(record.temperature_degC[k]);
+    }
+    return thin;
+  }
+  for (std::size_t k = 0; k < record.size();) {
+    const double end_s = record.time_s[k] + kShortestStep_s;
+    double rows = 0.0, time_s = 0.0, current_A = 0.0, voltage_V = 0.0, temperature_degC = 0.0;
+    for (; k < record.size() && (rows == 0.0 || record.time_s[k] < end_s); ++k) {
+      rows += 1.0;
+      time_s += record.time_s[k];
+      current_A += record.current_A[k];
+      voltage_V += record.voltage_V[k];
+      if (warm) temperature_degC += record.temperature_degC[k];
+    }
+    thin.time_s.push_back(time_s / rows);
+    thin.current_A.push_back(current_A / rows);
+    thin.voltage_V.push_back(voltage_V / rows);
+    if (warm) thin.temperature_degC.push_back(temperature_degC / rows);
+  }
+  return thin;
+}
+
+std::size_t TrimUnplugging(Record& record) {
+  std::size_t dropped = 0;
+  while (dropped < kUnplugRows && record.size() > 10) {
+    const std::size_t last = record.size() - 1;
+    std::vector<double> before;
+    for (std::size_t k = last - 5; k < last; ++k) before.push_back(record.voltage_V[k]);
+    const double usual_V = Median(std::move(before));
+    const bool fell = record.voltage_V[last] < (1.0 - kUnpluggedFall) * usual_V;
+    if (!fell || record.current_A[last] > record.current_A[last - 1]) break;
+    for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+      column->resize(last);
+    if (!record.temperature_degC.empty()) record.temperature_degC.resize(last);
+    ++dropped;
+  }
+  return dropped;
+}
+
+// Rows with a new voltage; while the voltage stays the same longer than its update, a row each
+// update.
+std::vector<std::size_t> FreshRows(const Record& record, double update_s) {
+  std::vector<std::size_t> rows;
+  const double row_s = MedianInterval(record.time_s);
+  const bool staircase = update_s > 1.5 * row_s;
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const bool changed = k == 0 || record.voltage_V[k] != record.voltage_V[k - 1];
+    if (staircase && !changed && record.time_s[k] - last_s < 1.2 * update_s) continue;
+    rows.push_back(k);
+    last_s = record.time_s[k];
+  }
+  return rows;
+}
+
+// Interpolates at rising times.
+class Follower {
+ public:
+  explicit Follower(const Column& time_s) : time_s_(time_s) {}
+  /// The row before, and the share of the next.
+  std::pair<std::size_t, double> operator()(double at_s) {
+    while (k_ + 2 < time_s_.size() && time_s_[k_ + 1] <= at_s) ++k_;
+    while (k_ > 0 && time_s_[k_] > at_s) --k_;
+    const double share = (at_s - time_s_[k_]) / (time_s_[k_ + 1] - time_s_[k_]);
+    return {k_, std::clamp(share, 0.0, 1.0)};
+  }
+
+ private:
+  const Column& time_s_;
+  std::size_t k_ = 0;
+};
+
+using Windows = std::vector<std::pair<std::size_t, std::size_t>>;
+
+Windows MakeWindows(const Record& record, const std::vector<std::size_t>& fresh, double window_s) {
+  Windows windows;
+  for (std::size_t f = 0; f < fresh.size();) {
+    const double end_s = record.time_s[fresh[f]] + window_s;
+    const std::size_t first = f++;
+    while (f < fresh.size() && record.time_s[fresh[f]] < end_s) ++f;
+    windows.emplace_back(first, f);
+  }
+  return windows;
+}
+
+struct Coherence {
+  double correlation = 0.0;
+  double resistance_Ohm = 0.0;
+};
+
+// How the changes of the voltage from window to window follow those of the current.
+Coherence CoherenceAt(const Record& record,
+                      const std::vector<std::size_t>& fresh,
+                      const Windows& windows,
+                      double lag_s) {
+  Follower follow(record.time_s);
+  double vv = 0.0, vi = 0.0, ii = 0.0;
+  double before_V = 0.0, before_A = 0.0;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    double voltage_V = 0.0, current_A = 0.0;
+    for (std::size_t f = windows[w].first; f < windows[w].second; ++f) {
+      voltage_V += record.voltage_V[fresh[f]];
+      const auto [row, share] = follow(record.time_s[fresh[f]] - lag_s);
+      current_A += (1.0 - share) * record.current_A[row] + share * record.current_A[row + 1];
+    }
+    const auto rows = static_cast<double>(windows[w].second - windows[w].first);
+    voltage_V /= rows;
+    current_A /= rows;
+    if (w > 0) {
+      const double dv = voltage_V - before_V, di = current_A - before_A;
+      vv += dv * dv;
+      vi += dv * di;
+      ii += di * di;
+    }
+    before_V = voltage_V;
+    before_A = current_A;
+  }
+  if (!(vv > 0.0 && ii > 0.0)) return {};
+  return {-vi / std::sqrt(vv * ii), std::max(0.0, -vi / ii)};
+}
+
+void ChooseWindows(FlightSamples& flight) {
+  const Record& record = flight.record;
+  const double row_s = MedianInterval(record.time_s);
+  const double slower_s = std::max({flight.voltage_update_s, flight.current_update_s, row_s});
+  const double step_s = std::clamp(0.25 * slower_s, 0.01, 0.1);
+  double window_s = 0.0;
+  Windows chosen;
+  for (double try_s = 0.0; try_s <= kLongestWindow_s; try_s = std::max(slower_s, 2.0 * try_s)) {
+    const Windows windows = MakeWindows(record, flight.fresh, try_s);
+    if (windows.size() < 20) break;
+    for (double lag_s = -kLargestLag_s; lag_s <= kLargestLag_s; lag_s += step_s) {
+      const Coherence at = CoherenceAt(record, flight.fresh, windows, lag_s);
+      // A longer window must be clearly better.
+      constexpr double kClearly = 0.005;
+      const bool same_window = try_s == window_s && !chosen.empty();
+      if (at.correlation > flight.coherence + (same_window ? 0.0 : kClearly)) {
+        flight.coherence = at.correlation;
+        flight.lag_s = lag_s;
+        flight.edge_resistance_Ohm = at.resistance_Ohm;
+        window_s = try_s;
+        chosen = windows;
+      }
+    }
+    if (flight.coherence >= kCoherentEnough) break;
+  }
+  const double duration_s = record.time_s.back() - record.time_s.front();
+  if (chosen.size() > kMostWindows || chosen.empty()) {
+    window_s = std::max(window_s, duration_s / static_cast<double>(kMostWindows));
+    chosen = MakeWindows(record, flight.fresh, window_s);
+  }
+  flight.window_s = window_s;
+  flight.windows = std::move(chosen);
+}
+
+}  // namespace
+
+FlightSamples SampleFlight(const Log& log) {
+  FlightSamples flight;
+  flight.record = Thinned(log.record);
+  Record& record = flight.record;
+  flight.dropped_rows = TrimUnplugging(record);
+  flight.voltage_update_s = UpdateInterval(record.time_s, record.voltage_V);
+  flight.current_update_s = UpdateInterval(record.time_s, record.current_A);
+  for (std::size_t k = 0; k < record.size(); ++k)
+    flight.largest_A = std::max(flight.largest_A, std::abs(record.current_A[k]));
+  for (const Gap& gap : FindGaps(record)) flight.gap_C += gap.unknown_C;
+  flight.fresh = FreshRows(record, flight.voltage_update_s);
+  ChooseWindows(flight);
+  flight.voltage_V.resize(static_cast<Eigen::Index>(flight.windows.size()));
+  for (std::size_t w = 0; w < flight.windows.size(); ++w) {
+    const auto [first, end] = flight.windows[w];
+    double time_s = 0.0, voltage_V = 0.0;
+    for (std::size_t f = first; f < end; ++f) {
+      time_s += record.time_s[flight.fresh[f]];
+      voltage_V += record.voltage_V[flight.fresh[f]];
+    }
+    flight.time_s.push_back(time_s / static_cast<double>(end - first));
+    flight.voltage_V[static_cast<Eigen::Index>(w)] = voltage_V / static_cast<double>(end - first);
+  }
+  return flight;
+}
+
+Eigen::MatrixXd FlightSamples::InWindows(const Eigen::MatrixXd& at_rows, double after_s) const {
+  Eigen::MatrixXd in = Eigen::MatrixXd::Zero(voltage_V.size(), at_rows.cols());
+  Follower follow(record.time_s);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const auto [first, end] = windows[w];
+    auto sum = in.row(static_cast<Eigen::Index>(w));
+    for (std::size_t f = first; f < end; ++f) {
+      const auto [row, share] = follow(record.time_s[fresh[f]] - after_s);
+      const auto at = static_cast<Eigen::Index>(row);
+      sum += (1.0 - share) * at_rows.row(at) + share * at_rows.row(at + 1);
+    }
+    sum /= static_cast<double>(end - first);
+  }
+  return in;
+}
+
+Eigen::VectorXd FlightSamples::LagSlope(const Eigen::VectorXd& at_rows, double after_s) const {
+  const double half_s = 0.5 * std::max(MedianInterval(record.time_s), 0.5 * window_s);
+  return (InWindows(at_rows, after_s + half_s) - InWindows(at_rows, after_s - half_s)) /
+         (2.0 * half_s);
+}
+
+Eigen::VectorXd FlightSamples::AtFresh(const Eigen::VectorXd& at_rows, double after_s) const {
+  Eigen::VectorXd at(static_cast<Eigen::Index>(fresh.size()));
+  Follower follow(record.time_s);
+  for (std::size_t f = 0; f < fresh.size(); ++f) {
+    const auto [row, share] = follow(record.time_s[fresh[f]] - after_s);
+    const auto k = static_cast<Eigen::Index>(row);
+    at[static_cast<Eigen::Index>(f)] = (1.0 - share) * at_rows[k] + share * at_rows[k + 1];
+  }
+  return at;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,57 @@
+#pragma once
+
+/// @file
+/// What of a flight log is compared with a prediction, and where in time.
+///
+/// An autopilot samples voltage and current by turns, repeats values until new ones come, and its
+/// filters delay one against the other. A row's voltage then belongs to another instant than its
+/// current, and single rows show a resistance that is too small. The rows whose voltage is new are
+/// therefore averaged over windows: the shortest ones over which the changes of the voltage follow
+/// those of the current, after the lag with which they follow best. Tests:
+/// tests/identify/health/flight_samples_test.cc.
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/logs/log.h"
+
+namespace lipoid {
+
+struct FlightSamples {
+  Record record;                   ///< rows at which the cell is stepped
+  std::vector<std::size_t> fresh;  ///< rows of it whose voltage is new
+  /// Of `fresh`, [first, second) for each window, in order.
+  std::vector<std::pair<std::size_t, std::size_t>> windows;
+  std::vector<double> time_s;  ///< of each window, its mean
+  Eigen::VectorXd voltage_V;   ///< of each window, its mean
+  double voltage_update_s = 0.0;
+  double current_update_s = 0.0;
+  double window_s = 0.0;             ///< 0: single rows
+  double lag_s = 0.0;                ///< of the voltage after the current, where they follow best
+  double coherence = 0.0;            ///< correlation of their changes there, with the sign turned
+  double edge_resistance_Ohm = 0.0;  ///< what those changes show, at least 0
+  double largest_A = 0.0;
+  double gap_C = 0.0;            ///< that may have flowed in gaps between the rows
+  std::size_t dropped_rows = 0;  ///< at the end, while the plug was pulled
+
+  /// Values at all rows of the record as the windows see them: taken `after_s` earlier, with straight
+  /// lines between rows, and averaged.
+  [[nodiscard]] Eigen::MatrixXd InWindows(const Eigen::MatrixXd& at_rows, double after_s) const;
+  /// The slope of that in the lag.
+  [[nodiscard]] Eigen::VectorXd LagSlope(const Eigen::VectorXd& at_rows, double after_s) const;
+  /// The same values at the rows of `fresh`.
+  [[nodiscard]] Eigen::VectorXd AtFresh(const Eigen::VectorXd& at_rows, double after_s) const;
+};
+
+/// Windows grow until the changes agree so well, within the lag; below the second, they do not.
+inline constexpr double kCoherentEnough = 0.97;
+inline constexpr double kCoherent = 0.9;
+/// The largest lag that is looked for, either way.
+inline constexpr double kLargestLag_s = 1.5;
+
+/// The log is that of one cell, with a voltage.
+[[nodiscard]] FlightSamples SampleFlight(const Log& log);
+
+}  // namespace lipoid

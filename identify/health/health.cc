@@ -1,0 +1,299 @@
+#include "identify/health/health.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/logs/plausibility.h"
+#include "identify/logs/segments.h"
+#include "model/core/errors.h"
+#include "model/core/parallel.h"
+#include "model/statistics/student.h"
+
+namespace lipoid {
+namespace {
+
+using U = FlightUnknowns;
+
+// Standard deviations to either side; the deviations are themselves estimated, from few independent
+// slow errors.
+constexpr double kFreedom = 12.0;
+
+// A flight that tells less than this of a logarithm tells nothing that a guess does not.
+constexpr double kUselessCapacity = 0.3;
+constexpr double kUselessResistance = 0.4;
+
+WithInterval Symmetric(double value, double deviation) {
+  const double reach = Reach95(kFreedom) * deviation;
+  return {value, value - reach, value + reach, {}};
+}
+
+WithInterval Logarithmic(double value, double deviation) {
+  const double factor = std::exp(Reach95(kFreedom) * deviation);
+  return {value, value / factor, value * factor, {}};
+}
+
+WithInterval Unknown(std::string because) { return {.unknown_because = std::move(because)}; }
+
+double Deviation(const Eigen::VectorXd& slope, const Eigen::MatrixXd& covariance) {
+  return std::sqrt(std::max(0.0, slope.dot(covariance * slope)));
+}
+
+// With the scale of the current sensor taken as exactly what was found: what flights of one sensor
+// share.
+Eigen::MatrixXd GivenScale(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd with = covariance.col(U::kScale);
+  return covariance - with * with.transpose() / covariance(U::kScale, U::kScale);
+}
+
+void RefuseIdle(const Log& log, double capacity_Ah) {
+  constexpr double kShortest_s = 20.0;
+  constexpr double kLeastCharge = 0.01;  // of the capacity
+  constexpr double kLeastRate_per_h = 0.5;
+  const Record& record = log.record;
+  const SourcePosition position{record.file};
+  if (record.voltage_V.empty() || record.size() < 2)
+    throw LoadError(position,
+                    "expected a flight with voltage and current, found less than two rows");
+  const double length_s = record.time_s.back() - record.time_s.front();
+  if (length_s < kShortest_s) {
+    throw LoadError(
+        position,
+        fmt::format("expected a flight of at least {:g} s, found {:.3g} s: too short to "
+                    "say anything of the pack",
+                    kShortest_s,
+                    length_s));
+  }
+  double largest_A = 0.0;
+  for (const double i : record.current_A) largest_A = std::max(largest_A, i);
+  const double charge_Ah = DeliveredCharge(record).back() / 3600.0;
+  if (largest_A < kLeastRate_per_h * capacity_Ah || charge_Ah < kLeastCharge * capacity_Ah) {
+    throw LoadError(
+        position,
+        fmt::format(
+            "expected a flight that takes at least {:.3g} A and {:.3g} Ah from this pack of "
+            "{:.3g} Ah, found {:.3g} A at most and {:.3g} Ah: too idle to say anything of "
+            "the pack",
+            kLeastRate_per_h * capacity_Ah,
+            kLeastCharge * capacity_Ah,
+            capacity_Ah,
+            largest_A,
+            charge_Ah));
+  }
+  const double rows_s = length_s / static_cast<double>(record.size());
+  constexpr double kSlowest_s = 5.0;
+  if (rows_s > kSlowest_s) {
+    throw LoadError(
+        position,
+        fmt::format("expected rows at most {:g} s apart, found one each {:.3g} s: loads "
+                    "of a flight change faster",
+                    kSlowest_s,
+                    rows_s));
+  }
+}
+
+void AddCautions(const FlightSamples& samples,
+                 const FlightFit& fit,
+                 const ReferenceCell& reference,
+                 FlightHealth& health) {
+  auto& cautions = health.cautions;
+  if (!fit.converged)
+    cautions.emplace_back("the search did not converge: look at these numbers with doubt");
+  if (!fit.starts_at_rest) {
+    cautions.emplace_back(
+        "the log starts under load: what was left of the load before it is estimated, not known");
+  }
+  if (samples.gap_C > 0.0) {
+    cautions.push_back(
+        fmt::format("up to {:.2g} % of the capacity may have flowed in gaps between rows",
+                    100.0 * samples.gap_C / (reference.cell.alpha_C())));
+  }
+  if (samples.dropped_rows > 0) {
+    cautions.push_back(
+        fmt::format("the last {} rows were left out: their voltage falls without a "
+                    "load, as while the plug is pulled",
+                    samples.dropped_rows));
+  }
+  if (samples.coherence < kCoherent) {
+    cautions.push_back(fmt::format(
+        "voltage and current are not of the same instant: their changes agree to {:.0f} % "
+        "at best, over windows of {:.2g} s, so that fast drops are not resolved",
+        100.0 * samples.coherence,
+        samples.window_s));
+  }
+  if (!health.temperature_known) {
+    cautions.emplace_back(
+        "the temperature is not known: the resistance is that of the flight, and a cold pack looks "
+        "old");
+  }
+  const double spread = fit.noise.white_V;
+  if (health.mean_error_percent > 1.0 || spread > 0.1) {
+    cautions.push_back(fmt::format(
+        "the prediction is {:.2g} % off on average: the reference may be of another chemistry, or "
+        "`series` wrong",
+        health.mean_error_percent));
+  }
+  const double curve = fit.unknowns.tail(kCurveNodes).cwiseAbs().maxCoeff();
+  if (curve > 3.5) {
+    cautions.emplace_back(
+        "the voltage over the state of charge differs from the reference's by more than such cells "
+        "do: the reference may be of another chemistry");
+  }
+  if (std::abs(fit.unknowns[U::kStart]) > 1.045)
+    cautions.emplace_back(
+        "the start is at its upper limit: the pack was fuller than the reference's full");
+}
+
+FlightHealth AssessFlight(const ReferenceCell& reference,
+                          const Log& log,
+                          const HealthOptions& options) {
+  Log one = log;
+  DivideByPack(one.record, options.series, 1);
+  CheckPlausible(one.record, reference.cell.alpha_C() / 3600.0);
+  const FlightSamples samples = SampleFlight(one);
+  const Record& record = samples.record;
+
+  FlightHealth health;
+  health.file = record.file;
+  health.temperature_known = !record.temperature_degC.empty() || options.ambient_degC.has_value();
+  // A pack of which nothing is known begins at the reference temperature and warms from there.
+  const Surroundings among{.measured_degC = record.temperature_degC,
+                           .ambient_degC = options.ambient_degC,
+                           .initial_degC = {}};
+  const FlightModel model(reference, record, among);
+  const FlightFit fit = FitFlight(reference, samples, model, options.sensors);
+
+  const Eigen::VectorXd& x = fit.unknowns;
+  const Eigen::MatrixXd& covariance = fit.covariance;
+  const Eigen::MatrixXd given = GivenScale(covariance);
+  const double alpha_C = reference.cell.alpha_C() * std::exp(x[U::kCapacity]);
+  const double true_C = (1.0 + x[U::kScale]) * (fit.charge_C - x[U::kOffset_A] * fit.duration_s);
+  health.duration_s = fit.duration_s;
+  health.charge_Ah = fit.charge_C / 3600.0;
+  health.soc_start = Symmetric(x[U::kStart], std::sqrt(covariance(U::kStart, U::kStart)));
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(x.size());
+  slope[U::kStart] = 1.0;
+  slope[U::kCapacity] = true_C / alpha_C;
+  slope[U::kScale] = -true_C / (1.0 + x[U::kScale]) / alpha_C;
+  slope[U::kOffset_A] = (1.0 + x[U::kScale]) * fit.duration_s / alpha_C;
+  const double soc_end = x[U::kStart] - true_C / alpha_C;
+  health.soc_end = Symmetric(soc_end, Deviation(slope, covariance));
+
+  const double scale = 1.0 + x[U::kScale];
+  slope.setZero();
+  slope[U::kCapacity] = 1.0;
+  const double of_capacity = Deviation(slope, covariance);
+  health.log_capacity_deviation = Deviation(slope, given);
+  const double span = 100.0 * std::abs(true_C / alpha_C);
+  if (health.log_capacity_deviation > kUselessCapacity) {
+    const std::string because = fmt::format(
+        "the flight takes about {:.0f} % of the charge, over which the voltage does not tell how much "
+        "that is of the whole",
+        span);
+    health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+  } else {
+    health.capacity_Ah = Logarithmic(alpha_C / 3600.0, of_capacity);
+    health.counted_capacity_Ah =
+        Logarithmic(alpha_C / scale / 3600.0, health.log_capacity_deviation);
+  }
+
+  const double step_A = 0.5 * samples.largest_A;
+  const double middle = std::clamp(0.5 * (x[U::kStart] + soc_end), 0.2, 0.9);
+  const ResistanceAt resistance = model.StepResistance(x, middle, std::max(step_A, 1e-3));
+  // Where a current was measured at another instant than the voltage, a slope of one over the other
+  // is too small. The slope the other way round is too large, by the square of the coherence between
+  // them: the truth is in between.
+  const double sampling = 0.25 * (1.0 - samples.coherence * samples.coherence);
+  const double of_resistance = std::hypot(Deviation(resistance.slope, covariance), sampling);
+  health.log_resistance_deviation = std::hypot(Deviation(resistance.slope, given), sampling);
+  if (health.log_resistance_deviation > kUselessResistance) {
+    health.resistance_Ohm = health.counted_resistance_Ohm = Unknown(
+        "the loads of the flight change too little, or voltage and current are too far apart");
+  } else {
+    const double pack_Ohm = options.series * resistance.resistance_Ohm;
+    health.resistance_Ohm = Logarithmic(pack_Ohm, of_resistance);
+    health.counted_resistance_Ohm = Logarithmic(pack_Ohm * scale, health.log_resistance_deviation);
+  }
+  health.current_scale = Symmetric(scale, std::sqrt(covariance(U::kScale, U::kScale)));
+  health.current_offset_A =
+      Symmetric(x[U::kOffset_A], std::sqrt(covariance(U::kOffset_A, U::kOffset_A)));
+  health.lag_s = Symmetric(fit.lag_s, fit.lag_deviation_s);
+  health.window_s = samples.window_s;
+  health.coherence = samples.coherence;
+  health.mean_error_percent = fit.mean_error_percent;
+  health.max_error_percent = fit.max_error_percent;
+  AddCautions(samples, fit, reference, health);
+  return health;
+}
+
+// Of the flights that tell it, by their place among all.
+std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
+                                   WithInterval FlightHealth::*counted,
+                                   double FlightHealth::*deviation) {
+  std::vector<TrendPoint> points;
+  for (std::size_t k = 0; k < flights.size(); ++k) {
+    const WithInterval& quantity = flights[k].*counted;
+    if (quantity.known())
+      points.push_back({static_cast<double>(k), quantity.value, flights[k].*deviation});
+  }
+  return FitTrend(points);
+}
+
+}  // namespace
+
+int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
+  if (given) return *given;
+  int found = 0;
+  for (const Log& log : logs) {
+    const int cells = log.report.flight ? log.report.flight->cells : 0;
+    if (cells > 0 && found > 0 && cells != found) {
+      throw OptionError(fmt::format(
+          "option --series: the logs name packs of {} and of {} cells; give flights of one pack",
+          found,
+          cells));
+    }
+    if (cells > 0) found = cells;
+  }
+  if (found == 0) {
+    throw OptionError(
+        "option --series: expected how many cells the pack has in series, which these logs do not "
+        "say; give --series 4, say");
+  }
+  return found;
+}
+
+HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthOptions& options) {
+  const ReferenceCell reference = MakeReference(cell, options.parallel, options.capacity_Ah);
+  HealthReport report;
+  report.reference = cell.name;
+  report.typical = reference.typical;
+  report.new_capacity_Ah = reference.cell.alpha_C() / 3600.0;
+  report.new_resistance_Ohm = reference.typical
+                                  ? std::numeric_limits<double>::quiet_NaN()
+                                  : options.series * reference.cell.series_resistance_Ohm(0.5);
+  std::vector<FlightHealth> flights(logs.size());
+  std::vector<std::vector<Diagnostic>> problems(logs.size());
+  ParallelFor(logs.size(), [&](std::size_t k) {
+    try {
+      RefuseIdle(logs[k], report.new_capacity_Ah);
+      flights[k] = AssessFlight(reference, logs[k], options);
+    } catch (const LoadError& error) {
+      problems[k] = error.diagnostics();
+    }
+  });
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    report.refused.insert(report.refused.end(), problems[k].begin(), problems[k].end());
+    if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));
+  }
+  if (report.flights.empty()) throw LoadError(report.refused);
+  report.capacity_trend = TrendOf(
+      report.flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
+  report.resistance_trend = TrendOf(report.flights,
+                                    &FlightHealth::counted_resistance_Ohm,
+                                    &FlightHealth::log_resistance_deviation);
+  return report;
+}
+
+}  // namespace lipoid

@@ -1,0 +1,73 @@
+#pragma once
+
+/// @file
+/// How old a pack is, by flights on it: its capacity and resistance now, each with an interval, per
+/// flight and as a trend over flights, against what it was when new. docs/flight-logs.md says what
+/// flights can tell and what not. Tests: tests/tools/health_test.cc,
+/// tests/identify/health/coverage_test.cc.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/health/flight_fit.h"
+#include "identify/health/trend.h"
+#include "identify/logs/log.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+
+struct HealthOptions {
+  int series = 1;
+  int parallel = 1;
+  std::optional<double> capacity_Ah;  ///< of the new pack; none: the reference's times `parallel`
+  std::optional<double> ambient_degC;
+  SensorSpread sensors;
+};
+
+struct FlightHealth {
+  std::string file;
+  double duration_s = 0.0;
+  double charge_Ah = 0.0;  ///< as the log shows it
+  WithInterval soc_start;
+  WithInterval soc_end;
+  WithInterval capacity_Ah;  ///< of the pack
+  /// As this current sensor counts: what the error of its scale, the same in every flight, adds is
+  /// not in it.
+  WithInterval counted_capacity_Ah;
+  WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where temperature is known
+  WithInterval counted_resistance_Ohm;
+  double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
+  double log_resistance_deviation = 0.0;
+  WithInterval current_scale;  ///< true over shown
+  WithInterval current_offset_A;
+  WithInterval lag_s;     ///< of the voltage after the current
+  double window_s = 0.0;  ///< over which rows were averaged; 0: not
+  double coherence = 0.0;
+  double mean_error_percent = 0.0;
+  double max_error_percent = 0.0;
+  bool temperature_known = false;
+  std::vector<std::string> cautions;
+};
+
+struct HealthReport {
+  std::string reference;  ///< its name
+  bool typical = false;   ///< the curve of a chemistry
+  double new_capacity_Ah = 0.0;
+  double new_resistance_Ohm = 0.0;  ///< of the pack; NaN where the reference says nothing of it
+  std::vector<FlightHealth> flights;
+  std::vector<Diagnostic> refused;  ///< flights that say nothing, beside others that do
+  std::optional<HealthTrend> capacity_trend, resistance_trend;
+};
+
+/// Cells in series: `given`, else as the autopilots were told. OptionError where no log says it, or
+/// they differ.
+[[nodiscard]] int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given);
+
+/// The logs are those of the pack. Flights that are too short or too idle to tell anything are
+/// refused; LoadError where all of them are.
+[[nodiscard]] HealthReport AssessHealth(const Cell& reference,
+                                        std::vector<Log> logs,
+                                        const HealthOptions& options);
+
+}  // namespace lipoid

@@ -1,0 +1,130 @@
+#include "identify/health/health_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace lipoid {
+namespace {
+
+Json IntervalOf(const WithInterval& value) {
+  if (!value.known()) return nullptr;
+  return {NumberOrNull(value.low), NumberOrNull(value.high)};
+}
+
+Json ValueOf(const WithInterval& value) {
+  return value.known() ? NumberOrNull(value.value) : Json(nullptr);
+}
+
+Json Because(const WithInterval& value) {
+  return value.known() ? Json(nullptr) : Json(value.unknown_because);
+}
+
+Json FlightToJson(const FlightHealth& flight) {
+  return {{"file", flight.file},
+          {"duration_s", flight.duration_s},
+          {"charge_Ah", flight.charge_Ah},
+          {"soc_start", ValueOf(flight.soc_start)},
+          {"soc_start_interval_95", IntervalOf(flight.soc_start)},
+          {"soc_end", ValueOf(flight.soc_end)},
+          {"soc_end_interval_95", IntervalOf(flight.soc_end)},
+          {"capacity_Ah", ValueOf(flight.capacity_Ah)},
+          {"capacity_interval_95", IntervalOf(flight.capacity_Ah)},
+          {"counted_capacity_Ah", ValueOf(flight.counted_capacity_Ah)},
+          {"counted_capacity_interval_95", IntervalOf(flight.counted_capacity_Ah)},
+          {"capacity_unknown_because", Because(flight.capacity_Ah)},
+          {"resistance_Ohm", ValueOf(flight.resistance_Ohm)},
+          {"resistance_interval_95", IntervalOf(flight.resistance_Ohm)},
+          {"counted_resistance_Ohm", ValueOf(flight.counted_resistance_Ohm)},
+          {"counted_resistance_interval_95", IntervalOf(flight.counted_resistance_Ohm)},
+          {"resistance_unknown_because", Because(flight.resistance_Ohm)},
+          {"temperature_known", flight.temperature_known},
+          {"current_scale", ValueOf(flight.current_scale)},
+          {"current_scale_interval_95", IntervalOf(flight.current_scale)},
+          {"current_offset_A", ValueOf(flight.current_offset_A)},
+          {"current_offset_interval_95", IntervalOf(flight.current_offset_A)},
+          {"lag_s", ValueOf(flight.lag_s)},
+          {"lag_interval_95", IntervalOf(flight.lag_s)},
+          {"window_s", flight.window_s},
+          {"coherence", NumberOrNull(flight.coherence)},
+          {"mean_error_percent", NumberOrNull(flight.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(flight.max_error_percent)},
+          {"cautions", flight.cautions}};
+}
+
+Json TrendToJson(const std::optional<HealthTrend>& trend) {
+  if (!trend) return nullptr;
+  return {{"flights", trend->flights},
+          {"first", NumberOrNull(trend->first.value)},
+          {"first_interval_95", IntervalOf(trend->first)},
+          {"last", NumberOrNull(trend->last.value)},
+          {"last_interval_95", IntervalOf(trend->last)},
+          {"change_percent", NumberOrNull(trend->change_percent.value)},
+          {"change_percent_interval_95", IntervalOf(trend->change_percent)},
+          {"per_flight_percent", NumberOrNull(trend->per_flight_percent.value)},
+          {"per_flight_percent_interval_95", IntervalOf(trend->per_flight_percent)}};
+}
+
+std::string OneQuantity(
+    const char* name, const WithInterval& value, double factor, const char* unit, double when_new) {
+  if (!value.known()) return fmt::format("{} not known: {}", name, value.unknown_because);
+  std::string text = fmt::format("{} {:.3g} {}", name, factor * value.value, unit);
+  if (std::isfinite(when_new))
+    text += fmt::format(" ({:.0f} % of new)", 100.0 * value.value / when_new);
+  text +=
+      fmt::format(", 95 % from {:.3g} to {:.3g} {}", factor * value.low, factor * value.high, unit);
+  return text;
+}
+
+std::string OneTrend(const char* name, const std::optional<HealthTrend>& trend) {
+  if (!trend) return "";
+  const WithInterval& change = trend->change_percent;
+  return fmt::format("{} changed by {:+.1f} % over {} flights, 95 % from {:+.1f} to {:+.1f} %",
+                     name,
+                     change.value,
+                     trend->flights,
+                     change.low,
+                     change.high);
+}
+
+}  // namespace
+
+Json HealthToJson(const HealthReport& report) {
+  Json flights = Json::array();
+  for (const FlightHealth& flight : report.flights) flights.push_back(FlightToJson(flight));
+  Json refused = Json::array();
+  for (const Diagnostic& diagnostic : report.refused)
+    refused.push_back({{"file", diagnostic.position.file}, {"reason", diagnostic.message}});
+  Json trend = nullptr;
+  if (report.capacity_trend || report.resistance_trend) {
+    trend = {{"counted_capacity_Ah", TrendToJson(report.capacity_trend)},
+             {"counted_resistance_Ohm", TrendToJson(report.resistance_trend)}};
+  }
+  return {{"reference",
+           {{"name", report.reference},
+            {"typical", report.typical},
+            {"capacity_Ah", report.new_capacity_Ah},
+            {"resistance_Ohm", NumberOrNull(report.new_resistance_Ohm)}}},
+          {"flights", std::move(flights)},
+          {"refused", std::move(refused)},
+          {"trend", std::move(trend)}};
+}
+
+std::string HealthSentence(const HealthReport& report, const FlightHealth& flight) {
+  constexpr double kMilli = 1e3;
+  std::string text = OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
+  text += "; ";
+  text +=
+      OneQuantity("resistance", flight.resistance_Ohm, kMilli, "mOhm", report.new_resistance_Ohm);
+  return text;
+}
+
+std::string TrendSentence(const HealthReport& report) {
+  std::string text = OneTrend("capacity", report.capacity_trend);
+  const std::string resistance = OneTrend("resistance", report.resistance_trend);
+  if (!text.empty() && !resistance.empty()) text += "; ";
+  return text + resistance;
+}
+
+}  // namespace lipoid

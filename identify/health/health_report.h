@@ -1,0 +1,22 @@
+#pragma once
+
+/// @file
+/// The health of a pack as JSON and as a sentence. Keys: docs/flight-logs.md. Tests:
+/// tests/tools/health_test.cc.
+
+#include <string>
+
+#include "identify/health/health.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+
+[[nodiscard]] Json HealthToJson(const HealthReport& report);
+
+/// "capacity 1.21 Ah (81 % of new), 95 % from 1.15 to 1.27 Ah; resistance ...", of one flight.
+[[nodiscard]] std::string HealthSentence(const HealthReport& report, const FlightHealth& flight);
+
+/// "capacity fell by 30 % over 60 flights, 95 % from 28 to 32 %"; "" where there is no trend.
+[[nodiscard]] std::string TrendSentence(const HealthReport& report);
+
+}  // namespace lipoid

@@ -1,0 +1,74 @@
+#include "identify/health/reference_cell.h"
+
+#include <cmath>
+#include <utility>
+
+#include "model/battery/typical_temperature.h"
+
+namespace lipoid {
+namespace {
+
+void Scale(Resistance<double>& resistance, double factor) {
+  for (double& value_Ohm : resistance.resistance_Ohm) value_Ohm *= factor;
+}
+
+// As many cells in parallel, as one.
+void Enlarge(Cell& cell, double factor) {
+  cell.capacity_Ah *= factor;
+  if (cell.diffusion) cell.diffusion->alpha_C *= factor;
+  Scale(cell.series_resistance_Ohm, 1.0 / factor);
+  for (Cell::Branch& branch : cell.branches) {
+    Scale(branch.resistance_Ohm, 1.0 / factor);
+    branch.capacitance_F.reset();  // the time constant stays
+  }
+  if (cell.self_heating) cell.self_heating->resistance_drop_Ohm_per_A2 /= factor * factor * factor;
+  if (cell.charge_transfer) {
+    cell.charge_transfer->current_A *= factor;
+    Scale(cell.charge_transfer->resistance_Ohm, 1.0 / factor);
+  }
+  if (cell.temperature && cell.temperature->heat) {
+    cell.temperature->heat->heat_capacity_J_per_K *= factor;
+    // By the surface.
+    cell.temperature->heat->thermal_resistance_K_per_W /= std::pow(factor, 2.0 / 3.0);
+  }
+}
+
+}  // namespace
+
+ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double> capacity_Ah) {
+  ReferenceCell reference{.cell = cell, .typical = cell.open_circuit_voltage_assumed, .spread = {}};
+  Cell& one = reference.cell;
+  one.series = one.parallel = 1;
+  const double now_Ah = one.alpha_C() / 3600.0;
+  Enlarge(one, capacity_Ah ? *capacity_Ah / now_Ah : static_cast<double>(parallel));
+  // A cell of which only the series resistance is known still relaxes when its load goes.
+  constexpr double kShareOfSeries = 0.3;
+  constexpr double kTimeConstant_s = 20.0;
+  double branches_Ohm = 0.0;
+  for (const Cell::Branch& branch : one.branches) branches_Ohm += branch.resistance_Ohm(0.5);
+  const double series_Ohm = one.series_resistance_Ohm(0.5);
+  if (branches_Ohm < 0.02 * series_Ohm) {
+    one.branches = {{.resistance_Ohm = kShareOfSeries * series_Ohm,
+                     .time_constant_s = kTimeConstant_s,
+                     .capacitance_F = {}}};
+    if (one.temperature)
+      one.temperature->branches_J_per_mol.assign(1, one.temperature->series_J_per_mol);
+    reference.spread.log_branches = 1.5;
+    reference.spread.log_time_constants = 1.0;
+  }
+  // Loads of a flight warm a pack, and a warm pack has less resistance.
+  if (!one.temperature) {
+    one.capacity_Ah = one.alpha_C() / 3600.0;
+    one = WithTypicalTemperature(std::move(one));
+  }
+  if (reference.typical) {
+    reference.spread.log_series = 1.5;
+    reference.spread.log_branches = 1.5;
+    reference.spread.log_beta = 0.7;
+    reference.spread.log_time_constants = 1.0;
+    reference.spread.curve_V = 0.02;
+  }
+  return reference;
+}
+
+}  // namespace lipoid

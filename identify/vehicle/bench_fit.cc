@@ -1,0 +1,290 @@
+#include "identify/vehicle/bench_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "model/core/errors.h"
+#include "model/statistics/student.h"
+#include "model/vehicle/motor.h"
+
+namespace lipoid {
+namespace {
+
+// Unknowns: logarithms of what is positive, so that steps are relative; friction and switching as
+// shares of a typical size, because they may be nothing.
+enum Unknown { kThrust, kTorque, kConstant, kResistance, kFriction, kSwitching, kUnknowns };
+constexpr std::size_t kChannels = 3;  // speed, current, thrust
+
+using Values = std::array<double, kUnknowns>;
+
+struct Scales {
+  double friction;  // N m s
+  double switching = 0.01;
+};
+
+// A small reading is not measured to a small part of itself.
+constexpr double kFloorShare = 0.02;
+
+// The positive root of r k_N w² + (k_e² + r b) w = k_e V, without a difference of near numbers.
+template <class T>
+T HeldSpeed(const T& k_e, const T& k_N, const T& r, const T& b, double pulse_V) {
+  using std::sqrt;
+  const T slope = k_e * k_e + r * b;
+  const T drive = k_e * pulse_V;
+  return 2.0 * drive / (slope + sqrt(slope * slope + 4.0 * r * k_N * drive));  // (5.10)
+}
+
+struct RowResidual {
+  BenchRow row;
+  std::array<double, kChannels> weight{};  // of a difference in SI units; 0: no such channel
+  Scales scales;
+
+  template <class T>
+  bool operator()(const T* x, T* residual) const {
+    using std::exp;
+    const T k_T = exp(x[kThrust]);
+    const T k_N = exp(x[kTorque]);
+    const T k_e = exp(x[kConstant]);
+    const T r = exp(x[kResistance]);
+    const T b = x[kFriction] * scales.friction;
+    const T speed = HeldSpeed(k_e, k_N, r, b, row.duty * row.voltage_V);
+    const T motor_A = (b + k_N * speed) * speed / k_e;
+    const double switching = row.duty < 1.0 ? scales.switching : 0.0;
+    const T battery_A = (row.duty + switching * x[kSwitching]) * motor_A;
+    residual[0] = weight[0] * (speed - row.speed_rad_per_s);
+    residual[1] = weight[1] * (battery_A - row.current_A);
+    residual[2] = weight[2] * (k_T * speed * speed - row.thrust_N);
+    return true;
+  }
+};
+
+using RowCost = ceres::AutoDiffCostFunction<RowResidual, kChannels, kUnknowns>;
+
+// Where the search starts: the motor constant as it is given or, from the fastest row, four fifths
+// of its voltage; the rest from the fastest row alone.
+Values Start(const BenchTable& table, const BenchGiven& given, const Scales& scales) {
+  const BenchRow& full =
+      *std::max_element(table.rows.begin(), table.rows.end(), [](const auto& a, const auto& b) {
+        return a.duty * a.voltage_V < b.duty * b.voltage_V;
+      });
+  const double pulse_V = full.duty * full.voltage_V;
+  const double motor_A = full.current_A / full.duty;
+  double constant = 0.0;
+  double speed = full.speed_rad_per_s;
+  if (given.motor_constant_N_m_per_A) {
+    constant = *given.motor_constant_N_m_per_A;
+    if (!table.has_speed) speed = 0.8 * pulse_V / constant;
+  } else {
+    constant = 0.8 * pulse_V / speed;
+  }
+  const double resistance = std::max(pulse_V - constant * speed, 0.05 * pulse_V) / motor_A;
+  Values x{};
+  x[kThrust] = std::log(full.thrust_N / (speed * speed));
+  x[kTorque] = std::log(constant * motor_A / (speed * speed));
+  x[kConstant] = std::log(constant);
+  x[kResistance] = std::log(resistance);
+  x[kFriction] = given.friction_N_m_s ? *given.friction_N_m_s / scales.friction : 0.05;
+  x[kSwitching] = given.switching ? 0.5 : 0.0;
+  return x;
+}
+
+std::vector<RowResidual> Residuals(const BenchTable& table,
+                                   const std::array<double, kChannels>& sigma,
+                                   const Scales& scales) {
+  std::array<double, kChannels> largest{};
+  const auto of = [](const BenchRow& row) {
+    return std::array{row.speed_rad_per_s, row.current_A, row.thrust_N};
+  };
+  for (const BenchRow& row : table.rows) {
+    for (std::size_t k = 0; k < kChannels; ++k) largest[k] = std::max(largest[k], of(row)[k]);
+  }
+  std::vector<RowResidual> residuals;
+  for (const BenchRow& row : table.rows) {
+    RowResidual residual{row, {}, scales};
+    for (std::size_t k = 0; k < kChannels; ++k) {
+      if (k == 0 && !table.has_speed) continue;
+      residual.weight[k] = 1.0 / (sigma[k] * (of(row)[k] + kFloorShare * largest[k]));
+    }
+    residuals.push_back(residual);
+  }
+  return residuals;
+}
+
+struct Solved {
+  Values x;
+  bool converged = false;
+  std::string message;
+  Eigen::MatrixXd jacobian;  // rows x free unknowns
+  Eigen::VectorXd residual;  // weighted
+};
+
+Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<int>& held) {
+  ceres::Problem problem;
+  for (const RowResidual& row : rows) {
+    problem.AddResidualBlock(new RowCost(new RowResidual(row)), nullptr, x.data());
+  }
+  if (!held.empty()) {
+    problem.SetManifold(x.data(), new ceres::SubsetManifold(kUnknowns, held));
+  }
+  for (const int k : {kFriction, kSwitching}) problem.SetParameterLowerBound(x.data(), k, 0.0);
+  ceres::Solver::Options options;
+  options.max_num_iterations = 500;
+  options.function_tolerance = 1e-14;
+  options.gradient_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-12;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  Solved solved{x, summary.IsSolutionUsable(), summary.message, {}, {}};
+  solved.converged = summary.termination_type == ceres::CONVERGENCE;
+  std::vector<double> residuals;
+  ceres::CRSMatrix matrix;
+  problem.Evaluate({}, nullptr, &residuals, nullptr, &matrix);
+  solved.residual = Eigen::Map<Eigen::VectorXd>(residuals.data(), Eigen::Index(residuals.size()));
+  solved.jacobian = Eigen::MatrixXd::Zero(matrix.num_rows, matrix.num_cols);
+  for (int row = 0; row < matrix.num_rows; ++row) {
+    for (int at = matrix.rows[std::size_t(row)]; at < matrix.rows[std::size_t(row) + 1]; ++at) {
+      solved.jacobian(row, matrix.cols[std::size_t(at)]) = matrix.values[std::size_t(at)];
+    }
+  }
+  return solved;
+}
+
+// Root mean squares of the relative residuals of each channel.
+std::array<double, kChannels> Spread(const Solved& solved,
+                                     const std::array<double, kChannels>& sigma,
+                                     double rows,
+                                     double freedom_share) {
+  std::array<double, kChannels> spread{};
+  for (Eigen::Index k = 0; k < solved.residual.size(); ++k) {
+    spread[std::size_t(k) % kChannels] += solved.residual[k] * solved.residual[k];
+  }
+  for (std::size_t k = 0; k < kChannels; ++k) {
+    spread[k] = sigma[k] * std::sqrt(spread[k] / (rows * freedom_share));
+  }
+  return spread;
+}
+
+}  // namespace
+
+std::vector<BenchQuantity> BenchFit::Quantities() const {
+  return {thrust_coefficient_N_s2,
+          torque_coefficient_N_m_s2,
+          motor_constant_N_m_per_A,
+          resistance_Ohm,
+          friction_N_m_s,
+          switching_share};
+}
+
+BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
+  if (!table.has_speed && !given.motor_constant_N_m_per_A) {
+    throw OptionError(
+        "a bench table without a column of speeds does not say how fast the propeller turns: give "
+        "the motor's constant (--kv-rpm-per-V)");
+  }
+  const BenchRow& first = table.rows.front();
+  Scales scales{.friction = 0.0};
+  {
+    // The torque over the speed of a row, of which friction is a part.
+    const double constant = given.motor_constant_N_m_per_A.value_or(
+        first.duty * first.voltage_V / std::max(first.speed_rad_per_s, 1.0));
+    const double speed =
+        table.has_speed ? first.speed_rad_per_s : first.duty * first.voltage_V / constant;
+    scales.friction = constant * (first.current_A / first.duty) / speed;
+  }
+  std::vector<int> held;
+  if (given.motor_constant_N_m_per_A) held.push_back(kConstant);
+  if (given.friction_N_m_s) held.push_back(kFriction);
+  if (!given.switching) held.push_back(kSwitching);
+
+  const double rows = double(table.rows.size());
+  const double channels = table.has_speed ? 3.0 : 2.0;
+  std::array<double, kChannels> sigma{0.01, 0.01, 0.01};
+  constexpr double kLeastSigma = 1e-6;  // a table that fits to the last digit
+  Solved solved{Start(table, given, scales), false, {}, {}, {}};
+  double freedom = 1.0;
+  constexpr int kRounds = 20;  // of weights that follow the residuals
+  for (int round = 0; round < kRounds; ++round) {
+    solved = Solve(Residuals(table, sigma, scales), solved.x, held);
+    // What lies on its bound has no error of its own: it is held there from now on.
+    constexpr double kAtBound = 1e-6;
+    for (const int k : {kFriction, kSwitching}) {
+      if (std::find(held.begin(), held.end(), k) == held.end() &&
+          solved.x[std::size_t(k)] < kAtBound) {
+        solved.x[std::size_t(k)] = 0.0;
+        held.push_back(k);
+      }
+    }
+    freedom = std::max(channels * rows - double(kUnknowns - int(held.size())), 1.0);
+    const auto spread = Spread(solved, sigma, rows, freedom / (channels * rows));
+    double change = 0.0;
+    for (std::size_t k = 0; k < kChannels; ++k) {
+      if (k == 0 && !table.has_speed) continue;
+      const double next = std::max(spread[k], kLeastSigma);
+      change = std::max(change, std::abs(std::log(next / sigma[k])));
+      sigma[k] = next;
+    }
+    if (change < 1e-3) break;
+  }
+  solved = Solve(Residuals(table, sigma, scales), solved.x, held);
+
+  BenchFit fit;
+  fit.converged = solved.converged;
+  fit.message = solved.message;
+  fit.degrees_of_freedom = freedom;
+  const auto spread = Spread(solved, sigma, rows, freedom / (channels * rows));
+  fit.speed_rms = table.has_speed ? spread[0] : 0.0;
+  fit.current_rms = spread[1];
+  fit.thrust_rms = spread[2];
+
+  std::vector<Eigen::Index> place(kUnknowns, -1);
+  Eigen::Index next = 0;
+  for (int k = 0; k < kUnknowns; ++k) {
+    if (std::find(held.begin(), held.end(), k) == held.end()) place[std::size_t(k)] = next++;
+  }
+  const Eigen::MatrixXd information = solved.jacobian.transpose() * solved.jacobian;
+  const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
+  const double reach = Reach95(freedom);
+  const auto error = [&](int k) {
+    const Eigen::Index at = place[std::size_t(k)];
+    return at < 0 ? 0.0 : std::sqrt(std::max(covariance(at, at), 0.0));
+  };
+  const auto positive = [&](const char* name, int k) {
+    const double estimate = std::exp(solved.x[std::size_t(k)]);
+    const double relative = error(k);
+    return BenchQuantity{name,
+                         estimate,
+                         estimate * relative,
+                         estimate * std::exp(-reach * relative),
+                         estimate * std::exp(reach * relative),
+                         place[std::size_t(k)] >= 0};
+  };
+  const auto linear = [&](const char* name, int k, double scale, bool is_given) {
+    const double estimate = scale * solved.x[std::size_t(k)];
+    // At its bound it has no error that the slopes could tell.
+    const bool bound = !is_given && place[std::size_t(k)] < 0;
+    const double deviation = bound ? std::numeric_limits<double>::quiet_NaN() : scale * error(k);
+    return BenchQuantity{name,
+                         estimate,
+                         deviation,
+                         bound ? deviation : std::max(estimate - reach * deviation, 0.0),
+                         estimate + reach * deviation,
+                         !is_given};
+  };
+  fit.thrust_coefficient_N_s2 = positive("thrust_coefficient_N_s2", kThrust);
+  fit.torque_coefficient_N_m_s2 = positive("torque_coefficient_N_m_s2", kTorque);
+  fit.motor_constant_N_m_per_A = positive("motor_constant_N_m_per_A", kConstant);
+  fit.resistance_Ohm = positive("armature_resistance_Ohm", kResistance);
+  fit.friction_N_m_s =
+      linear("friction_N_m_s", kFriction, scales.friction, given.friction_N_m_s.has_value());
+  fit.switching_share = linear("switching_share", kSwitching, scales.switching, !given.switching);
+  return fit;
+}
+
+}  // namespace lipoid

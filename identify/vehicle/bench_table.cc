@@ -1,0 +1,216 @@
+#include "identify/vehicle/bench_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "identify/logs/csv/cells.h"
+#include "model/core/errors.h"
+#include "model/core/json.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kStandardGravity_m_per_s2 = 9.80665;  // of the kilogram-force
+constexpr double kPerRpm_rad_per_s = std::numbers::pi / 30.0;
+
+struct Unit {
+  std::string_view name;
+  double factor;
+  double offset = 0.0;  // subtracted first
+};
+
+struct Column {
+  std::string_view what;
+  std::array<std::string_view, 3> begins;  // what a header's name begins with, in lower case
+  std::array<Unit, 5> units;               // a name of "" is a header without a unit
+  double BenchRow::*member;
+  std::string_view expected;
+  bool required;
+};
+
+constexpr Column kColumns[] = {
+    {"throttle",
+     {"throttle", "duty", "throttle"},
+     {{{"%", 0.01}, {"us", 1e-3, 1000.0}, {"", 1.0}, {"percent", 0.01}, {"µs", 1e-3, 1000.0}}},
+     &BenchRow::duty,
+     "%, us, or no unit for a fraction",
+     true},
+    {"voltage",
+     {"volt", "battery voltage", "voltage"},
+     {{{"v", 1.0}, {"mv", 1e-3}, {"volt", 1.0}, {"volts", 1.0}, {"v", 1.0}}},
+     &BenchRow::voltage_V,
+     "V or mV",
+     true},
+    {"current",
+     {"current", "battery current", "amp"},
+     {{{"a", 1.0}, {"ma", 1e-3}, {"amp", 1.0}, {"amps", 1.0}, {"ampere", 1.0}}},
+     &BenchRow::current_A,
+     "A or mA",
+     true},
+    {"thrust",
+     {"thrust", "pull", "force"},
+     {{{"g", 1e-3 * kStandardGravity_m_per_s2},
+       {"n", 1.0},
+       {"kg", kStandardGravity_m_per_s2},
+       {"gf", 1e-3 * kStandardGravity_m_per_s2},
+       {"kgf", kStandardGravity_m_per_s2}}},
+     &BenchRow::thrust_N,
+     "g, kg or N",
+     true},
+    {"speed",
+     {"rpm", "speed", "rotation speed"},
+     {{{"", kPerRpm_rad_per_s},
+       {"rpm", kPerRpm_rad_per_s},
+       {"rad/s", 1.0},
+       {"1/min", kPerRpm_rad_per_s},
+       {"rad_per_s", 1.0}}},
+     &BenchRow::speed_rad_per_s,
+     "rpm or rad/s",
+     false},
+};
+
+// "Thrust (g)", "Thrust [g]", "Thrust / g", "thrust_g": name and unit.
+struct Header {
+  std::string name;
+  std::string unit;
+};
+Header Split(std::string_view cell) {
+  const std::string text = LowerCase(Trimmed(cell));
+  for (const auto& [open, close] : {std::pair{'(', ')'}, {'[', ']'}, {'/', '\0'}, {'_', '\0'}}) {
+    const auto at = text.find(open);
+    if (at == std::string::npos || at == 0) continue;
+    const auto end = close == '\0' ? text.size() : std::min(text.find(close, at), text.size());
+    const std::string_view view(text);
+    return {std::string(Trimmed(view.substr(0, at))),
+            std::string(Trimmed(view.substr(at + 1, end - at - 1)))};
+  }
+  return {text, ""};
+}
+
+struct Found {
+  std::size_t field;
+  Unit unit;
+};
+
+std::optional<Found> Find(const Column& column,
+                          const std::vector<TextCell>& header,
+                          const std::string& file,
+                          std::size_t line) {
+  for (std::size_t field = 0; field < header.size(); ++field) {
+    const auto [name, unit] = Split(header[field].text);
+    const bool named = std::any_of(column.begins.begin(), column.begins.end(), [&](auto begin) {
+      return name.starts_with(begin);
+    });
+    if (!named) continue;
+    for (const Unit& known : column.units) {
+      if (known.name == unit) return Found{field, known};
+    }
+    // A speed that is that of the air, say, is no column of ours.
+    if (!column.required) continue;
+    throw LoadError({file, line, header[field].column},
+                    fmt::format("{}: expected the unit {}, found '{}'",
+                                column.what,
+                                column.expected,
+                                header[field].text));
+  }
+  return {};
+}
+
+char DelimiterOf(std::string_view line) {
+  constexpr std::string_view kDelimiters = ",;\t";
+  return *std::max_element(kDelimiters.begin(), kDelimiters.end(), [&](char a, char b) {
+    return std::count(line.begin(), line.end(), a) < std::count(line.begin(), line.end(), b);
+  });
+}
+
+void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std::size_t line) {
+  const auto refuse = [&](std::string_view expected, double found) {
+    throw LoadError({file, line, 1}, fmt::format("expected {}, found {:.6g}", expected, found));
+  };
+  if (!(row.duty > 0.0 && row.duty <= 1.0)) {
+    refuse("a throttle above 0 and at most 100 %, as a fraction", row.duty);
+  }
+  if (!(row.voltage_V > 0.0 && row.voltage_V < 1e4)) refuse("a voltage above 0 V", row.voltage_V);
+  if (!(row.current_A > 0.0 && row.current_A < 1e5)) refuse("a current above 0 A", row.current_A);
+  if (!(row.thrust_N > 0.0 && row.thrust_N < 1e6)) refuse("a thrust above 0 N", row.thrust_N);
+  if (has_speed && !(row.speed_rad_per_s > 0.0 && row.speed_rad_per_s < 1e5)) {
+    refuse("a speed above 0 rad/s", row.speed_rad_per_s);
+  }
+}
+
+}  // namespace
+
+BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
+  BenchTable table;
+  std::array<std::optional<Found>, std::size(kColumns)> found;
+  std::vector<TextCell> cells;
+  std::size_t fields = 0;
+  char delimiter = ',';
+  std::size_t line = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view view = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    ++line;
+    if (line == 1 && view.starts_with("\xEF\xBB\xBF")) view.remove_prefix(3);
+    if (Trimmed(view).empty() || Trimmed(view).starts_with('#')) continue;
+    if (fields == 0) delimiter = DelimiterOf(view);
+    SplitLine(view, delimiter, cells);
+    if (fields == 0) {
+      fields = cells.size();
+      for (std::size_t k = 0; k < std::size(kColumns); ++k) {
+        found[k] = Find(kColumns[k], cells, file, line);
+        if (!found[k] && kColumns[k].required) {
+          throw LoadError({file, line, 1},
+                          fmt::format("expected a column of the {} in {}, found the columns {}",
+                                      kColumns[k].what,
+                                      kColumns[k].expected,
+                                      std::string(Trimmed(view))));
+        }
+      }
+      table.has_speed = found.back().has_value();
+      continue;
+    }
+    if (cells.size() != fields) {
+      throw LoadError(
+          {file, line, 1},
+          fmt::format("expected {} fields as in the header, found {}", fields, cells.size()));
+    }
+    BenchRow row;
+    for (std::size_t k = 0; k < std::size(kColumns); ++k) {
+      if (!found[k]) continue;
+      const TextCell& cell = cells[found[k]->field];
+      double value = 0.0;
+      std::string_view number = Trimmed(cell.text);
+      if (number.ends_with('%')) number.remove_suffix(1);
+      if (!ParseNumber(Trimmed(number), '.', value) || !std::isfinite(value)) {
+        throw LoadError(
+            {file, line, cell.column},
+            fmt::format("{}: expected a number, found '{}'", kColumns[k].what, cell.text));
+      }
+      row.*kColumns[k].member = (value - found[k]->unit.offset) * found[k]->unit.factor;
+    }
+    CheckRow(row, table.has_speed, file, line);
+    table.rows.push_back(row);
+  }
+  constexpr std::size_t kFewestRows = 4;
+  if (table.rows.size() < kFewestRows) {
+    throw LoadError(NoFile(file),
+                    fmt::format("expected at least {} rows of a bench table, found {}",
+                                kFewestRows,
+                                table.rows.size()));
+  }
+  return table;
+}
+
+BenchTable ReadBenchTable(const std::string& file) {
+  return ParseBenchTable(ReadTextFile(file), file);
+}
+
+}  // namespace lipoid

@@ -1,0 +1,403 @@
+#include "identify/vehicle/vehicle_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "model/core/errors.h"
+#include "model/vehicle/motor.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kAirDensity_kg_per_m3 = 1.225;  // at sea level and 15 degC
+constexpr double kMetresPerInch = 0.0254;
+constexpr double kFull_V = 4.2;    // of a lithium-polymer cell
+constexpr double kMiddle_V = 3.7;  // half charged, under a hover's load
+
+// APC Slow Flyer 10 x 4.7, mean of 16 static points from 2377 to 6528 rpm in the UIUC propeller
+// database (Brandt and Selig): C_T = 0.1185, C_P = 0.048. With a lift that ends at -4 degrees of the
+// cambered blade, s follows from it.
+constexpr double kZeroLift_rad = 0.07;
+constexpr double kMeasuredThrust = 0.1185;
+constexpr double kMeasuredPitch = 0.47;
+// Between 0.62 and 0.68 on the propellers of docs/vehicles.md.
+constexpr double kTypicalMerit = 0.65;
+
+// Of m l²: between the Parrot Mambo's (0.24, 0.30, 0.41) and those of larger airframes.
+constexpr std::array kTypicalInertia{0.25, 0.25, 0.45};
+// 8.5 g at 10 inch, as plastic propellers weigh, in proportion to the area.
+constexpr double kTypicalPropeller_g_per_in2 = 0.085;
+// At equal speed, from the 22 % more power that coaxial pairs were measured to need for the same
+// thrust: 1.22^(-2/3) = 0.875 of the thrust for the same power, all of the loss in the lower rotor.
+constexpr double kTypicalLowerRotor = 0.75;
+// Rotor drag of quadrotors is 0.3 to 0.5 per second of the mass.
+constexpr double kTypicalDrag_per_s = 0.3;
+
+double ToThrustCoefficient(double c_t, double diameter_m) {
+  return c_t * kAirDensity_kg_per_m3 * std::pow(diameter_m, 4) / (4.0 * kPi * kPi);
+}
+double ToTorqueCoefficient(double c_p, double diameter_m) {
+  return c_p * kAirDensity_kg_per_m3 * std::pow(diameter_m, 5) / (8.0 * kPi * kPi * kPi);
+}
+
+// Assumptions and fits are not known to more digits.
+double Rounded(double value) {
+  if (value == 0.0) return 0.0;
+  const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 4.0);
+  return std::strtod(fmt::format("{:.5g}", std::round(value / step) * step).c_str(), nullptr);
+}
+
+class Draft {
+ public:
+  Draft(const BuilderNumbers& numbers, const std::optional<BenchFit>& bench)
+      : n_(numbers), bench_(bench) {}
+
+  VehicleDraft Make() {
+    Body();
+    Propeller();
+    Motor();
+    Controllers();
+    CheckPropeller();
+    if (bench_) CheckBench();
+    Hover();
+    return std::move(draft_);
+  }
+
+ private:
+  void From(std::string_view key, std::string text) {
+    if (text.starts_with("assumed")) draft_.assumed.emplace_back(key);
+    draft_.sources.emplace_back(key, std::move(text));
+  }
+
+  void Body() {
+    Vehicle& v = draft_.vehicle;
+    v.name = n_.name;
+    v.mass_kg = 1e-3 * (n_.mass_g + n_.payload_g);
+    From("mass_kg",
+         n_.payload_g > 0.0
+             ? fmt::format("given: {} g and {} g of payload", n_.mass_g, n_.payload_g)
+             : fmt::format("given: {} g", n_.mass_g));
+    v.arm_m = 0.5e-3 * n_.frame_mm;
+    From("arm_m", fmt::format("given: half of {} mm from motor to motor", n_.frame_mm));
+    v.layout = n_.layout;
+    v.front_right_turns = n_.front_right_turns;
+    const double ml2 = v.mass_kg * v.arm_m * v.arm_m;
+    for (std::size_t k = 0; k < 3; ++k) {
+      v.inertia_kg_m2[k] = Rounded(kTypicalInertia[k] * ml2);
+    }
+    if (n_.inertia_kg_m2) {
+      v.inertia_kg_m2 = *n_.inertia_kg_m2;
+      From("inertia_kg_m2", "given");
+    } else {
+      From("inertia_kg_m2",
+           "assumed: 0.25, 0.25 and 0.45 of mass times arm squared, as small multirotors have");
+    }
+    if (RotorsOf(v.layout)[1].lower) {
+      v.lower_rotor_thrust_ratio = n_.lower_rotor_thrust_ratio.value_or(kTypicalLowerRotor);
+      From("lower_rotor_thrust_ratio",
+           n_.lower_rotor_thrust_ratio
+               ? "given"
+               : "assumed: coaxial pairs were measured to need 22 % more power than rotors apart "
+                 "(Leishman, Principles of Helicopter Aerodynamics, 2.16)");
+    } else if (n_.lower_rotor_thrust_ratio) {
+      throw OptionError(
+          "option --lower-rotor-thrust-ratio: the layout has no lower rotors; leave "
+          "it out, or give --layout y6 or x8");
+    }
+    v.avionics_power_W = n_.avionics_W;
+    From("avionics_power_W", n_.avionics_W > 0.0 ? "given" : "assumed: none");
+    v.linear_drag_N_s_per_m = n_.drag_N_s_per_m.value_or(Rounded(kTypicalDrag_per_s * v.mass_kg));
+    From("linear_drag_N_s_per_m",
+         n_.drag_N_s_per_m
+             ? "given"
+             : "assumed: 0.3 per second of the mass; rotor drag of quadrotors is 0.3 to 0.5 "
+               "(Faessler, Franchi and Scaramuzza, 2018)");
+    v.series_cells = n_.series_cells;
+    From("series_cells", "given");
+    v.nominal_voltage_V = kFull_V * n_.series_cells;
+    From("nominal_voltage_V", fmt::format("{} full cells of {} V", n_.series_cells, kFull_V));
+  }
+
+  void Propeller() {
+    Vehicle& v = draft_.vehicle;
+    const double diameter_m = kMetresPerInch * n_.propeller_in;
+    v.propeller_diameter_m = diameter_m;
+    From("propeller_diameter_m", fmt::format("given: {} inch", n_.propeller_in));
+    if (bench_) {
+      v.thrust_coefficient_N_s2 = Rounded(bench_->thrust_coefficient_N_s2.estimate);
+      v.torque_coefficient_N_m_s2 = Rounded(bench_->torque_coefficient_N_m_s2.estimate);
+      From("thrust_coefficient_N_s2", Fitted(bench_->thrust_coefficient_N_s2));
+      From("torque_coefficient_N_m_s2", Fitted(bench_->torque_coefficient_N_m_s2));
+      return;
+    }
+    if (n_.thrust_coefficient.has_value() != n_.power_coefficient.has_value()) {
+      throw OptionError(
+          "options --thrust-coefficient and --power-coefficient: give both, or "
+          "--pitch-in for typical ones");
+    }
+    if (!n_.thrust_coefficient && !n_.pitch_in) {
+      throw OptionError(
+          "nothing says what the propeller does: give --bench-table, or "
+          "--thrust-coefficient and --power-coefficient, or --pitch-in");
+    }
+    const PropellerCoefficients c =
+        n_.thrust_coefficient ? PropellerCoefficients{*n_.thrust_coefficient, *n_.power_coefficient}
+                              : TypicalPropeller(*n_.pitch_in / n_.propeller_in, n_.blades);
+    v.thrust_coefficient_N_s2 = ToThrustCoefficient(c.thrust, diameter_m);
+    v.torque_coefficient_N_m_s2 = ToTorqueCoefficient(c.power, diameter_m);
+    const std::string air = fmt::format("in air of {} kg/m³", kAirDensity_kg_per_m3);
+    if (n_.thrust_coefficient) {
+      From("thrust_coefficient_N_s2", fmt::format("C_T = {} given, {}", c.thrust, air));
+      From("torque_coefficient_N_m_s2", fmt::format("C_P = {} given, {}", c.power, air));
+      return;
+    }
+    From("thrust_coefficient_N_s2",
+         fmt::format("assumed: C_T = {:.4f} by blade element theory from a pitch of {} inch and {} "
+                     "blades, scaled to a measured propeller (APC 10 x 4.7, UIUC), {}",
+                     c.thrust,
+                     *n_.pitch_in,
+                     n_.blades,
+                     air));
+    From("torque_coefficient_N_m_s2",
+         fmt::format("assumed: C_P = {:.4f} by a figure of merit of {}, typical of such "
+                     "propellers, {}",
+                     c.power,
+                     kTypicalMerit,
+                     air));
+  }
+
+  void Motor() {
+    Vehicle& v = draft_.vehicle;
+    if (bench_ && bench_->motor_constant_N_m_per_A.fitted) {
+      v.motor_constant_N_m_per_A = Rounded(bench_->motor_constant_N_m_per_A.estimate);
+      From("motor_constant_N_m_per_A", Fitted(bench_->motor_constant_N_m_per_A));
+    } else {
+      if (!n_.kv_rpm_per_V)
+        throw OptionError("the motor's constant is missing: give --kv-rpm-per-V");
+      v.motor_constant_N_m_per_A = 60.0 / (2.0 * kPi * *n_.kv_rpm_per_V);
+      From("motor_constant_N_m_per_A",
+           fmt::format("60/(2 pi KV) with KV = {} rpm/V given", *n_.kv_rpm_per_V));
+    }
+    if (bench_) {
+      TakeResistance();
+    } else {
+      if (!n_.winding_resistance_Ohm) {
+        throw OptionError(
+            "the motor's resistance is missing: give --winding-resistance-Ohm, "
+            "between two of its three wires, or --bench-table");
+      }
+      v.armature_resistance_Ohm = *n_.winding_resistance_Ohm;
+      From("armature_resistance_Ohm",
+           "given, between two of the three wires: two phases carry the current at a time");
+    }
+    if (bench_ && bench_->friction_N_m_s.fitted) {
+      v.friction_N_m_s = Rounded(bench_->friction_N_m_s.estimate);
+      From("friction_N_m_s", Fitted(bench_->friction_N_m_s));
+    } else if (n_.no_load_A) {
+      v.friction_N_m_s = NoLoadFriction(v.motor_constant_N_m_per_A);
+      From("friction_N_m_s",
+           fmt::format("given: {} A without load at {} V", *n_.no_load_A, n_.no_load_V));
+    } else {
+      From("friction_N_m_s", "assumed: none, because no current without load is given");
+    }
+    if (n_.rotor_inertia_kg_m2) {
+      v.rotor_inertia_kg_m2 = *n_.rotor_inertia_kg_m2;
+      From("rotor_inertia_kg_m2", "given");
+    } else {
+      const double propeller_g =
+          n_.propeller_g.value_or(kTypicalPropeller_g_per_in2 * n_.propeller_in * n_.propeller_in);
+      v.rotor_inertia_kg_m2 =
+          Rounded(1e-3 * propeller_g * v.propeller_diameter_m * v.propeller_diameter_m / 12.0);
+      From("rotor_inertia_kg_m2",
+           fmt::format("{}: a uniform rod of the propeller's {:.3g} g and diameter",
+                       n_.propeller_g ? "derived" : "assumed",
+                       propeller_g));
+    }
+  }
+
+  // b of k_e I_0 = b omega_0; the speed without load is that of the voltage less what the winding
+  // takes.
+  [[nodiscard]] double NoLoadFriction(double constant) const {
+    const double speed =
+        (n_.no_load_V - n_.winding_resistance_Ohm.value_or(0.0) * *n_.no_load_A) / constant;
+    if (!(speed > 0.0)) {
+      throw OptionError(fmt::format(
+          "--no-load-A {} through --winding-resistance-Ohm {} takes more than the {} V of "
+          "--no-load-V: one of the three is wrong",
+          *n_.no_load_A,
+          n_.winding_resistance_Ohm.value_or(0.0),
+          n_.no_load_V));
+    }
+    return constant * *n_.no_load_A / speed;
+  }
+
+  // The table sees winding and controller in series.
+  void TakeResistance() {
+    Vehicle& v = draft_.vehicle;
+    const BenchQuantity& r = bench_->resistance_Ohm;
+    const double rest = r.estimate - n_.winding_resistance_Ohm.value_or(r.estimate);
+    if (!n_.winding_resistance_Ohm || rest <= 0.0) {
+      v.armature_resistance_Ohm = Rounded(r.estimate);
+      From("armature_resistance_Ohm", Fitted(r) + "; winding, controller and commutation together");
+      return;
+    }
+    v.armature_resistance_Ohm = *n_.winding_resistance_Ohm;
+    v.esc.resistance_Ohm = Rounded(rest);
+    From("armature_resistance_Ohm", "given, between two of the three wires");
+    From("esc_resistance_Ohm",
+         fmt::format("what the fit to {} finds in series ({:.3g} +- {:.2g} Ohm) less the winding: "
+                     "transistors and commutation",
+                     n_.bench_name,
+                     r.estimate,
+                     r.standard_error));
+  }
+
+  void Controllers() {
+    Vehicle& v = draft_.vehicle;
+    v.pwm_range = {1000.0, 2000.0};
+    From("pwm_range", "assumed: pulse widths of 1000 to 2000 us, in whole microseconds");
+    const double fitted_resistance = v.esc.resistance_Ohm;
+    v.esc = n_.esc;
+    if (fitted_resistance > 0.0) {
+      v.esc.resistance_Ohm = fitted_resistance;
+    } else if (n_.esc.resistance_Ohm > 0.0) {
+      From("esc_resistance_Ohm", "given");
+    }
+    if (bench_ && bench_->switching_share.fitted) {
+      v.esc.switching_time_s =
+          Rounded(bench_->switching_share.estimate / n_.esc.switching_frequency_Hz);
+      From("esc_switching_time_s",
+           fmt::format("fitted to {}: a share of {:.3g} +- {:.2g} of the motor's current",
+                       n_.bench_name,
+                       bench_->switching_share.estimate,
+                       bench_->switching_share.standard_error));
+      From("esc_switching_frequency_Hz", "given");
+    } else if (n_.esc.SwitchingShare() > 0.0) {
+      From("esc_switching_time_s", "given");
+      From("esc_switching_frequency_Hz", "given");
+    }
+    if (v.esc.lossless()) draft_.assumed.emplace_back("esc_resistance_Ohm");
+  }
+
+  void CheckPropeller() const {
+    const Vehicle& v = draft_.vehicle;
+    const auto rotors = RotorsOf(v.layout);
+    double nearest_m = 2.0 * v.arm_m;
+    for (std::size_t i = 1; i < rotors.size(); ++i) {
+      const double apart = v.arm_m * std::hypot(rotors[i].ahead - rotors[0].ahead,
+                                                rotors[i].right - rotors[0].right);
+      if (apart > 1e-9) nearest_m = std::min(nearest_m, apart);
+    }
+    if (v.propeller_diameter_m >= nearest_m) {
+      throw OptionError(fmt::format(
+          "the propellers would touch: {} inch are {:.0f} mm, and neighbouring motors of a {} of "
+          "{} mm are {:.0f} mm apart. Give a smaller --propeller-in or a larger --frame-mm",
+          n_.propeller_in,
+          1e3 * v.propeller_diameter_m,
+          OptionNames(RotorLayout{})[std::size_t(v.layout)].second,
+          n_.frame_mm,
+          1e3 * nearest_m));
+    }
+    // P = T^(3/2)/sqrt(2 rho A) is the least power that a thrust takes.
+    const double area_m2 = 0.25 * kPi * v.propeller_diameter_m * v.propeller_diameter_m;
+    const double merit = std::pow(v.thrust_coefficient_N_s2, 1.5) /
+                         std::sqrt(2.0 * kAirDensity_kg_per_m3 * area_m2) /
+                         v.torque_coefficient_N_m_s2;
+    if (merit > 1.0) {
+      throw OptionError(fmt::format(
+          "the propeller's figure of merit would be {:.2f}, and none is above 1: it would give more "
+          "thrust than momentum theory allows for its power. Check {}",
+          merit,
+          bench_ ? "--propeller-in and --kv-rpm-per-V against the bench table"
+                 : "--thrust-coefficient and --power-coefficient"));
+    }
+  }
+
+  // Where the throttle is not the duty cycle, resistance and switching take up the difference.
+  void CheckBench() {
+    constexpr double kPoor = 0.05;  // relative
+    const double worst = std::max({bench_->speed_rms, bench_->current_rms, bench_->thrust_rms});
+    if (worst > kPoor) {
+      draft_.cautions.push_back(fmt::format(
+          "the fit is off by {:.2g} % on the mean (speed {:.2g} %, current {:.2g} %, thrust {:.2g} "
+          "%): the throttle of {} may not be the duty cycle, and resistance and friction then hold "
+          "the difference",
+          100.0 * worst,
+          100.0 * bench_->speed_rms,
+          100.0 * bench_->current_rms,
+          100.0 * bench_->thrust_rms,
+          n_.bench_name));
+    }
+    constexpr double kMostSwitching = 0.03;  // of the current: a microsecond at 30 kHz
+    if (bench_->switching_share.estimate > kMostSwitching) {
+      draft_.cautions.push_back(fmt::format(
+          "the losses by switching would be {:.2g} % of the current, more than any controller has: "
+          "they hold what the model lacks",
+          100.0 * bench_->switching_share.estimate));
+    }
+  }
+
+  void Hover() {
+    const Vehicle& v = draft_.vehicle;
+    const double voltage_V = kMiddle_V * n_.series_cells;
+    Vehicle driven = v;
+    driven.armature_resistance_Ohm += v.esc.resistance_Ohm;
+    const double fastest = HeldSpeed(driven, voltage_V);
+    const double weight_N = v.mass_kg * kGravity_m_per_s2;
+    const double most_N = v.total_thrust_coefficient_N_s2() * fastest * fastest;
+    draft_.thrust_to_weight = most_N / weight_N;
+    if (draft_.thrust_to_weight <= 1.0) {
+      throw OptionError(fmt::format(
+          "this vehicle cannot hover: at {:.3g} V ({} cells of {} V) its {} rotors give at most "
+          "{:.3g} N, and it weighs {:.3g} N. Give more cells, larger propellers, another KV or less "
+          "mass",
+          voltage_V,
+          n_.series_cells,
+          kMiddle_V,
+          v.rotor_count(),
+          most_N,
+          weight_N));
+    }
+    draft_.hover = HoverTrim(v, Supply<double>{voltage_V, 0.0});
+    draft_.hover_power_W = draft_.hover.battery_V * draft_.hover.battery_A;
+  }
+
+  [[nodiscard]] std::string Fitted(const BenchQuantity& quantity) const {
+    if (!(quantity.standard_error > 0.0)) {
+      return fmt::format("fitted to {}: at its bound", n_.bench_name);
+    }
+    return fmt::format("fitted to {}: 95 % between {:.4g} and {:.4g}",
+                       n_.bench_name,
+                       quantity.low_95,
+                       quantity.high_95);
+  }
+
+  const BuilderNumbers& n_;
+  const std::optional<BenchFit>& bench_;
+  VehicleDraft draft_;
+};
+
+}  // namespace
+
+PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades) {
+  constexpr double kTo = 4.0 / (kPi * kPi * kPi);  // from C_T to C
+  const double measured = kTo * kMeasuredThrust;
+  const double slope =
+      0.5 * blades * measured / (kMeasuredPitch / kPi + kZeroLift_rad - std::sqrt(0.5 * measured));
+  // With q = sqrt(C/2): 2 q² + slope q - slope (theta + a_0) = 0.
+  const double angle = pitch_over_diameter / kPi + kZeroLift_rad;
+  const double q = (std::sqrt(slope * slope + 8.0 * slope * angle) - slope) / 4.0;
+  const double thrust = 2.0 * q * q / kTo;
+  return {thrust, std::pow(thrust, 1.5) * std::sqrt(2.0 / kPi) / kTypicalMerit};
+}
+
+VehicleDraft BuildVehicle(const BuilderNumbers& numbers, const std::optional<BenchFit>& bench) {
+  return Draft(numbers, bench).Make();
+}
+
+}  // namespace lipoid

@@ -1,0 +1,185 @@
+#include "python/src/endurance.h"
+
+#include <nanobind/stl/string.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
+#include "model/core/errors.h"
+#include "model/flight/endurance_report.h"
+#include "model/flight/endurance_request.h"
+#include "model/vehicle/vehicle_file.h"
+#include "python/src/cell.h"
+#include "python/src/convert.h"
+#include "python/src/keywords.h"
+#include "python/src/work.h"
+
+namespace lipoid::python {
+namespace {
+
+enum class Mission { kHover, kCruise };
+
+constexpr std::array<std::pair<Mission, std::string_view>, 2> OptionNames(Mission) {
+  return {{{Mission::kHover, "hover"}, {Mission::kCruise, "cruise"}}};
+}
+
+// A number, or a pair of it and its standard error.
+void Value(Keywords& keywords,
+           std::string_view name,
+           std::optional<Uncertain>& value,
+           const Range& valid,
+           std::string_view help) {
+  const auto given = keywords.Take(name, "float | tuple[float, float]", help);
+  if (!given) return;
+  const std::string shown = PythonName(name);
+  const auto number = [&](nb::handle one, const Range& range) {
+    return options_internal::ParseDouble(shown, TextOf(shown, one), range);
+  };
+  if (!nb::isinstance<nb::tuple>(*given)) {
+    value = Uncertain{number(*given, valid), 0.0};
+    return;
+  }
+  const auto pair = nb::cast<nb::tuple>(*given);
+  if (pair.size() != 2)
+    throw OptionError("option " + shown + ": expected a number, or it and its standard error");
+  value = Uncertain{number(pair[0], valid), number(pair[1], Range{.lo = 0.0})};
+}
+
+struct EnduranceKeywords {
+  EnduranceRequest request;
+  std::optional<std::string> vehicle;
+  std::optional<int> series;
+  std::optional<int> parallel;
+
+  void Declare(Keywords& keywords) {
+    if (const auto file =
+            keywords.Take("vehicle", "Path", "a vehicle file, or the name of a shipped vehicle"))
+      vehicle = PathOf(*file);
+    keywords.Option("series", series, kPackSizes, "cells in series of the pack");
+    keywords.Option("parallel", parallel, kPackSizes, "cells in parallel of the pack");
+    Mission mission = Mission::kHover;
+    keywords.Option("mission", mission, Names{}, "level flight at a place, or at a speed");
+    request.cruise = mission == Mission::kCruise;
+    if (const auto power = keywords.Take("power",
+                                         "tuple[Any, Any]",
+                                         "instead of a vehicle: times in s, and the power in W "
+                                         "that the battery gives since the time before")) {
+      TakePower(*power);
+    }
+    bool once = false;
+    keywords.Flag("once", once, "fly a mission of powers once instead of again and again");
+    if (request.power) request.power->repeats = !once;
+    std::optional<Uncertain> value;
+    const auto take =
+        [&](std::string_view name, auto& member, const Range& valid, const char* help) {
+          value.reset();
+          Value(keywords, name, value, valid, help);
+          if (value) member = *value;
+        };
+    take("airspeed-m-per-s",
+         request.airspeed_m_per_s,
+         kAirspeeds_m_per_s,
+         "of cruise, or of the wind in which it hovers; not given: the one of best range, or none");
+    constexpr double kGramsPerKilogram = 1000.0;
+    value.reset();
+    Value(keywords,
+          "payload-g",
+          value,
+          Range{0.0, kGramsPerKilogram * kPayloads_kg.hi},
+          "mass that the vehicle carries besides its own");
+    if (value) {
+      request.payload_kg = {value->value / kGramsPerKilogram,
+                            value->standard_error / kGramsPerKilogram};
+    }
+    take("ambient-degC", request.ambient_degC, kTemperatures_degC, "temperature of the air");
+    take("health", request.health, kCapacityShares, "capacity left over that of the cell");
+    take("resistance-factor",
+         request.resistance_factor,
+         kResistanceFactors,
+         "resistance of the aged cell over that of the cell");
+    take("power-factor",
+         request.power_factor,
+         kPowerFactors,
+         "power that the battery gives over what the vehicle says");
+    take("reserve", request.reserve, kReserves, "share of the charge that is left at landing");
+    keywords.Option("initial-soc", request.initial_soc, kInitialSocs, "where the battery starts");
+    keywords.Option("ensemble",
+                    request.ensemble,
+                    Range{0, 100000},
+                    "flights with values drawn from all uncertainties, for the intervals");
+    keywords.Group("flight", request.options);
+    keywords.Group("air", request.air);
+  }
+
+  void TakePower(const nb::object& pair) {
+    if (!nb::isinstance<nb::tuple>(pair) || nb::len(pair) != 2)
+      throw OptionError("option power: expected a tuple of times and powers");
+    const auto numbers = nb::module_::import_("numpy").attr("ascontiguousarray");
+    const auto time_s = nb::cast<Input>(numbers(pair[0], "float64"));
+    const auto power_W = nb::cast<Input>(numbers(pair[1], "float64"));
+    if (time_s.shape(0) != power_W.shape(0) || time_s.shape(0) < 2)
+      throw OptionError("option power: expected as many powers as times, at least two");
+    PowerMission& mission = request.power.emplace();
+    for (std::size_t k = 1; k < time_s.shape(0); ++k) {
+      const double duration_s = time_s.data()[k] - time_s.data()[k - 1];
+      if (!(duration_s > 0.0) || !std::isfinite(power_W.data()[k]))
+        throw OptionError("option power: expected rising times and finite powers");
+      mission.legs.push_back({.duration_s = duration_s, .power_W = power_W.data()[k]});
+    }
+  }
+};
+
+nb::object Endurance(const PythonCell& cell,
+                     const nb::dict& given,
+                     std::uint64_t seed,
+                     int threads,
+                     const nb::object& progress) {
+  EnduranceKeywords made;
+  Keywords keywords(given);
+  made.Declare(keywords);
+  keywords.Finish();
+  EnduranceRequest& request = made.request;
+  request.cell = cell.cell;
+  if (made.series) request.cell.series = *made.series;
+  if (made.parallel) request.cell.parallel = *made.parallel;
+  if (request.ambient_degC && !request.cell.temperature)
+    request.cell = WithTypicalTemperature(request.cell);
+  if (request.power.has_value() == made.vehicle.has_value())
+    throw OptionError("expected option vehicle or option power, and not both");
+  if (made.vehicle) request.vehicle = LoadVehicle(*made.vehicle);
+  request.seed = seed;
+  Json summary;
+  Work(
+      [&](const Tell& tell) {
+        const EnduranceAnswer answer =
+            FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });
+        summary = EnduranceToJson(request, answer);
+      },
+      progress,
+      threads);
+  return ToPython(summary);
+}
+
+}  // namespace
+
+void AddEndurance(nb::module_& module) {
+  module.def("endurance",
+             &Endurance,
+             nb::arg("cell"),
+             nb::arg("options"),
+             nb::arg("seed"),
+             nb::arg("threads"),
+             nb::arg("progress").none());
+  module.def("describe_endurance", [] {
+    EnduranceKeywords made;
+    Keywords keywords;
+    made.Declare(keywords);
+    return keywords.Described();
+  });
+}
+
+}  // namespace lipoid::python

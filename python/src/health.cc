@@ -1,0 +1,84 @@
+#include "python/src/health.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "identify/health/health.h"
+#include "identify/health/health_report.h"
+#include "model/battery/ranges.h"
+#include "model/core/errors.h"
+#include "python/src/cell.h"
+#include "python/src/convert.h"
+#include "python/src/keywords.h"
+#include "python/src/log.h"
+#include "python/src/work.h"
+
+namespace lipoid::python {
+namespace {
+
+struct HealthKeywords {
+  HealthOptions options;
+  std::optional<int> series;
+
+  void Declare(Keywords& keywords) {
+    keywords.Option("series",
+                    series,
+                    kPackSizes,
+                    "cells in series of the pack; not given: as the logs or the cell say");
+    keywords.Option("parallel", options.parallel, kPackSizes, "cells in parallel of the pack");
+    keywords.Option("capacity-Ah",
+                    options.capacity_Ah,
+                    Range{1e-3, 1e5},
+                    "capacity of the new pack; not given: that of the cell times parallel");
+    keywords.Option("ambient-degC",
+                    options.ambient_degC,
+                    kTemperatures_degC,
+                    "temperature of the air, where a log has no temperature");
+    keywords.Option("current-scale-uncertainty",
+                    options.sensors.current_scale,
+                    Range{1e-4, 0.5},
+                    "standard deviation of true over shown current, before the flights");
+  }
+};
+
+// The summary of `lipoid health`, and what it says of the last flight and of all.
+nb::tuple Health(const PythonCell& cell,
+                 const std::vector<const PythonLog*>& flights,
+                 const nb::dict& given) {
+  HealthKeywords made;
+  Keywords keywords(given);
+  made.Declare(keywords);
+  keywords.Finish();
+  std::vector<Log> logs;
+  for (const PythonLog* flight : flights) logs.push_back(flight->Lent());
+  made.options.series = SeriesOfPack(logs, made.series);
+  Json summary;
+  std::string sentence;
+  Work([&](const Tell&) {
+    const HealthReport report = AssessHealth(cell.cell, std::move(logs), made.options);
+    summary = HealthToJson(report);
+    summary["refused"] = Json::array();
+    for (const Diagnostic& refused : report.refused) summary["refused"].push_back(refused.Text());
+    sentence = TrendSentence(report);
+    if (sentence.empty()) sentence = HealthSentence(report, report.flights.back());
+  });
+  return nb::make_tuple(ToPython(summary), sentence);
+}
+
+}  // namespace
+
+void AddHealth(nb::module_& module) {
+  module.def("health", &Health, nb::arg("cell"), nb::arg("flights"), nb::arg("options"));
+  module.def("describe_health", [] {
+    HealthKeywords made;
+    Keywords keywords;
+    made.Declare(keywords);
+    return keywords.Described();
+  });
+}
+
+}  // namespace lipoid::python

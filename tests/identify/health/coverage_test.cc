@@ -1,0 +1,165 @@
+// The intervals of `lipoid health` over many flights whose truth is known.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <map>
+
+#include "identify/health/health.h"
+#include "model/battery/cell_model.h"
+#include "tests/support/synthetic_flight.h"
+
+namespace lipoid::test {
+namespace {
+
+constexpr int kSeries = 4;
+
+struct Truth {
+  double capacity_Ah, resistance_Ohm, start_soc, end_soc, scale, offset_A;
+};
+
+// What a step from rest shows at once.
+double StepResistance(const Cell& cell, double soc, double current_A) {
+  const CellModel<double> model(cell.Parameters());
+  const auto rest = model.Relaxed(soc);
+  return (model.Voltage(rest, 0.0) - model.Voltage(rest, current_A)) / current_A;
+}
+
+// The new cell, aged and off by what the spread of a lab reference allows.
+Cell AgedCell(double capacity, double resistance, std::mt19937_64& engine) {
+  std::normal_distribution<double> normal(0.0, 1.0);
+  Cell cell = NewFlightCell();
+  const ReferenceSpread spread;
+  cell.diffusion->alpha_C *= capacity;
+  cell.capacity_Ah *= capacity;
+  cell.diffusion->beta_per_sqrt_s *= std::exp(spread.log_beta * normal(engine));
+  cell.series_resistance_Ohm = resistance * cell.series_resistance_Ohm(0.5);
+  cell.branches[0].resistance_Ohm =
+      resistance * std::exp(0.2 * normal(engine)) * cell.branches[0].resistance_Ohm(0.5);
+  cell.branches[0].time_constant_s *= std::exp(spread.log_time_constants * normal(engine));
+  // A smooth error of the curve.
+  auto soc = cell.open_circuit_voltage.soc();
+  auto voltage_V = cell.open_circuit_voltage.voltage_V();
+  const double a = normal(engine), b = normal(engine), c = normal(engine), d = normal(engine);
+  for (std::size_t k = 0; k < soc.size(); ++k) {
+    voltage_V[k] += spread.curve_V / std::sqrt(2.0) *
+                    (a * std::sin(5.0 * soc[k]) + b * std::cos(5.0 * soc[k]) +
+                     c * std::sin(9.0 * soc[k]) + d * std::cos(9.0 * soc[k]));
+  }
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear(soc, voltage_V);
+  cell = WithTypicalTemperature(std::move(cell));
+  const double warming = std::exp(0.3 * normal(engine));
+  cell.temperature->heat->heat_capacity_J_per_K /= warming;
+  cell.temperature->heat->thermal_resistance_K_per_W *= warming;
+  return cell;
+}
+
+TEST(HealthCoverage, IntervalsCoverTheTruth) {
+  constexpr int kFlights = 100;
+  constexpr std::uint64_t kSeed = 20261122;
+  std::mt19937_64 engine(kSeed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::vector<Log> logs;
+  std::vector<Truth> truths;
+  for (int k = 0; k < kFlights; ++k) {
+    const double capacity = 0.6 + 0.45 * uniform(engine);
+    const double resistance = 1.0 + 1.5 * uniform(engine);
+    const Cell cell = AgedCell(capacity, resistance, engine);
+    FlightPlan plan;
+    plan.start_soc = 0.85 + 0.15 * uniform(engine);
+    plan.charge_share = plan.start_soc - 0.15 - 0.35 * uniform(engine);
+    plan.hover_rate_per_h = 3.0 + 4.0 * uniform(engine);
+    plan.seed = kSeed + static_cast<std::uint64_t>(k);
+    FlightRecorder recorder = k % 2 == 0 ? LikePx4() : LikeArduPilot();
+    recorder.scale = 0.9 + 0.2 * uniform(engine);
+    recorder.offset_A = 0.5 * (2.0 * uniform(engine) - 1.0);
+    recorder.lag_s *= 2.0 * uniform(engine);
+    SyntheticFlight flight =
+        FlyAndLog(cell, kSeries, plan, recorder, "flight_" + std::to_string(k));
+    const double middle = std::clamp(0.5 * (plan.start_soc + flight.end_soc), 0.2, 0.9);
+    truths.push_back({cell.alpha_C() / 3600.0,
+                      kSeries * StepResistance(cell, middle, 0.5 * flight.largest_A),
+                      plan.start_soc,
+                      flight.end_soc,
+                      recorder.scale,
+                      recorder.offset_A});
+    logs.push_back(std::move(flight.log));
+  }
+  HealthOptions options;
+  options.series = kSeries;
+  const HealthReport report = AssessHealth(NewFlightCell(), logs, options);
+  ASSERT_EQ(report.flights.size(), truths.size());
+  std::map<std::string, int> covered, known;
+  std::map<std::string, double> width;
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    const FlightHealth& f = report.flights[k];
+    const Truth& t = truths[k];
+    const auto look = [&](const std::string& name, const WithInterval& value, double truth) {
+      if (!value.known()) return;
+      ++known[name];
+      if (value.low <= truth && truth <= value.high) ++covered[name];
+      width[name] += (value.high - value.low) / std::abs(truth);
+    };
+    look("capacity", f.capacity_Ah, t.capacity_Ah);
+    look("counted capacity", f.counted_capacity_Ah, t.capacity_Ah / t.scale);
+    look("resistance", f.resistance_Ohm, t.resistance_Ohm);
+    look("counted resistance", f.counted_resistance_Ohm, t.resistance_Ohm * t.scale);
+    look("start", f.soc_start, t.start_soc);
+    look("end", f.soc_end, t.end_soc);
+    look("scale", f.current_scale, t.scale);
+    look("offset", f.current_offset_A, t.offset_A);
+  }
+  for (const auto& [name, count] : known) {
+    const int share = 100 * covered[name] / count;
+    std::printf("%-18s %3d of %3d intervals hold the truth; mean width %.3f of it\n",
+                name.c_str(),
+                covered[name],
+                count,
+                width[name] / count);
+    EXPECT_GE(count, 90) << name;
+    EXPECT_GE(share, 88) << name;
+  }
+}
+
+// One pack, one sensor, 60 flights in which it loses 30 % of its capacity and its resistance grows by
+// 60 %.
+TEST(HealthTrend, CoversTheTruthOfAnAgeingPack) {
+  constexpr int kFlights = 60;
+  constexpr std::uint64_t kSeed = 60;
+  std::mt19937_64 engine(kSeed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const Cell young = AgedCell(1.0, 1.0, engine);
+  FlightRecorder recorder = LikePx4();
+  recorder.scale = 1.1;
+  recorder.offset_A = 0.3;
+  std::vector<Log> logs;
+  for (int k = 0; k < kFlights; ++k) {
+    const double age = k / (kFlights - 1.0);
+    Cell cell = young;
+    cell.diffusion->alpha_C *= 1.0 - 0.3 * age;
+    cell.series_resistance_Ohm = (1.0 + 0.6 * age) * cell.series_resistance_Ohm(0.5);
+    cell.branches[0].resistance_Ohm = (1.0 + 0.6 * age) * cell.branches[0].resistance_Ohm(0.5);
+    FlightPlan plan;
+    plan.start_soc = 0.95 + 0.05 * uniform(engine);
+    plan.charge_share = plan.start_soc - 0.2 - 0.2 * uniform(engine);
+    plan.seed = kSeed + static_cast<std::uint64_t>(k);
+    logs.push_back(FlyAndLog(cell, kSeries, plan, recorder, "flight_" + std::to_string(k)).log);
+  }
+  HealthOptions options;
+  options.series = kSeries;
+  const HealthReport report = AssessHealth(NewFlightCell(), logs, options);
+  ASSERT_TRUE(report.capacity_trend && report.resistance_trend);
+  const WithInterval& capacity = report.capacity_trend->change_percent;
+  const WithInterval& resistance = report.resistance_trend->change_percent;
+  std::printf("capacity changed by %.2f %% (%.2f to %.2f), resistance by %.2f %% (%.2f to %.2f)\n",
+              capacity.value,
+              capacity.low,
+              capacity.high,
+              resistance.value,
+              resistance.low,
+              resistance.high);
+  EXPECT_NEAR(capacity.value, -30.0, 3.0);         // what is asked of the trend
+  EXPECT_NEAR(resistance.value, 60.0, 5.0 * 1.6);  // 5 % of the last resistance
+}
+
+}  // namespace
+}  // namespace lipoid::test

@@ -1,0 +1,67 @@
+#include "identify/vehicle/bench_table.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "model/core/errors.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+std::string Refusal(const std::string& text) {
+  return test::MessageOf<LoadError>([&] { (void)ParseBenchTable(text, "b.csv"); });
+}
+
+TEST(BenchTable, IsReadAsVendorsPrintIt) {
+  const auto table = ParseBenchTable(
+      "Throttle (%),Thrust (g),RPM,Voltage (V),Current (A),Efficiency (g/W)\n"
+      "50,401,5688,16.66,3.09,7.79\n60%,529,6508,16.61,4.80,6.64\n"
+      "# a remark\n\n80,787,7788,16.48,9.05,5.28\n100,1024,9068,16.32,14.26,4.40\n",
+      "b.csv");
+  ASSERT_EQ(table.rows.size(), 4u);
+  EXPECT_TRUE(table.has_speed);
+  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[1].duty, 0.6);
+  EXPECT_EQ(table.rows[0].voltage_V, 16.66);
+  EXPECT_EQ(table.rows[3].current_A, 14.26);
+  EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.401 * 9.80665);
+  EXPECT_DOUBLE_EQ(table.rows[0].speed_rad_per_s, 5688.0 * 2.0 * std::numbers::pi / 60.0);
+}
+
+TEST(BenchTable, UnitsAreThoseOfTheHeader) {
+  const std::string rows =
+      "1500;16000;4000;0.5\n1600;16000;5000;0.6\n1700;16000;6000;0.7\n"
+      "1800;16000;7000;0.8\n";
+  const auto table = ParseBenchTable(
+      "\xEF\xBB\xBFthrottle_us;voltage [mV];Current / mA;thrust (kg)\n" + rows, "b.csv");
+  EXPECT_FALSE(table.has_speed);
+  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[0].voltage_V, 16.0);
+  EXPECT_DOUBLE_EQ(table.rows[0].current_A, 4.0);
+  EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.5 * 9.80665);
+}
+
+TEST(BenchTable, EveryMistakeHasItsPlace) {
+  const std::string header = "throttle (%),voltage (V),current (A),thrust (g)\n";
+  EXPECT_EQ(Refusal("throttle (%),voltage (V),thrust (g)\n"),
+            "b.csv:1:1: error: expected a column of the current in A or mA, found the columns "
+            "throttle (%),voltage (V),thrust (g)");
+  EXPECT_EQ(Refusal("throttle (%),voltage (V),current (A),thrust (oz)\n"),
+            "b.csv:1:38: error: thrust: expected the unit g, kg or N, found 'thrust (oz)'");
+  EXPECT_EQ(Refusal(header + "50,16,3,400\n50,16,three,400\n"),
+            "b.csv:3:7: error: current: expected a number, found 'three'");
+  EXPECT_EQ(Refusal(header + "50,16,3\n"),
+            "b.csv:2:1: error: expected 4 fields as in the header, found 3");
+  EXPECT_EQ(Refusal(header + "150,16,3,400\n"),
+            "b.csv:2:1: error: expected a throttle above 0 and at most 100 %, as a fraction, found "
+            "1.5");
+  EXPECT_EQ(Refusal(header + "50,16,-3,400\n"),
+            "b.csv:2:1: error: expected a current above 0 A, found -3");
+  EXPECT_EQ(Refusal(header + "50,16,3,400\n"),
+            "b.csv: error: expected at least 4 rows of a bench table, found 1");
+}
+
+}  // namespace
+}  // namespace lipoid

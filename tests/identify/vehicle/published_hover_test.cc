@@ -1,0 +1,71 @@
+// Hover of shipped vehicles against measurements of such vehicles: computed here from the numbers in
+// the file, by the motor's equations, and not by lipoid's own trim.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "identify/logs/log.h"
+#include "model/flight/trim.h"
+#include "model/vehicle/vehicle_file.h"
+#include "tests/support/paths.h"
+
+namespace lipoid {
+namespace {
+
+constexpr double kAgrees = 0.10;  // the bound
+
+// Power of one motor at the speed that carries its share of the weight, all losses of the file's
+// resistance included. These vehicles have flat rotors and controllers without losses of their own.
+double MotorPower_W(const Vehicle& v, double rotors) {
+  const double speed = std::sqrt(v.mass_kg * 9.81 / rotors / v.thrust_coefficient_N_s2);
+  const double torque = v.friction_N_m_s * speed + v.torque_coefficient_N_m_s2 * speed * speed;
+  const double current_A = torque / v.motor_constant_N_m_per_A;
+  return torque * speed + v.armature_resistance_Ohm * current_A * current_A;
+}
+
+TEST(PublishedHover, TheTrimIsThatOfTheMotorsEquations) {
+  for (const char* name : {"f450", "camera-10in", "hexacopter", "racer-5in"}) {
+    const Vehicle v = LoadVehicle(name);
+    ASSERT_TRUE(v.esc.lossless()) << name;
+    const double battery_V = 3.7 * v.series_cells;
+    const Trim trim = HoverTrim(v, Supply<double>{battery_V, 0.0});
+    const double rotors = double(v.rotor_count());
+    EXPECT_TRUE(trim.possible()) << name;
+    EXPECT_LT(trim.duty, 0.7) << name;  // what flies has thrust to spare
+    EXPECT_NEAR(battery_V * trim.battery_A,
+                rotors * MotorPower_W(v, rotors) + v.avionics_power_W,
+                1e-9 * battery_V * trim.battery_A)
+        << name;
+  }
+}
+
+// CTU Prague, Multi-robot Systems group, motor tests: a 2312 motor of 920 rpm/V with a DJI 9450
+// propeller lifts 401 g with 3.09 A at 16.66 V, a quarter of the f450.
+TEST(PublishedHover, F450DrawsWhatItsMotorsWereMeasuredToDraw) {
+  const Vehicle v = LoadVehicle("f450");
+  const double per_motor_A = MotorPower_W(v, 4.0) / 16.66;
+  const double measured_A = 3.09 * std::pow(v.mass_kg / 4.0 / 0.401, 1.5);  // momentum theory
+  EXPECT_NEAR(per_motor_A, measured_A, kAgrees * measured_A);
+}
+
+// The 3DR Solo that made log171.bin hovers from 200 to 230 s of the log; `lipoid convert log171.bin`
+// gives 14.3 A at 15.30 V there.
+TEST(PublishedHover, CameraDroneDrawsWhatASoloWasLoggedToDraw) {
+  const Vehicle v = LoadVehicle("camera-10in");
+  const double power_W = 4.0 * MotorPower_W(v, 4.0) + v.avionics_power_W;
+  EXPECT_NEAR(power_W / 15.30, 14.3, kAgrees * 14.3);
+  const Log log = ReadLog(test::SourcePath("fixtures/flights/log171.bin"));
+  std::vector<double> hovering_W;
+  for (std::size_t k = 0; k < log.record.time_s.size(); ++k) {
+    if (log.record.time_s[k] < 200.0 || log.record.time_s[k] > 230.0) continue;
+    hovering_W.push_back(log.record.current_A[k] * log.record.voltage_V[k]);
+  }
+  ASSERT_GT(hovering_W.size(), 100u);
+  std::nth_element(hovering_W.begin(), hovering_W.begin() + 150, hovering_W.end());
+  EXPECT_NEAR(power_W, hovering_W[150], kAgrees * hovering_W[150]);
+}
+
+}  // namespace
+}  // namespace lipoid

@@ -1,0 +1,153 @@
+#include "identify/vehicle/vehicle_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/core/errors.h"
+#include "tests/support/throws.h"
+
+namespace lipoid {
+namespace {
+
+BuilderNumbers Racer() {
+  BuilderNumbers n;
+  n.name = "racer";
+  n.mass_g = 650.0;
+  n.frame_mm = 220.0;
+  n.series_cells = 4;
+  n.kv_rpm_per_V = 2400.0;
+  n.winding_resistance_Ohm = 0.06;
+  n.no_load_A = 1.2;
+  n.propeller_in = 5.0;
+  n.pitch_in = 4.3;
+  n.blades = 3;
+  return n;
+}
+
+std::string Refusal(const BuilderNumbers& numbers) {
+  return test::MessageOf<OptionError>([&] { (void)BuildVehicle(numbers, {}); });
+}
+
+TEST(VehicleBuilder, ConvertsWhatIsGiven) {
+  BuilderNumbers n = Racer();
+  n.payload_g = 50.0;
+  n.pitch_in.reset();
+  n.thrust_coefficient = 0.15;
+  n.power_coefficient = 0.1;
+  n.avionics_W = 4.0;
+  const Vehicle v = BuildVehicle(n, {}).vehicle;
+  EXPECT_DOUBLE_EQ(v.mass_kg, 0.7);
+  EXPECT_DOUBLE_EQ(v.arm_m, 0.11);
+  EXPECT_DOUBLE_EQ(v.nominal_voltage_V, 16.8);
+  EXPECT_EQ(v.series_cells, 4);
+  EXPECT_EQ(v.avionics_power_W, 4.0);
+  EXPECT_DOUBLE_EQ(v.propeller_diameter_m, 0.127);
+  // KV volts turn it without load: 2400 rpm at 1 V.
+  EXPECT_NEAR(1.0 / v.motor_constant_N_m_per_A * 30.0 / std::numbers::pi, 2400.0, 1e-9);
+  // Thrust and power at a hundred turns a second, by the definition of the coefficients.
+  const double speed = 2.0 * std::numbers::pi * 100.0;
+  EXPECT_NEAR(
+      v.thrust_coefficient_N_s2 * speed * speed, 0.15 * 1.225 * 1e4 * std::pow(0.127, 4), 1e-12);
+  EXPECT_NEAR(v.torque_coefficient_N_m_s2 * speed * speed * speed,
+              0.1 * 1.225 * 1e6 * std::pow(0.127, 5),
+              1e-12);
+  // Without load, at 10 V, it draws 1.2 A at the speed that 10 V less the winding's share give.
+  const double free_speed = (10.0 - 0.06 * 1.2) / v.motor_constant_N_m_per_A;
+  EXPECT_NEAR(v.friction_N_m_s * free_speed / v.motor_constant_N_m_per_A, 1.2, 1e-12);
+}
+
+TEST(VehicleBuilder, SaysWhereEveryNumberIsFromAndWhatIsAssumed) {
+  const VehicleDraft draft = BuildVehicle(Racer(), {});
+  const std::string text = VehicleToToml(draft.vehicle, draft.sources);
+  const Vehicle read = ParseVehicle(text, "v.toml");
+  EXPECT_EQ(VehicleToToml(read, draft.sources), text);
+  for (const auto& [key, from] : draft.sources) EXPECT_FALSE(from.empty()) << key;
+  for (const std::string& key : draft.assumed) {
+    const bool named = text.find(key + " = \"assumed") != std::string::npos;
+    EXPECT_TRUE(named || key == "esc_resistance_Ohm") << key;
+  }
+  EXPECT_NE(std::find(draft.assumed.begin(), draft.assumed.end(), "inertia_kg_m2"),
+            draft.assumed.end());
+  EXPECT_EQ(std::find(draft.assumed.begin(), draft.assumed.end(), "mass_kg"), draft.assumed.end());
+}
+
+// The measured propeller comes back, more pitch and more blades give more thrust.
+TEST(VehicleBuilder, TypicalPropellersAreScaledFromAMeasuredOne) {
+  const auto apc = TypicalPropeller(0.47, 2);
+  EXPECT_NEAR(apc.thrust, 0.1185, 1e-12);
+  EXPECT_NEAR(apc.power, 0.048, 0.05 * 0.048);  // by a merit of 0.65, its own is 0.68
+  EXPECT_GT(TypicalPropeller(0.6, 2).thrust, apc.thrust);
+  EXPECT_GT(TypicalPropeller(0.47, 3).thrust, apc.thrust);
+  // Coefficients of tests that were not used (CTU MRS, docs/vehicles.md): within 25 %.
+  EXPECT_NEAR(TypicalPropeller(5.0 / 9.4, 2).thrust, 0.110, 0.25 * 0.110);
+  EXPECT_NEAR(TypicalPropeller(4.5 / 10.0, 2).thrust, 0.108, 0.25 * 0.108);
+  EXPECT_NEAR(TypicalPropeller(4.5 / 8.0, 2).thrust, 0.155, 0.25 * 0.155);
+}
+
+TEST(VehicleBuilder, RefusesWhatNoVehicleCanBe) {
+  BuilderNumbers n = Racer();
+  n.mass_g = 20000.0;
+  EXPECT_EQ(Refusal(n).substr(0, 70),
+            "this vehicle cannot hover: at 14.8 V (4 cells of 3.7 V) its 4 rotors g");
+  n = Racer();
+  n.propeller_in = 7.0;
+  EXPECT_EQ(Refusal(n),
+            "the propellers would touch: 7 inch are 178 mm, and neighbouring motors of a quad-x of "
+            "220 mm are 156 mm apart. Give a smaller --propeller-in or a larger --frame-mm");
+  n = Racer();
+  n.pitch_in.reset();
+  EXPECT_EQ(Refusal(n),
+            "nothing says what the propeller does: give --bench-table, or --thrust-coefficient and "
+            "--power-coefficient, or --pitch-in");
+  n.thrust_coefficient = 0.2;
+  EXPECT_EQ(Refusal(n),
+            "options --thrust-coefficient and --power-coefficient: give both, or --pitch-in for "
+            "typical ones");
+  n.power_coefficient = 0.05;
+  EXPECT_EQ(Refusal(n).substr(0, 52), "the propeller's figure of merit would be 1.43, and n");
+  n = Racer();
+  n.winding_resistance_Ohm.reset();
+  EXPECT_EQ(Refusal(n),
+            "the motor's resistance is missing: give --winding-resistance-Ohm, between two of its "
+            "three wires, or --bench-table");
+  n = Racer();
+  n.no_load_A = 200.0;
+  EXPECT_EQ(Refusal(n),
+            "--no-load-A 200 through --winding-resistance-Ohm 0.06 takes more than the 10 V of "
+            "--no-load-V: one of the three is wrong");
+  n = Racer();
+  n.lower_rotor_thrust_ratio = 0.8;
+  EXPECT_EQ(Refusal(n),
+            "option --lower-rotor-thrust-ratio: the layout has no lower rotors; leave it out, or "
+            "give --layout y6 or x8");
+}
+
+// What the bench sees in series is winding and controller.
+TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
+  BuilderNumbers n = Racer();
+  n.bench_name = "bench.csv";
+  BenchFit fit;
+  fit.thrust_coefficient_N_s2 = {"thrust_coefficient_N_s2", 1.4e-6, 1e-8, 1.3e-6, 1.5e-6, true};
+  fit.torque_coefficient_N_m_s2 = {"torque_coefficient_N_m_s2", 2e-8, 1e-10, 1.9e-8, 2.1e-8, true};
+  fit.motor_constant_N_m_per_A = {"motor_constant_N_m_per_A", 0.004, 0.0, 0.004, 0.004, false};
+  fit.resistance_Ohm = {"armature_resistance_Ohm", 0.08, 0.002, 0.076, 0.084, true};
+  fit.friction_N_m_s = {"friction_N_m_s", 1e-6, 1e-8, 0.9e-6, 1.1e-6, true};
+  fit.switching_share = {"switching_share", 0.0, 0.0, 0.0, 0.0, false};
+  const Vehicle v = BuildVehicle(n, fit).vehicle;
+  EXPECT_DOUBLE_EQ(v.armature_resistance_Ohm, 0.06);
+  EXPECT_DOUBLE_EQ(v.esc.resistance_Ohm, 0.02);
+  EXPECT_EQ(v.thrust_coefficient_N_s2, 1.4e-6);
+  EXPECT_TRUE(BuildVehicle(n, fit).cautions.empty());
+  fit.current_rms = 0.08;
+  fit.switching_share.estimate = 0.1;
+  EXPECT_EQ(BuildVehicle(n, fit).cautions.size(), 2u);
+  n.winding_resistance_Ohm.reset();
+  const Vehicle whole = BuildVehicle(n, fit).vehicle;
+  EXPECT_DOUBLE_EQ(whole.armature_resistance_Ohm, 0.08);
+  EXPECT_EQ(whole.esc.resistance_Ohm, 0.0);
+}
+
+}  // namespace
+}  // namespace lipoid

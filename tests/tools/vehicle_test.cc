@@ -1,0 +1,93 @@
+// lipoid vehicle, end to end. The numbers themselves: tests/identify/vehicle/.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "model/vehicle/vehicle_file.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_lipoid.h"
+
+namespace lipoid::test {
+namespace {
+
+std::vector<std::string> Body(std::vector<std::string> more) {
+  std::vector<std::string> words{"vehicle",
+                                 "--mass-g",
+                                 "1600",
+                                 "--frame-mm",
+                                 "450",
+                                 "--series",
+                                 "4",
+                                 "--propeller-in",
+                                 "9.4",
+                                 "-o",
+                                 "mine.toml"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::string Bench() { return SourcePath("fixtures/bench/readytosky-2312-920kv_dji-9450.csv"); }
+
+TEST(VehicleCommand, WritesAFileThatFlies) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             Body({"--pitch-in",
+                                   "5",
+                                   "--kv-rpm-per-V",
+                                   "920",
+                                   "--winding-resistance-Ohm",
+                                   "0.12",
+                                   "--no-load-A",
+                                   "0.5",
+                                   "--avionics-W",
+                                   "5",
+                                   "--summary",
+                                   "s.json"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Vehicle v = ReadVehicleFile(folder + "/mine.toml");
+  EXPECT_EQ(v.name, "mine");
+  EXPECT_EQ(v.avionics_power_W, 5.0);
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary["sources"]["mass_kg"], "given: 1600 g");
+  EXPECT_GT(summary["thrust_to_weight"], 1.0);
+  EXPECT_TRUE(summary["bench"].is_null());
+  EXPECT_NE(run.err.find("assumed: inertia_kg_m2"), std::string::npos) << run.err;
+  EXPECT_NE(run.out.find("largest thrust over weight"), std::string::npos) << run.out;
+  const auto flight = RunLipoid(
+      folder, {"fly", "hover", "--battery", "ideal", "--vehicle", "mine.toml", "--duration", "1"});
+  EXPECT_EQ(flight.exit_code, 0) << flight.err;
+}
+
+TEST(VehicleCommand, FitsABenchTable) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--summary", "s.json"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_TRUE(summary["bench"]["converged"]);
+  EXPECT_LT(summary["bench"]["thrust_rms_percent"], 5.0);
+  ASSERT_EQ(summary["cautions"].size(), 1U);
+  EXPECT_NE(run.err.find("may not be the duty cycle"), std::string::npos) << run.err;
+  for (const Json& parameter : summary["bench"]["parameters"]) {
+    if (!parameter["fitted"] || parameter["standard_error"].is_null()) continue;
+    EXPECT_LE(parameter["interval_95"][0], parameter["estimate"]) << parameter;
+    EXPECT_GE(parameter["interval_95"][1], parameter["estimate"]) << parameter;
+  }
+}
+
+TEST(VehicleCommand, RefusalsSayWhatToGive) {
+  const auto folder = TestFolder();
+  const auto bare = RunLipoid(folder, {"vehicle", "--mass-g", "1000", "-o", "v.toml"});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_NE(bare.err.find("no vehicle without --frame-mm, --series, --propeller-in: give them"),
+            std::string::npos)
+      << bare.err;
+  const auto none = RunLipoid(folder, Body({"--kv-rpm-per-V", "0"}));
+  EXPECT_EQ(none.exit_code, 2);
+  const auto missing = RunLipoid(folder, Body({"--bench-table", "no.csv"}));
+  EXPECT_EQ(missing.exit_code, 3) << missing.err;
+  EXPECT_TRUE(FilesIn(folder).empty());
+}
+
+}  // namespace
+}  // namespace lipoid::test

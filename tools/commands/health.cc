@@ -1,0 +1,130 @@
+// lipoid health --cell REFERENCE FLIGHT...: how old a pack is, by flights on it.
+#include "identify/health/health.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "identify/health/health_report.h"
+#include "identify/logs/read_logs.h"
+#include "model/battery/cell_file.h"
+#include "model/battery/ranges.h"
+#include "tools/cli/text_table.h"
+#include "tools/commands.h"
+#include "tools/commands/log_options.h"
+
+namespace lipoid {
+namespace {
+
+// The flights in the order they were named.
+std::vector<Log> ReadFlights(const std::vector<std::string>& files, const ReadOptions& read) {
+  std::vector<LogToRead> to_read;
+  for (const std::string& file : files) to_read.push_back({file, read});
+  std::vector<Log> logs(files.size());
+  const auto problems =
+      ReadLogs(to_read, [&](std::size_t k, Log log) { logs[k] = std::move(log); });
+  std::vector<Diagnostic> all;
+  for (const auto& of_one : problems) all.insert(all.end(), of_one.begin(), of_one.end());
+  if (!all.empty()) throw LoadError(all);
+  return logs;
+}
+
+std::string Interval(const WithInterval& value, double factor) {
+  if (!value.known()) return "-";
+  return fmt::format("{} .. {}",
+                     cli::Significant(factor * value.low, 3),
+                     cli::Significant(factor * value.high, 3));
+}
+
+std::string Value(const WithInterval& value, double factor) {
+  return value.known() ? cli::Significant(factor * value.value, 3) : "-";
+}
+
+}  // namespace
+
+cli::ExitCode HealthCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  std::vector<std::string> files;
+  HealthOptions options;
+  LogOptions log_options;
+  PackOptions pack;
+  line.Describe(
+      "Says how old a battery pack is from logs of flights on it: its capacity and its resistance "
+      "now, and its state of charge at start and end, each with a 95 % interval, per flight and as "
+      "a trend over flights. The reference is the cell when it was new: a cell file of the lab, or "
+      "a shipped cell, whose curve is typical of its chemistry.",
+      "lipoid health --cell gifi-600mAh-1 --capacity-Ah 1.5 --series 4 flight_*.bin");
+  line.InputArguments("FLIGHT", files, "logs of flights on one pack, the oldest first");
+  line.RequiredInput(
+      "cell", cell_name, "REFERENCE", "the cell when new: a cell file, or a shipped cell's name");
+  line.Option("capacity-Ah",
+              options.capacity_Ah,
+              Range{1e-3, 1e5},
+              "capacity of the new pack in Ah; by default that of the cell file times --parallel");
+  line.Option("ambient-degC",
+              options.ambient_degC,
+              kTemperatures_degC,
+              "temperature of the air in degC, from which the pack starts and warms, where a log "
+              "has no temperature");
+  line.Option("current-scale-uncertainty",
+              options.sensors.current_scale,
+              Range{1e-4, 0.5},
+              "standard deviation of true over shown current, before the flights: 0.06 of a "
+              "sensor as it came, 0.01 of a calibrated one");
+  log_options.AddTo(line);
+  pack.AddTo(line);
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Cell cell = LoadCell(cell_name);
+  std::vector<Log> logs = ReadFlights(files, log_options.ToReadOptions());
+  options.series = SeriesOfPack(logs, pack.series);
+  options.parallel = pack.parallel.value_or(1);
+  for (const Log& log : logs) {
+    for (const std::string& warning : log.report.warnings)
+      line.Message("{}: {}", log.record.file, warning);
+  }
+  const HealthReport report = AssessHealth(cell, std::move(logs), options);
+  for (const Diagnostic& refused : report.refused)
+    line.Problem(LoadError(refused.position, refused.message));
+
+  line.summary() = HealthToJson(report);
+  const FlightHealth& last = report.flights.back();
+  if (const std::string trend = TrendSentence(report); !trend.empty()) line.Print("{}\n", trend);
+  line.Print("{}{}\n",
+             report.flights.size() > 1 ? fmt::format("{}: ", last.file) : "",
+             HealthSentence(report, last));
+  if (report.typical) {
+    line.Print(
+        "{}",
+        cli::Wrapped(fmt::format(
+            "The reference {} is a typical curve, not this pack: 'of new' means of the {:.3g} "
+            "Ah {}.\n",
+            report.reference,
+            report.new_capacity_Ah,
+            options.capacity_Ah ? "that were given" : "of the reference")));
+  }
+  cli::TextTable table({{"flight", cli::Align::kLeft},
+                        {"SOC from"},
+                        {"to"},
+                        {"capacity / Ah"},
+                        {"95 %"},
+                        {"resistance / mOhm"},
+                        {"95 %"},
+                        {"mean error / %"}});
+  for (const FlightHealth& flight : report.flights) {
+    table.Row({flight.file,
+               Value(flight.soc_start, 1.0),
+               Value(flight.soc_end, 1.0),
+               Value(flight.capacity_Ah, 1.0),
+               Interval(flight.capacity_Ah, 1.0),
+               Value(flight.resistance_Ohm, 1e3),
+               Interval(flight.resistance_Ohm, 1e3),
+               cli::Significant(flight.mean_error_percent, 2)});
+  }
+  line.Print("\n{}", table.Text());
+  for (const FlightHealth& flight : report.flights)
+    line.Print("{}", cli::Bullets(flight.file, flight.cautions));
+  return cli::ExitCode::kDone;
+}
+
+}  // namespace lipoid
