@@ -105,6 +105,51 @@ def test_each_row_is_what_the_program_finds(
     assert estimate == {one["name"]: one["estimate"] for one in theirs["parameters"]}["r_s"]
 
 
+def test_a_full_disk_is_said_and_what_was_written_stays(
+    cells: Path, undisturbed: Path, tmp_path: Path
+) -> None:
+    import resource
+
+    results = tmp_path / "results.sqlite"
+    limit_bytes = 250_000  # of a file; room for some of the rows
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit_bytes, limit_bytes))
+
+    words = [str(cells), "-o", str(results), *STAGED]
+    ran = subprocess.run(
+        [sys.executable, "-m", "lipoid.fleet", *words],
+        env=ENVIRONMENT,
+        preexec_fn=limit,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert ran.returncode == 2, ran.stderr
+    assert f"{results}: cannot be written: " in ran.stderr
+    kept = rows(results)
+    assert 0 < len(kept) < CELLS
+    assert main(words) == 0
+    assert essence(results) == essence(undisturbed)
+
+
+def test_a_row_is_made_again_from_its_run_record_alone(undisturbed: Path) -> None:
+    import hashlib
+
+    from lipoid.fleet.runner import identify_one
+
+    row = next(iter(rows(undisturbed).values()))
+    record = json.loads(row["cell"])["run"]
+    for one in record["inputs"]:
+        assert hashlib.sha256(Path(one["file"]).read_bytes()).hexdigest() == one["sha256"]
+    options = dict(record["options"])
+    options["open_circuit_voltage_fit"] = options.pop("open_circuit_voltage")
+    options |= options.pop("given")
+    again = identify_one(record["inputs"][0]["file"], {"seed": record["seed"], **options})
+    assert again["result_sha256"] == row["result_sha256"]
+
+
 def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
     import shutil
 
