@@ -14,6 +14,9 @@ class Validate(PageTest):
         page = self.open("page.html")
         self.assertEqual(page.run("return document.querySelectorAll('.chart canvas').length"), 6)
         rows = page.run("return [...document.querySelectorAll('tbody tr')].map(r => r.cells[1].textContent)")
+        verdict = page.run("return document.querySelector('.sentence').textContent")
+        self.assertIn(f"these logs to {1e3 * summary['fit']['rmse_V']:.3g} mV", verdict)
+        self.assertEqual(page.run("return document.querySelector('.grade').textContent"), summary["fit"]["verdict"])
         self.assertEqual(rows[:2], [str(log["rows"]) for log in summary["logs"]])
 
 

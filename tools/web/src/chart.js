@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import { element, note } from "./dom.js";
 import { significant } from "./format.js";
 import { legend, nearest } from "./legend.js";
-import { endOfGuide, printed } from "./picture.js";
+import { endOfGuide, hasRoom, printed } from "./picture.js";
 import { saveMenu } from "./save.js";
 import { colour, faint, onThemeChange, seriesColour } from "./theme.js";
 import { timeAxis } from "./time_axis.js";
@@ -212,12 +212,13 @@ function drawMarks(plot, marks, guides) {
     ctx.strokeStyle = colour("--soft");
     ctx.fillStyle = colour("--soft");
     ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    const taken = [];
     for (const { from, to, label } of guides) {
       stroke(at(from), at(to));
       const end = endOfGuide(plot.scales, from, to);
       if (!end) continue;
       const [x, y] = at(end);
-      ctx.fillText(label, x + 4 * uPlot.pxRatio, y + 12 * uPlot.pxRatio);
+      if (hasRoom(taken, x, y, 11 * uPlot.pxRatio)) ctx.fillText(label, x + 4 * uPlot.pxRatio, y + 12 * uPlot.pxRatio);
     }
   });
 }
@@ -240,10 +241,9 @@ function drawRings(plot, rings) {
  * @param x       {label, values, time, log, categories, whole, include}: the common axis; label carries the unit. `whole`: ticks at
  *                whole numbers alone. `include`: values that the axis shows in any case. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
- * @param lines   [{label, values, x, points, hollow, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
- *                each, values as long as x, or as its own x. colour is the number of a colour of the palette. A value of
- * @param lines   [{label, values, x, points, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one line
- *                each, values as long as x, or as its own x. `points`: samples alone; `dots`: samples on their line. colour is the number of a colour of the palette. A value of
+ * @param lines   [{label, values, x, points, hollow, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one
+ *                line each, values as long as x, or as its own x. `points`: samples alone, `hollow` as rings; `dots`: samples on
+ *                their line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
  * @param y       {label, log, zero, reach}; `zero`: the axis begins at zero; `reach`: [low, high] that it shows at least
  * @param link    charts with the same key zoom and show their cursor together

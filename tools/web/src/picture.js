@@ -138,6 +138,13 @@ export function endOfGuide({ x, y }, from, to) {
   return null;
 }
 
+/** Whether a short label there is clear of those before it; `taken` remembers it then. */
+export function hasRoom(taken, x, y, size) {
+  if (taken.some(([a, b]) => Math.abs(x - a) < 2.2 * size && Math.abs(y - b) < 1.2 * size)) return false;
+  taken.push([x, y]);
+  return true;
+}
+
 /** The shapes of a picture: {width, height, area, shapes: [{path | text, ...}]}. */
 export function drawing(plot, { title, x, y, time, spans, marks, guides = [], rings = [] }, body) {
   const shapes = [];
@@ -171,10 +178,11 @@ export function drawing(plot, { title, x, y, time, spans, marks, guides = [], ri
   text(time?.label ?? x.label, { x: area.left + area.width / 2, y: bottom + 34 }, { anchor: "middle" });
   text(y.label, { x: 12, y: top + body / 2 }, { anchor: "middle", turned: true });
   for (const mark of marks) path(`M${round(toX(mark.x))} ${top}V${bottom}`, { stroke: colour("--text", PAPER), width: 1, dash: [4, 4], clip: true });
+  const taken = [];
   for (const { from, to, label } of guides) {
     path(`M${round(toX(from[0]))} ${round(toY(from[1]))}L${round(toX(to[0]))} ${round(toY(to[1]))}`, { stroke: colour("--soft", PAPER), width: 1, dash: [4, 4], clip: true });
     const end = endOfGuide(plot.scales, from, to);
-    if (end) text(label, { x: toX(end[0]) + 4, y: toY(end[1]) + 12 }, { size: 10, fill: colour("--soft", PAPER) });
+    if (end && hasRoom(taken, toX(end[0]), toY(end[1]), 10)) text(label, { x: toX(end[0]) + 4, y: toY(end[1]) + 12 }, { size: 10, fill: colour("--soft", PAPER) });
   }
   const xs = plot.data[0];
   for (const { index, also, line, colour: number } of shown) {

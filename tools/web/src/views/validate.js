@@ -4,6 +4,7 @@ import { baseName } from "../format.js";
 import { logCharts, thinnedNote } from "../log_charts.js";
 import { provenance } from "../provenance.js";
 import { table } from "../table.js";
+import { judgement } from "./identify/header.js";
 
 function log(series, k) {
   const thinned = thinnedNote(series);
@@ -16,6 +17,7 @@ export const validate = {
   command: "validate",
   title: () => "Prediction against measurement",
   parts: ({ summary, series }) => [
+    summary.fit ? judgement(summary.fit, summary.logs?.length === 1 ? "this log" : "these logs") : null,
     element("p", {}, "Each log's current went through the cell; its voltage is compared with the measured one, row by row."),
     table(
       [
@@ -33,5 +35,5 @@ export const validate = {
     ),
     ...series.filter(({ kind }) => kind === "log").map(log),
     provenance(summary.run),
-  ],
+  ].filter((part) => part !== null),
 };

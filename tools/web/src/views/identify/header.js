@@ -15,11 +15,15 @@ function logsInWords(logs) {
 function verdictSentence({ verdict }) {
   if (!verdict) return null;
   const { grade, rmse_V, mean_error_percent, reasons } = verdict;
+  return judgement({ verdict: grade, rmse_V, mean_error_percent, reason: (reasons ?? []).join("; ") }, "its own logs");
+}
+
+/** The key `fit` of a summary as a sentence; `what` are the logs that it is of. */
+export function judgement({ verdict, rmse_V, mean_error_percent, reason }, what) {
   const error = typeof rmse_V === "number"
-    ? `The cell predicts its own logs to ${significant(1e3 * rmse_V, 3)} mV (${significant(mean_error_percent, 2)} %): `
-    : "How the cell predicts its own logs is not known: ";
-  return element("p", { class: "sentence" }, error, element("span", { class: `grade ${grade}` }, grade),
-                 reasons?.length > 0 ? `, because ${reasons.join("; ")}` : "", ".");
+    ? `The cell predicts ${what} to ${significant(1e3 * rmse_V, 3)} mV (${significant(mean_error_percent, 2)} %): `
+    : `How the cell predicts ${what} is not known: `;
+  return element("p", { class: "sentence" }, error, element("span", { class: `grade ${verdict}` }, verdict), reason ? `, because ${reason}` : "", ".");
 }
 
 export function expectedError({ expected_error_percent: error, expected_error_interval_95: interval }) {
