@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "identify/stages/row_factor.h"
+#include "model/control/laws/control_laws.h"
+#include "model/control/riccati.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/flight/maneuvers/maneuvers.h"
@@ -16,7 +18,22 @@ namespace {
 // What a penalty aims at, so that it ends on the stable side of its bound.
 constexpr double kSlowestDecay_per_s = 1e-3;
 
+double ThesisBound(Loop loop) { return loop == Loop::kAltitude ? 10.0 : 1.0; }  // U of section 6.2
+
 }  // namespace
+
+void WidenBounds(GainDesign& design, const ErrorGains& start) {
+  constexpr double kWider = 4.0;
+  const double thesis = ThesisBound(design.loop);
+  const double most = std::max({start.proportional, start.integral, start.derivative});
+  if (most <= thesis) return;
+  GainDesignOptions& options = design.options;
+  for (const auto& [bound, gain] : {std::pair{&options.proportional_bound, start.proportional},
+                                    std::pair{&options.integral_bound, start.integral},
+                                    std::pair{&options.derivative_bound, start.derivative}}) {
+    if (*bound == 0.0) *bound = std::max(thesis, kWider * gain);
+  }
+}
 
 std::vector<FlightCommand> SampledCommands(const FlightPlan& plan) {
   std::vector<FlightCommand> sampled;
@@ -43,10 +60,13 @@ FlightPlan DesignPlan(const GainDesign& design) {
 }
 
 GainProblem::GainProblem(const GainDesign& design, double stability_weight)
-    : design_(design), stability_weight_(stability_weight) {
+    : design_(design),
+      regulator_(design.controller.law == "lqr"),
+      stability_weight_(stability_weight) {
+  (void)FindControlLaw(design.controller.law);
   Require(!design.xi.empty(), "at least one xi", {});
-  const double thesis_bound = design.loop == Loop::kAltitude ? 10.0 : 1.0;  // U of section 6.2
-  const auto bound = [&](double given) { return given > 0.0 ? given : thesis_bound; };
+  const double thesis = ThesisBound(design.loop);
+  const auto bound = [&](double given) { return given > 0.0 ? given : thesis; };
   bounds_ = {bound(design.options.proportional_bound),
              bound(design.options.integral_bound),
              bound(design.options.derivative_bound)};
@@ -55,7 +75,8 @@ GainProblem::GainProblem(const GainDesign& design, double stability_weight)
   for (const auto& [xi, weight] : design.xi) {
     Require(xi > 0.0, "xi above 0", {{"xi", xi}});
     Require(weight >= 0.0, "a weight of at least 0", {{"weight", weight}});
-    tasks_.push_back({design.vehicle, xi, design.controller, plan, design.options.motor_lag});
+    tasks_.push_back(
+        {design.vehicle, xi, design.controller, plan, design.options.motor_lag, design.references});
     const HoverResponse response = ResponseAtHover(design.vehicle, HoverAt(design.vehicle, xi));
     const AxisResponse& own = design.loop == Loop::kAltitude ? response.altitude : response.pitch;
     for (const double gain : {1.0 / kStabilityMargin, kStabilityMargin}) {
@@ -75,14 +96,43 @@ void GainProblem::Run(std::size_t k, const BasicErrorGains<T>& gains, Visit&& vi
   }
 }
 
-ErrorGains GainProblem::Gains(const Eigen::VectorXd& x) const {
-  return {x[0] * bounds_.proportional, x[1] * bounds_.integral, x[2] * bounds_.derivative};
+GainProblem::Parameterised GainProblem::At(const Eigen::VectorXd& x) const {
+  const double error = x[0] * bounds_.proportional;
+  const double integral = x[1] * bounds_.integral;
+  const double rate = x[2] * bounds_.derivative;
+  if (!regulator_) {
+    return {{.proportional = error, .integral = integral, .derivative = rate},
+            {ErrorGains{.proportional = bounds_.proportional},
+             ErrorGains{.integral = bounds_.integral},
+             ErrorGains{.derivative = bounds_.derivative}}};
+  }
+  const RegulatorGains of =
+      AxisRegulator({.error_per_s2 = error, .integral_per_s3 = integral, .rate_per_s = rate});
+  const auto times = [](const ErrorGains& gains, double factor) {
+    return ErrorGains{.proportional = gains.proportional * factor,
+                      .integral = gains.integral * factor,
+                      .derivative = gains.derivative * factor};
+  };
+  return {of.gains,
+          {times(of.per_error, bounds_.proportional),
+           times(of.per_integral, bounds_.integral),
+           times(of.per_rate, bounds_.derivative)}};
 }
 
+ErrorGains GainProblem::Gains(const Eigen::VectorXd& x) const { return At(x).gains; }
+
 Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
-  return Eigen::Vector3d(gains.proportional / bounds_.proportional,
-                         gains.integral / bounds_.integral,
-                         gains.derivative / bounds_.derivative);
+  Eigen::Vector3d x(gains.proportional, gains.integral, gains.derivative);
+  if (regulator_) {
+    // The nearest weights: not all gains are those of a regulator.
+    const double error =
+        gains.proportional * gains.proportional - 2.0 * gains.derivative * gains.integral;
+    const double rate = gains.derivative * gains.derivative - 2.0 * gains.proportional;
+    x[0] = std::sqrt(std::max(error, 0.0));
+    x[2] = std::sqrt(std::max(rate, 0.0));
+  }
+  return x.cwiseQuotient(
+      Eigen::Vector3d(bounds_.proportional, bounds_.integral, bounds_.derivative));
 }
 
 std::vector<Growth> GainProblem::Lacks(const ErrorGains& gains) const {
@@ -101,16 +151,26 @@ bool GainProblem::Stable(const ErrorGains& gains) const {
   });
 }
 
-double GainProblem::Cost(const Eigen::VectorXd& x) const {
-  std::vector<double> sums(tasks_.size(), 0.0);
-  const ErrorGains gains = Gains(x);
+std::vector<double> GainProblem::CostsOf(const ErrorGains& gains) const {
+  std::vector<double> costs(tasks_.size(), 0.0);
   ParallelFor(tasks_.size(), [&](std::size_t k) {
     double sum = 0.0;
     Run(k, gains, [&](std::size_t, double error) { sum += error * error; });
-    sums[k] = sum * kControlStep_s * design_.xi[k].weight;
+    costs[k] = sum * kControlStep_s;
   });
+  return costs;
+}
+
+double GainProblem::CostOf(const ErrorGains& gains) const {
+  const std::vector<double> costs = CostsOf(gains);
   double sum = 0.0;  // in order: the same bits for any number of threads
-  for (const double one : sums) sum += one;
+  for (std::size_t k = 0; k < costs.size(); ++k) sum += costs[k] * design_.xi[k].weight;
+  return sum;
+}
+
+double GainProblem::Cost(const Eigen::VectorXd& x) const {
+  const ErrorGains gains = Gains(x);
+  double sum = CostOf(gains);
   if (stability_weight_ > 0.0) {
     for (const Growth& lack : Lacks(gains)) sum += stability_weight_ * lack.per_s * lack.per_s;
   }
@@ -124,9 +184,14 @@ Eigen::MatrixXd GainProblem::Factor(const Eigen::VectorXd& x, bool jacobian) con
     return factor;
   }
   using Jet = ceres::Jet<double, 3>;
-  const BasicErrorGains<Jet> gains{bounds_.proportional * Jet(x[0], 0),
-                                   bounds_.integral * Jet(x[1], 1),
-                                   bounds_.derivative * Jet(x[2], 2)};
+  const Parameterised at = At(x);
+  const auto jet = [&](double ErrorGains::*gain) {
+    Jet value(at.gains.*gain);
+    for (int j = 0; j < 3; ++j) value.v[j] = at.slopes[std::size_t(j)].*gain;
+    return value;
+  };
+  const BasicErrorGains<Jet> gains{
+      jet(&ErrorGains::proportional), jet(&ErrorGains::integral), jet(&ErrorGains::derivative)};
   std::vector<Eigen::MatrixXd> factors(tasks_.size());
   ParallelFor(tasks_.size(), [&](std::size_t k) {
     const double scale = std::sqrt(kControlStep_s * design_.xi[k].weight);
@@ -149,11 +214,15 @@ Eigen::MatrixXd GainProblem::Factor(const Eigen::VectorXd& x, bool jacobian) con
   }
   if (stability_weight_ > 0.0) {
     const double scale = std::sqrt(stability_weight_);
-    for (const Growth& lack : Lacks(Gains(x))) {
+    for (const Growth& lack : Lacks(at.gains)) {
       double* row = all.NextRow();
-      row[0] = scale * lack.slopes.proportional * bounds_.proportional;
-      row[all.stride()] = scale * lack.slopes.integral * bounds_.integral;
-      row[2 * all.stride()] = scale * lack.slopes.derivative * bounds_.derivative;
+      for (std::size_t j = 0; j < 3; ++j) {
+        const ErrorGains& slopes = at.slopes[j];
+        row[Eigen::Index(j) * all.stride()] =
+            scale *
+            (lack.slopes.proportional * slopes.proportional +
+             lack.slopes.integral * slopes.integral + lack.slopes.derivative * slopes.derivative);
+      }
       row[3 * all.stride()] = scale * lack.per_s;
       all.Push();
     }

@@ -12,6 +12,7 @@
 /// the least error does not keep that margin, what it lacks becomes a part of the cost.
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
+#include <array>
 #include <vector>
 
 #include "identify/gains/reduced_loops.h"
@@ -38,15 +39,10 @@ struct GainDesignOptions {
     v("proportional_bound",
       self.proportional_bound,
       bound,
-      "largest K_e in 1/s²; 0: 10 for the altitude, 1 for the attitude, as the thesis");
-    v("integral_bound",
-      self.integral_bound,
-      bound,
-      "largest K_eI in 1/s³; 0: 10 for the altitude, 1 for the attitude, as the thesis");
-    v("derivative_bound",
-      self.derivative_bound,
-      bound,
-      "largest K_edot in 1/s; 0: 10 for the altitude, 1 for the attitude, as the thesis");
+      "largest K_e in 1/s²; 0: 10 for the altitude, 1 for the attitude, as the thesis, or four times "
+      "the start's");
+    v("integral_bound", self.integral_bound, bound, "largest K_eI in 1/s³; 0: as for K_e");
+    v("derivative_bound", self.derivative_bound, bound, "largest K_edot in 1/s; 0: as for K_e");
     v("step_m", self.step_m, Range{1e-6, 100.0}, "height of the commanded step of the altitude, m");
     v("duration_s",
       self.duration_s,
@@ -69,19 +65,29 @@ struct GainDesign {
   ControllerOptions controller;
   GainDesignOptions options;
   ErrorGains altitude_gains;  ///< held while the attitude is designed
+  References references = {};
 };
+
+/// Fills in the bounds that were not given where the start is beyond the thesis' bounds, which are
+/// those of its vehicle: four times the start.
+void WidenBounds(GainDesign& design, const ErrorGains& start);
 
 /// The maneuver of a design: a step up of the altitude, or Fig 6.9's pitch.
 [[nodiscard]] FlightPlan DesignPlan(const GainDesign& design);
 
-/// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost.
+/// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost. For the control law
+/// lqr they are the roots of the regulator's weights (RegulatorWeights) over the same bounds, from
+/// which the gains follow.
 class GainProblem : public LeastSquaresProblem {
  public:
   /// Each xi adds the square of what its loop lacks in stability, in 1/s, times this weight.
   explicit GainProblem(const GainDesign& design, double stability_weight = 0.0);
 
   [[nodiscard]] int size() const override { return 3; }
-  [[nodiscard]] Eigen::VectorXd lower() const override { return Eigen::VectorXd::Zero(3); }
+  [[nodiscard]] Eigen::VectorXd lower() const override {
+    // A regulator has an integral.
+    return Eigen::Vector3d(0.0, regulator_ ? kLeastIntegral : 0.0, 0.0);
+  }
   [[nodiscard]] Eigen::VectorXd upper() const override { return Eigen::VectorXd::Ones(3); }
   [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const override;
   [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override;
@@ -90,7 +96,9 @@ class GainProblem : public LeastSquaresProblem {
   [[nodiscard]] ErrorGains Gains(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd Point(const ErrorGains& gains) const;
   /// sum_i w_i integral of e² dt, (6.3): m² s, or rad² s.
-  [[nodiscard]] double CostOf(const ErrorGains& gains) const { return 2.0 * Cost(Point(gains)); }
+  [[nodiscard]] double CostOf(const ErrorGains& gains) const;
+  /// The same of each xi, without its weight.
+  [[nodiscard]] std::vector<double> CostsOf(const ErrorGains& gains) const;
   /// Whether the loop keeps kStabilityMargin at every xi.
   [[nodiscard]] bool Stable(const ErrorGains& gains) const;
 
@@ -101,7 +109,17 @@ class GainProblem : public LeastSquaresProblem {
   // What each loop that must be stable lacks in 1/s, with its slopes in the gains.
   [[nodiscard]] std::vector<Growth> Lacks(const ErrorGains& gains) const;
 
+  // Gains and their slopes in the three parameters.
+  struct Parameterised {
+    ErrorGains gains;
+    std::array<ErrorGains, 3> slopes;
+  };
+  [[nodiscard]] Parameterised At(const Eigen::VectorXd& x) const;
+
+  static constexpr double kLeastIntegral = 1e-4;  // of its bound
+
   GainDesign design_;
+  bool regulator_;
   double stability_weight_;
   std::vector<AxisResponse> responses_;  // of each xi, with all combinations of the margins
   ErrorGains bounds_;

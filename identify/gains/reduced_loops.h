@@ -30,6 +30,7 @@ struct LoopTask {
   ControllerOptions controller;
   FlightPlan plan;  ///< altitude, or pitch in commands without position
   bool motor_lag = true;
+  References references = {};  ///< of the gains, where the controller's options have none
 };
 
 /// What a plan commands at the start of every control step.
@@ -96,8 +97,10 @@ void RunAltitudeLoop(const LoopTask& task,
   const double thrust = 4.0 * v.thrust_coefficient_N_s2;
   const double trim_square = trim.commanded_speed_rad_per_s * trim.commanded_speed_rad_per_s;
 
+  const References references = ReferencesOf(task.references, task.controller);
   ReferenceModel reference(
-      task.controller.altitude_omega_rad_per_s, task.controller.altitude_damping, kControlStep_s);
+      references.altitude_rad_per_s, task.controller.altitude_damping, kControlStep_s);
+  const AltitudeReach reach(references, task.controller.altitude_damping);
   const double start_m = -commands.front().altitude_m;
   reference.Reset(start_m);
   reduced::ErrorLoop<T> loop(gains, kGravity_m_per_s2 - thrust * trim_square / v.mass_kg);
@@ -111,7 +114,7 @@ void RunAltitudeLoop(const LoopTask& task,
   };
   reduced::Rk4<State> stepper;
   for (std::size_t k = 0; k < commands.size(); ++k) {
-    const auto now = reference.Step(-commands[k].altitude_m);
+    const auto now = reference.Step(reach.Cut(-commands[k].altitude_m, reference.value()));
     const T error = T(now.value) - x[0];
     visit(k, error);
     const T nu = loop.PseudoControl(now, error, x[1]);
@@ -141,14 +144,18 @@ void RunPitchLoop(const LoopTask& task,
   const double k_T = v.thrust_coefficient_N_s2;
   const double trim_square = trim.commanded_speed_rad_per_s * trim.commanded_speed_rad_per_s;
   const bool limited = task.controller.saturate && task.controller.limit_reference;
+  // The other laws are linear about hover.
+  const bool inverts = task.controller.law == "inversion";
 
+  const References references = ReferencesOf(task.references, task.controller);
   ReferenceModel height(
-      task.controller.altitude_omega_rad_per_s, task.controller.altitude_damping, kControlStep_s);
-  ReferenceModel pitch(task.controller.attitude_omega_rad_per_s,
+      references.altitude_rad_per_s, task.controller.altitude_damping, kControlStep_s);
+  ReferenceModel pitch(references.attitude_rad_per_s,
                        task.controller.attitude_damping,
                        kControlStep_s,
                        limited ? AngleReferenceLimits(v, HeldSpeed(v, source_V))[1]
                                : std::numeric_limits<double>::infinity());
+  const AltitudeReach reach(references, task.controller.altitude_damping);
   const double start_m = -commands.front().altitude_m;
   height.Reset(start_m);
   pitch.Reset(0.0);
@@ -173,14 +180,14 @@ void RunPitchLoop(const LoopTask& task,
   };
   reduced::Rk4<State> stepper;
   for (std::size_t k = 0; k < commands.size(); ++k) {
-    const auto down = height.Step(-commands[k].altitude_m);
+    const auto down = height.Step(reach.Cut(-commands[k].altitude_m, height.value()));
     const auto tilt = pitch.Step(commands[k].pitch_rad);
     const T height_error = T(down.value) - x[0];
     const T error = T(tilt.value) - x[2];
     visit(k, error);
-    const T thrust = v.mass_kg *
-                     (T(kGravity_m_per_s2) - height_loop.PseudoControl(down, height_error, x[1])) /
-                     cos(x[2]);                                                         // (3.58)
+    T thrust =
+        v.mass_kg * (T(kGravity_m_per_s2) - height_loop.PseudoControl(down, height_error, x[1]));
+    if (inverts) thrust = thrust / cos(x[2]);                                           // (3.58)
     const T torque = v.inertia_kg_m2[1] * pitch_loop.PseudoControl(tilt, error, x[3]);  // (3.49)
     const T common = (0.25 / k_T) * thrust;
     const T difference = (0.25 / (k_T * v.lever_m())) * torque;

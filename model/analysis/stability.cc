@@ -243,7 +243,7 @@ LoopSettings LoopSettingsOf(const Gains& gains,
                             const ControllerOptions& controller,
                             bool motor_lag) {
   return {.gains = gains,
-          .attitude_omega_rad_per_s = controller.attitude_omega_rad_per_s,
+          .attitude_omega_rad_per_s = ReferencesOf(gains.references, controller).attitude_rad_per_s,
           .attitude_damping = controller.attitude_damping,
           .motor_lag = motor_lag};
 }
@@ -282,7 +282,7 @@ std::vector<HoverStability> CheckFlightLoops(const FlightSetup& setup) {
   const Vehicle& vehicle = setup.vehicle;
   const bool compensate = setup.controller.compensate;
   const LoopSettings settings =
-      LoopSettingsOf(setup.gains, setup.controller, setup.simulation.motor_lag);
+      LoopSettingsOf(setup.gains, FlownController(setup), setup.simulation.motor_lag);
   std::vector<HoverStability> hovers;
   const auto check = [&](std::string_view when, const Supply<double>& supply) {
     const double battery_V = HoverTrim(vehicle, supply).battery_V;

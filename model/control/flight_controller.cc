@@ -8,18 +8,20 @@
 namespace lipoid {
 namespace {
 
-ReferenceModel AngleReference(const ControllerOptions& options, std::size_t axis, double limit) {
-  return axis == 2 ? ReferenceModel(options.yaw_omega_rad_per_s, 1.0, kControlStep_s, limit)
-                   : ReferenceModel(options.attitude_omega_rad_per_s,
-                                    options.attitude_damping,
-                                    kControlStep_s,
-                                    limit);
+ReferenceModel AngleReference(const References& references,
+                              const ControllerOptions& options,
+                              std::size_t axis,
+                              double limit) {
+  return axis == 2
+             ? ReferenceModel(references.yaw_rad_per_s, 1.0, kControlStep_s, limit)
+             : ReferenceModel(
+                   references.attitude_rad_per_s, options.attitude_damping, kControlStep_s, limit);
 }
 
 // Half of the tilt that is allowed; the other half is for errors.
-ReferenceModel PositionReference(const ControllerOptions& options, const Gains& gains) {
+ReferenceModel PositionReference(const References& references, const Gains& gains) {
   const double limit = 0.5 * kGravity_m_per_s2 * gains.position.tilt_limit_rad;
-  return {options.position_omega_rad_per_s, 1.0, kControlStep_s, std::max(limit, 1e-3)};
+  return {references.position_rad_per_s, 1.0, kControlStep_s, std::max(limit, 1e-3)};
 }
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
@@ -29,6 +31,27 @@ LoopReference<double> Reference(const ReferenceModel::Output& out) {
 }
 
 }  // namespace
+
+double MotorLag_s(const Vehicle& vehicle) {
+  const double speed =
+      std::sqrt(vehicle.mass_kg * kGravity_m_per_s2 / vehicle.total_thrust_coefficient_N_s2());
+  return vehicle.rotor_inertia_kg_m2 / (vehicle.speed_slope() / vehicle.armature_resistance_Ohm +
+                                        2.0 * vehicle.torque_coefficient_N_m_s2 * speed);
+}
+
+References ReferencesOf(const References& of_gains, const ControllerOptions& options) {
+  const auto given = [](double option, double of_gains_rad_per_s) {
+    return option > 0.0 ? option : of_gains_rad_per_s;
+  };
+  return {
+      .altitude_rad_per_s = given(options.altitude_omega_rad_per_s, of_gains.altitude_rad_per_s),
+      .attitude_rad_per_s = given(options.attitude_omega_rad_per_s, of_gains.attitude_rad_per_s),
+      .yaw_rad_per_s = given(options.yaw_omega_rad_per_s, of_gains.yaw_rad_per_s),
+      .position_rad_per_s = given(options.position_omega_rad_per_s, of_gains.position_rad_per_s),
+      .climb_m_per_s = given(options.climb_m_per_s, of_gains.climb_m_per_s),
+      .descent_m_per_s = given(options.descent_m_per_s, of_gains.descent_m_per_s),
+      .speed_m_per_s = given(options.position_speed_m_per_s, of_gains.speed_m_per_s)};
+}
 
 Triple<double> AngleReferenceLimits(const Vehicle& vehicle, double highest_speed) {
   constexpr std::array kShare{0.35, 0.35, 0.05};
@@ -50,14 +73,19 @@ FlightController::FlightController(Vehicle vehicle, Gains gains, const Controlle
     : vehicle_(std::move(vehicle)),
       gains_(std::move(gains)),
       options_(options),
+      references_of_(ReferencesOf(gains_.references, options)),
       law_(&FindControlLaw(options.law)),
-      down_(options.altitude_omega_rad_per_s, options.altitude_damping, kControlStep_s),
-      angles_{AngleReference(options, 0, kNoLimit),
-              AngleReference(options, 1, kNoLimit),
-              AngleReference(options, 2, kNoLimit)},
-      position_{PositionReference(options, gains_), PositionReference(options, gains_)},
+      down_(references_of_.altitude_rad_per_s, options.altitude_damping, kControlStep_s),
+      angles_{AngleReference(references_of_, options, 0, kNoLimit),
+              AngleReference(references_of_, options, 1, kNoLimit),
+              AngleReference(references_of_, options, 2, kNoLimit)},
+      position_{PositionReference(references_of_, gains_),
+                PositionReference(references_of_, gains_)},
       pulse_width_(vehicle_.rotor_count(), PulseWidth(vehicle_, options.pwm)),
-      speed_squared_(vehicle_.rotor_count(), 0.0) {}
+      speed_squared_(vehicle_.rotor_count(), 0.0),
+      position_reach_m_(2.0 * references_of_.speed_m_per_s / references_of_.position_rad_per_s),
+      altitude_reach_(references_of_, options.altitude_damping),
+      lag_share_(-std::expm1(-kControlStep_s / MotorLag_s(vehicle_))) {}
 
 void FlightController::Reset(const MeasuredState& state,
                              double commanded_speed,
@@ -66,12 +94,14 @@ void FlightController::Reset(const MeasuredState& state,
   if (options_.saturate && options_.limit_reference) {
     const Triple<double> limits = AngleReferenceLimits(vehicle_, highest_speed);
     yaw_limit_N_m_ = limits[2] * vehicle_.inertia_kg_m2[2];
-    for (std::size_t k = 0; k < 3; ++k) angles_[k] = AngleReference(options_, k, limits[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      angles_[k] = AngleReference(references_of_, options_, k, limits[k]);
   }
   down_.Reset(state.position_m[2]);
   for (std::size_t k = 0; k < 3; ++k) angles_[k].Reset(state.angles_rad[k]);
   for (std::size_t k = 0; k < 2; ++k) position_[k].Reset(state.position_m[k]);
   integrals_ = {};
+  expected_rad_per_s_ = commanded_speed;
   const double pseudo_control = kGravity_m_per_s2 - vehicle_.total_thrust_coefficient_N_s2() *
                                                         commanded_speed * commanded_speed /
                                                         vehicle_.mass_kg;
@@ -79,15 +109,33 @@ void FlightController::Reset(const MeasuredState& state,
   saturated_ = false;
 }
 
+// Thrust goes with the square of the speed. Where the motors are told to become slow and are still
+// fast, a difference of the commanded squares becomes a larger one of the thrusts, by the ratio of
+// the two speeds: torques would come out several times too large. Small ratios are left alone.
+void FlightController::SoftenTorques(MotorValues& squares) {
+  constexpr double kNoticed = 1.5;
+  double mean = 0.0;
+  for (const double square : squares) mean += square;
+  mean /= double(squares.size());
+  const double commanded = std::sqrt(std::max(mean, 0.0));
+  const double share = commanded / expected_rad_per_s_;
+  if (share * kNoticed < 1.0) {
+    for (double& square : squares) square = mean + kNoticed * share * (square - mean);
+  }
+  expected_rad_per_s_ += lag_share_ * (commanded - expected_rad_per_s_);
+}
+
 MotorValues FlightController::Duties(double battery_V) {
   if (options_.saturate) {
     const double highest_speed = HeldSpeed(vehicle_, battery_V);
     saturated_ = Desaturate(speed_squared_, highest_speed * highest_speed);
   }
+  MotorValues squares = speed_squared_;
+  if (options_.saturate) SoftenTorques(squares);
   MotorValues duty;
-  for (std::size_t i = 0; i < speed_squared_.size(); ++i) {
+  for (std::size_t i = 0; i < squares.size(); ++i) {
     // Without saturation a negative square still has no root.
-    const double speed = std::sqrt(std::max(speed_squared_[i], 0.0));
+    const double speed = std::sqrt(std::max(squares[i], 0.0));
     const double wanted = DutyCycle(vehicle_, speed, battery_V);
     duty.push_back(options_.saturate ? pulse_width_[i](wanted) : wanted);
   }
@@ -97,7 +145,7 @@ MotorValues FlightController::Duties(double battery_V) {
 TiltCommand FlightController::Tilt(const FlightCommand& command, const MeasuredState& state) {
   // A critically damped reference settles at omega_0/2 times the gap: a gap that is cut keeps the
   // speed.
-  const double reach = 2.0 * options_.position_speed_m_per_s / options_.position_omega_rad_per_s;
+  const double reach = position_reach_m_;
   const std::array target{command.x_m, command.y_m};
   std::array<double, 2> error;
   std::array<double, 2> velocity;
@@ -115,7 +163,7 @@ MotorValues FlightController::Step(const FlightCommand& command, const MeasuredS
   const TiltCommand tilt = command.hold_position ? Tilt(command, state)
                                                  : TiltCommand{.roll_rad = command.roll_rad,
                                                                .pitch_rad = command.pitch_rad};
-  references_.down = Reference(down_.Step(-command.altitude_m));
+  references_.down = Reference(down_.Step(altitude_reach_.Cut(-command.altitude_m, down_.value())));
   references_.angles = {Reference(angles_[0].Step(tilt.roll_rad)),
                         Reference(angles_[1].Step(tilt.pitch_rad)),
                         Reference(angles_[2].Step(command.yaw_rad))};

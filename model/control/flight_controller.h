@@ -5,6 +5,7 @@
 /// controllers with anti-windup, dynamic inversion, allocation, command generation and PWM.
 /// Tests: tests/model/control/flight_controller_test.cc.
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -30,13 +31,15 @@ struct FlightCommand {
 
 struct ControllerOptions {
   std::string law = "inversion";  ///< a name of ControlLaws()
-  double altitude_omega_rad_per_s = 5.0;
+  double altitude_omega_rad_per_s = 0.0;
   double altitude_damping = 1.0;
-  double attitude_omega_rad_per_s = 100.0;
+  double attitude_omega_rad_per_s = 0.0;
   double attitude_damping = 1.0;
-  double yaw_omega_rad_per_s = 4.0;
-  double position_omega_rad_per_s = 1.2;
-  double position_speed_m_per_s = 1.5;
+  double yaw_omega_rad_per_s = 0.0;
+  double position_omega_rad_per_s = 0.0;
+  double position_speed_m_per_s = 0.0;
+  double climb_m_per_s = 0.0;
+  double descent_m_per_s = 0.0;
   bool compensate = false;
   bool saturate = true;
   Pwm pwm = Pwm::kCarried;
@@ -44,7 +47,7 @@ struct ControllerOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
-    const Range omega{0.01, 1e4};
+    const Range omega{0.0, 1e4};
     const Range damping{0.01, 100.0};
     v("law",
       self.law,
@@ -53,7 +56,7 @@ struct ControllerOptions {
     v("altitude_omega_rad_per_s",
       self.altitude_omega_rad_per_s,
       omega,
-      "natural frequency of the altitude's reference model, rad/s");
+      "natural frequency of the altitude's reference model, rad/s; 0: that of the gains");
     v("altitude_damping",
       self.altitude_damping,
       damping,
@@ -61,7 +64,7 @@ struct ControllerOptions {
     v("attitude_omega_rad_per_s",
       self.attitude_omega_rad_per_s,
       omega,
-      "natural frequency of the reference models of roll and pitch, rad/s");
+      "natural frequency of the reference models of roll and pitch, rad/s; 0: that of the gains");
     v("attitude_damping",
       self.attitude_damping,
       damping,
@@ -69,15 +72,25 @@ struct ControllerOptions {
     v("yaw_omega_rad_per_s",
       self.yaw_omega_rad_per_s,
       omega,
-      "natural frequency of the heading's reference model, which is critically damped, rad/s");
+      "natural frequency of the heading's reference model, which is critically damped, rad/s; 0: "
+      "that of the gains");
     v("position_omega_rad_per_s",
       self.position_omega_rad_per_s,
       omega,
-      "natural frequency of the reference models of x and y, which are critically damped, rad/s");
+      "natural frequency of the reference models of x and y, which are critically damped, rad/s; "
+      "0: that of the gains");
     v("position_speed_m_per_s",
       self.position_speed_m_per_s,
       omega,
-      "largest speed of the reference models of x and y, m/s");
+      "largest speed of the reference models of x and y, m/s; 0: that of the gains");
+    v("climb_m_per_s",
+      self.climb_m_per_s,
+      omega,
+      "largest speed upwards of the altitude's reference model, m/s; 0: that of the gains");
+    v("descent_m_per_s",
+      self.descent_m_per_s,
+      omega,
+      "largest speed downwards of the altitude's reference model, m/s; 0: that of the gains");
     v("saturate", self.saturate, Names(), "whether duty cycles are limited to [0, 1]");
     v("pwm",
       self.pwm,
@@ -92,6 +105,25 @@ struct ControllerOptions {
   }
 };
 
+/// Frequencies and speeds that are flown: those of the options where they are given, else of the gains.
+[[nodiscard]] References ReferencesOf(const References& of_gains, const ControllerOptions& options);
+
+/// How far below and above its reference a commanded altitude counts. A reference model settles at
+/// omega_0/(2 zeta_0) times the gap: a gap that is cut keeps the speed.
+struct AltitudeReach {
+  double climb_m;
+  double descent_m;
+
+  AltitudeReach(const References& references, double damping)
+      : climb_m(2.0 * damping * references.climb_m_per_s / references.altitude_rad_per_s),
+        descent_m(2.0 * damping * references.descent_m_per_s / references.altitude_rad_per_s) {}
+
+  /// Both down.
+  [[nodiscard]] double Cut(double command_m, double reference_m) const {
+    return std::clamp(command_m, reference_m - climb_m, reference_m + descent_m);
+  }
+};
+
 /// What the controller is told of the vehicle.
 struct MeasuredState {
   Triple<double> position_m{};        ///< z down
@@ -100,6 +132,9 @@ struct MeasuredState {
   Triple<double> body_rates_rad_per_s{};
   double battery_V = 0.0;
 };
+
+/// Time constant with which the motors' speeds follow their duty cycles about hover.
+[[nodiscard]] double MotorLag_s(const Vehicle& vehicle);
 
 /// Accelerations of the angles' references in rad/s² that motors of this highest speed can follow:
 /// what they can be moved from hover, up or down, before one saturates, shared out between roll,
@@ -135,14 +170,20 @@ class FlightController {
   }
   [[nodiscard]] const ReferenceModel& position_reference() const { return position_[0]; }
   [[nodiscard]] double yaw_limit_N_m() const { return yaw_limit_N_m_; }
+  /// The gaps to which commands are cut.
+  [[nodiscard]] double position_reach_m() const { return position_reach_m_; }
+  [[nodiscard]] const AltitudeReach& altitude_reach() const { return altitude_reach_; }
+  [[nodiscard]] double motor_lag_share() const { return lag_share_; }
 
  private:
   [[nodiscard]] TiltCommand Tilt(const FlightCommand& command, const MeasuredState& state);
   MotorValues Duties(double battery_V);
+  void SoftenTorques(MotorValues& squares);
 
   Vehicle vehicle_;
   Gains gains_;
   ControllerOptions options_;
+  References references_of_;  // of gains and options
   const ControlLaw* law_;
   ReferenceModel down_;
   std::array<ReferenceModel, 3> angles_;
@@ -153,6 +194,10 @@ class FlightController {
   InnerLoopOutput<double> output_{};
   MotorValues speed_squared_;
   double yaw_limit_N_m_ = std::numeric_limits<double>::infinity();
+  double position_reach_m_;
+  AltitudeReach altitude_reach_;
+  double lag_share_;                 // of a gap that the motors close in a step
+  double expected_rad_per_s_ = 0.0;  // the speed that the motors have by now, on the mean
   bool saturated_ = false;
 };
 

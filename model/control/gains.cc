@@ -51,6 +51,22 @@ Json ErrorGainsToJson(const ErrorGains& gains) {
           {"derivative", gains.derivative}};
 }
 
+constexpr std::array<std::pair<std::string_view, double References::*>, 7> kReferences{{
+    {"altitude_rad_per_s", &References::altitude_rad_per_s},
+    {"attitude_rad_per_s", &References::attitude_rad_per_s},
+    {"yaw_rad_per_s", &References::yaw_rad_per_s},
+    {"position_rad_per_s", &References::position_rad_per_s},
+    {"climb_m_per_s", &References::climb_m_per_s},
+    {"descent_m_per_s", &References::descent_m_per_s},
+    {"speed_m_per_s", &References::speed_m_per_s},
+}};
+
+Json ReferencesToJson(const References& references) {
+  Json json = Json::object();
+  for (const auto& [key, member] : kReferences) json[std::string(key)] = references.*member;
+  return json;
+}
+
 }  // namespace
 
 std::vector<std::string> ShippedGainsNames() {
@@ -62,7 +78,7 @@ std::vector<std::string> ShippedGainsNames() {
 Gains ParseGains(const std::string& text, const std::string& file) {
   const Json document = ParseJson(text, file);
   const JsonReader json(document, file, text);
-  json.OnlyKeys({"schema", "name", "altitude", "attitude", "yaw", "position", "run"});
+  json.OnlyKeys({"schema", "name", "altitude", "attitude", "yaw", "position", "references", "run"});
   if (json.At("schema").Text() != kGainsSchema) {
     json.At("schema").Fail(fmt::format("\"{}\"", kGainsSchema));
   }
@@ -80,6 +96,19 @@ Gains ParseGains(const std::string& text, const std::string& file) {
       gains.position.tilt_limit_rad = limit->Number(0.0, 1.5);
     }
   }
+  if (const auto references = json.Find("references")) {
+    references->OnlyKeys({"altitude_rad_per_s",
+                          "attitude_rad_per_s",
+                          "yaw_rad_per_s",
+                          "position_rad_per_s",
+                          "climb_m_per_s",
+                          "descent_m_per_s",
+                          "speed_m_per_s"});
+    for (const auto& [key, member] : kReferences) {
+      if (const auto found = references->Find(std::string(key)))
+        gains.references.*member = found->Number(0.01, 1e4);
+    }
+  }
   return gains;
 }
 
@@ -92,7 +121,8 @@ Json GainsToJson(const Gains& gains) {
           {"position",
            {{"proportional", gains.position.proportional_rad_per_m},
             {"derivative", gains.position.derivative_rad_s_per_m},
-            {"tilt_limit_rad", gains.position.tilt_limit_rad}}}};
+            {"tilt_limit_rad", gains.position.tilt_limit_rad}}},
+          {"references", ReferencesToJson(gains.references)}};
 }
 
 Gains LoadGains(const std::string& name_or_file) {

@@ -141,14 +141,19 @@ void WriteController(Numbers& numbers, const ControllerExportRequest& request) {
   numbers.Real("POSITION_DERIVATIVE_RAD_S_PER_M", position.derivative_rad_s_per_m, "rad s/m");
   numbers.Real("TILT_LIMIT_RAD", position.tilt_limit_rad, "rad, of each commanded angle");
   numbers.Real("POSITION_REACH_M",
-               2.0 * options.position_speed_m_per_s / options.position_omega_rad_per_s,
+               controller.position_reach_m(),
                "m, a gap that is cut to it keeps the speed");
+  numbers.Real("CLIMB_REACH_M", controller.altitude_reach().climb_m, "m, the same upwards");
+  numbers.Real("DESCENT_REACH_M", controller.altitude_reach().descent_m, "m, and downwards");
   WriteReference(numbers, "DOWN", controller.down_reference());
   WriteReference(numbers, "ROLL", controller.angle_reference(0));
   WriteReference(numbers, "PITCH", controller.angle_reference(1));
   WriteReference(numbers, "YAW", controller.angle_reference(2));
   WriteReference(numbers, "POSITION", controller.position_reference());
   numbers.Bound("YAW_TORQUE_LIMIT_N_M", controller.yaw_limit_N_m(), "N m");
+  numbers.Real("MOTOR_LAG_SHARE",
+               controller.motor_lag_share(),
+               "of a gap that the speeds of the motors close in a step");
 }
 
 void WriteEstimator(Numbers& numbers, const EstimatorOptions& options) {

@@ -142,7 +142,7 @@ class Simulation {
                {.motor_lag = setup.simulation.motor_lag,
                 .drag = setup.simulation.drag || Blows(setup.wind),
                 .ground = setup.simulation.ground}),
-        controller_(setup.vehicle, setup.gains, setup.controller),
+        controller_(setup.vehicle, setup.gains, FlownController(setup)),
         metrics_(plan.AltitudeSteps()) {
     if (setup.cell) battery_.emplace(*setup.cell, setup.initial_soc, setup.ambient_degC);
     if (Blows(setup.wind)) wind_.emplace(setup.wind, setup.seed);
@@ -447,6 +447,16 @@ class Simulation {
 };
 
 }  // namespace
+
+ControllerOptions FlownController(const FlightSetup& setup) {
+  ControllerOptions options = setup.controller;
+  if (setup.estimate && setup.flight_code == nullptr && options.attitude_omega_rad_per_s == 0.0) {
+    options.attitude_omega_rad_per_s =
+        std::min(setup.gains.references.attitude_rad_per_s,
+                 1.0 / (MotorLag_s(setup.vehicle) + 0.5 * kControlStep_s));
+  }
+  return options;
+}
 
 FlightResult Fly(const FlightSetup& setup,
                  const FlightPlan& plan,

@@ -88,6 +88,12 @@ struct FlightSetup {
   FlightCode* flight_code = nullptr;
 };
 
+/// The controller's options as they are flown. By sensors the attitude's reference is no faster than
+/// the motors, where no frequency is given: the noise of the optical flow becomes tilts, and motors
+/// that cannot follow turn what is asked of them into errors that swing a weak attitude loop up. A
+/// flight of code that was exported has that code's own frequencies.
+[[nodiscard]] ControllerOptions FlownController(const FlightSetup& setup);
+
 enum class Outcome { kCompleted, kCrashed, kBatteryEmpty };
 
 constexpr std::array<std::pair<Outcome, std::string_view>, 3> OptionNames(Outcome) {

@@ -235,9 +235,10 @@ const std::vector<Way>& Ways() {
        },
        kFloatAgrees_m},
       {"estimated",
-       {"--set", "estimator.sonar_gate_m=0.25"},
+       {"--set", "estimator.sonar_gate_m=0.25", "--set", "controller.attitude_omega_rad_per_s=48"},
        [](FlightSetup& s) {
          s.estimate = true;
+         s.controller.attitude_omega_rad_per_s = 48.0;
          s.estimator.sonar_gate_m = 0.25;
          s.seed = 3;
        },

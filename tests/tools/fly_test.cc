@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -280,6 +281,82 @@ TEST(Fly, SaysBeforeTakeOffThatALoopIsUnstable) {
   EXPECT_FALSE(loops[1].at("stable").get<bool>());
   EXPECT_TRUE(loops[1].at("phase_margin_deg").is_null());
   EXPECT_GT(loops[2].at("phase_margin_deg").get<double>(), 40.0);
+}
+
+// F450: the thesis' gains are for faster motors.
+std::string FolderWithF450() {
+  auto folder = TestFolder();
+  WriteFileAtomically(
+      folder + "/f450.toml",
+      "name = \"f450-like\"\nmass_kg = 1.2\ninertia_kg_m2 = [0.0121, 0.0121, 0.0215]\n"
+      "arm_m = 0.225\nthrust_coefficient_N_s2 = 1.07e-5\n"
+      "torque_coefficient_N_m_s2 = 1.67e-7\nmotor_constant_N_m_per_A = 0.01038\n"
+      "armature_resistance_Ohm = 0.13\nfriction_N_m_s = 5e-6\n"
+      "rotor_inertia_kg_m2 = 4e-5\nnominal_voltage_V = 12.6\n");
+  return folder;
+}
+
+TEST(Fly, GainsOfOtherVehiclesArePlacedByTheirMotors) {
+  const auto folder = FolderWithF450();
+  auto run = RunLipoid(folder,
+                       {"fly",
+                        "square",
+                        "--vehicle",
+                        "f450.toml",
+                        "--xi",
+                        "0.9",
+                        "--estimate",
+                        "--summary",
+                        "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(
+      FirstLine(run.err),
+      "gains placed from the motors' lag of 42.1 ms: poles of the attitude at 4.75 rad/s, yaw "
+      "1.29, altitude 2.37, position 1.19\n");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("gains"), "placed");
+  run = RunLipoid(folder,
+                  {"fly",
+                   "hover",
+                   "--vehicle",
+                   "f450.toml",
+                   "--xi",
+                   "0.75",
+                   "--gains",
+                   "unaware",
+                   "--duration",
+                   "1"});
+  EXPECT_NE(run.err.find("--gains placed has gains for the motors of this vehicle\n"),
+            std::string::npos)
+      << run.err;
+  run = RunLipoid(
+      folder, {"fly", "square", "--vehicle", "f450.toml", "--xi", "0.9", "--controller", "lqr"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(Design, OfARegulatorSaysWhatEachVoltageCosts) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"design",
+                              "altitude",
+                              "--controller",
+                              "lqr",
+                              "--aware",
+                              "--xi",
+                              "0.8:0.1:1",
+                              "--optimizer",
+                              "levenberg-marquardt",
+                              "--check",
+                              "never",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("controller"), "lqr");
+  EXPECT_TRUE(summary.at("stable").get<bool>());
+  ASSERT_EQ(summary.at("costs").size(), 3U);
+  double sum = 0.0;
+  for (const auto& cost : summary.at("costs")) sum += cost.get<double>();
+  EXPECT_NEAR(sum, summary.at("cost").get<double>(), 1e-12 * sum);
 }
 
 TEST(List, KnowsManeuvers) {

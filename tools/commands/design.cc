@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/gains/gain_design.h"
+#include "model/analysis/placed_gains.h"
 #include "model/analysis/poles.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
@@ -125,8 +126,14 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
       "start",
       start_name,
       "GAINS",
-      "where the search starts, and the gains of the other loops: unaware, aware, or a gains "
-      "file (default aware with --aware)");
+      "where the search starts, and the gains of the other loops: unaware, aware, placed, or a gains "
+      "file (default for a Mambo aware with --aware and unaware without, for any other vehicle "
+      "placed)");
+  line.Text("controller",
+            design.controller.law,
+            "NAME",
+            "inversion, or another of `lipoid list controllers`; lqr: the weights of its regulator "
+            "are searched, and its gains follow (default inversion)");
   line.Text("optimizer", optimizer_name, "NAME", "any of `lipoid list optimizers`");
   line.Option(
       "check",
@@ -150,18 +157,20 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   }
   const bool altitude = loop_name == "altitude";
   const OptimizerEntry& optimizer = FindOptimizer(optimizer_name);
-  if (start_name.empty()) start_name = aware ? "aware" : "unaware";
-  const Gains start = LoadGains(start_name);
   design.loop = altitude ? Loop::kAltitude : Loop::kAttitude;
   design.vehicle = LoadVehicle(vehicle_name);
+  const Gains start =
+      GainsFor(start_name, design.vehicle, aware ? "aware" : "unaware", design.controller.law);
   design.altitude_gains = start.altitude;
+  design.references = start.references;
   if (range.empty()) range = aware ? "0.8:0.01:1" : "1";
   design.xi = WeightedXis(ReadRange("xi", range, Range{1e-3, 2.0}), weights);
   settings.context.seed = line.seed();
   settings.context.threads = 0;
 
-  const GainProblem problem(design);
   const ErrorGains& from = altitude ? start.altitude : start.attitude;
+  WidenBounds(design, from);
+  const GainProblem problem(design);
   line.progress().Update(0.0, "designing");
   const GainDesignResult result = DesignGains(design, from, optimizer, settings);
 
@@ -171,10 +180,13 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["optimizer"] = optimizer.name;
   summary["xi"] = Json::array();
   for (const auto& [xi, weight] : design.xi) summary["xi"].push_back(xi);
+  summary["controller"] = design.controller.law;
   summary["gains"] = ToJson(result.gains);
+  summary["costs"] = problem.CostsOf(result.gains);
   summary["bounds"] = ToJson(problem.bounds());
   summary["cost"] = result.cost;
-  summary["start"] = {{"gains", ToJson(from)}, {"cost", result.start_cost}};
+  summary["start"] = {
+      {"gains", ToJson(from)}, {"cost", result.start_cost}, {"costs", problem.CostsOf(from)}};
   summary["polished_cost"] = result.polished_cost;
   summary["evaluations"] = result.optimization.evaluations;
   summary["gradient_evaluations"] = result.optimization.gradient_evaluations;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
@@ -23,12 +24,18 @@ std::string OriginOf(std::string_view what,
                : fmt::format("{} file {}, SHA-256 {}.", what, name, Sha256OfFile(name));
 }
 
+std::string OriginOfGains(const std::string& name, const ControllerExportRequest& request) {
+  if (request.gains.name == kPlacedGains)
+    return fmt::format("The {}.", PlaceGains(request.vehicle).Brief());
+  return OriginOf("Gains", name.empty() ? request.gains.name : name, ShippedGainsNames());
+}
+
 }  // namespace
 
 cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   std::string folder;
   std::string vehicle_name = "mambo-coupled";
-  std::string gains_name = "aware";
+  std::string gains_name;
   std::string cell_name;
   std::optional<double> lowest_V;
   ControllerExportRequest request;
@@ -41,7 +48,12 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Example("lipoid export-controller --precision double --controller pid -o flight");
   line.Input(
       "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
-  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Input(
+      "gains",
+      gains_name,
+      "GAINS",
+      "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
+      "aware for a Mambo, placed for any other vehicle)");
   line.Text("controller",
             request.controller.law,
             "NAME",
@@ -75,9 +87,9 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
     throw OptionError("options --lowest-V and --cell: give one of them");
   }
   request.vehicle = LoadVehicle(vehicle_name);
-  request.gains = LoadGains(gains_name);
+  request.gains = GainsFor(gains_name, request.vehicle, "aware", request.controller.law);
   request.origin = {OriginOf("Vehicle", vehicle_name, ShippedVehicleNames()),
-                    OriginOf("Gains", gains_name, ShippedGainsNames())};
+                    OriginOfGains(gains_name, request)};
   if (!lowest_V) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     const Cell cell = LoadCell(cell_name);
@@ -102,6 +114,15 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.summary()["precision"] = options_internal::ToText(request.precision);
   line.summary()["lowest_V"] = request.lowest_V;
   for (const std::string& path : paths) line.Message("{}", path);
+  const double follow_rad_per_s = 1.0 / (MotorLag_s(request.vehicle) + 0.5 * kControlStep_s);
+  const References references = ReferencesOf(request.gains.references, request.controller);
+  if (references.attitude_rad_per_s > follow_rad_per_s) {
+    line.Message(
+        "where this code flies by its own estimator, references of the attitude that are faster than "
+        "the motors let the noise of the sensors swing weak attitude gains up: give --set "
+        "controller.attitude_omega_rad_per_s={:.0f}, as `lipoid fly --estimate` does",
+        follow_rad_per_s);
+  }
   line.Message(
       "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "
       "example, in {}",

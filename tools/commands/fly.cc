@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
@@ -96,7 +97,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::string maneuver_name;
   std::string cell_name;
   std::string vehicle_name;
-  std::string gains_name = "aware";
+  std::string gains_name;
   std::string output;
   std::string wind;
   ManeuverRequest request;
@@ -134,7 +135,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
              "VEHICLE",
              "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
              "mambo-thesis on an ideal source)");
-  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Input(
+      "gains",
+      gains_name,
+      "GAINS",
+      "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
+      "aware for a Mambo, placed for any other vehicle)");
   line.Text("controller",
             setup.controller.law,
             "NAME",
@@ -237,7 +243,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
   setup.vehicle = LoadVehicle(vehicle_name);
   CheckFlight(setup, maneuver, request, duration_s.has_value());
-  setup.gains = LoadGains(gains_name);
+  setup.gains = GainsFor(gains_name, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
   FlightPlan plan = maneuver.plan(request);
@@ -249,8 +255,10 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   const auto hovers = CheckFlightLoops(setup);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!std::all_of(hovers.begin(), hovers.end(), [](const auto& at) { return at.stable(); })) {
-    line.Message("gains that suit this vehicle: lipoid design altitude|attitude --vehicle {}",
-                 vehicle_name);
+    line.Message("{}",
+                 setup.gains.name == kPlacedGains
+                     ? "gains that keep it stable may be found by lipoid design"
+                     : "--gains placed has gains for the motors of this vehicle");
   }
 
   std::optional<FlightLogWriter> log;
@@ -292,6 +300,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     line.summary()["ensemble"].update(FlightsToJson(flights));
     PrintEnsemble(line, flight, flights);
   }
+  if (setup.gains.name == kPlacedGains) line.Message("{}", PlaceGains(setup.vehicle).Brief());
   line.Message("{} on {}, {} gains{}",
                setup.vehicle.name,
                setup.cell ? setup.cell->name

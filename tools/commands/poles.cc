@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/analysis/placed_gains.h"
 #include "model/control/gains.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
@@ -40,7 +41,7 @@ Loop FindLoop(const std::string& name) {
 cli::ExitCode PolesCommand(cli::CommandLine& line) {
   std::string loop_name;
   std::string vehicle_name = "mambo-thesis";
-  std::string gains_name = "unaware";
+  std::string gains_name;
   std::string range = "0.8:0.01:1";
   std::string output;
   line.Describe(
@@ -51,7 +52,12 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
   line.Argument("LOOP", loop_name, "altitude, or attitude");
   line.Input(
       "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
-  line.Input("gains", gains_name, "GAINS", "unaware, aware, or a gains file");
+  line.Input(
+      "gains",
+      gains_name,
+      "GAINS",
+      "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
+      "unaware for a Mambo, placed for any other vehicle)");
   line.Text("xi", range, "RANGE", "voltage over the nominal one: FIRST:STEP:LAST, or one number");
   line.OutputOption("output,o", output, "CSV", "one row per pole: xi, kappa, kind, re, im");
   line.ReportOption();
@@ -59,7 +65,7 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
 
   const Loop loop = FindLoop(loop_name);
   const Vehicle vehicle = LoadVehicle(vehicle_name);
-  const Gains gains = LoadGains(gains_name);
+  const Gains gains = GainsFor(gains_name, vehicle, "unaware");
   const ErrorGains& own = loop == Loop::kAltitude ? gains.altitude : gains.attitude;
   if (!(gains.altitude.integral > 0.0)) {
     throw OptionError(fmt::format(

@@ -18,6 +18,12 @@ const std::vector<ControlLaw>& ControlLaws() {
        "the cascade of common autopilots",
        &PidInnerLoops,
        1},
+      {"lqr",
+       "linear-quadratic regulator with integral action: a PID whose gains are least in error and "
+       "effort (gains files of `lipoid design --controller lqr`, or placed)",
+       "model/control/riccati.h",
+       &PidInnerLoops,
+       1},
   };
   return kLaws;
 }

@@ -236,6 +236,25 @@ static int desaturate(lipoid_real squares[4], lipoid_real limit) {
 }
 #endif
 
+#if LIPOID_SATURATE
+/* Thrust goes with the square of the speed: where the motors are told to become slow and are still
+ * fast, a difference of the commanded squares becomes a larger one of the thrusts. */
+static void soften_torques(lipoid_controller *c, lipoid_real squares[4]) {
+  const lipoid_real noticed = R(1.5);
+  lipoid_real mean = R(0.0);
+  lipoid_real commanded, share;
+  int i;
+  for (i = 0; i < 4; ++i) mean += squares[i];
+  mean /= R(4.0);
+  commanded = SQRT(mean > R(0.0) ? mean : R(0.0));
+  share = commanded / c->expected_rad_per_s;
+  if (share * noticed < R(1.0)) {
+    for (i = 0; i < 4; ++i) squares[i] = mean + noticed * share * (squares[i] - mean);
+  }
+  c->expected_rad_per_s += R(LIPOID_MOTOR_LAG_SHARE) * (commanded - c->expected_rad_per_s);
+}
+#endif
+
 /* The pulse width for a duty cycle, (6.1), and the duty cycle that comes out. */
 static void pulse_width(lipoid_controller *c, lipoid_output *output, int i) {
   const lipoid_real low = R(LIPOID_PWM_LOW);
@@ -270,6 +289,7 @@ int lipoid_controller_reset(lipoid_controller *c, const lipoid_state *state) {
   const lipoid_real control = kGravity - R(4.0) * R(LIPOID_THRUST_COEFFICIENT_N_S2) * commanded *
                                              commanded / R(LIPOID_MASS_KG);
   int k;
+  c->expected_rad_per_s = commanded;
   reference_reset(&c->down, or_zero(state->position_m[2]));
   for (k = 0; k < 3; ++k) {
     reference_reset(&c->angles[k], or_zero(state->angles_rad[k]));
@@ -370,7 +390,11 @@ int lipoid_controller_step(lipoid_controller *c,
   }
 
   if (command->hold_position) tilt(c, command, state, &roll_rad, &pitch_rad);
-  down = reference_step(&c->down, &kDown, -command->altitude_m);
+  down = reference_step(&c->down,
+                        &kDown,
+                        clamped(-command->altitude_m,
+                                c->down.value - R(LIPOID_CLIMB_REACH_M),
+                                c->down.value + R(LIPOID_DESCENT_REACH_M)));
   wanted[0] = reference_step(&c->angles[0], &kAngles[0], roll_rad);
   wanted[1] = reference_step(&c->angles[1], &kAngles[1], pitch_rad);
   wanted[2] = reference_step(&c->angles[2], &kAngles[2], command->yaw_rad);
@@ -431,6 +455,7 @@ int lipoid_controller_step(lipoid_controller *c,
   {
     const lipoid_real highest = held_speed(volts);
     saturated = desaturate(squares, highest * highest);
+    soften_torques(c, squares);
   }
 #endif
   for (k = 0; k < 4; ++k) {

@@ -104,6 +104,7 @@ typedef struct lipoid_controller {
   lipoid_real down_integral;      /* of the error, m s */
   lipoid_real angle_integrals[3]; /* rad s */
   lipoid_real pwm_remainder[4];   /* of rounding, carried on */
+  lipoid_real expected_rad_per_s; /* what the motors have followed to by now, on the mean */
   lipoid_output last;
 } lipoid_controller;
 

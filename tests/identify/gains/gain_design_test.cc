@@ -45,6 +45,42 @@ TEST(GainDesign, GradientsAreExact) {
   }
 }
 
+// The parameters of a regulator are its weights, the gains are those of the Riccati equation.
+TEST(GainDesign, OfARegulatorSearchesItsWeights) {
+  GainDesign design = Design(Loop::kAttitude, {{0.8, 1.0}, {1.0, 1.0}});
+  design.vehicle = test::F450();
+  design.controller.law = "lqr";
+  design.options.proportional_bound = design.options.integral_bound =
+      design.options.derivative_bound = 20.0;
+  const GainProblem problem(design, 10.0);
+  const Eigen::Vector3d x(0.3, 0.4, 0.1);
+  const ErrorGains gains = problem.Gains(x);
+  EXPECT_NEAR(gains.integral, 8.0, 1e-9);
+  EXPECT_NEAR(gains.proportional * gains.proportional - 16.0 * gains.derivative, 36.0, 1e-8);
+  EXPECT_LT((problem.Point(gains) - x).norm(), 1e-8);
+  Eigen::VectorXd gradient;
+  const double cost = problem.Gradient(x, gradient);
+  EXPECT_NEAR(cost, problem.Cost(x), 1e-11 * cost);
+  for (int k = 0; k < 3; ++k) {
+    const auto along = [&](double value) {
+      Eigen::VectorXd at = x;
+      at[k] = value;
+      return problem.Cost(at);
+    };
+    const auto slope = test::Ridders(along, x[k], 1e-3);
+    EXPECT_NEAR(gradient[k], slope.value, 1e-5 * gradient.norm() + 10.0 * slope.error) << k;
+  }
+  const auto result = DesignGains(design, gains, FindOptimizer("levenberg-marquardt"), {});
+  EXPECT_TRUE(result.stable);
+  EXPECT_LT(result.cost, result.start_cost);
+  // Of a regulator: K_e² >= 2 K_edot K_eI and K_edot² >= 2 K_e.
+  constexpr double kRounding = 1e-9;
+  const ErrorGains& found = result.gains;
+  EXPECT_GE(found.proportional * found.proportional * (1.0 + kRounding),
+            2.0 * found.derivative * found.integral);
+  EXPECT_GE(found.derivative * found.derivative * (1.0 + kRounding), 2.0 * found.proportional);
+}
+
 TEST(GainDesign, CostIsTheIntegralOfTheSquaredError) {
   const GainDesign design = Design(Loop::kAltitude, {{0.8, 1.0}, {0.9, 3.0}});
   const GainProblem problem(design);

@@ -75,7 +75,8 @@ TEST(ReducedLoops, ThePitchIsThatOfTheWholeFlight) {
     const Gains gains = LoadGains(name);
     for (const double xi : {0.85, 1.0}) {
       for (const bool lag : {false, true}) {
-        const LoopTask task = Task(xi, AttitudeDoublets().plan({}), lag, true);
+        LoopTask task = Task(xi, AttitudeDoublets().plan({}), lag, true);
+        task.controller.law = lag ? "pid" : "inversion";
         const auto whole = FlyWhole(task, gains);
         std::vector<double> errors;
         RunPitchLoop(task,

@@ -22,7 +22,7 @@ const Vehicle& Mambo() {
 TEST(ControlLaws, AreFoundByName) {
   EXPECT_EQ(FindControlLaw("pid").inner_loops, &PidInnerLoops);
   EXPECT_EQ(test::MessageOf<OptionError>([] { (void)FindControlLaw("mpc"); }),
-            "unknown controller 'mpc'. Known: inversion, pid");
+            "unknown controller 'mpc'. Known: inversion, pid, lqr");
 }
 
 // At hover all laws are one to first order: level and still they give the same wrench.

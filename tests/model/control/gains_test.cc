@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "model/control/flight_controller.h"
 #include "model/core/errors.h"
 #include "tests/support/text_files.h"
 #include "tests/support/throws.h"
@@ -125,6 +126,23 @@ TEST(Gains, TheExampleInTheDocsIsOne) {
       "{\n" + test::DocsExample("docs/formats.md", "  \"schema\": \"lipoid.gains/1\","), "docs");
   EXPECT_EQ(gains.name, "mine");
   EXPECT_EQ(gains.position.tilt_limit_rad, 0.35);
+}
+
+TEST(Gains, ReferencesAreThoseOfTheThesisOrOfTheFile) {
+  const Gains shipped = LoadGains("aware");
+  EXPECT_EQ(shipped.references.attitude_rad_per_s, 100.0);
+  Gains gains = shipped;
+  gains.references.attitude_rad_per_s = 20.0;
+  gains.references.climb_m_per_s = 0.7;
+  const Gains read = ParseGains(GainsToJson(gains).dump(), "g.json");
+  EXPECT_EQ(read.references.attitude_rad_per_s, 20.0);
+  EXPECT_EQ(read.references.climb_m_per_s, 0.7);
+  EXPECT_EQ(read.references.yaw_rad_per_s, shipped.references.yaw_rad_per_s);
+  // An option that is given wins.
+  ControllerOptions options;
+  EXPECT_EQ(ReferencesOf(read.references, options).attitude_rad_per_s, 20.0);
+  options.attitude_omega_rad_per_s = 50.0;
+  EXPECT_EQ(ReferencesOf(read.references, options).attitude_rad_per_s, 50.0);
 }
 
 }  // namespace
