@@ -26,6 +26,13 @@ constexpr double kFreedom = 12.0;
 constexpr double kUselessCapacity = 0.3;
 constexpr double kUselessResistance = 0.4;
 
+// Where nobody says how large the pack is: a flight takes about half of the charge, give or take a
+// factor of seven.
+constexpr double kGuessedOverFlown = 2.0;
+constexpr double kGuessedLogCapacity = 2.0;
+// Standard deviations from what was believed of the capacity, beyond which that was wrong.
+constexpr double kFarFromReference = 2.5;
+
 WithInterval Symmetric(double value, double deviation) {
   const double reach = Reach95(kFreedom) * deviation;
   return {value, value - reach, value + reach, {}};
@@ -148,6 +155,13 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         "that is of the whole",
         span);
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+  } else if (std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity) {
+    // What was believed of the capacity and what the flight says exclude one another.
+    health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
+        "the flight asks for {:.2g} times the capacity of the new pack, which is {:.3g} Ah; give the "
+        "right one (--capacity-Ah)",
+        std::exp(x[U::kCapacity]),
+        reference.cell.alpha_C() / 3600.0));
   } else {
     health.capacity_Ah = Logarithmic(alpha_C / 3600.0, of_capacity);
     health.counted_capacity_Ah =
@@ -198,6 +212,35 @@ std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
 
 }  // namespace
 
+namespace {
+
+// What the autopilots were told, where they agree.
+std::optional<double> CapacityTold(const std::vector<Log>& logs) {
+  std::optional<double> told;
+  for (const Log& log : logs) {
+    const double of_log = log.report.flight ? log.report.flight->capacity_Ah : 0.0;
+    if (!(of_log > 0.0)) continue;
+    if (told && *told != of_log) return std::nullopt;
+    told = of_log;
+  }
+  return told;
+}
+
+// The most charge that any of the logs moved, as it shows it.
+double LargestCharge_Ah(const std::vector<Log>& logs) {
+  double largest_C = 0.0;
+  for (const Log& log : logs) {
+    const Record& record = log.record;
+    double charge_C = 0.0;
+    for (std::size_t k = 1; k < record.size(); ++k)
+      charge_C += record.current_A[k] * (record.time_s[k] - record.time_s[k - 1]);
+    largest_C = std::max(largest_C, charge_C);
+  }
+  return std::max(largest_C / 3600.0, 1e-3);
+}
+
+}  // namespace
+
 int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
   if (given) return *given;
   int found = 0;
@@ -220,19 +263,30 @@ int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
 }
 
 HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthOptions& options) {
-  const ReferenceCell reference = MakeReference(cell, options.parallel, options.capacity_Ah);
+  // A typical curve says nothing of how large this pack is: what the autopilot was told does, and
+  // without that only the flights themselves.
+  std::optional<double> capacity_Ah = options.capacity_Ah;
   HealthReport report;
+  report.typical = cell.open_circuit_voltage_assumed;
+  report.capacity_told = report.typical && !capacity_Ah && (capacity_Ah = CapacityTold(logs));
+  const bool guessed = report.typical && !capacity_Ah;
+  if (guessed) capacity_Ah = kGuessedOverFlown * LargestCharge_Ah(logs);
+  ReferenceCell reference = MakeReference(cell, options.parallel, capacity_Ah);
+  if (guessed) reference.spread.log_capacity = kGuessedLogCapacity;
   report.reference = cell.name;
-  report.typical = reference.typical;
-  report.new_capacity_Ah = reference.cell.alpha_C() / 3600.0;
+  report.new_capacity_Ah =
+      guessed ? std::numeric_limits<double>::quiet_NaN() : reference.cell.alpha_C() / 3600.0;
   report.new_resistance_Ohm = reference.typical
                                   ? std::numeric_limits<double>::quiet_NaN()
                                   : options.series * reference.cell.series_resistance_Ohm(0.5);
+  // A guess by the charge of the flights cannot say that they hardly took any.
+  const double busy_Ah =
+      (guessed ? options.parallel * cell.alpha_C() : reference.cell.alpha_C()) / 3600.0;
   std::vector<FlightHealth> flights(logs.size());
   std::vector<std::vector<Diagnostic>> problems(logs.size());
   ParallelFor(logs.size(), [&](std::size_t k) {
     try {
-      RefuseIdleFlight(logs[k].record, report.new_capacity_Ah);
+      RefuseIdleFlight(logs[k].record, busy_Ah);
       flights[k] = AssessFlight(reference, logs[k], options);
     } catch (const LoadError& error) {
       problems[k] = error.diagnostics();

@@ -20,7 +20,9 @@ namespace lipoid {
 struct HealthOptions {
   int series = 1;
   int parallel = 1;
-  std::optional<double> capacity_Ah;  ///< of the new pack; none: the reference's times `parallel`
+  /// Of the new pack; none: the reference's times `parallel`, or, where that is a typical curve, what
+  /// the autopilot was told.
+  std::optional<double> capacity_Ah;
   std::optional<double> ambient_degC;
   SensorSpread sensors;
 };
@@ -51,9 +53,10 @@ struct FlightHealth {
 };
 
 struct HealthReport {
-  std::string reference;  ///< its name
-  bool typical = false;   ///< the curve of a chemistry
-  double new_capacity_Ah = 0.0;
+  std::string reference;            ///< its name
+  bool typical = false;             ///< the curve of a chemistry
+  bool capacity_told = false;       ///< the capacity is what the autopilot was told
+  double new_capacity_Ah = 0.0;     ///< NaN: nobody says it, and the reference is a typical curve
   double new_resistance_Ohm = 0.0;  ///< of the pack; NaN where the reference says nothing of it
   std::vector<FlightHealth> flights;
   std::vector<Diagnostic> refused;  ///< flights that say nothing, beside others that do

@@ -107,7 +107,7 @@ Json HealthToJson(const HealthReport& report) {
   return {{"reference",
            {{"name", report.reference},
             {"typical", report.typical},
-            {"capacity_Ah", report.new_capacity_Ah},
+            {"capacity_Ah", NumberOrNull(report.new_capacity_Ah)},
             {"resistance_Ohm", NumberOrNull(report.new_resistance_Ohm)}}},
           {"flights", std::move(flights)},
           {"refused", std::move(refused)},

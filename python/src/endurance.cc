@@ -9,9 +9,11 @@
 
 #include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
+#include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
+#include "model/flight/endurance_route.h"
 #include "model/vehicle/vehicle_file.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -27,26 +29,19 @@ constexpr std::array<std::pair<Mission, std::string_view>, 2> OptionNames(Missio
   return {{{Mission::kHover, "hover"}, {Mission::kCruise, "cruise"}}};
 }
 
-// A number, or a pair of it and its standard error.
-void Value(Keywords& keywords,
-           std::string_view name,
-           std::optional<Uncertain>& value,
-           const Range& valid,
-           std::string_view help) {
-  const auto given = keywords.Take(name, "float | tuple[float, float]", help);
-  if (!given) return;
-  const std::string shown = PythonName(name);
+// A number, or a pair of it and its standard error, in the unit of the option.
+std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& variable) {
+  const auto given = keywords.Take(variable.name, "float | tuple[float, float]", variable.help);
+  if (!given) return std::nullopt;
+  const std::string shown = PythonName(variable.name);
   const auto number = [&](nb::handle one, const Range& range) {
     return options_internal::ParseDouble(shown, TextOf(shown, one), range);
   };
-  if (!nb::isinstance<nb::tuple>(*given)) {
-    value = Uncertain{number(*given, valid), 0.0};
-    return;
-  }
+  if (!nb::isinstance<nb::tuple>(*given)) return Uncertain{number(*given, variable.valid), 0.0};
   const auto pair = nb::cast<nb::tuple>(*given);
   if (pair.size() != 2)
     throw OptionError("option " + shown + ": expected a number, or it and its standard error");
-  value = Uncertain{number(pair[0], valid), number(pair[1], Range{.lo = 0.0})};
+  return Uncertain{number(pair[0], variable.valid), number(pair[1], Range{.lo = 0.0})};
 }
 
 struct EnduranceKeywords {
@@ -54,6 +49,9 @@ struct EnduranceKeywords {
   std::optional<std::string> vehicle;
   std::optional<int> series;
   std::optional<int> parallel;
+  std::optional<std::string> waypoints;
+  std::string gains = "aware";
+  bool once = false;
 
   void Declare(Keywords& keywords) {
     if (const auto file =
@@ -70,42 +68,23 @@ struct EnduranceKeywords {
                                          "that the battery gives since the time before")) {
       TakePower(*power);
     }
-    bool once = false;
-    keywords.Flag("once", once, "fly a mission of powers once instead of again and again");
-    if (request.power) request.power->repeats = !once;
-    std::optional<Uncertain> value;
-    const auto take =
-        [&](std::string_view name, auto& member, const Range& valid, const char* help) {
-          value.reset();
-          Value(keywords, name, value, valid, help);
-          if (value) member = *value;
-        };
-    take("airspeed-m-per-s",
-         request.airspeed_m_per_s,
-         kAirspeeds_m_per_s,
-         "of cruise, or of the wind in which it hovers; not given: the one of best range, or none");
-    constexpr double kGramsPerKilogram = 1000.0;
-    value.reset();
-    Value(keywords,
-          "payload-g",
-          value,
-          Range{0.0, kGramsPerKilogram * kPayloads_kg.hi},
-          "mass that the vehicle carries besides its own");
-    if (value) {
-      request.payload_kg = {value->value / kGramsPerKilogram,
-                            value->standard_error / kGramsPerKilogram};
+    keywords.Flag("once", once, "fly a mission once instead of again and again");
+    for (const EnduranceVariable& variable : EnduranceVariables()) {
+      if (const auto value = Value(keywords, variable)) {
+        variable.of(request) = {variable.unit * value->value,
+                                variable.unit * value->standard_error};
+      }
     }
-    take("ambient-degC", request.ambient_degC, kTemperatures_degC, "temperature of the air");
-    take("health", request.health, kCapacityShares, "capacity left over that of the cell");
-    take("resistance-factor",
-         request.resistance_factor,
-         kResistanceFactors,
-         "resistance of the aged cell over that of the cell");
-    take("power-factor",
-         request.power_factor,
-         kPowerFactors,
-         "power that the battery gives over what the vehicle says");
-    take("reserve", request.reserve, kReserves, "share of the charge that is left at landing");
+    keywords.Option("cruise-speed",
+                    request.cruise_speed,
+                    Names{},
+                    "of a cruise whose airspeed is not given: the one of best range or endurance");
+    if (const auto file =
+            keywords.Take("waypoints", "Path", "a file of waypoints, which is flown instead"))
+      waypoints = PathOf(*file);
+    if (const auto file = keywords.Take(
+            "gains", "Path", "of the controller that flies waypoints: unaware, aware, or a file"))
+      gains = PathOf(*file);
     keywords.Option("initial-soc", request.initial_soc, kInitialSocs, "where the battery starts");
     keywords.Option("ensemble",
                     request.ensemble,
@@ -150,11 +129,17 @@ nb::object Endurance(const PythonCell& cell,
     request.cell = WithTypicalTemperature(request.cell);
   if (request.power.has_value() == made.vehicle.has_value())
     throw OptionError("expected option vehicle or option power, and not both");
+  if (made.waypoints && (!made.vehicle || !request.payload_kg.known() || request.airspeed_m_per_s))
+    throw OptionError(
+        "option waypoints: expected a vehicle, a payload that is known, and no airspeed_m_per_s");
   if (made.vehicle) request.vehicle = LoadVehicle(*made.vehicle);
   request.seed = seed;
   Json summary;
   Work(
       [&](const Tell& tell) {
+        if (made.waypoints)
+          request.power = FlyRoute(request, LoadGains(made.gains), *made.waypoints);
+        if (request.power) request.power->repeats = !made.once;
         const EnduranceAnswer answer =
             FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });
         summary = EnduranceToJson(request, answer);

@@ -107,6 +107,53 @@ TEST(Health, RefusesWhatSaysNothing) {
   EXPECT_NE(calm.err.find("too idle to say anything of the pack"), std::string::npos) << calm.err;
 }
 
+// 0.6 Ah of a pack of some 20 Ah, 39 s long and never at rest: nobody says how large it is, and the
+// flight does not either.
+TEST(Health, GuessesNoCapacityFromATypicalCurve) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "6",
+                              Flight("esc_status_log.ulg"),
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  constexpr double kOfThePack_Ah = 20.0;  // 609 mAh for 3 % by the autopilot's own counter
+  const Json& flight = summary.at("flights")[0];
+  if (!flight.at("capacity_Ah").is_null()) {
+    EXPECT_GE(flight.at("capacity_interval_95")[1].get<double>(), kOfThePack_Ah);
+  }
+  EXPECT_TRUE(summary.at("reference").at("capacity_Ah").is_null());
+  EXPECT_NE(run.out.find("give --capacity-Ah"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("% of new"), std::string::npos) << run.out;
+}
+
+// A reference of the wrong size: that is said, and no capacity made of it.
+TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "0.4",
+                              Flight("log171.bin"),
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json flight = ReadJson(folder, "s.json").at("flights")[0];
+  EXPECT_TRUE(flight.at("capacity_Ah").is_null()) << flight.dump();
+  EXPECT_NE(flight.at("capacity_unknown_because").get<std::string>().find("--capacity-Ah"),
+            std::string::npos)
+      << flight.dump();
+}
+
 TEST(Health, AsksForTheCellsInSeries) {
   const auto run =
       RunLipoid(TestFolder(), {"health", "--cell", "gifi-600mAh-1", Flight("log171.bin")});

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/health/health_report.h"
@@ -57,10 +58,12 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   line.InputArguments("FLIGHT", files, "logs of flights on one pack, the oldest first");
   line.RequiredInput(
       "cell", cell_name, "REFERENCE", "the cell when new: a cell file, or a shipped cell's name");
-  line.Option("capacity-Ah",
-              options.capacity_Ah,
-              Range{1e-3, 1e5},
-              "capacity of the new pack in Ah; by default that of the cell file times --parallel");
+  line.Option(
+      "capacity-Ah",
+      options.capacity_Ah,
+      Range{1e-3, 1e5},
+      "capacity of the new pack in Ah; by default that of the cell file times --parallel, or, "
+      "of a shipped cell, what the autopilot was told");
   line.Option("ambient-degC",
               options.ambient_degC,
               kTemperatures_degC,
@@ -94,15 +97,21 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   line.Print("{}{}\n",
              report.flights.size() > 1 ? fmt::format("{}: ", last.file) : "",
              HealthSentence(report, last));
-  if (report.typical) {
+  if (report.typical && std::isfinite(report.new_capacity_Ah)) {
     line.Print(
         "{}",
         cli::Wrapped(fmt::format(
             "The reference {} is a typical curve, not this pack: 'of new' means of the {:.3g} "
-            "Ah {}.\n",
+            "Ah that {}.\n",
             report.reference,
             report.new_capacity_Ah,
-            options.capacity_Ah ? "that were given" : "of the reference")));
+            report.capacity_told ? "the autopilot was told" : "were given")));
+  } else if (report.typical) {
+    line.Print("{}",
+               cli::Wrapped(fmt::format("The reference {} is a typical curve, not this pack, and "
+                                        "nobody says how large the pack was when new: give "
+                                        "--capacity-Ah for narrower intervals.\n",
+                                        report.reference)));
   }
   cli::TextTable table({{"flight", cli::Align::kLeft},
                         {"SOC from"},
