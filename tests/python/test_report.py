@@ -4,26 +4,30 @@ import base64
 import json
 import re
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import lipoid
 from lipoid import _core
+
+FloatArray = npt.NDArray[Any]
 
 pytestmark = pytest.mark.skipif(
     not _core.can_report(), reason="built without reports, which need npm"
 )
 
 
-def data_of(page: Path) -> dict:
+def data_of(page: Path) -> dict[str, Any]:
     text = page.read_text(encoding="utf-8")
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)
     assert found is not None
-    return json.loads(found[1])
+    return cast("dict[str, Any]", json.loads(found[1]))
 
 
-def column(series: dict, name: str) -> np.ndarray:
+def column(series: dict[str, Any], name: str) -> FloatArray:
     one = next(c for c in series["columns"] if c["name"] == name)
     if one["type"] == "copy":
         return column(series, one["of"])
