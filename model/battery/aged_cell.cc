@@ -1,5 +1,7 @@
 #include "model/battery/aged_cell.h"
 
+#include <utility>
+
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -22,6 +24,18 @@ Cell Aged(Cell cell, double capacity_share, double resistance_factor) {
   }
   if (cell.charge_transfer) grow(cell.charge_transfer->resistance_Ohm);
   if (cell.self_heating) cell.self_heating->resistance_drop_Ohm_per_A2 *= resistance_factor;
+  return cell;
+}
+
+Cell Resized(Cell cell, double factor) {
+  cell = Aged(std::move(cell), factor, 1.0 / factor);
+  if (cell.charge_transfer) cell.charge_transfer->current_A *= factor;
+  // Of the thermal state, which goes with the square of the current.
+  if (cell.self_heating) cell.self_heating->resistance_drop_Ohm_per_A2 /= factor * factor;
+  if (cell.temperature && cell.temperature->heat) {
+    cell.temperature->heat->heat_capacity_J_per_K *= factor;
+    cell.temperature->heat->thermal_resistance_K_per_W /= factor;
+  }
   return cell;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// A cell that has aged: less capacity, more resistance. Tests: tests/model/battery/aged_cell_test.cc.
+/// A cell that has aged, with less capacity and more resistance, and a cell of another size. Tests:
+/// tests/model/battery/aged_cell_test.cc.
 
 #include "model/battery/cell.h"
 
@@ -13,5 +14,9 @@ namespace lipoid {
 /// charge per ampere. Curves over the state of charge stay where they are. What the file says of
 /// its uncertainty no longer holds for it and goes: draw first, age afterwards.
 [[nodiscard]] Cell Aged(Cell cell, double capacity_share, double resistance_factor);
+
+/// The same cell `factor` > 0 times as large: at a current that is as many times larger its voltage and
+/// its temperature are the same. Its uncertainty goes, as with Aged().
+[[nodiscard]] Cell Resized(Cell cell, double factor);
 
 }  // namespace lipoid

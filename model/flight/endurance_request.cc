@@ -167,7 +167,7 @@ void RequireAdvanceRatio(const EnduranceRequest& request, const LevelFlight& fli
 EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const Values& values) {
   EnduranceSetup setup;
   setup.initial_soc = StartOf(request, cell);
-  setup.cell = Aged(cell, values.health, values.resistance_factor);
+  setup.cell = Resized(Aged(cell, values.health, values.resistance_factor), request.size_factor);
   if (request.ambient_degC) setup.ambient_degC = values.ambient_degC;
   setup.reserve = values.reserve;
   setup.options = request.options;

@@ -42,6 +42,7 @@ inline constexpr int kUsualEnsemble = 200;
 struct EnduranceRequest {
   Vehicle vehicle;
   Cell cell;
+  double size_factor = 1.0;  ///< of the cell that flies over that of the cell file (aged_cell.h)
   double initial_soc = 1.0;
   std::optional<double> initial_voltage_V;  ///< of the pack at rest, instead of initial_soc
   Uncertain payload_kg{0.0, 0.0};

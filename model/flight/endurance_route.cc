@@ -18,7 +18,8 @@ PowerMission FlyRoute(const EnduranceRequest& request,
   FlightSetup setup;
   setup.vehicle = request.vehicle;
   setup.vehicle.mass_kg += request.payload_kg.value;
-  setup.cell = Aged(request.cell, request.health.value, request.resistance_factor.value);
+  setup.cell = Resized(Aged(request.cell, request.health.value, request.resistance_factor.value),
+                       request.size_factor);
   setup.initial_soc = request.initial_voltage_V
                           ? request.cell.open_circuit_voltage.SocAtVoltage(
                                 *request.initial_voltage_V / request.cell.series)

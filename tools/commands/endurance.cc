@@ -159,6 +159,20 @@ void SetQuantity(const EnduranceVariable& variable,
   variable.of(request) = {variable.unit * given.value, variable.unit * given.standard_error};
 }
 
+// What is typical depends on the size that the cell is to have.
+Cell KnowingTemperatureAtSize(cli::CommandLine& line,
+                              const EnduranceRequest& request,
+                              const std::string& cell_name) {
+  if (request.cell.temperature) return request.cell;
+  Cell cell = request.cell;
+  cell.capacity_Ah *= request.size_factor;
+  cell = KnowingTemperature(line, cell, cell_name);
+  cell.capacity_Ah = request.cell.capacity_Ah;
+  cell.temperature->heat->heat_capacity_J_per_K /= request.size_factor;
+  cell.temperature->heat->thermal_resistance_K_per_W *= request.size_factor;
+  return cell;
+}
+
 // NAME=FIRST:STEP:LAST
 struct Over {
   const EnduranceVariable* variable = nullptr;
@@ -229,6 +243,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   bool once = false;
   std::optional<int> series;
   std::optional<int> parallel;
+  std::optional<double> capacity_Ah;
 
   line.Describe(
       "Says how long a vehicle flies on a pack, what it uses and at which voltage it has to land, "
@@ -254,6 +269,12 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
               parallel,
               kPackSizes,
               "cells in parallel of the pack (default as in the cell file)");
+  line.Option(
+      "capacity-Ah",
+      capacity_Ah,
+      Range{1e-3, 1e5},
+      "nominal capacity of a cell of the pack, where it is a larger or a smaller one of the "
+      "kind in the cell file: its charge, resistances and heat go with the size");
   line.Text("mission",
             mission,
             "M",
@@ -288,6 +309,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   request.cell = LoadCell(cell_name);
   request.cell.series = series.value_or(request.cell.series);
   request.cell.parallel = parallel.value_or(request.cell.parallel);
+  if (capacity_Ah) request.size_factor = *capacity_Ah / request.cell.capacity_Ah;
   request.initial_soc = start.Soc(request.cell);
   request.initial_voltage_V = start.initial_voltage_V;
   request.cruise = mission == "cruise";
@@ -296,7 +318,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::optional<Over> over;
   if (!over_text.empty()) over = ReadOver(over_text);
   if (request.ambient_degC || (over && over->variable->name == "ambient-degC"))
-    request.cell = KnowingTemperature(line, request.cell, cell_name);
+    request.cell = KnowingTemperatureAtSize(line, request, cell_name);
   request.seed = line.seed();
   if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
   if (mission.starts_with("power=")) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -47,6 +48,31 @@ TEST(AgedCell, DiffusionHoldsBackAsMuch) {
   EXPECT_EQ(old.diffusion->alpha_C, 0.8 * young.diffusion->alpha_C);
   EXPECT_EQ(old.diffusion->beta_per_sqrt_s, young.diffusion->beta_per_sqrt_s);
   EXPECT_EQ(old.series_resistance_Ohm.resistance_Ohm, young.series_resistance_Ohm.resistance_Ohm);
+}
+
+// Five times the current is the same voltage and temperature, with everything that a cell may have.
+TEST(AgedCell, AResizedCellIsTheSameAtAsManyTimesTheCurrent) {
+  Cell small = LoadCell("gifi-600mAh-1");
+  small.branches = {{.resistance_Ohm = 0.05, .time_constant_s = 30.0, .capacitance_F = 600.0}};
+  small.charge_transfer = {.current_A = 1.0, .resistance_Ohm = {{0.0, 1.0}, {0.09, 0.04}}};
+  Cell heating = small;
+  heating.self_heating =
+      Cell::SelfHeating{.time_constant_s = 60.0, .resistance_drop_Ohm_per_A2 = 0.002};
+  for (const Cell& cell : {WithTypicalTemperature(small), heating}) {
+    const Cell large = Resized(cell, 5.0);
+    EXPECT_EQ(large.capacity_Ah, 5.0 * cell.capacity_Ah);
+    const CellModel<double> small_model(cell.Parameters());
+    const CellModel<double> large_model(large.Parameters());
+    auto a = small_model.Relaxed(0.9);
+    auto b = large_model.Relaxed(0.9);
+    a.ambient_K = b.ambient_K = a.temperature_K;
+    for (const double dt_s : {1.0, 20.0, 100.0}) {
+      small_model.Advance(a, 1.5, small_model.MakeStep(dt_s));
+      large_model.Advance(b, 7.5, large_model.MakeStep(dt_s));
+      EXPECT_NEAR(large_model.Voltage(b, 7.5), small_model.Voltage(a, 1.5), 1e-12) << dt_s;
+      EXPECT_NEAR(b.temperature_K, a.temperature_K, 1e-9) << dt_s;
+    }
+  }
 }
 
 TEST(AgedCell, ItsUncertaintyIsThatOfTheYoungCell) {

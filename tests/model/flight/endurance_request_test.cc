@@ -154,6 +154,18 @@ TEST(EnduranceRequest, CruiseAndWindAreFlownAtTheirSpeeds) {
   EXPECT_THROW((void)FindEndurance(request), OptionError);
 }
 
+// The maker of the 3DR Solo gives 20 minutes with gimbal and camera on 4 cells of 5.2 Ah (user manual,
+// specifications). It lands by itself at about a tenth of its charge. The cell is one of 32 Ah, resized.
+TEST(EnduranceRequest, ASoloHoversAsLongAsItsMakerSays) {
+  EnduranceRequest request;
+  request.vehicle = LoadVehicle("camera-10in");
+  request.cell = LoadCell("grepow-32Ah-1");
+  request.cell.series = 4;
+  request.size_factor = 5.2 / request.cell.capacity_Ah;
+  request.reserve = {0.1, 0.0};
+  EXPECT_NEAR(FindEndurance(request).estimate.time_s / 60.0, 20.0, 0.1 * 20.0);
+}
+
 TEST(EnduranceRequest, StartsAtTheVoltageOfRest) {
   EnduranceRequest request = Simple();
   request.cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.0});
