@@ -172,6 +172,15 @@ TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {
   EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
 }
 
+TEST(IdentifyFlights, AreNoProblemForOptimizers) {
+  const auto run = RunLipoid(
+      TestFolder(),
+      {"compare", "--flight", Flight("log171.bin"), "--series", "4", "--capacity-Ah", "5.2"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("expected logs of the lab, found flights alone"), std::string::npos)
+      << run.err;
+}
+
 TEST(IdentifyFlights, AsksForTheCapacity) {
   const auto run =
       RunLipoid(TestFolder(),
