@@ -92,6 +92,13 @@ class StagedRun {
 
   void CheckLogs() {
     CheckCampaign(campaign_, given_.open_circuit_voltage.has_value());
+    if (campaign_.OnlyFlights()) {
+      const std::string message =
+          "expected logs of the lab, found flights alone, from which only `lipoid identify` finds what "
+          "they tell";
+      if (campaign_.file.empty()) throw OptionError("--flight: " + message);
+      throw LoadError({campaign_.file}, message);
+    }
     const auto constant = OfKind(logs_, LogKind::kConstantCurrent);
     const auto low_rate = OfKind(logs_, LogKind::kLowRate);
     const auto pulses = OfKind(logs_, LogKind::kPulses);

@@ -45,9 +45,11 @@ TEST(FlightsAlone, GiveTheCurveAndTheTotalResistance) {
   EXPECT_LT(found.flights[0].errors.all.mean_error_percent, 0.1);
   EXPECT_NEAR(found.highest_soc, 0.97, 0.002);
   EXPECT_NEAR(found.lowest_soc, 0.37, 0.01);
-  // The nodes of the shipped curve lie between those found: 5 mV of what is bent there.
+  // Without a long rest a curve that is higher and a resistance that is larger say nearly the same: 4 %
+  // of the resistance at the 30 A of hover are 7 mV.
+  constexpr double kCurve_V = 0.007;
   for (const double soc : {0.45, 0.55, 0.65, 0.75, 0.85, 0.94})
-    EXPECT_NEAR(found.cell.open_circuit_voltage(soc), truth.open_circuit_voltage(soc), 0.005)
+    EXPECT_NEAR(found.cell.open_circuit_voltage(soc), truth.open_circuit_voltage(soc), kCurve_V)
         << soc;
   bool told = false;
   for (const QuantityTrust& q : found.trust.quantities) {

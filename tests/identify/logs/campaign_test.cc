@@ -282,7 +282,7 @@ std::string SetRefusal(const std::string& kinds, const std::string& cell, bool c
 
 TEST(CheckCampaign, OfFlightsAloneNeedsTheCapacity) {
   EXPECT_EQ(SetRefusal("fv", "capacity_Ah = 5.2", false), "no error");
-  EXPECT_EQ(SetRefusal("ff", "cutoff_V = 3.0", false),
+  EXPECT_EQ(SetRefusal("fv", "cutoff_V = 3.0", false),
             "c.toml:1:1: error: expected the capacity of the cell, because flights alone do not "
             "tell it, found none; give capacity_Ah in [cell]");
 }
