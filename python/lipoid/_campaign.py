@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lipoid._core import Campaign as CoreCampaign
     from lipoid._options import CampaignOptions, ReadingOptions
 
-KINDS = ("constant_current", "low_rate", "pulses", "validation")
+KINDS = ("constant_current", "low_rate", "low_rate_charge", "pulses", "flight", "validation")
 
 
 def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:

@@ -94,3 +94,24 @@ def test_a_health_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
 def test_a_pack_that_no_log_names_is_asked_for() -> None:
     with pytest.raises(lipoid.OptionError, match="--series"):
         lipoid.health("gifi-600mAh-1", SOLO)
+
+
+def test_flights_alone_are_identified_as_by_the_program(program: Lipoid, tmp_path: Path) -> None:
+    theirs = program(
+        "identify",
+        "--flight",
+        SOLO,
+        "--series",
+        4,
+        "--capacity-Ah",
+        5.2,
+        "--initial-soc",
+        0.93,
+        "-o",
+        "cell.json",
+        folder=tmp_path,
+    )
+    flown = lipoid.Campaign(flight=[SOLO], series=4, capacity_Ah=5.2, initial_soc=0.93)
+    made = lipoid.identify(flown)
+    assert made.summary["parameters"] == theirs["parameters"]
+    assert made.summary["fit"] == theirs["fit"]
