@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/export/mission.h"
+#include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
-#include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
@@ -125,7 +125,7 @@ void SetMission(cli::CommandLine& line,
           "that is known and at the speeds of its controller; leave the standard error and the speed "
           "out");
     }
-    request.power = FlyRoute(request, LoadGains(gains), file);
+    request.power = FlyRoute(request, GainsFor(gains, request.vehicle, "aware"), file);
     return;
   }
   if (text.starts_with(kPower)) {
@@ -237,7 +237,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::string vehicle_name;
   std::string cell_name;
   std::string mission = "hover";
-  std::string gains = "aware";
+  std::string gains;
   std::string over_text;
   std::vector<std::string> quantities(EnduranceVariables().size());
   bool once = false;
@@ -281,7 +281,12 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             "hover; cruise; waypoints=FILE, a route as of `lipoid fly waypoints`; or power=FILE, a "
             "CSV of time_s,power_W or any log with voltage and current (default hover)");
   line.Flag("once", once, "fly the mission of a file once instead of again and again");
-  line.Input("gains", gains, "GAINS", "unaware, aware, or a gains file, for waypoints");
+  line.Input(
+      "gains",
+      gains,
+      "GAINS",
+      "for waypoints: unaware, aware, placed, or a gains file (default aware for a Mambo, placed for "
+      "any other vehicle)");
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     const EnduranceVariable& variable = EnduranceVariables()[k];
     const bool airspeed = variable.name == "airspeed-m-per-s";
