@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "model/analysis/placed_gains.h"
 #include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
-#include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
@@ -50,7 +50,8 @@ struct EnduranceKeywords {
   std::optional<int> series;
   std::optional<int> parallel;
   std::optional<std::string> waypoints;
-  std::string gains = "aware";
+  std::string gains;
+  std::optional<double> capacity_Ah;
   bool once = false;
 
   void Declare(Keywords& keywords) {
@@ -59,6 +60,10 @@ struct EnduranceKeywords {
       vehicle = PathOf(*file);
     keywords.Option("series", series, kPackSizes, "cells in series of the pack");
     keywords.Option("parallel", parallel, kPackSizes, "cells in parallel of the pack");
+    keywords.Option("capacity-Ah",
+                    capacity_Ah,
+                    Range{1e-3, 1e5},
+                    "nominal capacity, where the cells are larger or smaller ones of the kind");
     Mission mission = Mission::kHover;
     keywords.Option("mission", mission, Names{}, "level flight at a place, or at a speed");
     request.cruise = mission == Mission::kCruise;
@@ -82,8 +87,8 @@ struct EnduranceKeywords {
     if (const auto file =
             keywords.Take("waypoints", "Path", "a file of waypoints, which is flown instead"))
       waypoints = PathOf(*file);
-    if (const auto file = keywords.Take(
-            "gains", "Path", "of the controller that flies waypoints: unaware, aware, or a file"))
+    if (const auto file =
+            keywords.Take("gains", "Path", "of the controller that flies waypoints, as of fly"))
       gains = PathOf(*file);
     keywords.Option("initial-soc", request.initial_soc, kInitialSocs, "where the battery starts");
     keywords.Option("ensemble",
@@ -125,6 +130,7 @@ nb::object Endurance(const PythonCell& cell,
   request.cell = cell.cell;
   if (made.series) request.cell.series = *made.series;
   if (made.parallel) request.cell.parallel = *made.parallel;
+  if (made.capacity_Ah) request.size_factor = *made.capacity_Ah / request.cell.capacity_Ah;
   if (request.ambient_degC && !request.cell.temperature)
     request.cell = WithTypicalTemperature(request.cell);
   if (request.power.has_value() == made.vehicle.has_value())
@@ -138,7 +144,8 @@ nb::object Endurance(const PythonCell& cell,
   Work(
       [&](const Tell& tell) {
         if (made.waypoints)
-          request.power = FlyRoute(request, LoadGains(made.gains), *made.waypoints);
+          request.power =
+              FlyRoute(request, GainsFor(made.gains, request.vehicle, "aware"), *made.waypoints);
         if (request.power) request.power->repeats = !made.once;
         const EnduranceAnswer answer =
             FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });

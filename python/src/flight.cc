@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "model/analysis/placed_gains.h"
 #include "model/battery/ranges.h"
-#include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
 #include "model/flight/flight_log.h"
@@ -26,7 +26,7 @@ struct FlyKeywords {
   FlightSetup setup;
   ManeuverRequest request;
   std::string vehicle = "mambo-coupled";
-  std::string gains = "aware";
+  std::string gains;
   std::optional<double> duration_s;
   double log_step_s = kControlStep_s;
 
@@ -34,7 +34,10 @@ struct FlyKeywords {
     if (const auto file =
             keywords.Take("vehicle", "Path", "a vehicle file, or the name of a shipped vehicle"))
       vehicle = PathOf(*file);
-    if (const auto file = keywords.Take("gains", "Path", "\"unaware\", \"aware\", or a gains file"))
+    if (const auto file = keywords.Take(
+            "gains",
+            "Path",
+            "\"unaware\", \"aware\", \"placed\" by the lag of the vehicle's motors, or a gains file"))
       gains = PathOf(*file);
     keywords.Flag("compensate",
                   setup.controller.compensate,
@@ -94,7 +97,7 @@ nb::tuple FlyManeuver(const std::string& name,
   if (!cell.is_none()) setup.cell = nb::cast<const PythonCell&>(cell).cell;
   setup.vehicle = LoadVehicle(made.vehicle);
   CheckFlight(setup, maneuver, made.request, made.duration_s.has_value());
-  setup.gains = LoadGains(made.gains);
+  setup.gains = GainsFor(made.gains, setup.vehicle, "aware", setup.controller.law);
   setup.seed = seed;
   FlightPlan plan = maneuver.plan(made.request);
   if (made.duration_s) plan.duration_s = *made.duration_s;
