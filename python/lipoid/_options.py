@@ -56,6 +56,7 @@ class CampaignOptions(TypedDict, total=False):
     low_rate: Logs | None
     low_rate_charge: Logs | None
     pulses: Logs | None
+    flight: Logs | None
     validation: Logs | None
 
 
@@ -413,6 +414,8 @@ class FlyControllerGroup(TypedDict, total=False):
     yaw_omega_rad_per_s: float
     position_omega_rad_per_s: float
     position_speed_m_per_s: float
+    climb_m_per_s: float
+    descent_m_per_s: float
     saturate: bool
     pwm: Literal["carried", "rounded", "continuous"]
     limit_reference: bool
@@ -504,16 +507,20 @@ class EnduranceOptions(TypedDict, total=False):
     vehicle: Path | None
     series: int | None
     parallel: int | None
+    capacity_Ah: float | None
     mission: Literal["hover", "cruise"]
     power: tuple[Any, Any] | None
     once: bool
     airspeed_m_per_s: float | tuple[float, float] | None
-    payload_g: float | tuple[float, float] | None
     ambient_degC: float | tuple[float, float] | None
     health: float | tuple[float, float] | None
-    resistance_factor: float | tuple[float, float] | None
+    payload_g: float | tuple[float, float] | None
     power_factor: float | tuple[float, float] | None
     reserve: float | tuple[float, float] | None
+    resistance_factor: float | tuple[float, float] | None
+    cruise_speed: Literal["best-range", "best-endurance"]
+    waypoints: Path | None
+    gains: Path | None
     initial_soc: float
     ensemble: int
     flight: EnduranceFlightGroup
