@@ -31,7 +31,7 @@ constexpr double kUselessResistance = 0.4;
 constexpr double kGuessedOverFlown = 2.0;
 constexpr double kGuessedLogCapacity = 2.0;
 // Standard deviations from what was believed of the capacity, beyond which that was wrong.
-constexpr double kFarFromReference = 2.5;
+constexpr double kFarFromReference = 2.0;
 
 WithInterval Symmetric(double value, double deviation) {
   const double reach = Reach95(kFreedom) * deviation;

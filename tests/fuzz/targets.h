@@ -6,6 +6,7 @@
 /// refusal that says something in printable characters; all else is a failure.
 
 #include <array>
+#include <ostream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct FuzzTarget {
   /// itself.
   void (*run)(const std::string& bytes);
 };
+
+inline void PrintTo(const FuzzTarget& target, std::ostream* out) { *out << target.name; }
 
 /// One row for each reader, sorted by name.
 [[nodiscard]] std::span<const FuzzTarget> FuzzTargets();

@@ -453,5 +453,35 @@ TEST(Design, SaysWhatIsWrong) {
   EXPECT_EQ(RunLipoid(folder, {"design", "altitude", "--optimizer", "guess"}).exit_code, 2);
 }
 
+// A vehicle for four cells on one: it says so, and on four it hovers at its own current.
+TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
+  const std::string folder = TestFolder();
+  const auto one = RunLipoid(
+      folder, {"fly", "hover", "--vehicle", "f450", "--cell", "grepow-32Ah-1", "--duration", "3"});
+  EXPECT_EQ(one.exit_code, 1);
+  EXPECT_NE(one.err.find("give --series 4"), std::string::npos) << one.err;
+  const auto four = RunLipoid(folder,
+                              {"fly",
+                               "hover",
+                               "--vehicle",
+                               "f450",
+                               "--cell",
+                               "grepow-32Ah-1",
+                               "--series",
+                               "4",
+                               "--duration",
+                               "3",
+                               "--summary",
+                               "s.json"});
+  EXPECT_EQ(four.exit_code, 0) << four.err;
+  // The same hover as of equilibrium: lipoid vehicle says 201 W; 32 Ah of cells hold 16 V and more.
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_GT(summary.at("minimum_voltage_V").get<double>(), 15.0);
+  EXPECT_NEAR(summary.at("charge_C").get<double>() / 3.0, 13.0, 1.0);
+  const auto ideal = RunLipoid(folder, {"fly", "hover", "--battery", "ideal", "--series", "4"});
+  EXPECT_EQ(ideal.exit_code, 2);
+  EXPECT_NE(ideal.err.find("are for cells"), std::string::npos) << ideal.err;
+}
+
 }  // namespace
 }  // namespace lipoid::test

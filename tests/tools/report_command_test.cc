@@ -208,7 +208,7 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
                 "c.json:1:13: error: /command: expected a text, found 7");
   ExpectRefused(refused("{\"command\": \"convert\"}\n"),
                 "c.json:1:13: error: /command: expected one of the commands whose results can be "
-                "shown (compare, design, fly, identify, inspect, plan, poles, study, validate), "
+                "shown (compare, design, endurance, fly, health, identify, inspect, plan, poles, study, validate), "
                 "found \"convert\"");
   ExpectRefused(
       refused("{\"command\": \"validate\"}\n"),

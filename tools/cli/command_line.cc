@@ -129,6 +129,28 @@ CommandLine::CommandLine(const Command& command, std::vector<std::string> argume
 
 CommandLine::~CommandLine() = default;
 
+namespace {
+
+// As one types it: what does not fit into a line goes on, before an option, behind a backslash.
+std::string InLines(std::string_view command) {
+  constexpr std::size_t kMost = 95;  // of 100, with the indent and the backslash
+  std::string text;
+  std::size_t used = 0;
+  while (!command.empty()) {
+    const std::size_t end = std::min(command.find(" -", 1), command.size());
+    if (used > 0 && used + end > kMost) {
+      text += " \\\n     ";
+      used = 5;
+    }
+    text += command.substr(0, end);
+    used += end;
+    command.remove_prefix(end);
+  }
+  return text;
+}
+
+}  // namespace
+
 void CommandLine::Describe(std::string_view what, std::string_view example) {
   what_ = what;
   Example(example);
@@ -557,7 +579,7 @@ std::string CommandLine::Help() const {
   }
   std::string text = fmt::format("Usage: {} [options]\n\n{}\n", usage, Wrapped(what_));
   text += examples_.size() > 1 ? "\nExamples:\n" : "\nExample:\n";
-  for (const auto& example : examples_) text += "  " + example + "\n";
+  for (const auto& example : examples_) text += "  " + InLines(example) + "\n";
 
   if (!positionals_.empty()) {
     text += "\nArguments:\n";

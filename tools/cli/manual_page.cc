@@ -6,11 +6,25 @@
 namespace lipoid::cli {
 namespace {
 
+// How many bytes come after the first one of a character of UTF-8.
+std::size_t FollowingBytes(char first) {
+  const auto byte = static_cast<unsigned char>(first);
+  return byte >= 0xf0U ? 3 : byte >= 0xe0U ? 2 : byte >= 0xc0U ? 1 : 0;
+}
+
 // A line of text that no macro and no escape can arise from.
 std::string Roff(std::string_view text) {
   std::string safe;
-  for (const char c : text) {
-    if (c == '\\') {
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    if (const std::size_t more = FollowingBytes(c); more > 0 && k + more < text.size()) {
+      // troff reads bytes: it has names for what takes several, \[u00B2] for two of them.
+      unsigned code = static_cast<unsigned char>(c) & (0x3fU >> more);
+      for (std::size_t n = 1; n <= more; ++n)
+        code = (code << 6U) | (static_cast<unsigned char>(text[k + n]) & 0x3fU);
+      safe += fmt::format("\\[u{:04X}]", code);
+      k += more;
+    } else if (c == '\\') {
       safe += "\\e";
     } else if (c == '-') {
       safe += "\\-";

@@ -20,6 +20,7 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
+#include "tools/commands/log_options.h"
 #include "tools/commands/stability_json.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
@@ -104,6 +105,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::map<std::string_view, ManeuverRequest> values;  // of each maneuver
   FlightSetup setup;
   StartOptions start;
+  PackOptions pack;
   EnsembleOption ensemble;
   std::optional<Battery> battery;
   std::optional<double> xi;
@@ -174,6 +176,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                   kLongFlight_s,
                   kLongFlightLogStep_s));
   start.AddTo(line);
+  pack.AddTo(line, "of the battery (default as in the cell file)");
   line.Option(
       "ambient-degC",
       setup.ambient_degC,
@@ -223,6 +226,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
         "leave --xi out");
   }
+  if (source == Battery::kIdeal && (pack.series || pack.parallel)) {
+    throw OptionError(
+        "options --series and --parallel are for cells; an ideal source has the nominal voltage of "
+        "the vehicle times --xi");
+  }
   if (source == Battery::kIdeal && (start.initial_soc || start.initial_voltage_V)) {
     throw OptionError(
         "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
@@ -233,6 +241,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (source == Battery::kCell) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(cell_name);
+    pack.ApplyTo(setup.cell->series, setup.cell->parallel);
     setup.initial_soc = start.Soc(*setup.cell);
     if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
   } else if (setup.ambient_degC) {
@@ -316,6 +325,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.duty,
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
+    if (setup.cell && setup.vehicle.series_cells > setup.cell->series) {
+      line.Message("it is made for {} cells in series, and this pack has {}: give --series {}",
+                   setup.vehicle.series_cells,
+                   setup.cell->series,
+                   setup.vehicle.series_cells);
+    }
   }
   if (!flight.reason.empty()) line.Message("{}", flight.reason);
   return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

@@ -64,9 +64,9 @@ ReadOptions LogOptions::ToReadOptions() const {
   return read;
 }
 
-void PackOptions::AddTo(cli::CommandLine& line) {
-  line.Option("series", series, kPackSizes, "cells in series in the logs");
-  line.Option("parallel", parallel, kPackSizes, "cells in parallel in the logs");
+void PackOptions::AddTo(cli::CommandLine& line, std::string_view of) {
+  line.Option("series", series, kPackSizes, fmt::format("cells in series {}", of));
+  line.Option("parallel", parallel, kPackSizes, fmt::format("cells in parallel {}", of));
 }
 
 void PackOptions::ApplyTo(int& series_of, int& parallel_of) const {

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "identify/logs/load_campaign.h"
@@ -31,7 +32,7 @@ struct PackOptions {
   std::optional<int> series;
   std::optional<int> parallel;
 
-  void AddTo(cli::CommandLine& line);
+  void AddTo(cli::CommandLine& line, std::string_view of = "in the logs");
   /// Where one was given, it takes the place of what stands there.
   void ApplyTo(int& series_of, int& parallel_of) const;
 };

@@ -48,22 +48,30 @@ void SortedOnce(std::vector<std::size_t>& rows) {
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
 }
 
-// The rows about the largest jumps, at most `most` of them.
-void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std::size_t>& kept) {
+// The rows at which a column jumps, with how far.
+std::vector<std::pair<double, std::size_t>> JumpsOf(std::span<const double> column) {
   std::vector<std::pair<double, std::size_t>> jumps;
   double largest = 0.0;
   for (std::size_t k = 1; k < column.size(); ++k)
     largest = std::max(largest, std::abs(column[k] - column[k - 1]));
-  if (!(largest > 0.0)) return;
+  if (!(largest > 0.0)) return jumps;
   for (std::size_t k = 1; k < column.size(); ++k) {
     const double jump = std::abs(column[k] - column[k - 1]);
     if (jump >= kJumpShare * largest) jumps.emplace_back(jump, k);
   }
+  return jumps;
+}
+
+// The rows about the largest of these jumps of a log of so many rows, at most `most` of them.
+void KeepJumps(std::vector<std::pair<double, std::size_t>> jumps,
+               std::size_t rows,
+               std::size_t most,
+               std::vector<std::size_t>& kept) {
   const std::size_t places = std::min(jumps.size(), most / kLeastAbout);
+  if (places == 0) return;
   if (places < jumps.size()) {
     // The largest; of equal ones those that lie evenly over the log.
-    const std::size_t stride =
-        (jumps.size() + std::max<std::size_t>(places, 1) - 1) / std::max<std::size_t>(places, 1);
+    const std::size_t stride = (jumps.size() + places - 1) / places;
     std::vector<std::pair<double, std::size_t>> spread;
     for (std::size_t k = 0; k < jumps.size(); k += stride) {
       const auto end =
@@ -72,11 +80,10 @@ void KeepJumps(std::span<const double> column, std::size_t most, std::vector<std
     }
     jumps = std::move(spread);
   }
-  if (jumps.empty() || places == 0) return;
-  const std::size_t about = std::min(kMostAbout, most / std::min(places, jumps.size()));
-  for (std::size_t n = 0; n < std::min(places, jumps.size()); ++n) {
-    const std::size_t first = jumps[n].second - std::min(jumps[n].second, about / kBefore);
-    const std::size_t end = std::min(column.size(), first + about);
+  const std::size_t about = std::min(kMostAbout, most / jumps.size());
+  for (const auto& jump : jumps) {
+    const std::size_t first = jump.second - std::min(jump.second, about / kBefore);
+    const std::size_t end = std::min(rows, first + about);
     for (std::size_t k = first; k < end; ++k) kept.push_back(k);
   }
 }
@@ -94,7 +101,9 @@ std::vector<std::size_t> ThinnedRows(std::size_t rows,
     return kept;
   }
   kept = {0, rows - 1};
-  const std::size_t left = jumps.empty() ? most - 2 : most / 2;
+  const auto found = JumpsOf(jumps);
+  const std::size_t left =
+      most - std::min(most, 2 + std::min(most / 2, kLeastAbout * found.size()));
   const std::size_t stretches = left / (2 * std::max<std::size_t>(columns.size(), 1));
   std::vector<std::vector<std::size_t>> extremes(stretches);
   tbb::parallel_for(std::size_t{0}, stretches, [&](std::size_t n) {
@@ -105,7 +114,7 @@ std::vector<std::size_t> ThinnedRows(std::size_t rows,
   for (const auto& each : extremes) kept.insert(kept.end(), each.begin(), each.end());
   SortedOnce(kept);
   // One row is often the extreme of several columns: what that leaves goes to the jumps.
-  if (!jumps.empty()) KeepJumps(jumps, most - std::min(most, kept.size()), kept);
+  KeepJumps(found, rows, most - std::min(most, kept.size()), kept);
   SortedOnce(kept);
   return kept;
 }

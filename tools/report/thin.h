@@ -13,8 +13,8 @@
 namespace lipoid {
 
 /// Indices of the rows that stay, increasing: at most `most` of them, the first and the last
-/// included; all where there are no more. At least half of them lie about the jumps of `jumps`, where
-/// it has so many. Columns are as long as `rows`; NaN is passed over.
+/// included; all where there are no more. At least half of them may lie about the jumps of `jumps`, and
+/// what single extremes of several columns leave does. Columns are as long as `rows`; NaN is passed over.
 [[nodiscard]] std::vector<std::size_t> ThinnedRows(std::size_t rows,
                                                    std::span<const std::span<const double>> columns,
                                                    std::span<const double> jumps,

@@ -36,7 +36,8 @@ std::size_t RowsOf(const Series& series) {
 }  // namespace
 
 std::size_t BytesOf(const Series& series) {
-  return static_cast<std::size_t>(BytesPerRow(series) * static_cast<double>(RowsOf(series)));
+  return static_cast<std::size_t>(
+      std::ceil(BytesPerRow(series) * static_cast<double>(RowsOf(series))));
 }
 
 Series Thinned(const Series& series, std::size_t most_bytes) {

@@ -32,7 +32,7 @@ TEST(ControllerExport, ALawWithoutCIsRefusedWithASentence) {
   mine.name = "mine";
   EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)LawInC(mine); }),
             "the controller mine cannot be exported: it has no C code. Those that have: inversion, "
-            "pid");
+            "pid, lqr");
 }
 
 TEST(ControllerExport, AVoltageOfZeroBoundsNothing) {

@@ -19,7 +19,7 @@ CHARTS = """return [...document.querySelectorAll('.chart')].map((figure) => ({
 class Aloft(PageTest):
     def test_endurance_shows_each_number_with_its_interval(self):
         self.lipoid("endurance", "--vehicle", "mambo-physical", "--cell", CELL, "--health", "0.9+-0.03",
-                    "--ensemble", 40, "--set", "step_s=0.1", "--report", "page.html", "--summary", "s.json")
+                    "--ensemble", 40, "--set", "step_s=0.1", "--over", "payload-g=0:5:10", "--report", "page.html", "--summary", "s.json")
         summary = json.loads((self.folder / "s.json").read_text())
         page = self.open("page.html")
         rows = page.run(ROWS)
@@ -29,6 +29,11 @@ class Aloft(PageTest):
         for shown, value in zip(time[1:], (summary["minutes"], low, high)):
             self.assertAlmostEqual(float(shown), value, delta=5e-4 * value)
         self.assertIn(f"{summary['minutes']:.3g} minutes", page.run("return document.querySelector('h2').textContent"))
+
+        (chart,) = page.run(CHARTS)
+        self.assertEqual(chart["title"], "Flight time over the payload")
+        self.assertEqual(chart["data"][0], [0, 5, 10])
+        self.assertEqual(chart["data"][1], [row["minutes"] for row in summary["over"]["rows"]])
 
     def test_health_shows_flights_and_how_they_change(self):
         logs = []

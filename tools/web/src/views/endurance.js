@@ -1,7 +1,8 @@
 // `lipoid endurance`: how long a vehicle flies on a pack, and how far that is known.
-import { element, facts, note } from "../dom.js";
+import { lineChart } from "../chart.js";
+import { element, facts, note, section } from "../dom.js";
 import { significant } from "../format.js";
-import { isNumber } from "../numbers.js";
+import { isNumber, listOf } from "../numbers.js";
 import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 
@@ -20,8 +21,24 @@ const ENDED = {
 // "landing_voltage_V": landing voltage / V.
 function words(key) {
   const parts = key.split("_");
-  const unit = parts.length > 1 && /^(V|A|Ah|Wh|W|degC|C|s)$/.test(parts[parts.length - 1]) ? parts.pop() : null;
+  const unit = parts.length > 1 && /^(V|A|Ah|Wh|W|degC|C|s|g)$/.test(parts[parts.length - 1]) ? parts.pop() : null;
   return `${parts.join(" ")}${unit ? ` / ${unit.replace("degC", "°C")}` : ""}`;
+}
+
+// The flight time over a quantity: --over payload-g=0:100:500.
+function overQuantity({ name, rows }) {
+  const values = listOf(rows);
+  const ends = (side) => values.map((row) => row.minutes_interval_95?.[side] ?? null);
+  const known = values.some((row) => Array.isArray(row.minutes_interval_95));
+  const label = words(name.replaceAll("-", "_"));
+  return section(`Over the ${label.split(" / ")[0]}`,
+    lineChart({
+      title: `Flight time over the ${label.split(" / ")[0]}`,
+      x: { label, values: values.map(({ value }) => value) },
+      y: { label: "flight time / min", zero: true },
+      lines: [{ label: known ? "minutes, with their 95 % interval" : "minutes", values: values.map(({ minutes }) => minutes), band: known ? [ends(0), ends(1)] : undefined, dots: true }],
+      name: "flight time",
+    }));
 }
 
 export const endurance = {
@@ -50,6 +67,7 @@ export const endurance = {
         rows,
         { caption: known ? "With the intervals that hold 95 % of what the uncertainties allow" : "Nothing that is uncertain was given" },
       ),
+      summary.over ? overQuantity(summary.over) : null,
       known ? null : note("Give a cell with `uncertainty`, as lipoid identify writes it, or values as X+-SE, for intervals."),
       provenance(summary.run),
     ];

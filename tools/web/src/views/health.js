@@ -16,7 +16,7 @@ function overFlights(flights, name, title, label, factor) {
   const ends = (side) => flights.map((one) => times(factor, intervalOf(one, name)?.[side]));
   return lineChart({
     title,
-    x: { label: "flight", values: flights.map((_, k) => k + 1) },
+    x: { label: "flight", values: flights.map((_, k) => k + 1), whole: true },
     y: { label, zero: true },
     lines: [{ label: "as the sensor counts, with its 95 % interval", values: flights.map((one) => times(factor, one[name])), band: [ends(0), ends(1)], dots: true }],
     name: title,
