@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/segments.h"
@@ -44,6 +46,12 @@ std::vector<std::size_t> EndsOfRests(const Record& record) {
   return some;
 }
 
+// Calls act(0), act(1), ..., each begun as soon as a core is free: what lasts long stands first.
+void ParallelInOrder(std::size_t count, const std::function<void(std::size_t)>& act) {
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t) { act(next++); });
+}
+
 Series CurveSeries(const OpenCircuitVoltage& curve) {
   constexpr int kSteps = 400;
   std::vector<double> socs;
@@ -81,28 +89,45 @@ std::vector<Series> IdentifySeries(const Cell& found,
   const auto most = RowsOfPage(rows, campaigns * (kMeasured + cells.size()));
 
   const std::size_t count = logs.size();
+  std::vector<RowsOverCharge> at(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n_log) {
+    const Record& record = logs[n_log].log.record;
+    if (logs[n_log].entry.kind == LogKind::kLowRate) {
+      const std::array<std::span<const double>, 1> seen{record.voltage_V};
+      at[n_log].rows = ThinnedRows(record.size(), seen, {}, kRowsOfCurve);
+    } else if (logs[n_log].entry.kind != LogKind::kConstantCurrent) {
+      at[n_log].rows = EndsOfRests(record);
+    }
+  });
+  // Each cell along each log, the longest first: one log may have most of the rows of all.
+  std::vector<std::vector<ColumnOfPage>> of_cells(count);
+  for (auto& each : of_cells) each.resize(cells.size());
+  std::vector<std::pair<std::size_t, std::size_t>> work;  // log, cell
+  for (std::size_t n_log = 0; n_log < count; ++n_log) {
+    for (std::size_t c = 0; c < cells.size(); ++c) work.emplace_back(n_log, c);
+  }
+  std::stable_sort(work.begin(), work.end(), [&](const auto& a, const auto& b) {
+    return rows[a.first] > rows[b.first];
+  });
+  ParallelInOrder(work.size(), [&](std::size_t k) {
+    const auto [n_log, c] = work[k];
+    const LoadedLog& log = logs[n_log];
+    of_cells[n_log][c] = ThinnedBy(*cells[c].cell,
+                                   log.log.record,
+                                   log.entry.initial_soc,
+                                   SurroundingsOf(log.log.record, log.entry),
+                                   c == 0 ? &at[n_log] : nullptr);
+  });
   std::vector<Series> of_logs(count);
   std::vector<Series> of_charge(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n_log) {
     const LoadedLog& log = logs[n_log];
-    const Record& record = log.log.record;
-    const bool low_rate = log.entry.kind == LogKind::kLowRate;
-    RowsOverCharge at;
-    if (low_rate) {
-      const std::array<std::span<const double>, 1> seen{record.voltage_V};
-      at.rows = ThinnedRows(record.size(), seen, {}, kRowsOfCurve);
-    } else if (log.entry.kind != LogKind::kConstantCurrent) {
-      at.rows = EndsOfRests(record);
-    }
-    of_logs[n_log] = LogSeries(cells,
-                               record,
-                               log.entry.file,
-                               log.entry.initial_soc,
-                               most[n_log],
-                               SurroundingsOf(record, log.entry),
-                               &at);
-    of_charge[n_log] =
-        OverCharge(low_rate ? "low-rate" : "rests", cell.open_circuit_voltage, log, at);
+    of_logs[n_log] = LogSeries(cells, log.log.record, log.entry.file, most[n_log], of_cells[n_log]);
+    of_cells[n_log].clear();
+    of_charge[n_log] = OverCharge(log.entry.kind == LogKind::kLowRate ? "low-rate" : "rests",
+                                  cell.open_circuit_voltage,
+                                  log,
+                                  at[n_log]);
   });
   std::vector<Series> series = std::move(of_logs);
   for (Series& each : of_charge) {

@@ -24,45 +24,60 @@ std::vector<std::size_t> RowsOfPage(std::span<const std::size_t> rows, std::size
   return Shares(rows, kBytesOfPage / (kBytesOfTime + kBytesOfValue * columns), kLeastRows);
 }
 
+ColumnOfPage ThinnedBy(const Cell& cell,
+                       const Record& record,
+                       double initial_soc,
+                       const Surroundings& surroundings,
+                       RowsOverCharge* over_charge) {
+  const bool measured = !record.voltage_V.empty();
+  ColumnOfPage column = std::make_unique_for_overwrite<double[]>(record.size());
+  double* const values = column.get();
+  const double* const measured_V = record.voltage_V.data();
+  const auto predict = [&](auto&& visit) {
+    PredictRows(cell,
+                record.time_s,
+                record.current_A,
+                record.hold,
+                initial_soc,
+                surroundings,
+                [&](std::size_t k, const PredictedRow& row) {
+                  values[k] = measured ? measured_V[k] - row.voltage_V : row.voltage_V;
+                  visit(k, row);
+                });
+  };
+  if (over_charge == nullptr) {
+    predict([](std::size_t, const PredictedRow&) {});
+    return column;
+  }
+  std::size_t next = 0;
+  predict([&](std::size_t k, const PredictedRow& row) {
+    if (next == over_charge->rows.size() || over_charge->rows[next] != k) return;
+    ++next;
+    over_charge->soc.push_back(row.soc);
+    over_charge->predicted_V.push_back(row.voltage_V);
+  });
+  return column;
+}
+
 Series LogSeries(std::span<const PredictedColumn> cells,
                  const Record& record,
                  const std::string& name,
                  double initial_soc,
                  std::size_t most_rows,
-                 const Surroundings& surroundings,
-                 RowsOverCharge* over_charge) {
-  // Of each cell what is thinned by: its error where the voltage was measured, else its prediction.
-  // One column of a log of millions of rows is much to keep; what it was made of is found again.
-  const bool measured = !record.voltage_V.empty();
-  std::vector<std::unique_ptr<double[]>> of_cell(cells.size());
+                 const Surroundings& surroundings) {
+  std::vector<ColumnOfPage> of_cell(cells.size());
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
-    of_cell[c] = std::make_unique_for_overwrite<double[]>(record.size());
-    double* const values = of_cell[c].get();
-    const double* const measured_V = record.voltage_V.data();
-    const auto predict = [&](auto&& visit) {
-      PredictRows(*cells[c].cell,
-                  record.time_s,
-                  record.current_A,
-                  record.hold,
-                  initial_soc,
-                  surroundings,
-                  [&](std::size_t k, const PredictedRow& row) {
-                    values[k] = measured ? measured_V[k] - row.voltage_V : row.voltage_V;
-                    visit(k, row);
-                  });
-    };
-    if (c == 0 && over_charge != nullptr) {
-      std::size_t next = 0;
-      predict([&](std::size_t k, const PredictedRow& row) {
-        if (next == over_charge->rows.size() || over_charge->rows[next] != k) return;
-        ++next;
-        over_charge->soc.push_back(row.soc);
-        over_charge->predicted_V.push_back(row.voltage_V);
-      });
-    } else {
-      predict([](std::size_t, const PredictedRow&) {});
-    }
+    of_cell[c] = ThinnedBy(*cells[c].cell, record, initial_soc, surroundings);
   });
+  return LogSeries(cells, record, name, most_rows, of_cell);
+}
+
+Series LogSeries(std::span<const PredictedColumn> cells,
+                 const Record& record,
+                 const std::string& name,
+                 std::size_t most_rows,
+                 std::span<const ColumnOfPage> of_cell) {
+  const bool measured = !record.voltage_V.empty();
   std::vector<std::span<const double>> seen{record.current_A};
   if (measured) {
     seen.emplace_back(record.voltage_V);
