@@ -233,7 +233,8 @@ class Reader {
   }
 
   void Finish() {
-    for (auto& [number, track] : batteries_) {
+    for (auto& [key, track] : batteries_) {
+      const auto number = key;  // Clang 14 lets no lambda take a structured binding
       const auto parameter = [&](std::string_view name) {
         const auto found = parameters_.find(number == 1 ? fmt::format("BATT_{}", name)
                                                         : fmt::format("BATT{}_{}", number, name));
