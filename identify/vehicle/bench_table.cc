@@ -103,13 +103,13 @@ std::optional<Found> Find(const Column& column,
                           const std::string& file,
                           std::size_t line) {
   for (std::size_t field = 0; field < header.size(); ++field) {
-    const auto [name, unit] = Split(header[field].text);
+    const Header found = Split(header[field].text);
     const bool named = std::any_of(column.begins.begin(), column.begins.end(), [&](auto begin) {
-      return name.starts_with(begin);
+      return found.name.starts_with(begin);
     });
     if (!named) continue;
     for (const Unit& known : column.units) {
-      if (known.name == unit) return Found{field, known};
+      if (known.name == found.unit) return Found{field, known};
     }
     // A speed that is that of the air, say, is no column of ours.
     if (!column.required) continue;
