@@ -230,11 +230,7 @@ std::optional<double> CapacityTold(const std::vector<Log>& logs) {
 double LargestCharge_Ah(const std::vector<Log>& logs) {
   double largest_C = 0.0;
   for (const Log& log : logs) {
-    const Record& record = log.record;
-    double charge_C = 0.0;
-    for (std::size_t k = 1; k < record.size(); ++k)
-      charge_C += record.current_A[k] * (record.time_s[k] - record.time_s[k - 1]);
-    largest_C = std::max(largest_C, charge_C);
+    if (log.record.size() > 0) largest_C = std::max(largest_C, DeliveredCharge(log.record).back());
   }
   return std::max(largest_C / 3600.0, 1e-3);
 }

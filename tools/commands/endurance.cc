@@ -17,6 +17,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
+#include "tools/commands/log_options.h"
 #include "tools/commands/number_range.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/uncertain_option.h"
@@ -241,8 +242,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::string over_text;
   std::vector<std::string> quantities(EnduranceVariables().size());
   bool once = false;
-  std::optional<int> series;
-  std::optional<int> parallel;
+  PackOptions pack;
   std::optional<double> capacity_Ah;
 
   line.Describe(
@@ -263,12 +263,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
       "VEHICLE",
       "a vehicle file, or the name of a shipped vehicle; not needed with --mission power=FILE");
   line.RequiredInput("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
-  line.Option(
-      "series", series, kPackSizes, "cells in series of the pack (default as in the cell file)");
-  line.Option("parallel",
-              parallel,
-              kPackSizes,
-              "cells in parallel of the pack (default as in the cell file)");
+  pack.AddTo(line, "of the pack (default as in the cell file)");
   line.Option(
       "capacity-Ah",
       capacity_Ah,
@@ -312,8 +307,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   request.cell = LoadCell(cell_name);
-  request.cell.series = series.value_or(request.cell.series);
-  request.cell.parallel = parallel.value_or(request.cell.parallel);
+  pack.ApplyTo(request.cell.series, request.cell.parallel);
   if (capacity_Ah) request.size_factor = *capacity_Ah / request.cell.capacity_Ah;
   request.initial_soc = start.Soc(request.cell);
   request.initial_voltage_V = start.initial_voltage_V;

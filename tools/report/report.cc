@@ -4,7 +4,6 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <map>
@@ -49,13 +48,6 @@ std::string Packed(const std::vector<double>& values) {
 }
 
 bool IsFlight(const Series& series) { return series.kind == "flight"; }
-
-// A value that is the same in all rows; NaN is the same as NaN.
-bool IsConstant(const std::vector<double>& values) {
-  return !values.empty() && std::all_of(values.begin(), values.end(), [&](double value) {
-    return value == values[0] || (std::isnan(value) && std::isnan(values[0]));
-  });
-}
 
 // A column that has one value throughout, or repeats one before it (four motors at one speed, an
 // estimate that is the truth), is told in a word.

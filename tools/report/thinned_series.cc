@@ -19,12 +19,11 @@ double BytesPerRow(const Series& series) {
   std::size_t bytes = 0;
   for (auto column = series.columns.begin(); column != series.columns.end(); ++column) {
     const auto& values = column->values;
-    const bool constant = std::all_of(
-        values.begin(), values.end(), [&](double value) { return Same(value, values[0]); });
     const bool repeated = std::any_of(series.columns.begin(), column, [&](const auto& earlier) {
       return std::equal(values.begin(), values.end(), earlier.values.begin(), &Same);
     });
-    if (!constant && !repeated) bytes += column->name == "time_s" ? sizeof(double) : sizeof(float);
+    if (!IsConstant(values) && !repeated)
+      bytes += column->name == "time_s" ? sizeof(double) : sizeof(float);
   }
   return kBytesOfBase64 * static_cast<double>(std::max<std::size_t>(bytes, 1));
 }
@@ -34,6 +33,12 @@ std::size_t RowsOf(const Series& series) {
 }
 
 }  // namespace
+
+bool IsConstant(const std::vector<double>& values) {
+  return !values.empty() && std::all_of(values.begin(), values.end(), [&](double value) {
+    return Same(value, values[0]);
+  });
+}
 
 std::size_t BytesOf(const Series& series) {
   return static_cast<std::size_t>(

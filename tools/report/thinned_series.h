@@ -43,6 +43,9 @@ std::vector<std::size_t> ExtremeRows(const std::vector<std::size_t>& index,
   return kept;
 }
 
+/// Whether all values are the same; NaN is the same as NaN. Not so of none.
+[[nodiscard]] bool IsConstant(const std::vector<double>& values);
+
 /// What the samples of a series take in a page: base64, and nothing for columns that repeat another
 /// or one value throughout.
 [[nodiscard]] std::size_t BytesOf(const Series& series);
