@@ -211,7 +211,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["start"]["poles"] = PolesToJson(design, start, from);
 
   const std::string unit = altitude ? "m² s" : "rad² s";
-  cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}});
+  cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}},
+                       "Gains of the inner loop, and what they cost.");
   const auto row = [&](std::string name, const ErrorGains& gains, double cost) {
     table.Row({std::move(name),
                Significant(gains.proportional),

@@ -116,12 +116,17 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   for (const std::string& path : paths) line.Message("{}", path);
   const double follow_rad_per_s = 1.0 / (MotorLag_s(request.vehicle) + 0.5 * kControlStep_s);
   const References references = ReferencesOf(request.gains.references, request.controller);
-  if (references.attitude_rad_per_s > follow_rad_per_s) {
+  const double by_estimator_rad_per_s = std::min(references.attitude_rad_per_s, follow_rad_per_s);
+  line.summary()["references"] = {
+      {"attitude_rad_per_s", references.attitude_rad_per_s},
+      {"attitude_by_estimator_rad_per_s", by_estimator_rad_per_s},
+      {"slower_by_estimator", by_estimator_rad_per_s < references.attitude_rad_per_s}};
+  if (by_estimator_rad_per_s < references.attitude_rad_per_s) {
     line.Message(
         "where this code flies by its own estimator, references of the attitude that are faster than "
         "the motors let the noise of the sensors swing weak attitude gains up: give --set "
         "controller.attitude_omega_rad_per_s={:.0f}, as `lipoid fly --estimate` does",
-        follow_rad_per_s);
+        by_estimator_rad_per_s);
   }
   line.Message(
       "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "

@@ -43,7 +43,8 @@ constexpr double kLongFlight_s = 600.0;
 constexpr double kLongFlightLogStep_s = 1.0;
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
-  cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}});
+  cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}},
+                       "The flight.");
   const auto row = [&](std::string what, std::string value, std::string unit) {
     table.Row({std::move(what), std::move(value), std::move(unit)});
   };
@@ -77,7 +78,8 @@ void PrintEnsemble(cli::CommandLine& line,
   cli::TextTable table({{fmt::format("{} cells drawn", flights.size()), Align::kLeft},
                         {"estimate"},
                         {"95 % from"},
-                        {"to"}});
+                        {"to"}},
+                       "The flight on cells drawn from what the identification leaves open.");
   for (const FlightNumber& number : kFlightNumbers) {
     const auto [low, high] = IntervalOf(flights, number.of);
     table.Row({std::string(number.what),

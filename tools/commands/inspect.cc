@@ -132,7 +132,7 @@ std::string SegmentTable(const Inspection& log, bool all) {
                                               {"charge / Ah"}};
   if (!labels.empty()) columns.insert(columns.end(), {{"step"}, {"cycle"}});
   const std::size_t width = columns.size();
-  cli::TextTable table(std::move(columns));
+  cli::TextTable table(std::move(columns), "Segments of the log.");
   double most_A = 0.0;
   double most_Ah = 0.0;
   for (const Segment& segment : segments) {
@@ -169,7 +169,8 @@ std::string PartsTable(const std::vector<Inspection>& parts) {
                         {"end_s"},
                         {"charge out / Ah"},
                         {"rests at / V"},
-                        {"kind", Align::kLeft}});
+                        {"kind", Align::kLeft}},
+                       "The parts of the log.");
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Inspection& part = parts[k];
     table.Row({fmt::format("  {}", k + 1),
@@ -238,7 +239,8 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
                         {"rows"},
                         {"duration"},
                         {"charge out / Ah"},
-                        {"kind", Align::kLeft}});
+                        {"kind", Align::kLeft}},
+                       "The logs.");
   for (const auto& file : files) {
     if (!file.inspection) {
       table.Row({file.file, "not read", "", "", "", ""});

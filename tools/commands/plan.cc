@@ -87,7 +87,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
     }
     columns.push_back({"verdict", cli::Align::kLeft});
     cells.push_back(doubts.empty() ? "all identified" : doubts);
-    if (!table) table.emplace(columns);
+    if (!table) table.emplace(columns, "What each experiment would tell: standard errors in %.");
     table->Row(cells);
   }
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
