@@ -13,6 +13,7 @@
 #include "identify/logs/log.h"
 #include "model/core/errors.h"
 #include "tests/support/load_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid {
@@ -146,6 +147,19 @@ INSTANTIATE_TEST_SUITE_P(Compression,
                          EachPacker,
                          testing::Values(Packer{"gzip", &Gzip}, Packer{"zstd", &Zstd}),
                          [](const auto& packer) { return std::string(packer.param.name); });
+
+// Packed by other programs: Python's gzip, and a frame of zstd by its specification.
+TEST(Packed, FixturesAreTheFixtureThatTheyWereMadeFrom) {
+  const std::string folder = test::SourcePath("fixtures/logs/");
+  const Log plain = ReadLog(folder + "plain-csv/si.csv");
+  for (const char* name : {"packed/si.csv.gz", "packed/si.csv.zst"}) {
+    SCOPED_TRACE(name);
+    const Log log = ReadLog(folder + name);
+    EXPECT_EQ(log.record.time_s, plain.record.time_s);
+    EXPECT_EQ(log.record.current_A, plain.record.current_A);
+    EXPECT_EQ(log.record.voltage_V, plain.record.voltage_V);
+  }
+}
 
 TEST(Gzip, AWrongSumIsSaid) {
   std::string packed = Gzip(Rows(1000));
