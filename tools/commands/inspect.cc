@@ -10,6 +10,7 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
+#include "identify/logs/thinning.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
@@ -224,6 +225,7 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
                    log.charge_out_C / kSecondsPerHour,
                    log.charge_in_C / kSecondsPerHour));
   item("dropped", Dropped(log.report));
+  if (log.report.thinned) item("thinned", ThinningText(*log.report.thinned));
   for (const auto& warning : log.report.warnings) item("look at", warning);
   for (const auto& note : log.report.notes) item("note", note);
   if (!log.parts.empty()) line.Print("{}", PartsTable(log.parts));

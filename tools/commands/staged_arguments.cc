@@ -133,6 +133,9 @@ std::vector<Campaign> StagedArguments::Campaigns(cli::CommandLine& line,
       }
     }
   }
+  for (Campaign& campaign : campaigns) {
+    for (CampaignLog& log : campaign.logs) log.read.most_rows = typed_.read.most_rows;
+  }
   line.AddInputs(LogFiles(campaigns));
   return campaigns;
 }
