@@ -477,14 +477,18 @@ JointSolution JointFit::Search(const JointStructure& structure,
   std::vector<std::vector<JointSolution>> lines(betas.size());
   ParallelFor(betas.size(), [&](std::size_t b) {
     JointRates with_beta = line.front();
-    with_beta.beta_per_sqrt_s = betas[b];  // the energy of diffusion is that of the whole line
-    const auto rows = seen_.At(with_beta, false);
+    with_beta.beta_per_sqrt_s = betas[b];  // energy and offset are those of the whole line
+    auto rows = seen_.At(with_beta, false);
     std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
       StopIfAsked();
       ++evaluations_;
       rates.beta_per_sqrt_s = betas[b];
+      if (structure.free_alpha && rates.alpha_C != with_beta.alpha_C) {
+        with_beta.alpha_C = rates.alpha_C;
+        rows = seen_.At(with_beta, false);
+      }
       JointSolution solution =
           SolveSums(coarse, rates, smoothness, rows->Sum(coarse, rates), guess);
       guess = solution.active;

@@ -230,11 +230,20 @@ class JointRun {
       const double cutoff_C = alpha_C;
       const double rmse_of_cutoff_V = search();
       free_alpha_ = true;
-      // From the charge of the low-rate log, which is further from none than that of the cut-off.
+      // From the charge of the low-rate log; again where alpha moved, since the nodes lie where the
+      // logs went by the alpha before.
       alpha_C = charge_C;
-      const double rmse_V = search();
-      if (rough.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
+      constexpr int kMostPasses = 5;
+      constexpr double kSettled = 1e-3;
+      double rmse_V = kInfinity;
+      for (int pass = 0; pass < kMostPasses; ++pass) {
+        rmse_V = search();
+        if (rough.x.size() == 0) break;
+        const double change = std::abs(rough.rates.alpha_C / alpha_C - 1.0);
         alpha_C = rough.rates.alpha_C;
+        if (change < kSettled) break;
+      }
+      if (rough.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
         result_.alpha_source = "least-squares";
       } else {
         alpha_C = cutoff_C;

@@ -22,6 +22,8 @@ constexpr double kMostFolds = 1000.0;
 constexpr double kMostOffset = 0.2;
 // By how much the charge from which logs begin may differ from what was assumed.
 constexpr double kAlphaReach = 1.5;
+constexpr double kAlphaGrid = 1.35;
+constexpr int kAlphas = 7;
 // Charges are known a hundred times as well as time constants, and so is an offset.
 constexpr double kFine = 0.01;
 
@@ -156,14 +158,16 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                      .unit = kFine * scales.slowest_A});
   }
   if (structure.free_alpha) {
-    rates.push_back({.name = "alpha",
-                     .lower = setup.alpha_C / kAlphaReach,
-                     .upper = setup.alpha_C * kAlphaReach,
-                     .entry = [](JointRates& r, int) { return &r.alpha_C; },
-                     .index = 0,
-                     .slot = slots.alpha(),
-                     .start = setup.alpha_C,
-                     .unit = kFine});
+    rates.push_back(
+        {.name = "alpha",
+         .lower = setup.alpha_C / kAlphaReach,
+         .upper = setup.alpha_C * kAlphaReach,
+         .entry = [](JointRates& r, int) { return &r.alpha_C; },
+         .index = 0,
+         .slot = slots.alpha(),
+         .start = setup.alpha_C,
+         .unit = kFine,
+         .grid = GeometricGrid(setup.alpha_C / kAlphaGrid, setup.alpha_C * kAlphaGrid, kAlphas)});
   }
   return rates;
 }
