@@ -44,6 +44,26 @@ std::vector<FlightCommand> SampledCommands(const FlightPlan& plan) {
   return sampled;
 }
 
+std::vector<reduced::PitchGroup> reduced::PitchGroupsOf(const Vehicle& vehicle) {
+  constexpr double kSame = 1e-9;  // sines of the same angle, but for rounding
+  std::vector<PitchGroup> groups;
+  for (const Rotor& rotor : RotorsOf(vehicle.layout)) {
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const PitchGroup& group) {
+      return std::abs(group.ahead - rotor.ahead) < kSame;
+    });
+    const double share = vehicle.ThrustShare(rotor);
+    if (same == groups.end()) {
+      groups.push_back({rotor.ahead, share});
+    } else {
+      same->shares += share;
+    }
+  }
+  std::sort(groups.begin(), groups.end(), [](const PitchGroup& a, const PitchGroup& b) {
+    return a.ahead > b.ahead;
+  });
+  return groups;
+}
+
 FlightPlan DesignPlan(const GainDesign& design) {
   FlightPlan plan;
   if (design.loop == Loop::kAltitude) {

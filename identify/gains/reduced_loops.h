@@ -9,6 +9,7 @@
 /// The integral enters as the product K_eI e_I, which starts where it holds the hover of its xi,
 /// for K_eI = 0 too. Tests: tests/identify/gains/reduced_loops_test.cc.
 
+#include <algorithm>
 #include <array>
 #include <boost/numeric/odeint/algebra/array_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
@@ -18,6 +19,7 @@
 
 #include "model/control/flight_controller.h"
 #include "model/control/saturation.h"
+#include "model/core/errors.h"
 #include "model/flight/flight_plan.h"
 #include "model/flight/trim.h"
 
@@ -126,17 +128,27 @@ void RunAltitudeLoop(const LoopTask& task,
   }
 }
 
-/// The same of the pitch error e_Theta, front motors alike and back motors alike. The altitude loop
-/// runs along with gains of its own: they share the motors.
-template <class T, class Visit>
+namespace reduced {
+
+/// Rotors that stand as far ahead of the middle are alike in a pitch.
+struct PitchGroup {
+  double ahead = 0.0;   ///< over the arm
+  double shares = 0.0;  ///< of thrust, of all its rotors
+};
+
+/// By falling `ahead`.
+[[nodiscard]] std::vector<PitchGroup> PitchGroupsOf(const Vehicle& vehicle);
+
+template <std::size_t G, class T, class Visit>
 void RunPitchLoop(const LoopTask& task,
+                  const std::vector<PitchGroup>& groups,
                   const std::vector<FlightCommand>& commands,
                   const ErrorGains& altitude_gains,
                   const BasicErrorGains<T>& gains,
                   Visit&& visit) {
   using std::cos;
-  using State = std::array<T, 6>;  // Z, W, Theta, q, omega front, omega back
-  const Vehicle v = EquivalentQuadrotor(task.vehicle);
+  using State = std::array<T, 4 + G>;  // Z, W, Theta, q, omega of each group
+  const Vehicle& v = task.vehicle;
   const double source_V = task.xi * v.nominal_voltage_V;
   const Trim trim = HoverTrim(v, Supply<double>{source_V, 0.0});
   const double highest = HeldSpeed(v, v.nominal_voltage_V);
@@ -161,24 +173,31 @@ void RunPitchLoop(const LoopTask& task,
   pitch.Reset(0.0);
   const BasicErrorGains<T> held{
       T(altitude_gains.proportional), T(altitude_gains.integral), T(altitude_gains.derivative)};
-  reduced::ErrorLoop<T> height_loop(held, kGravity_m_per_s2 - 4.0 * k_T * trim_square / v.mass_kg);
-  reduced::ErrorLoop<T> pitch_loop(gains, 0.0);
-  State x{T(start_m), T(0.0), T(0.0), T(0.0), T(trim.speed_rad_per_s), T(trim.speed_rad_per_s)};
-  std::array<T, 2> motor_V{T(0.0), T(0.0)};
+  const RotorSums sums = v.SumsOverRotors();
+  ErrorLoop<T> height_loop(held, kGravity_m_per_s2 - sums.thrust * k_T * trim_square / v.mass_kg);
+  ErrorLoop<T> pitch_loop(gains, 0.0);
+  State x;
+  x.fill(T(0.0));
+  x[0] = T(start_m);
+  std::fill(x.begin() + 4, x.end(), T(trim.speed_rad_per_s));
+  std::array<T, G> motor_V;
+  motor_V.fill(T(0.0));
   const auto derivative = [&](const State& at, State& rate, double) {
-    const T front = task.motor_lag ? at[4] : HeldSpeed(v, motor_V[0]);
-    const T back = task.motor_lag ? at[5] : HeldSpeed(v, motor_V[1]);
-    const T front_square = front * front;
-    const T back_square = back * back;
+    T thrust_squares(0.0);
+    T pitch_squares(0.0);
+    for (std::size_t g = 0; g < G; ++g) {
+      const T speed = task.motor_lag ? at[4 + g] : HeldSpeed(v, motor_V[g]);
+      const T squares = groups[g].shares * (speed * speed);
+      thrust_squares = thrust_squares + squares;
+      pitch_squares = pitch_squares + groups[g].ahead * squares;
+      rate[4 + g] = task.motor_lag ? MotorAcceleration(v, motor_V[g], speed) : T(0.0);
+    }
     rate[0] = at[1];
-    rate[1] = T(kGravity_m_per_s2) -
-              (2.0 * k_T / v.mass_kg) * (front_square + back_square) * cos(at[2]);  // (3.51)
+    rate[1] = T(kGravity_m_per_s2) - (k_T / v.mass_kg) * thrust_squares * cos(at[2]);  // (3.51)
     rate[2] = at[3];
-    rate[3] = (2.0 * k_T * v.lever_m() / v.inertia_kg_m2[1]) * (front_square - back_square);
-    rate[4] = task.motor_lag ? reduced::MotorAcceleration(v, motor_V[0], front) : T(0.0);
-    rate[5] = task.motor_lag ? reduced::MotorAcceleration(v, motor_V[1], back) : T(0.0);
+    rate[3] = (k_T * v.arm_m / v.inertia_kg_m2[1]) * pitch_squares;
   };
-  reduced::Rk4<State> stepper;
+  Rk4<State> stepper;
   for (std::size_t k = 0; k < commands.size(); ++k) {
     const auto down = height.Step(reach.Cut(-commands[k].altitude_m, height.value()));
     const auto tilt = pitch.Step(commands[k].pitch_rad);
@@ -189,16 +208,44 @@ void RunPitchLoop(const LoopTask& task,
         v.mass_kg * (T(kGravity_m_per_s2) - height_loop.PseudoControl(down, height_error, x[1]));
     if (inverts) thrust = thrust / cos(x[2]);                                           // (3.58)
     const T torque = v.inertia_kg_m2[1] * pitch_loop.PseudoControl(tilt, error, x[3]);  // (3.49)
-    const T common = (0.25 / k_T) * thrust;
-    const T difference = (0.25 / (k_T * v.lever_m())) * torque;
-    std::array<T, 2> square{common + difference, common - difference};  // (3.13)
+    const T common = (1.0 / (k_T * sums.thrust)) * thrust;
+    const T difference = (1.0 / (k_T * v.arm_m * sums.ahead_squared)) * torque;
+    std::array<T, G> square;
+    for (std::size_t g = 0; g < G; ++g)
+      square[g] = common + groups[g].ahead * difference;  // (3.13)
     const bool saturated = task.controller.saturate && Desaturate(square, limit);
-    for (std::size_t i = 0; i < 2; ++i) {
-      motor_V[i] = source_V * reduced::DutyOfSquare(v, square[i]);
-    }
+    for (std::size_t g = 0; g < G; ++g) motor_V[g] = source_V * DutyOfSquare(v, square[g]);
     height_loop.Integrate(saturated, height_error);
     pitch_loop.Integrate(saturated, error);
     stepper.do_step(derivative, x, 0.0, kControlStep_s);
+  }
+}
+
+}  // namespace reduced
+
+/// The same of the pitch error e_Theta. The altitude loop runs along with gains of its own: they share
+/// the motors.
+template <class T, class Visit>
+void RunPitchLoop(const LoopTask& task,
+                  const std::vector<FlightCommand>& commands,
+                  const ErrorGains& altitude_gains,
+                  const BasicErrorGains<T>& gains,
+                  Visit&& visit) {
+  const auto groups = reduced::PitchGroupsOf(task.vehicle);
+  const auto run = [&]<std::size_t G>() {
+    reduced::RunPitchLoop<G>(task, groups, commands, altitude_gains, gains, visit);
+  };
+  switch (groups.size()) {
+    case 2:
+      return run.template operator()<2>();
+    case 3:
+      return run.template operator()<3>();
+    case 4:
+      return run.template operator()<4>();
+    case 5:
+      return run.template operator()<5>();
+    default:
+      Require(false, "a layout with two to five groups of rotors ahead of one another");
   }
 }
 

@@ -99,7 +99,7 @@ struct JointOptions {
     v("voltage_uncertainty_V",
       self.voltage_uncertainty_V,
       Range{1e-9, 1e3},
-      "standard error of a voltage that the model cannot help, V, added to that by "
+      "standard error of a voltage that no parameter can explain, V, added to that by "
       "charge_uncertainty");
     v("iterations_per_variable",
       self.iterations_per_variable,

@@ -21,6 +21,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/spikes.h"
+#include "identify/logs/thinning.h"
 
 namespace lipoid {
 namespace {
@@ -78,6 +79,10 @@ void PreferHugePages(void* begin, std::size_t bytes) {
   if (first != nullptr) ::madvise(first, room / kPage * kPage, MADV_HUGEPAGE);
 }
 
+// Volts under one name in either of two units: what no cell exceeds in V, and none is below in mV.
+constexpr double kMost_V = 10.0;
+constexpr double kLeast_mV = 100.0;
+
 // Takes the blocks of a table into a record, row by row where something must be left out.
 class Collector {
  public:
@@ -89,7 +94,8 @@ class Collector {
         plan_(plan),
         options_(options),
         reader_(reader),
-        bytes_left_(static_cast<double>(source.size())) {
+        bytes_left_(static_cast<double>(source.size())),
+        thinning_(options.hold, options.most_rows) {
     log_.record.file = source.file();
     log_.record.hold = options.hold;
     selects_rows_ = !options.steps.empty() || !options.cycles.empty();
@@ -100,6 +106,7 @@ class Collector {
   void Take(TableBlock& block) {
     if (block.rows == 0) return;
     rows_seen_ += block.rows;
+    if (options_.progress && source_.share_read() > 0.0) options_.progress(source_.share_read());
     ToSi(block, Quantity::kTime);
     ToSi(block, Quantity::kCurrent);
     ToSi(block, Quantity::kVoltage);
@@ -109,6 +116,7 @@ class Collector {
       const double first_s = Column(block, Quantity::kTime)[0];
       if (first_s > kUnixClock_s) unix_start_s_ = first_s;
     }
+    thinning_.MakeRoom(block.rows, log_.record, directions_, log_.report.labels, Volt());
     Reserve(block);
     if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step ||
         unix_start_s_ != 0.0 || !Increases(block)) {
@@ -127,12 +135,13 @@ class Collector {
                           : "expected rows below the header, found none");
     }
     if (log_.record.size() == 0) FailUnselected();
+    log_.report.thinned = thinning_.Finish(log_.record, directions_, log_.report.labels, Volt());
     if (drops_temperature_) log_.record.temperature_degC.clear();
     if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
       const double start_s = log_.record.time_s.front();
       for (double& t : log_.record.time_s) t -= start_s;
     }
-    log_.report.rows = log_.record.size();
+    log_.report.rows = log_.report.thinned ? log_.report.thinned->rows_of_log : log_.record.size();
     log_.report.dropped_cut_last_line = reader_.cut_last_lines();
     return std::move(log_);
   }
@@ -142,6 +151,13 @@ class Collector {
   [[nodiscard]] bool unix_clock() const { return unix_start_s_ != 0.0; }
 
  private:
+  // One volt in the units of the record: they may turn out to be millivolts (SettleMillivolts).
+  [[nodiscard]] double Volt() const {
+    const auto& voltage_V = log_.record.voltage_V;
+    return plan_.volts_or_millivolts && !voltage_V.empty() && voltage_V.front() >= kLeast_mV ? 1e3
+                                                                                             : 1.0;
+  }
+
   double* Column(TableBlock& block, Quantity quantity) const {
     const auto& column = plan_.Of(quantity);
     return column ? block.columns[column->column].get() : nullptr;
@@ -161,9 +177,11 @@ class Collector {
     constexpr double kMargin = 1.02;
     const double still = std::max(bytes_left_ / static_cast<double>(block.bytes), 1.0) *
                          static_cast<double>(block.rows);
-    const auto capacity =
-        std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
-                 bytes_left_ > 0.0 ? needed : needed + log_.record.size());
+    const auto capacity = std::max(
+        std::min(std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
+                          bytes_left_ > 0.0 ? needed : needed + log_.record.size()),
+                 options_.most_rows),
+        needed);
     for (auto* column : {&log_.record.time_s, &log_.record.current_A, &log_.record.voltage_V}) {
       column->reserve(capacity);
       PreferHugePages(column->begin(), capacity * sizeof(double));
@@ -307,6 +325,7 @@ class Collector {
   Log log_;
   std::vector<std::int8_t> directions_;
   double bytes_left_;
+  Thinning thinning_;
   std::size_t rows_seen_ = 0;
   bool selects_rows_ = false;
   bool selects_times_ = false;
@@ -326,9 +345,8 @@ class Collector {
 // Volts under one name in either of two units: no cell lies between 10 V and 100 mV read as V.
 void SettleMillivolts(Record& record,
                       const SourcePosition& position,
+                      std::optional<ThinningFacts>& thinned,
                       std::vector<std::string>& notes) {
-  constexpr double kMost_V = 10.0;
-  constexpr double kLeast_mV = 100.0;
   const double largest = LargestMagnitude(record.voltage_V);
   if (largest <= kMost_V) return;
   if (largest < kLeast_mV) {
@@ -338,6 +356,7 @@ void SettleMillivolts(Record& record,
                                 largest));
   }
   for (double& v : record.voltage_V) v /= 1000.0;
+  if (thinned) thinned->millivolts = true;
   notes.emplace_back("the voltages are in mV, by their size");
 }
 
@@ -448,6 +467,10 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
                         spikes.size(),
                         largest_V,
                         record.time_s[spikes[0]]));
+  if (log.report.thinned) {
+    for (const std::size_t row : spikes)
+      log.report.thinned->spikes_s.push_back(std::as_const(record.time_s)[row]);
+  }
   const auto drop = [&](auto& column) {
     if (column.empty()) return;
     std::size_t next = 0;
@@ -467,7 +490,7 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
   drop(record.temperature_degC);
   drop(directions);
   log.report.dropped_spikes = spikes.size();
-  log.report.rows = record.size();
+  log.report.rows -= spikes.size();
 }
 
 void AddNotes(const TextSource& source,
@@ -478,6 +501,7 @@ void AddNotes(const TextSource& source,
   const auto note = [&](bool applies, std::string text) {
     if (applies) report.notes.push_back(std::move(text));
   };
+  note(!source.compression().empty(), "unpacked by " + source.compression());
   note(source.had_byte_order_mark(), "byte order mark skipped");
   note(reader.trailing_delimiter(), "a delimiter at the end of lines skipped");
   note(reader.decimal_comma(), "numbers have a decimal comma");
@@ -554,7 +578,8 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
     return SourcePosition{source.file(), plan.header_line, column ? column->header_column : 1};
   };
   if (plan.volts_or_millivolts)
-    SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
+    SettleMillivolts(
+        log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
   SettleTable(
       log, collector.directions(), options, others, position, plan.layout->discharge_is_positive);
   return log;

@@ -30,15 +30,19 @@ struct Rotors {
   double profile_W_s3 = 0.0;  // p
 };
 
-Rotors RotorsIn(const Vehicle& vehicle, const LevelFlightOptions& options) {
+Rotors RotorsWithoutTheory(const Vehicle& vehicle, double density) {
   Require(vehicle.mass_kg > 0.0 && vehicle.thrust_coefficient_N_s2 > 0.0 &&
               vehicle.motor_constant_N_m_per_A > 0.0,
           "a vehicle with mass, propellers and motors",
           {{"mass_kg", vehicle.mass_kg}});
-  const double density = options.air_density_kg_per_m3 / kSeaLevelDensity_kg_per_m3;
-  Rotors rotors{.count = static_cast<double>(vehicle.rotor_count()),
-                .thrust_N_s2 = density * vehicle.total_thrust_coefficient_N_s2(),
-                .torque_N_m_s2 = density * vehicle.torque_coefficient_N_m_s2};
+  return {.count = static_cast<double>(vehicle.rotor_count()),
+          .thrust_N_s2 = density * vehicle.total_thrust_coefficient_N_s2(),
+          .torque_N_m_s2 = density * vehicle.torque_coefficient_N_m_s2};
+}
+
+Rotors RotorsIn(const Vehicle& vehicle, const LevelFlightOptions& options) {
+  Rotors rotors =
+      RotorsWithoutTheory(vehicle, options.air_density_kg_per_m3 / kSeaLevelDensity_kg_per_m3);
   if (vehicle.propeller_diameter_m <= 0.0) return rotors;
   const auto& all = RotorsOf(vehicle.layout);
   const auto disks = static_cast<double>(
@@ -88,7 +92,27 @@ void SetMotors(const Vehicle& vehicle, const Rotors& rotors, LevelFlight& flight
   flight.battery_V = flight.motor_V + vehicle.esc.resistance_Ohm * flight.motor_A;
 }
 
+LevelFlight HoverOf(const Vehicle& vehicle, const Rotors& rotors) {
+  LevelFlight flight;
+  flight.figure_of_merit = flight.induced_W = flight.profile_W =
+      std::numeric_limits<double>::quiet_NaN();
+  flight.thrust_N = vehicle.mass_kg * kGravity_m_per_s2;
+  flight.speed_rad_per_s = std::sqrt(flight.thrust_N / rotors.thrust_N_s2);  // (3.12)
+  flight.shaft_W = rotors.count * rotors.torque_N_m_s2 * std::pow(flight.speed_rad_per_s, 3);
+  SetMotors(vehicle, rotors, flight);
+  if (rotors.radius_m <= 0.0) return flight;
+  flight.figure_of_merit =
+      rotors.thrust_N_s2 * rotors.inflow * rotors.radius_m / (rotors.count * rotors.torque_N_m_s2);
+  flight.profile_W = rotors.profile_W_s3 * std::pow(flight.speed_rad_per_s, 3);
+  flight.induced_W = flight.shaft_W - flight.profile_W;
+  return flight;
+}
+
 }  // namespace
+
+LevelFlight HoverByCoefficients(const Vehicle& vehicle) {
+  return HoverOf(vehicle, RotorsWithoutTheory(vehicle, 1.0));
+}
 
 LevelFlight Hover(const Vehicle& vehicle, const LevelFlightOptions& options) {
   return Cruise(vehicle, 0.0, options);
@@ -99,30 +123,16 @@ LevelFlight Cruise(const Vehicle& vehicle,
                    const LevelFlightOptions& options) {
   Require(airspeed_m_per_s >= 0.0, "an airspeed of at least 0", {{"m/s", airspeed_m_per_s}});
   const Rotors rotors = RotorsIn(vehicle, options);
-  const double weight_N = vehicle.mass_kg * kGravity_m_per_s2;
-  LevelFlight flight;
-  flight.airspeed_m_per_s = airspeed_m_per_s;
-  flight.figure_of_merit = std::numeric_limits<double>::quiet_NaN();
-  if (rotors.radius_m > 0.0) {
-    flight.figure_of_merit = rotors.thrust_N_s2 * rotors.inflow * rotors.radius_m /
-                             (rotors.count * rotors.torque_N_m_s2);
-  } else if (airspeed_m_per_s > 0.0) {
+  if (airspeed_m_per_s == 0.0) return HoverOf(vehicle, rotors);
+  if (rotors.radius_m <= 0.0) {
     throw OptionError(
         fmt::format("{} does not say its propeller_diameter_m, which the power of forward flight "
                     "depends on: write it into a vehicle file and give that",
                     vehicle.name));
   }
-  if (airspeed_m_per_s == 0.0) {
-    flight.thrust_N = weight_N;
-    flight.speed_rad_per_s = std::sqrt(weight_N / rotors.thrust_N_s2);  // (3.12)
-    flight.shaft_W = rotors.count * rotors.torque_N_m_s2 * std::pow(flight.speed_rad_per_s, 3);
-    flight.profile_W = rotors.radius_m > 0.0
-                           ? rotors.profile_W_s3 * std::pow(flight.speed_rad_per_s, 3)
-                           : std::numeric_limits<double>::quiet_NaN();
-    flight.induced_W = flight.shaft_W - flight.profile_W;
-    SetMotors(vehicle, rotors, flight);
-    return flight;
-  }
+  LevelFlight flight = HoverOf(vehicle, rotors);
+  const double weight_N = flight.thrust_N;
+  flight.airspeed_m_per_s = airspeed_m_per_s;
   const double rho = options.air_density_kg_per_m3;
   const double plate_m2 = options.flat_plate_area_m2 > 0.0
                               ? options.flat_plate_area_m2
@@ -158,13 +168,16 @@ LevelFlight Cruise(const Vehicle& vehicle,
   return flight;
 }
 
-double BatteryPower(const Vehicle& vehicle, const LevelFlight& flight, double battery_V) {
-  const SpeedController& esc = vehicle.esc;
-  const double diode_V = esc.synchronous ? 0.0 : esc.diode_V;
+double PulseVoltage(const Vehicle& vehicle, const LevelFlight& flight, double battery_V) {
+  const double diode_V = vehicle.esc.synchronous ? 0.0 : vehicle.esc.diode_V;
   // D (v_b + V_d) = u + R i + V_d, powertrain.h
-  const double pulses_V = (flight.battery_V + diode_V) * (battery_V / (battery_V + diode_V));
-  return static_cast<double>(vehicle.rotor_count()) *
-             (pulses_V + esc.SwitchingShare() * battery_V) * flight.motor_A +
+  return (flight.battery_V + diode_V) * (battery_V / (battery_V + diode_V));
+}
+
+double BatteryPower(const Vehicle& vehicle, const LevelFlight& flight, double battery_V) {
+  const double pulses_V = PulseVoltage(vehicle, flight, battery_V);
+  const double switched_V = pulses_V < battery_V ? vehicle.esc.SwitchingShare() * battery_V : 0.0;
+  return static_cast<double>(vehicle.rotor_count()) * (pulses_V + switched_V) * flight.motor_A +
          vehicle.avionics_power_W;  // (3.11)
 }
 

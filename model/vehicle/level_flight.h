@@ -88,6 +88,11 @@ struct LevelFlight {
   double figure_of_merit = 0.0;
 };
 
+/// Hover in still air at sea level by the coefficients of the vehicle file alone: without what momentum
+/// theory says of the propellers (induced_W, profile_W and figure_of_merit are NaN), and so without its
+/// objections. The one place that computes the working point of hover.
+[[nodiscard]] LevelFlight HoverByCoefficients(const Vehicle& vehicle);
+
 /// Hover in still air. OptionError where momentum theory rules the vehicle's propellers out.
 [[nodiscard]] LevelFlight Hover(const Vehicle& vehicle, const LevelFlightOptions& options = {});
 
@@ -97,7 +102,14 @@ struct LevelFlight {
                                  double airspeed_m_per_s,
                                  const LevelFlightOptions& options = {});
 
-/// Power of a battery of this voltage, with speed controllers and avionics.
+/// Mean voltage of the pulses, D v_b, that a battery of this voltage gives the motors: without diodes in the
+/// speed controllers it does not depend on the battery.
+[[nodiscard]] double PulseVoltage(const Vehicle& vehicle,
+                                  const LevelFlight& flight,
+                                  double battery_V);
+
+/// Power of a battery of this voltage, with speed controllers and avionics. Nothing switches at a duty cycle
+/// of 1 or, where the voltage does not suffice, more.
 [[nodiscard]] double BatteryPower(const Vehicle& vehicle,
                                   const LevelFlight& flight,
                                   double battery_V);

@@ -574,12 +574,29 @@ TEST(ExportController, SaysWhatItWrote) {
   EXPECT_EQ(summary.at("controller"), "inversion");
   EXPECT_EQ(summary.at("precision"), "float");
   EXPECT_EQ(summary.at("lowest_V"), 3.0);
+  // The code flies by the references that were exported, unless its estimator asks for slower ones.
+  const auto& references = summary.at("references");
+  EXPECT_EQ(references.at("attitude_rad_per_s"), 100.0);
+  EXPECT_EQ(references.at("slower_by_estimator"), true);
+  // 1/(tau + half a control step of 5 ms) with tau of the motors' speed equation about hover,
+  // J w' = -(k_e²/r_a + b + 2 k_N w) w, by the numbers of the vehicle file.
+  const Vehicle v = LoadVehicle("mambo-coupled");
+  const double speed = std::sqrt(v.mass_kg * 9.81 / 4.0 / v.thrust_coefficient_N_s2);
+  const double lag_s =
+      v.rotor_inertia_kg_m2 /
+      (v.motor_constant_N_m_per_A * v.motor_constant_N_m_per_A / v.armature_resistance_Ohm +
+       v.friction_N_m_s + 2.0 * v.torque_coefficient_N_m_s2 * speed);
+  constexpr double kGravity = 1e-3;  // 9.81 or 9.80665 m/s²
+  const double expected = 1.0 / (lag_s + 0.0025);
+  EXPECT_NEAR(references.at("attitude_by_estimator_rad_per_s").get<double>(),
+              expected,
+              kGravity * expected);
   const auto numbers = ReadTextFile(folder + "/code/lipoid_numbers.h");
-  for (const char* const expected : {"Vehicle: mambo-coupled.",
-                                     "Gains aware, shipped with lipoid.",
-                                     "#define LIPOID_MASS_KG 0.063 /* kg */",
-                                     "#define LIPOID_DOUBLE 0"}) {
-    EXPECT_NE(numbers.find(expected), std::string::npos) << expected;
+  for (const char* const part : {"Vehicle: mambo-coupled.",
+                                 "Gains aware, shipped with lipoid.",
+                                 "#define LIPOID_MASS_KG 0.063 /* kg */",
+                                 "#define LIPOID_DOUBLE 0"}) {
+    EXPECT_NE(numbers.find(part), std::string::npos) << part;
   }
 }
 

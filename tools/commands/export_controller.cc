@@ -57,9 +57,10 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Text("controller",
             request.controller.law,
             "NAME",
-            "inversion, or another of `lipoid list controllers` (default inversion)");
-  line.Flag(
-      "compensate", request.controller.compensate, "commands use the measured voltage (5.52)");
+            "inversion, or another of `lipoid list controllers`");
+  line.Flag("compensate",
+            request.controller.compensate,
+            "turn commands into duty cycles by the measured voltage of the battery (5.52)");
   line.Input(
       "cell",
       cell_name,
@@ -69,11 +70,11 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Option("lowest-V",
               lowest_V,
               Range{1e-3, 1e5},
-              "instead of --cell: the pack's voltage under load at which a flight ends");
+              "voltage of the pack under load at which a flight ends, V, instead of --cell");
   line.Option("precision",
               request.precision,
               Names(),
-              "of all numbers; -DLIPOID_DOUBLE=1 or 0 when compiling decides otherwise");
+              "precision of all numbers; -DLIPOID_DOUBLE=1 or 0 when compiling decides otherwise");
   line.RequiredText("output,o", folder, "DIR", "the folder to write to; made where it is missing");
   line.Group("controller", request.controller);
   line.Group("estimator", request.estimator);
@@ -116,12 +117,17 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   for (const std::string& path : paths) line.Message("{}", path);
   const double follow_rad_per_s = 1.0 / (MotorLag_s(request.vehicle) + 0.5 * kControlStep_s);
   const References references = ReferencesOf(request.gains.references, request.controller);
-  if (references.attitude_rad_per_s > follow_rad_per_s) {
+  const double by_estimator_rad_per_s = std::min(references.attitude_rad_per_s, follow_rad_per_s);
+  line.summary()["references"] = {
+      {"attitude_rad_per_s", references.attitude_rad_per_s},
+      {"attitude_by_estimator_rad_per_s", by_estimator_rad_per_s},
+      {"slower_by_estimator", by_estimator_rad_per_s < references.attitude_rad_per_s}};
+  if (by_estimator_rad_per_s < references.attitude_rad_per_s) {
     line.Message(
         "where this code flies by its own estimator, references of the attitude that are faster than "
         "the motors let the noise of the sensors swing weak attitude gains up: give --set "
         "controller.attitude_omega_rad_per_s={:.0f}, as `lipoid fly --estimate` does",
-        follow_rad_per_s);
+        by_estimator_rad_per_s);
   }
   line.Message(
       "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "

@@ -31,6 +31,11 @@ void LogOptions::AddTo(cli::CommandLine& line) {
       battery,
       Range{1, kMostBatteries},
       "which battery of a flight log, as the autopilot numbers it, where there are several");
+  line.Option("most-rows",
+              most_rows,
+              Range{1024, 1e9},
+              "rows of a log that are kept as they are; where nothing happens in a longer log one "
+              "row then stands for several");
 }
 
 ReadOptions LogOptions::ToReadOptions() const {
@@ -61,6 +66,7 @@ ReadOptions LogOptions::ToReadOptions() const {
   }
   read.current_sign = current_sign;
   read.battery = battery.value_or(0);
+  read.most_rows = static_cast<std::size_t>(most_rows);
   return read;
 }
 

@@ -20,8 +20,9 @@ struct LogOptions {
   std::string current_sign;          ///< as typed
   Hold hold = Hold::kBackward;
   std::optional<int> battery;
+  int most_rows = static_cast<int>(kMostRowsKept);
 
-  /// Adds --columns, --units, --current-sign, --hold and --battery.
+  /// Adds --columns, --units, --current-sign, --hold, --battery and --most-rows.
   void AddTo(cli::CommandLine& line);
   /// OptionError where they are not right.
   [[nodiscard]] ReadOptions ToReadOptions() const;

@@ -54,7 +54,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"max / %"},
                         {"rmse / V"},
                         {"mean above 10 % / %"},
-                        {"rmse above 10 % / V"}});
+                        {"rmse above 10 % / V"}},
+                       "How well the cell predicts the logs.");
   const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   std::vector<std::size_t> lengths;
   for (const auto& loaded : logs) lengths.push_back(loaded.log.record.size());

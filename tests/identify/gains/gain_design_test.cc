@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "model/analysis/placed_gains.h"
 #include "model/core/errors.h"
+#include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/f450.h"
 #include "tests/support/ridders.h"
@@ -236,6 +238,42 @@ TEST(GainDesign, WithoutLagAndSaturationAnyGainsAreAsGoodAtFullVoltage) {
   const GainProblem real(design);
   const ErrorGains unaware = LoadGains("unaware").altitude;
   EXPECT_LT(ideal.CostOf(unaware), 0.02 * real.CostOf(unaware));
+}
+
+// What a design of six and of eight rotors promises is what the whole flight of such a vehicle does.
+TEST(GainDesign, OfSixAndEightRotorsKeepsItsPromiseInFlight) {
+  for (const RotorLayout layout : {RotorLayout::kHexaX, RotorLayout::kOctoX}) {
+    GainDesign design = Design(Loop::kAttitude, {{0.85, 1.0}, {1.0, 1.0}});
+    design.vehicle = LoadVehicle("hexacopter");
+    design.vehicle.layout = layout;
+    design.vehicle.mass_kg *= static_cast<double>(RotorsOf(layout).size()) / 6.0;
+    design.options = {};
+    Gains gains = GainsFor("", design.vehicle, "aware");
+    design.altitude_gains = gains.altitude;
+    design.references = gains.references;
+    WidenBounds(design, gains.attitude);
+    const GainDesignResult found =
+        DesignGains(design, gains.attitude, FindOptimizer("levenberg-marquardt"), {});
+    EXPECT_TRUE(found.stable);
+    EXPECT_LT(found.cost, 0.9 * found.start_cost);
+    gains.attitude = found.gains;
+    double flown = 0.0;
+    for (const auto& [xi, weight] : design.xi) {
+      FlightSetup setup;
+      setup.vehicle = design.vehicle;
+      setup.xi = xi;
+      setup.gains = gains;
+      setup.controller = design.controller;
+      setup.controller.pwm = Pwm::kContinuous;
+      setup.simulation.ground = false;
+      (void)Fly(setup, DesignPlan(design), [&](const FlightSample& s) {
+        const double error = s.angle_references_rad[1] - s.angles_rad[1];
+        flown += weight * error * error * kControlStep_s;
+      });
+    }
+    constexpr double kRounding = 1e-6;  // of the loops, reduced_loops_test.cc
+    EXPECT_NEAR(found.cost, flown, kRounding * flown) << design.vehicle.rotor_count() << " rotors";
+  }
 }
 
 TEST(GainDesign, RefusesNoXi) {
