@@ -119,7 +119,7 @@ class Drawing {
   void FindRange() {
     const Eigen::Index n = estimate_.size();
     for (Eigen::Index k = 0; k < n; ++k) {
-      if (Kind(k) == nullptr) continue;
+      if (Kind(k) == nullptr || Kind(k)->any_sign) continue;
       const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, k);
       if (Name(k) == "beta") {
         range_.Add(unit, estimate_[k] + std::log(kLeastBeta));
@@ -191,7 +191,7 @@ class Drawing {
       double value = x[k];
       if (Name(k) == "beta") {
         value = std::min(Kind(k)->upper, std::exp(value));
-      } else {
+      } else if (!Kind(k)->any_sign) {
         value = std::max(Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k], value);
         if (!Kind(k)->Holds(value)) continue;  // a branch without inertia stays one
       }
@@ -232,6 +232,12 @@ class Drawing {
     move_table(cell.series_resistance_Ohm);
     for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
     if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
+    if (cell.temperature && cell.temperature->entropy)
+      cell.temperature->entropy->soc = move_all(std::move(cell.temperature->entropy->soc));
+    if (cell.hysteresis) {
+      cell.hysteresis->soc = move_all(std::move(cell.hysteresis->soc));
+      cell.hysteresis->folds /= ratio;  // of e-folds over a charge that is another
+    }
     const OpenCircuitVoltage curve = cell.open_circuit_voltage;
     const double lo = move(curve.soc_lo());
     const double hi = move(curve.soc_hi());

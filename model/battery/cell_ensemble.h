@@ -14,8 +14,8 @@
 /// A draw out of range goes to the cell in range that is nearest to it in the metric of the
 /// covariance, as the estimator itself stops at its bounds: a resistance that may not become
 /// negative takes its partners along, and their well-known sum stays. In range are resistances and
-/// rho_h of at least 0, beta of at most 1 and of at least a thousandth of the estimate, alpha, c_j,
-/// tau_j, tau_h and i_0 of at least a hundredth of the estimate, and v_oc that does not fall with
+/// rho_h and M of at least 0, beta of at most 1 and of at least a thousandth of the estimate, alpha, c_j,
+/// tau_j, tau_h, i_0, gamma, C_th and R_th of at least a hundredth of the estimate, and v_oc that does not fall with
 /// A, except where the estimate falls.
 ///
 /// Cell k depends on the seed and on k alone: not on the number of cells, not on threads. Tests:

@@ -153,12 +153,15 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");
   line.InputArguments(
       "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
-  line.Text("optimizers",
-            names,
-            "NAME,NAME,...",
-            "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
-  line.Option(
-      "starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
+  line.Text(
+      "optimizers",
+      names,
+      "NAME,NAME,...",
+      "optimizers to compare, or all (`lipoid list optimizers`); by default the thesis' seven");
+  line.Option("starts",
+              request.starts,
+              Range{0, 100000},
+              "number of random starts of each optimizer, besides the one that the logs suggest");
   line.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
   line.OutputOption(
       "csv",

@@ -275,7 +275,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             mission,
             "M",
             "hover; cruise; waypoints=FILE, a route as of `lipoid fly waypoints`; or power=FILE, a "
-            "CSV of time_s,power_W or any log with voltage and current (default hover)");
+            "CSV of time_s,power_W or any log with voltage and current");
   line.Flag("once", once, "fly the mission of a file once instead of again and again");
   line.Input(
       "gains",

@@ -370,8 +370,10 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
       "lipoid inspect cc_1C.csv pulses.csv");
   line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
   line.InputArguments("LOG", words, "logs, or folders of logs");
-  line.OutputOption(
-      "write-campaign", campaign_file, "FILE", "draft a campaign of these logs, to be read over");
+  line.OutputOption("write-campaign",
+                    campaign_file,
+                    "FILE",
+                    "write a draft of a campaign of these logs, to be checked before it is used");
   line.Flag("all", all_segments, "print every segment, however many there are");
   log_options.AddTo(line);
   pack.AddTo(line);

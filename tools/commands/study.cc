@@ -89,13 +89,15 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.Argument("WHAT", what, known);
   line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
-  line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  line.Option(
+      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
   line.Input(
       "open-circuit-voltage",
       curve_file,
       "FILE",
       "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
-  line.Option("branches", branches, Range{0, 5}, "branches, where they are not what is studied");
+  line.Option(
+      "branches", branches, Range{0, 5}, "number of branches, in studies of something else");
   line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   line.Group("discharge_times", options.discharge_times);
   line.Group("open_circuit_voltage", options.open_circuit_voltage);
