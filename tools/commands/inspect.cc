@@ -384,6 +384,8 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   read.labels = true;
   const auto named = Expand(words);
   line.AddInputs(named);
+  if (named.size() == 1)
+    read.progress = [&](double share) { line.progress().Update(share, "reading"); };
   const bool report = !line.report_file().empty();
   std::vector<Series> series(report ? named.size() : 0);
   constexpr std::size_t kColumns = 3;  // current, voltage, perhaps temperature
