@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "identify/health/flights_report.h"
 #include "identify/identification.h"
 #include "tests/support/synthetic_campaign.h"
 #include "tests/support/synthetic_flight.h"
@@ -75,8 +78,8 @@ TEST(FlightsAlone, OfACampaignAreACellWithItsUncertainty) {
   EXPECT_NO_THROW((void)ParseCell(CellToJson(found.cell).dump(), "cell.json"));
 }
 
-// Beside lab logs a flight does not move the cell, and is held against it.
-TEST(FlightsAlone, AreNotAloneBesideLabLogs) {
+// Beside lab logs a flight is fitted with them, and held against what they say alone.
+TEST(FlightsAlone, AreFittedWithLabLogs) {
   const Cell truth = NewFlightCell();
   std::vector<LoadedLog> logs = SyntheticLogs(truth, 5.0, 0.0002);
   const Identification lab = Identify(CampaignOf(logs, 5.0), logs, {});
@@ -84,14 +87,32 @@ TEST(FlightsAlone, AreNotAloneBesideLabLogs) {
   plan.start_soc = 0.97;
   logs.push_back(FlightOf(WithTypicalTemperature(truth), plan, LikePx4()));
   const Identification found = Identify(CampaignOf(logs, 5.0), logs, {});
-  EXPECT_EQ(CellToJson(found.cell), CellToJson(lab.cell));
   EXPECT_FALSE(found.flights_alone);
+  ASSERT_TRUE(found.flights_with_lab);
+  const FlightsWithLab& with = *found.flights_with_lab;
+  ASSERT_TRUE(with.taken) << with.not_taken_because;
+  EXPECT_LT(with.flights.at(0).soc_start.low, 0.97);
+  EXPECT_GT(with.flights.at(0).soc_start.high, 0.97);
+  // Five lab logs with a fifth of a millivolt say nearly all: the flight hardly moves the cell and costs nothing.
+  for (const auto& parameter : with.parameters) {
+    EXPECT_LE(parameter.error, 1.001 * parameter.by_lab_error) << parameter.name;
+    EXPECT_NEAR(parameter.estimate, parameter.by_lab, 3.0 * parameter.by_lab_error + 1e-12)
+        << parameter.name;
+  }
+  EXPECT_NEAR(with.lab_mean_error_with_flights_percent, with.lab_mean_error_percent, 0.01);
+  ASSERT_EQ(found.trust.quantities.size(), lab.trust.quantities.size());
+  for (std::size_t k = 0; k < lab.trust.quantities.size(); ++k) {
+    const QuantityTrust& q = found.trust.quantities[k];
+    const auto in_cell = CellQuantity(found.cell, q.name);
+    if (!in_cell || !std::isfinite(q.standard_error)) continue;
+    // What is reported of a quantity is what the cell has.
+    EXPECT_NEAR(q.estimate, *in_cell, 0.02 * q.standard_error) << q.name;
+    EXPECT_LE(q.standard_error, 1.001 * lab.trust.quantities[k].standard_error) << q.name;
+  }
   ASSERT_TRUE(found.health);
   const FlightHealth& flight = found.health->flights.at(0);
   EXPECT_LT(flight.capacity_Ah.low, 5.0);
   EXPECT_GT(flight.capacity_Ah.high, 5.0);
-  EXPECT_LT(flight.soc_start.low, 0.97);
-  EXPECT_GT(flight.soc_start.high, 0.97);
 }
 
 }  // namespace
