@@ -100,7 +100,7 @@ ReferenceCell SameCell(const Cell& cell, bool temperature_known) {
                                      .log_series = resistances,
                                      .log_branches = resistances,
                                      .log_beta = kHeldSpread,
-                                     .log_time_constants = kHeldSpread,
+                                     .log_time_constants = resistances,  // tau_j = r_j c_j
                                      .curve_V = 0.0}};
   Cell& one = reference.cell;
   one.series = one.parallel = 1;

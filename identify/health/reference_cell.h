@@ -43,7 +43,7 @@ struct ReferenceCell {
                                           std::optional<double> capacity_Ah);
 
 /// The cell itself, which has not aged since its identification: what flights beside lab logs are held
-/// against. Only resistances may be others than in the lab, because the cell may be colder or warmer: by little
+/// against. Only resistances, and with them time constants, may be others than in the lab, because the cell may be colder or warmer: by little
 /// where the temperature of the flight is known.
 [[nodiscard]] ReferenceCell SameCell(const Cell& cell, bool temperature_known);
 

@@ -8,6 +8,7 @@
 #include "identify/identification.h"
 #include "tests/support/synthetic_campaign.h"
 #include "tests/support/synthetic_flight.h"
+#include "tests/support/throws.h"
 
 namespace lipoid::test {
 namespace {
@@ -76,6 +77,48 @@ TEST(FlightsAlone, OfACampaignAreACellWithItsUncertainty) {
   EXPECT_EQ(found.fitted_kinds(), std::vector<LogKind>{LogKind::kFlight});
   ASSERT_TRUE(found.cell.uncertainty);
   EXPECT_NO_THROW((void)ParseCell(CellToJson(found.cell).dump(), "cell.json"));
+}
+
+// Of three flights one says where it starts: the others rest at voltages that its curve has.
+TEST(FlightsAlone, FindTheirStartsRelativeToOneAnother) {
+  const Cell truth = Simple();
+  std::vector<LoadedLog> logs;
+  std::uint64_t seed = 1;
+  for (const double start : {0.7, 0.97, 0.55}) {
+    FlightPlan plan;
+    plan.start_soc = start;
+    plan.charge_share = start == 0.97 ? 0.5 : 0.35;
+    plan.seed = seed++;
+    logs.push_back(FlightOf(truth, plan, Fine()));
+    if (start != 0.97) logs.back().entry.initial_soc = 1.0;  // nothing told
+  }
+  const FlightsAlone found = IdentifyFlightsAlone(CampaignOf(logs, 5.0), logs);
+  ASSERT_EQ(found.flights.size(), 3U);
+  // The curve is good to some 7 mV (above), and in the middle it rises by 0.5 V over the whole charge.
+  constexpr double kStart = 0.02;
+  EXPECT_NEAR(found.flights[0].initial_soc, 0.7, kStart);
+  EXPECT_NEAR(found.flights[2].initial_soc, 0.55, kStart);
+  EXPECT_TRUE(found.flights[0].start_found);
+  EXPECT_FALSE(found.flights[1].start_found);
+  EXPECT_NEAR(found.lowest_soc, 0.2, 0.02);
+  EXPECT_NEAR(found.total_resistance_Ohm, 0.006, 0.05 * 0.006);
+}
+
+TEST(FlightsAlone, SayWhichStartIsMissing) {
+  const Cell truth = Simple();
+  FlightPlan high;
+  high.start_soc = 0.97;
+  high.charge_share = 0.2;
+  FlightPlan low;
+  low.start_soc = 0.4;
+  low.charge_share = 0.25;
+  std::vector<LoadedLog> logs{FlightOf(truth, high, Fine()), FlightOf(truth, low, Fine())};
+  logs[1].entry.file = "low.csv";
+  logs[1].entry.initial_soc = 1.0;
+  const std::string message =
+      MessageOf<LoadError>([&] { (void)IdentifyFlightsAlone(CampaignOf(logs, 5.0), logs); });
+  EXPECT_NE(message.find("low.csv rests at 3.7"), std::string::npos) << message;
+  EXPECT_NE(message.find("give initial_soc"), std::string::npos) << message;
 }
 
 // Beside lab logs a flight is fitted with them, and held against what they say alone.

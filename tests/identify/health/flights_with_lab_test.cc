@@ -155,11 +155,12 @@ TEST(FlightsWithLab, AreTheFitOfTheRowsOfAllLogs) {
   const ColouredNoise& noise = found.flights.at(0).noise;
   using U = FlightUnknowns;
   const std::vector<int> own{
-      U::kStart, U::kSeries, U::kBranches, U::kScale, U::kOffset_A, U::kWarming};
-  Eigen::VectorXd mean(6);
-  Eigen::VectorXd deviation(6);
-  mean << 0.8, 0.0, 0.0, 0.0, 0.0, 0.0;
-  deviation << 0.5, 0.05, 0.05, 0.06, std::max(0.05, 0.01 * samples.largest_A), 0.4;
+      U::kStart, U::kSeries, U::kBranches, U::kTau, U::kScale, U::kOffset_A, U::kWarming};
+  constexpr Eigen::Index kOwn = 7;
+  Eigen::VectorXd mean(kOwn);
+  Eigen::VectorXd deviation(kOwn);
+  mean << 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  deviation << 0.5, 0.05, 0.05, 0.05, 0.06, std::max(0.05, 0.01 * samples.largest_A), 0.4;
   const ReferenceCell reference = SameCell(truth, true);
   const FlightModel model(reference, samples.record, among);
   const Eigen::Index cells = scale.size();
@@ -172,13 +173,13 @@ TEST(FlightsWithLab, AreTheFitOfTheRowsOfAllLogs) {
         model.VoltageOf(WithValues(truth, x.head(cells)), unknowns), found.flights[0].lag_s.value);
     windows.col(0) -= samples.voltage_V;
     noise.Whiten(samples.time_s, windows);
-    Eigen::VectorXd all(of.size() + windows.rows() + 6);
-    all << of, windows.col(0), (x.tail(6) - mean).cwiseQuotient(deviation);
+    Eigen::VectorXd all(of.size() + windows.rows() + kOwn);
+    all << of, windows.col(0), (x.tail(kOwn) - mean).cwiseQuotient(deviation);
     return all;
   };
-  Eigen::VectorXd from(cells + 6);
-  from << by_lab.x, 0.95, 0.0, 0.0, 0.0, 0.0, 0.0;
-  Eigen::VectorXd unit(cells + 6);
+  Eigen::VectorXd from(cells + kOwn);
+  from << by_lab.x, 0.95, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  Eigen::VectorXd unit(cells + kOwn);
   unit << 0.01 * scale, 0.1 * deviation;
   const Fitted stacked = LeastSquares(all_rows, from, unit);
 
@@ -216,7 +217,7 @@ Eigen::MatrixXd LabCovariance(const Cell& cell) {
 // Cells of which a lab with these errors would have said what they are, each with one or two flights by sensors that are off.
 TEST(FlightsWithLabCoverage, IntervalsCoverTheTruth) {
   constexpr int kCells = 40;
-  const std::uint64_t kSeed = std::getenv("SEED") ? std::stoull(std::getenv("SEED")) : 20261123;
+  constexpr std::uint64_t kSeed = 20261123;
   std::mt19937_64 engine(kSeed);
   std::normal_distribution<double> normal(0.0, 1.0);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -266,14 +267,19 @@ TEST(FlightsWithLabCoverage, IntervalsCoverTheTruth) {
     look("start", starts[0], flight.soc_start.low, flight.soc_start.high);
     look("scale", scales[0], flight.current_scale.low, flight.current_scale.high);
   }
+  // Of 40 intervals of 95 % fewer than 34 hold the truth once in 300 times.
+  constexpr int kLeast = 34;
+  int all = 0;
   EXPECT_GE(taken, kCells - 1);  // the limit is passed once in a thousand
   for (const auto& [name, count] : covered) {
     std::printf("%-22s %3d of %3d intervals hold the truth", name.c_str(), count, taken);
     if (error_over_that_of_lab.contains(name))
       std::printf("; error %.2f of that by the lab", error_over_that_of_lab[name] / taken);
     std::printf("\n");
-    EXPECT_GE(100 * count, 88 * taken) << name;
+    EXPECT_GE(count, kLeast) << name;
+    all += count;
   }
+  EXPECT_GE(100 * all, 92 * taken * static_cast<int>(covered.size()));
   EXPECT_LT(error_over_that_of_lab["v_oc[2]"] / taken, 0.8);
 }
 
