@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "identify/constant_current_validation.h"
+#include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
@@ -16,6 +18,7 @@
 #include "identify/trust/cell_uncertainty.h"
 #include "identify/trust/profile_report.h"
 #include "identify/trust/trust_report.h"
+#include "identify/validation.h"
 
 namespace lipoid {
 namespace {
@@ -121,6 +124,47 @@ void AssessFlights(Identification& found, const std::vector<LoadedLog>& logs) {
   }
   if (!flights.empty())
     found.health = AssessHealth(found.cell, std::move(flights), HealthOptions());
+}
+
+double MeanError(const std::vector<LogErrors>& logs) {
+  double sum = 0.0;
+  for (const LogErrors& log : logs) sum += log.all.mean_error_percent;
+  return sum / static_cast<double>(logs.size());
+}
+
+// The cell becomes that of the lab logs and the flights together, and with it all that is said of it.
+void TakeFlights(Identification& found, const std::vector<LoadedLog>& logs) {
+  found.flights_with_lab = FitFlightsWithLab(found.cell, logs);
+  FlightsWithLab& flights = *found.flights_with_lab;
+  const auto errors_of = [&](const Cell& of, bool validation) {
+    Cell one = of;
+    one.series = one.parallel = 1;
+    const std::vector<LogKind> kinds =
+        validation ? std::vector{LogKind::kValidation} : found.fitted_kinds();
+    std::vector<LogErrors> errors;
+    for (const LoadedLog& log : logs) {
+      if (std::find(kinds.begin(), kinds.end(), log.entry.kind) != kinds.end())
+        errors.push_back(Validate(one, log));
+    }
+    return errors;
+  };
+  flights.lab_mean_error_percent = MeanError(errors_of(found.cell, false));
+  if (!flights.taken) return;
+  auto fitted = errors_of(flights.cell, false);
+  flights.lab_mean_error_with_flights_percent = MeanError(fitted);
+  MoveTrust(found.cell, flights, found.trust);
+  found.cell = flights.cell;
+  if (found.joint) {
+    found.joint->cell = flights.cell;
+    found.joint->fitted = std::move(fitted);
+    found.joint->validation = errors_of(flights.cell, true);
+    found.joint->constant_current = ValidateConstantCurrents(flights.cell, logs);
+  } else {
+    found.staged->cell = flights.cell;
+    found.staged->trust = found.trust;
+    found.staged->validation = errors_of(flights.cell, true);
+    found.staged->constant_current = ValidateConstantCurrents(flights.cell, logs);
+  }
 }
 
 FitQuality QualityOf(const Identification& found,
@@ -257,6 +301,7 @@ Identification Identify(const Campaign& campaign,
     std::erase_if(lab, [](const auto& log) { return log.entry.kind == LogKind::kFlight; });
     found = by_method(of_lab, lab);
     AssessFlights(found, logs);
+    TakeFlights(found, logs);
   }
   found.log_notes = NotesOnLogs(logs);
   for (const LoadedLog& log : logs) {
@@ -273,6 +318,8 @@ Json IdentificationToJson(const Identification& found) {
   Json json = found.flights_alone ? FlightsAloneToJson(*found.flights_alone)
               : found.joint       ? JointToJson(*found.joint, found.trust)
                                   : StagedToJson(*found.staged);
+  if (found.flights_with_lab)
+    json["flights_with_lab"] = FlightsWithLabToJson(*found.flights_with_lab);
   if (found.health) json["health"] = HealthToJson(*found.health);
   json["verdict"] = FitQualityToJson(found.quality);
   json["fit"] = FitToJson(found.quality);

@@ -16,6 +16,7 @@
 
 #include "identify/fit_quality.h"
 #include "identify/health/flights_alone.h"
+#include "identify/health/flights_with_lab.h"
 #include "identify/health/health.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/leave_out.h"
@@ -50,7 +51,8 @@ struct Identification {
   ExpectedError expected_error;        ///< of a new log of the fitted kinds, from held-out rows
   std::optional<StagedResult> staged;  ///< of the staged method
   std::optional<JointResult> joint;    ///< of the joint one, with the staged run it started from
-  std::optional<FlightsAlone> flights_alone;  ///< of a campaign of nothing but flights
+  std::optional<FlightsAlone> flights_alone;       ///< of a campaign of nothing but flights
+  std::optional<FlightsWithLab> flights_with_lab;  ///< of flights beside lab logs
   /// Of flights beside lab logs: against the cell that those gave.
   std::optional<HealthReport> health;
   std::vector<std::string> log_notes;  ///< NotesOnLogs()

@@ -19,17 +19,10 @@
 
 #include "identify/health/coloured_noise.h"
 #include "identify/health/flight_model.h"
+#include "identify/health/flight_problem.h"
 #include "identify/health/flight_samples.h"
 
 namespace lipoid {
-
-/// What is known of the sensors before a flight, as standard deviations.
-struct SensorSpread {
-  double current_scale = 0.06;  ///< true over shown current, less 1: uniform within 10 %
-  double offset_share = 0.01;   ///< of the largest current
-  double least_offset_A = 0.05;
-  double lag_s = 0.5;
-};
 
 struct FlightFit {
   bool converged = false;

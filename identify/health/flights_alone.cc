@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "identify/fit/cell_of_solution.h"
 #include "identify/fit/linearized_fit.h"
+#include "identify/health/flight_problem.h"
 #include "identify/health/flight_samples.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/joint/joint_sweep.h"
@@ -111,9 +113,21 @@ void AssessInto(FlightsAlone& found, const JointObservations& seen, const GivenP
   found.trust = AssessTrust(fit.logs, fit.penalty, quantities, options);
 }
 
-}  // namespace
+// Mean voltage of the rest with which a flight begins; none where it begins under load.
+std::optional<double> RestVoltage(const Record& record) {
+  constexpr double kRest_s = 2.0;
+  if (!StartsAtRest(record)) return std::nullopt;
+  double sum_V = 0.0;
+  double rows = 0.0;
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    if (record.time_s[k] - record.time_s.front() > kRest_s) break;
+    sum_V += record.voltage_V[k];
+    rows += 1.0;
+  }
+  return sum_V / rows;
+}
 
-FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
   FlightsAlone found;
   const double alpha_C = 3600.0 * campaign.capacity_Ah;
   std::vector<JointLog> points;
@@ -128,8 +142,13 @@ FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<Lo
     }
     const FlightSamples flight = SampleFlight(loaded.log);
     points.push_back(PointsOf(flight, loaded, alpha_C));
-    found.flights.push_back(
-        {loaded.entry.file, flight.lag_s, flight.window_s, flight.coherence, {}});
+    found.flights.push_back({loaded.entry.file,
+                             loaded.entry.initial_soc,
+                             false,
+                             flight.lag_s,
+                             flight.window_s,
+                             flight.coherence,
+                             {}});
     if (flight.coherence < kCoherent) {
       found.cautions.push_back(fmt::format(
           "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "
@@ -198,6 +217,107 @@ FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<Lo
       "diffusion and branches slower than 30 s are in v_oc(A): the cell recovers less at rest than "
       "the real one");
   return found;
+}
+
+// Several flights whose starts are not all told: the flights of which nothing is told are put where the curve of
+// the others has the voltage that they rest at, the highest first.
+class Starts {
+ public:
+  Starts(const Campaign& campaign, std::vector<LoadedLog> logs)
+      : campaign_(campaign), logs_(std::move(logs)) {
+    for (std::size_t k = 0; k < logs_.size(); ++k)
+      rest_V_.push_back(RestVoltage(logs_[k].log.record));
+  }
+
+  FlightsAlone Find() {
+    PlaceTold();
+    while (known_.size() < logs_.size()) PlaceNext();
+    // With all flights the curve is another than that of the first.
+    FlightsAlone found = FitFlightsAlone(campaign_, logs_);
+    for (int round = 0; round < kRounds && !placed_.empty(); ++round) {
+      for (const std::size_t k : placed_)
+        logs_[k].entry.initial_soc = found.cell.open_circuit_voltage.SocAtVoltage(*rest_V_[k]);
+      found = FitFlightsAlone(campaign_, logs_);
+    }
+    for (const std::size_t k : placed_) found.flights[k].start_found = true;
+    return found;
+  }
+
+ private:
+  static constexpr int kRounds = 3;
+  static constexpr double kSame_V = 0.005;  // of two cells that rest at the same state of charge
+
+  [[nodiscard]] bool Told(std::size_t k) const {
+    return logs_[k].entry.initial_soc != CampaignLog().initial_soc;
+  }
+  [[nodiscard]] LoadError Missing(std::size_t k, const std::string& why) const {
+    const CampaignLog& entry = logs_[k].entry;
+    return LoadError(
+        entry.position.file.empty() ? SourcePosition{entry.file} : entry.position,
+        fmt::format("{} {}: give initial_soc, the state of charge at its start", entry.file, why));
+  }
+
+  // Those whose start is told; where none is, the one that rests highest is full.
+  void PlaceTold() {
+    for (std::size_t k = 0; k < logs_.size(); ++k) {
+      if (Told(k)) known_.push_back(k);
+    }
+    for (std::size_t k = 0; k < logs_.size(); ++k) {
+      if (!Told(k) && !rest_V_[k])
+        throw Missing(
+            k, "begins under load, so that its start cannot be compared with those of the others");
+    }
+    if (!known_.empty()) return;
+    const auto highest = std::max_element(rest_V_.begin(), rest_V_.end());
+    for (std::size_t k = 0; k < logs_.size(); ++k) {
+      if (*rest_V_[k] > **highest - kSame_V) known_.push_back(k);
+    }
+  }
+
+  // The highest of the flights that are left, on the curve of those that are placed.
+  void PlaceNext() {
+    std::size_t next = logs_.size();
+    for (std::size_t k = 0; k < logs_.size(); ++k) {
+      if (std::find(known_.begin(), known_.end(), k) != known_.end()) continue;
+      if (next == logs_.size() || *rest_V_[k] > *rest_V_[next]) next = k;
+    }
+    std::vector<LoadedLog> placed;
+    for (const std::size_t k : known_) placed.push_back(logs_[k]);
+    const FlightsAlone so_far = FitFlightsAlone(campaign_, placed);
+    const OpenCircuitVoltage& curve = so_far.cell.open_circuit_voltage;
+    const double low_V = curve(so_far.lowest_soc);
+    const double high_V = curve(so_far.highest_soc);
+    if (*rest_V_[next] < low_V || *rest_V_[next] > high_V + kSame_V) {
+      throw Missing(
+          next,
+          fmt::format(
+              "rests at {:.3f} V at its start, and the flights whose start is known say what v_oc "
+              "is from {:.3f} to {:.3f} V only",
+              *rest_V_[next],
+              low_V,
+              high_V));
+    }
+    logs_[next].entry.initial_soc = curve.SocAtVoltage(*rest_V_[next]);
+    known_.push_back(next);
+    placed_.push_back(next);
+  }
+
+  const Campaign& campaign_;
+  std::vector<LoadedLog> logs_;
+  std::vector<std::optional<double>> rest_V_;
+  std::vector<std::size_t> known_;
+  std::vector<std::size_t> placed_;
+};
+
+}  // namespace
+
+FlightsAlone IdentifyFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  std::vector<LoadedLog> flights;
+  for (const LoadedLog& loaded : logs) {
+    if (loaded.entry.kind == LogKind::kFlight) flights.push_back(loaded);
+  }
+  if (flights.size() < 2) return FitFlightsAlone(campaign, flights);
+  return Starts(campaign, std::move(flights)).Find();
 }
 
 }  // namespace lipoid

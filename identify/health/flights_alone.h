@@ -5,7 +5,8 @@
 /// the total resistance, and one fast branch. Not more: of one current profile that never rests long,
 /// diffusion and slow branches are not to be told from the curve, nor the capacity from the scale of
 /// the current sensor. The state of charge is counted from where each log is said to start, by the
-/// capacity that is given.
+/// capacity that is given. Of several flights that begin at rest not every one has to say where it starts: its voltage then shows it, on
+/// the curve of the others.
 ///
 /// The rows are those of flight_samples.h: averaged over windows, with the lag of the voltage put
 /// back. The fit is the joint one (identify/joint/joint_fit.h) with its structure held. Tests:
@@ -25,6 +26,8 @@ namespace lipoid {
 struct FlightsAlone {
   struct Flight {
     std::string file;
+    double initial_soc = 1.0;
+    bool start_found = false;  ///< by the voltage at rest, on the curve of the other flights
     double lag_s = 0.0;
     double window_s = 0.0;
     double coherence = 0.0;

@@ -118,6 +118,8 @@ Json FlightsAloneToJson(const FlightsAlone& found) {
   Json flights = Json::array();
   for (const auto& flight : found.flights) {
     Json row = LogErrorsToJson(flight.errors);
+    row["initial_soc"] = flight.initial_soc;
+    row["start_found"] = flight.start_found;
     row["lag_s"] = flight.lag_s;
     row["window_s"] = flight.window_s;
     row["coherence"] = NumberOrNull(flight.coherence);

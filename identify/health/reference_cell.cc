@@ -89,4 +89,26 @@ ReferenceCell MakeReference(const Cell& cell, int parallel, std::optional<double
   return reference;
 }
 
+ReferenceCell SameCell(const Cell& cell, bool temperature_known) {
+  // Ten degrees more or less, at 20 kJ/mol.
+  constexpr double kUnknownTemperature = 0.3;
+  constexpr double kKnownTemperature = 0.05;
+  const double resistances = temperature_known ? kKnownTemperature : kUnknownTemperature;
+  ReferenceCell reference{.cell = cell,
+                          .typical = cell.open_circuit_voltage_assumed,
+                          .spread = {.log_capacity = kHeldSpread,
+                                     .log_series = resistances,
+                                     .log_branches = resistances,
+                                     .log_beta = kHeldSpread,
+                                     .log_time_constants = resistances,  // tau_j = r_j c_j
+                                     .curve_V = 0.0}};
+  Cell& one = reference.cell;
+  one.series = one.parallel = 1;
+  if (!one.temperature) {
+    one.capacity_Ah = one.alpha_C() / 3600.0;
+    one = WithTypicalTemperature(std::move(one));
+  }
+  return reference;
+}
+
 }  // namespace lipoid

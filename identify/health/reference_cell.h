@@ -16,6 +16,9 @@
 
 namespace lipoid {
 
+/// A spread that holds what it is of.
+inline constexpr double kHeldSpread = 1e-6;
+
 struct ReferenceSpread {
   double log_capacity = 0.5;  ///< of the capacity now over that when new: age is what is asked for
   double log_series = 0.7;
@@ -38,5 +41,10 @@ struct ReferenceCell {
 [[nodiscard]] ReferenceCell MakeReference(const Cell& cell,
                                           int parallel,
                                           std::optional<double> capacity_Ah);
+
+/// The cell itself, which has not aged since its identification: what flights beside lab logs are held
+/// against. Only resistances, and with them time constants, may be others than in the lab, because the cell may be colder or warmer: by little
+/// where the temperature of the flight is known.
+[[nodiscard]] ReferenceCell SameCell(const Cell& cell, bool temperature_known);
 
 }  // namespace lipoid

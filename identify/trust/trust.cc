@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "identify/trust/trust_sentence.h"
-#include "model/battery/cell_ensemble.h"
+#include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/core/stop.h"

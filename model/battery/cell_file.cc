@@ -10,9 +10,9 @@
 #include <tuple>
 
 #include "generated/shipped_cells.h"
-#include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
+#include "model/battery/uncertain_cell.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
 #include "identify/identification.h"
 #include "identify/logs/campaign.h"
@@ -44,8 +45,10 @@ std::string IdentificationText(const Campaign& campaign,
   text += KnownText(found) + "\n";
   text += found.joint ? JointReport(*found.joint, found.trust, verbose)
                       : IdentifyReport(*found.staged, verbose);
+  if (found.flights_with_lab)
+    text += "\n" + cli::Wrapped(FlightsWithLabText(*found.flights_with_lab), 0) + "\n";
   if (found.health) {
-    text += "\nThe flights, against this cell\n";
+    text += "\nThe flights, against the cell of the lab logs\n";
     for (const FlightHealth& flight : found.health->flights) {
       text += cli::Wrapped(
           fmt::format("   {}: {}", flight.file, HealthSentence(*found.health, flight)), 3);

@@ -40,7 +40,7 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
       "flight",
       typed_.flight,
       "LOG",
-      "logs of flights: beside lab logs they are assessed against the cell; alone they give "
+      "logs of flights: beside lab logs they are fitted with them, each with its own start and sensors; alone they give "
       "v_oc over the range flown, the total resistance and a fast branch");
   line.Inputs("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
   line.Option(

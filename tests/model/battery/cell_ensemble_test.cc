@@ -225,12 +225,5 @@ TEST(CellEnsemble, ACellWithoutUncertaintyIsAMistakeOfTheCaller) {
   EXPECT_THROW((void)DrawCells(LoadCell("gifi-600mAh-1"), 3, 1), PreconditionError);
 }
 
-TEST(CellEnsemble, TheLeastEigenvalueIsThatOfTheCorrelations) {
-  EXPECT_EQ(LeastEigenvalue({}), 0.0);
-  // Correlation 0.5 of variances that differ by 1e12: 1 - 0.5.
-  EXPECT_NEAR(LeastEigenvalue({{1e6, 0.5}, {0.5, 1e-6}}), 0.5, 1e-12);
-  EXPECT_NEAR(LeastEigenvalue({{1.0, 2.0}, {2.0, 1.0}}), -1.0, 1e-12);
-}
-
 }  // namespace
 }  // namespace lipoid

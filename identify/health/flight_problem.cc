@@ -1,0 +1,151 @@
+#include "identify/health/flight_problem.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/logs/segments.h"
+#include "model/battery/uncertain_cell.h"
+
+namespace lipoid {
+namespace {
+
+using U = FlightUnknowns;
+
+}  // namespace
+
+bool StartsAtRest(const Record& record) {
+  constexpr double kRested_s = 3.0;
+  const double rest_A = std::max(RestThreshold(record), 0.0);
+  double largest_A = 0.0;
+  for (const double i : record.current_A) largest_A = std::max(largest_A, std::abs(i));
+  const double idle_A = std::max(rest_A, 0.05 * largest_A);
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    if (record.time_s[k] - record.time_s.front() > kRested_s) return true;
+    if (std::abs(record.current_A[k]) > idle_A) return false;
+  }
+  return false;
+}
+
+Eigen::MatrixXd ColumnsOf(const UncertainCell& around,
+                          const Eigen::VectorXd& at,
+                          const Eigen::MatrixXd& moves,
+                          const FlightModel& model,
+                          const Eigen::VectorXd& unknowns) {
+  // Of a standard deviation, so small that next to no row passes a kink of v_oc(A) on the way: such
+  // rows would seem to tell the capacity from the scale of the current.
+  constexpr double kStep = 1e-3;
+  Eigen::MatrixXd columns;
+  for (Eigen::Index e = 0; e < moves.cols(); ++e) {
+    const auto voltage_V = [&](double step) {
+      return model.VoltageOf(around.At(at + step * moves.col(e)), unknowns);
+    };
+    const Eigen::VectorXd slope = (voltage_V(kStep) - voltage_V(-kStep)) / (2.0 * kStep);
+    if (e == 0) columns.resize(slope.size(), moves.cols());
+    columns.col(e) = slope;
+  }
+  return columns;
+}
+
+FlightProblem::FlightProblem(const FlightSamples& flight,
+                             const FlightModel& model,
+                             const ReferenceSpread& spread,
+                             const SensorSpread& sensors)
+    : mean(Eigen::VectorXd::Zero(model.size())),
+      deviation(Eigen::VectorXd::Ones(model.size())),
+      low(Eigen::VectorXd::Constant(model.size(), -8.0)),
+      high(Eigen::VectorXd::Constant(model.size(), 8.0)),
+      flight_(flight),
+      model_(model) {
+  const auto set = [&](int u, double mean_of, double deviation_of, double low_of, double high_of) {
+    mean[u] = mean_of;
+    deviation[u] = deviation_of;
+    low[u] = low_of;
+    high[u] = high_of;
+  };
+  // What a flight starts with is hardly known before; a pack is not fuller than full.
+  set(U::kStart, 0.8, 0.5, -0.05, 1.05);
+  set(U::kCapacity, 0.0, spread.log_capacity, -3.0, 1.5);
+  set(U::kSeries, 0.0, spread.log_series, -5.0, 4.0);
+  set(U::kBranches, 0.0, spread.log_branches, -5.0, 4.0);
+  set(U::kBeta, 0.0, spread.log_beta, -2.0, 2.0);
+  set(U::kTau, 0.0, spread.log_time_constants, -3.0, 3.0);
+  set(U::kWarming, 0.0, spread.log_warming, -3.0, 2.0);
+  set(U::kScale, 0.0, sensors.current_scale, -0.5, 0.5);
+  set(U::kOffset_A,
+      0.0,
+      std::max(sensors.least_offset_A, sensors.offset_share * flight.largest_A),
+      -0.1 * flight.largest_A - 1.0,
+      0.1 * flight.largest_A + 1.0);
+  if (StartsAtRest(flight.record)) {
+    // Relaxed: nothing is left of an earlier current.
+    set(U::kBefore, 0.0, kHeldSpread, -kHeldSpread, kHeldSpread);
+  } else {
+    set(U::kBefore, 0.6, 0.4, 0.0, 1.5);
+  }
+}
+
+double FlightProblem::Scaled(int unknown, double value) const {
+  constexpr double kFarthest = 8.0;
+  const double within = std::clamp(value, low[unknown], high[unknown]);
+  return std::clamp((within - mean[unknown]) / deviation[unknown], -kFarthest, kFarthest);
+}
+
+void FlightProblem::SetReferences(Eigen::Index count) {
+  const auto grow = [&](Eigen::VectorXd& v, double value) {
+    v.conservativeResize(model_.size() + count);
+    v.tail(count).setConstant(value);
+  };
+  grow(mean, 0.0);
+  grow(deviation, 1.0);
+  grow(low, -8.0);
+  grow(high, 8.0);
+}
+
+Eigen::MatrixXd FlightProblem::AtRows(const Eigen::VectorXd& scaled) const {
+  const FlightPrediction at = model_.Predict(Natural(scaled).head(model_.size()));
+  Eigen::MatrixXd columns(at.slope.rows(), size() + 1);
+  columns.leftCols(model_.size()) = at.slope * deviation.head(model_.size()).asDiagonal();
+  columns.col(size()) = at.voltage_V;
+  const Eigen::Index more = size() - model_.size();
+  if (more == 0) return columns;
+  columns.middleCols(model_.size(), more) = reference_columns;
+  Eigen::VectorXd from = scaled.tail(more);
+  if (reference_at.size() > 0) from -= reference_at;
+  columns.col(size()) += reference_columns * from;
+  return columns;
+}
+
+Eigen::MatrixXd FlightProblem::InWindows(const Eigen::MatrixXd& at_rows, double lag) const {
+  Eigen::MatrixXd columns = flight_.InWindows(at_rows, lag);
+  columns.col(columns.cols() - 1) -= flight_.voltage_V;
+  return columns;
+}
+
+Eigen::MatrixXd FlightProblem::Whitened(const Eigen::VectorXd& scaled) const {
+  Eigen::MatrixXd columns = InWindows(AtRows(scaled), lag_s);
+  if (columns.allFinite()) noise.Whiten(flight_.time_s, columns);
+  return columns;
+}
+
+Eigen::MatrixXd FlightProblem::Factor(const Eigen::VectorXd& scaled, bool jacobian) const {
+  const Eigen::MatrixXd columns = Whitened(scaled);
+  if (!columns.allFinite())
+    return Eigen::MatrixXd::Constant(
+        size() + 1, size() + 1, std::numeric_limits<double>::quiet_NaN());
+  const auto n = columns.rows();
+  Eigen::MatrixXd all(n + size(), size() + 1);
+  all.topRows(n) = columns;
+  all.bottomLeftCorner(size(), size()).setIdentity();
+  all.bottomRightCorner(size(), 1) = scaled;
+  if (!jacobian) {
+    Eigen::MatrixXd last = Eigen::MatrixXd::Zero(size() + 1, 1);
+    last(size(), 0) = all.col(size()).norm();
+    return last;
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
+  return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+}
+
+}  // namespace lipoid
