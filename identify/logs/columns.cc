@@ -70,10 +70,7 @@ Extent FindExtent(std::span<const double> values) {
       0, values.size(), [&](ExtentState& state, std::size_t k) { state.Take(values[k]); });
 }
 
-double LargestMagnitude(std::span<const double> values) {
-  const Extent extent = FindExtent(values);
-  return values.empty() ? 0.0 : std::max(std::abs(extent.least), std::abs(extent.most));
-}
+double LargestMagnitude(std::span<const double> values) { return FindExtent(values).Magnitude(); }
 
 double Sum(std::span<const double> values) {
   return Fold<Total>(0, values.size(), [&](Total& total, std::size_t k) { total.sum += values[k]; })

@@ -8,6 +8,8 @@
 /// are joined in order: the same bits with any number of threads. Tests:
 /// tests/identify/logs/columns_test.cc.
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -19,6 +21,11 @@ namespace lipoid {
 struct Extent {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
+
+  /// 0 of no values.
+  [[nodiscard]] double Magnitude() const {
+    return least <= most ? std::max(std::abs(least), std::abs(most)) : 0.0;
+  }
 };
 
 /// Infinite, the wrong way round, for no values.

@@ -31,10 +31,8 @@ constexpr double kMostVoltageRatio = 2.5;
 constexpr double kLeastVoltage_V = 1.5;
 constexpr double kLeastVoltageSpread = 0.03;
 
-bool LooksExchanged(const Record& record) {
+bool LooksExchanged(const Record& record, const Extent& current, const Extent& voltage) {
   if (record.size() < 3 || record.voltage_V.empty()) return false;
-  const Extent current = FindExtent(record.current_A);
-  const Extent voltage = FindExtent(record.voltage_V);
   const bool current_is_a_voltage =
       current.least > kLeastVoltage_V && current.most < kMostVoltageRatio * current.least &&
       current.most - current.least > kLeastVoltageSpread * current.most;
@@ -74,14 +72,16 @@ std::string DoubtAboutTime(const Record& record) {
 }
 
 void CheckReadable(const Record& record, const ColumnPositions& positions) {
-  if (LooksExchanged(record)) {
+  const Extent current = FindExtent(record.current_A);
+  const Extent voltage = FindExtent(record.voltage_V);
+  if (LooksExchanged(record, current, voltage)) {
     throw LoadError(
         positions.voltage,
         "expected a voltage, found what looks like a current, and a voltage in the column of the "
         "current; if the two are exchanged, say which is which: columns = {current_A = \"...\", "
         "voltage_V = \"...\"} (--columns)");
   }
-  if (const double most_V = LargestMagnitude(record.voltage_V); most_V > kMostPack_V) {
+  if (const double most_V = voltage.Magnitude(); most_V > kMostPack_V) {
     throw LoadError(
         positions.voltage,
         fmt::format(
@@ -89,7 +89,7 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
             "`units`",
             most_V));
   }
-  if (const double most_A = LargestMagnitude(record.current_A); most_A > kMostPack_A) {
+  if (const double most_A = current.Magnitude(); most_A > kMostPack_A) {
     throw LoadError(
         positions.current,
         fmt::format(
@@ -110,17 +110,18 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
 
 void CheckPlausible(const Record& record, double capacity_Ah) {
   if (record.voltage_V.empty()) return;
-  const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
-  if (mean_V > kMostCell_V) {
-    throw LoadError(
-        {record.file},
-        fmt::format(
-            "expected the voltage of one cell, found {:.4g} V on average; are these mV, or is it a "
-            "pack (say `series`)?",
-            mean_V));
-  }
-  if (const auto highest = std::max_element(record.voltage_V.begin(), record.voltage_V.end());
-      *highest > kMostCell_V) {
+  const Extent voltage = FindExtent(record.voltage_V);
+  if (voltage.most > kMostCell_V) {
+    const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
+    if (mean_V > kMostCell_V) {
+      throw LoadError(
+          {record.file},
+          fmt::format(
+              "expected the voltage of one cell, found {:.4g} V on average; are these mV, or "
+              "is it a pack (say `series`)?",
+              mean_V));
+    }
+    const auto highest = std::max_element(record.voltage_V.begin(), record.voltage_V.end());
     throw LoadError(
         {record.file},
         fmt::format(
@@ -129,7 +130,7 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             *highest,
             record.time_s[static_cast<std::size_t>(highest - record.voltage_V.begin())]));
   }
-  if (const double most_V = LargestMagnitude(record.voltage_V); most_V < kLeastCell_V) {
+  if (const double most_V = voltage.Magnitude(); most_V < kLeastCell_V) {
     throw LoadError(
         {record.file},
         fmt::format(

@@ -1,6 +1,7 @@
 #include "identify/logs/spikes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -23,6 +24,18 @@ double JumpAndBack(std::span<const double> v, std::size_t row) {
   return before * after > 0.0 ? std::min(std::abs(before), std::abs(after)) : 0.0;
 }
 
+// Of the jumps towards rows [first, end), several runs at a time.
+double LargestJump(std::span<const double> v, std::size_t first, std::size_t end) {
+  std::array<double, 4> largest{};
+  std::size_t k = first;
+  for (; k + largest.size() <= end; k += largest.size()) {
+    for (std::size_t lane = 0; lane < largest.size(); ++lane)
+      largest[lane] = std::max(largest[lane], std::abs(v[k + lane] - v[k + lane - 1]));
+  }
+  for (; k < end; ++k) largest[0] = std::max(largest[0], std::abs(v[k] - v[k - 1]));
+  return *std::max_element(largest.begin(), largest.end());
+}
+
 bool CurrentExplains(std::span<const double> i, std::size_t row) {
   const double largest = std::max({std::abs(i[row]), std::abs(i[row - 1]), std::abs(i[row + 1])});
   const auto steps = [&](std::size_t other) {
@@ -36,9 +49,15 @@ bool CurrentExplains(std::span<const double> i, std::size_t row) {
 std::vector<std::size_t> FindSpikes(const Record& record) {
   const Column& v = record.voltage_V;
   if (v.size() < 4) return {};
+  // Most pieces have no jump at all, which is seen without looking at each row.
+  constexpr std::size_t kPiece = 1024;
   std::vector<std::size_t> candidates;
-  for (std::size_t k = 1; k + 1 < v.size(); ++k) {
-    if (JumpAndBack(v, k) > kLeastJump_V) candidates.push_back(k);
+  for (std::size_t first = 1; first + 1 < v.size(); first += kPiece) {
+    const std::size_t end = std::min(first + kPiece, v.size() - 1);
+    if (LargestJump(v, first, end) <= kLeastJump_V) continue;
+    for (std::size_t k = first; k < end; ++k) {
+      if (JumpAndBack(v, k) > kLeastJump_V) candidates.push_back(k);
+    }
   }
   if (candidates.empty()) return {};
   Extent others;

@@ -24,7 +24,7 @@ def commands(lipoid, folder):
 
 def measure(lipoid, folder, rows):
     """The folder, which is made and removed, takes 80 bytes for each row."""
-    hours = rows * 0.01 / 3600.0 * 1.002  # a little before its end the cell is empty
+    hours = rows * 0.01 / 3600.0 * 1.005  # the cell is empty a little before that
     parameters = ",".join(f"{name}={value}" for name, value in campaign.BRANCH.items())
     make = [lipoid, "synthesize", "grepow-32Ah-1", "--with", parameters, "--rates-C", "1,2,3,4,5,6,7,8",
             "--low-rate-h", f"{hours:.1f}", "--voltage-noise-V", campaign.NOISE_V,
