@@ -8,6 +8,7 @@ find_dependency(OpenSSL COMPONENTS Crypto)
 find_dependency(nlohmann_json)
 find_dependency(tomlplusplus)
 find_dependency(TBB)
+find_dependency(ZLIB)
 find_dependency(Ceres)
 find_dependency(NLopt)
 find_dependency(pagmo)
@@ -34,4 +35,13 @@ if(NOT TARGET libzip::zip)
   add_library(libzip::zip UNKNOWN IMPORTED)
   set_target_properties(libzip::zip PROPERTIES IMPORTED_LOCATION "${LIPOID_ZIP_LIBRARY}"
                                                INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_ZIP_INCLUDE_DIR}")
+endif()
+
+# Debian's libzstd comes with pkg-config's file alone.
+if(NOT TARGET zstd::zstd)
+  find_path(LIPOID_ZSTD_INCLUDE_DIR zstd.h REQUIRED)
+  find_library(LIPOID_ZSTD_LIBRARY zstd REQUIRED)
+  add_library(zstd::zstd UNKNOWN IMPORTED)
+  set_target_properties(zstd::zstd PROPERTIES IMPORTED_LOCATION "${LIPOID_ZSTD_LIBRARY}"
+                                              INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_ZSTD_INCLUDE_DIR}")
 endif()

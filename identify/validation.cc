@@ -16,29 +16,36 @@ Surroundings SurroundingsOf(const Record& record, const CampaignLog& entry) {
           .initial_degC = entry.initial_degC};
 }
 
+void Validation::Add(const Record& rows, const Surroundings& surroundings) {
+  constexpr double kLowSoc = 0.1;
+  warms_ = cell_.temperature && cell_.temperature->heat && surroundings.measured_degC.empty() &&
+           !rows.temperature_degC.empty();
+  const auto compare = [&](std::size_t k, const PredictedRow& row) {
+    all_.Add(rows.voltage_V[k], row.voltage_V);
+    if (row.soc > kLowSoc) above_.Add(rows.voltage_V[k], row.voltage_V);
+    if (!cell_.open_circuit_voltage.InRange(row.soc)) ++outside_;
+    if (!warms_) return;
+    const double predicted_degC = row.stepper.state().temperature_K - kZeroCelsius_K;
+    squares_K2_ += std::pow(predicted_degC - rows.temperature_degC[k], 2);
+  };
+  predictor_.Rows(rows.time_s, rows.current_A, surroundings, compare);
+  rows_ += rows.size();
+}
+
+LogErrors Validation::Result() const {
+  LogErrors errors{{}, all_.Result(), above_.Result(), outside_};
+  if (warms_) errors.temperature_rmse_K = std::sqrt(squares_K2_ / static_cast<double>(rows_));
+  return errors;
+}
+
 LogErrors Validate(const Cell& cell,
                    const Record& record,
                    double initial_soc,
                    const Surroundings& surroundings) {
-  constexpr double kLowSoc = 0.1;
-  ErrorAccumulator all;
-  ErrorAccumulator above;
-  std::size_t outside = 0;
-  const bool warms = cell.temperature && cell.temperature->heat &&
-                     surroundings.measured_degC.empty() && !record.temperature_degC.empty();
-  double squares_K2 = 0.0;
-  const auto compare = [&](std::size_t k, const PredictedRow& row) {
-    all.Add(record.voltage_V[k], row.voltage_V);
-    if (row.soc > kLowSoc) above.Add(record.voltage_V[k], row.voltage_V);
-    if (!cell.open_circuit_voltage.InRange(row.soc)) ++outside;
-    if (!warms) return;
-    const double predicted_degC = row.stepper.state().temperature_K - kZeroCelsius_K;
-    squares_K2 += std::pow(predicted_degC - record.temperature_degC[k], 2);
-  };
-  PredictRows(
-      cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings, compare);
-  LogErrors errors{record.file, all.Result(), above.Result(), outside};
-  if (warms) errors.temperature_rmse_K = std::sqrt(squares_K2 / static_cast<double>(record.size()));
+  Validation validation(cell, record.hold, initial_soc);
+  validation.Add(record, surroundings);
+  LogErrors errors = validation.Result();
+  errors.file = record.file;
   return errors;
 }
 

@@ -27,6 +27,30 @@ struct LogErrors {
   double temperature_rmse_K = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Compares a cell with the rows of a log, which may come in blocks.
+class Validation {
+ public:
+  /// The cell must outlive this; it starts relaxed at initial_soc.
+  Validation(const Cell& cell, Hold hold, double initial_soc)
+      : cell_(cell), predictor_(cell, hold, initial_soc) {}
+
+  /// Rows of the pack that the cell's series and parallel make; what the surroundings measured is of
+  /// these rows.
+  void Add(const Record& rows, const Surroundings& surroundings);
+  /// Over all rows; without the name of the log.
+  [[nodiscard]] LogErrors Result() const;
+
+ private:
+  const Cell& cell_;
+  RowPredictor predictor_;
+  ErrorAccumulator all_;
+  ErrorAccumulator above_;
+  std::size_t rows_ = 0;
+  std::size_t outside_ = 0;
+  bool warms_ = false;
+  double squares_K2_ = 0.0;
+};
+
 /// The record is that of the pack the cell's series and parallel make; it starts relaxed at
 /// initial_soc.
 [[nodiscard]] LogErrors Validate(const Cell& cell,

@@ -77,6 +77,14 @@ void PutInto(Cell& cell,
       term.entropy = EntropySlope<double>{structure.entropy_soc, {slopes.begin(), slopes.end()}};
     }
   }
+  cell.hysteresis.reset();
+  if (layout.hystereses() > 0) {
+    const auto half_V = solution.x.segment(layout.hysteresis(), layout.hystereses());
+    cell.hysteresis = Cell::Hysteresis{
+        .folds = rates.hysteresis_folds,
+        .soc = layout.hystereses() > 1 ? structure.hysteresis_soc : std::vector<double>{},
+        .half_V = {half_V.begin(), half_V.end()}};
+  }
   cell.self_heating.reset();
   if (structure.self_heating) {
     cell.self_heating = Cell::SelfHeating{

@@ -2,8 +2,8 @@
 
 /// @file
 /// The cell along a log as the fits see it: the state of charge, and at every point the voltage as
-/// a row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h, i_0
-/// and the activation energies.
+/// a row that is linear in v_oc and the resistances, with exact slopes in beta, tau_j, tau_h, i_0,
+/// the activation energies, gamma of the hysteresis and the offset of the current sensor.
 ///
 /// This is the one other statement of (4.46)-(4.51) beside cell_model.h, which simulations step;
 /// the two are held against each other row by row. A step costs a row two nodes of every table and
@@ -30,7 +30,16 @@ enum class CurveSlope {
   kSmooth,      ///< of a smooth curve through the nodes: what the straight lines stand for
 };
 
-/// The charge that has left a cell and what diffusion holds back, with slopes in beta.
+/// How A moves with the unknowns that it depends on.
+struct SocSlopes {
+  double beta = 0.0;
+  double energy = 0.0;  ///< E_d
+  double offset = 0.0;  ///< of the current sensor
+  double alpha = 0.0;   ///< from which a log that does not start full is counted
+};
+
+/// The charge that has left a cell and what diffusion holds back, with slopes in beta, in E_d and in
+/// the offset of the sensor.
 class SocState {
  public:
   /// At the reference temperature.
@@ -75,8 +84,23 @@ class SocState {
     with_energy_ = true;
     tail_by_energy_ = tail_s_ * factor * at.inverse_mol_per_J;
   }
+  /// From here on Step() counts the slope in an offset of the sensor, whose slope in the current it
+  /// is told.
+  void CountOffset() {
+    with_offset_ = true;
+    offset_slope_C_ = Eigen::ArrayXd::Zero(unavailable_C_.size());
+  }
   /// current_A flows for dt_s, whose coefficients are column `at` of the steps.
-  void Step(const ModeSteps& steps, Eigen::Index at, double current_A, double dt_s) {
+  void Step(const ModeSteps& steps,
+            Eigen::Index at,
+            double current_A,
+            double dt_s,
+            double current_by_offset = 0.0) {
+    if (with_offset_) {
+      offset_slope_C_ =
+          steps.decay.col(at) * offset_slope_C_ + (steps.gain.col(at) * current_by_offset + kAlive);
+      delivered_by_offset_s_ += dt_s * current_by_offset;
+    }
     if (slopes_ && with_energy_) {
       if (energy_slope_C_.size() == 0) energy_slope_C_ = Eigen::ArrayXd::Zero(slope_C_.size());
       const Eigen::ArrayXd moved =
@@ -107,6 +131,13 @@ class SocState {
     if (!slopes_ || !with_energy_) return 0.0;
     return -(2.0 * energy_slope_C_.sum() + tail_by_energy_ * current_A) / alpha_C_;
   }
+  /// The same in the offset of the sensor, in 1/A.
+  [[nodiscard]] double OffsetSlope(double current_by_offset) const {
+    if (!with_offset_) return 0.0;
+    return -(delivered_by_offset_s_ + 2.0 * offset_slope_C_.sum() +
+             tail_factor_ * tail_s_ * current_by_offset) /
+           alpha_C_;
+  }
   [[nodiscard]] bool slopes() const { return slopes_; }
 
  private:
@@ -122,6 +153,9 @@ class SocState {
   bool with_energy_ = false;
   double by_beta_ = 1.0, by_energy_ = 0.0, tail_by_energy_ = 0.0;
   Eigen::ArrayXd energy_slope_C_;
+  bool with_offset_ = false;
+  double delivered_by_offset_s_ = 0.0;
+  Eigen::ArrayXd offset_slope_C_;
 };
 
 /// One point of a log: y = sum_e value[e] x[index[e]], with rising indices; y is the measured
@@ -149,15 +183,15 @@ struct BranchState {
   std::vector<double> share;  // of each node
   int first = 0, last = -1;   // nodes whose share is not zero
   double slope_tau = 0.0;     // of the voltage, in tau_j
-  double slope_beta = 0.0;    // and in beta, which moves the state of charge that r_j is taken at
-  double slope_E_d = 0.0;     // as E_d does
+  SocSlopes slope;            // and in what moves the state of charge that r_j is taken at
   double slope_energy = 0.0;  // in E_j
 
   void Reset(int nodes) {
     share.assign(static_cast<std::size_t>(nodes), 0.0);
     first = 0;
     last = -1;
-    slope_tau = slope_beta = slope_E_d = slope_energy = 0.0;
+    slope_tau = slope_energy = 0.0;
+    slope = {};
   }
   [[nodiscard]] double Voltage(const double* x) const {
     double sum = 0.0;
@@ -195,7 +229,7 @@ struct BranchState {
 struct TableAt {
   double value, slope;  // slope in the state of charge; 0 beyond the ends
 };
-inline TableAt At(const double* x, const NodeShare& at, const std::vector<double>& nodes) {
+inline TableAt ValueAt(const double* x, const NodeShare& at, const std::vector<double>& nodes) {
   if (nodes.size() == 1) return {x[0], 0.0};
   const double low = x[at.lower];
   const double high = x[at.lower + 1];
@@ -209,6 +243,16 @@ inline TableAt At(const double* x, const NodeShare& at, const std::vector<double
 /// Makes the rows of one log, point by point. Structure, setup and x must outlive it.
 class CellRows {
  public:
+  /// A step, or a point: the current that flows, its slope in the offset of the sensor, the length of
+  /// the step, and the state of charge (at the start of the step, under its current) with its slopes.
+  struct At {
+    double current_A = 0.0;
+    double dt_s = 0.0;  ///< only hysteresis asks
+    double soc = 0.0;
+    SocSlopes slopes = {};
+    double current_by_offset = 0.0;
+  };
+
   /// Linear unknowns count in volts at the typical current (JointLayout). Slopes are those at the
   /// unknowns x; none where it is null.
   CellRows(const JointSetup& setup,
@@ -227,6 +271,7 @@ class CellRows {
         of_voltage_(structure.voltage_soc),
         of_resistance_(structure.resistance_soc),
         of_entropy_(structure.entropy_soc),
+        of_hysteresis_(structure.hysteresis_soc),
         of_start_(structure.resistance_soc),
         branches_(static_cast<std::size_t>(structure.branches)),
         index_(static_cast<std::size_t>(layout_.size())),
@@ -237,6 +282,12 @@ class CellRows {
       reference_V_.push_back(setup.open_circuit_voltage(a));
     for (auto& b : branches_) b.Reset(layout_.nodes());
     if (x != nullptr) FindCurveSlopes(curve);
+    folds_per_C_ = rates.hysteresis_folds / setup.alpha_C;
+  }
+
+  /// The log begins relaxed after so much charge: hysteresis starts as CellModel::Relaxed() says.
+  void Start(double delivered_C) {
+    hysteresis_ = Hysteresis<double>::Start(1.0 - delivered_C / setup_.alpha_C);
   }
 
   /// Steps of these lengths, for Step().
@@ -259,17 +310,12 @@ class CellRows {
     if (structure_.charge_transfer) transfer_factor_ = at.Factor(rates_.transfer_J_per_mol);
   }
 
-  /// current_A flows for a step of column `at`; the step starts at soc_start under that current,
-  /// whose slopes are those in beta and in E_d.
-  void Step(const ModeSteps& steps,
-            Eigen::Index at,
-            double current_A,
-            double soc_start,
-            double start_slope,
-            double start_energy_slope = 0.0) {
-    using cell_rows_internal::At;
+  /// A step of column `at` of the steps.
+  void Step(const ModeSteps& steps, Eigen::Index at, const At& step) {
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
+    using cell_rows_internal::ValueAt;
+    const double current_A = step.current_A;
     const auto decay = steps.decay.col(at);
     const auto gain = steps.gain.col(at);
     const auto decay_slope = steps.decay_slope.col(at);
@@ -277,7 +323,7 @@ class CellRows {
     const double undisturbed = current_A * per_A_;
     NodeShare where;
     if (layout_.nodes() > 1) {
-      where = of_start_(soc_start);
+      where = of_start_(step.soc);
       where.share = std::clamp(where.share, 0.0, 1.0);
     }
     for (int j = 0; j < structure_.branches; ++j) {
@@ -285,17 +331,26 @@ class CellRows {
       const double drive = undisturbed * branch_factor_[static_cast<std::size_t>(j)];
       if (x_ != nullptr) {
         const double* x = x_ + layout_.branch(j);
-        const TableAt r = At(x, where, structure_.resistance_soc);
+        const TableAt r = ValueAt(x, where, structure_.resistance_soc);
         b.slope_tau = decay[j] * b.slope_tau + decay_slope[j] * b.Voltage(x) +
                       (gain_slope[j] * drive * r.value + kAlive);
-        const double moved = setup_.diffusion ? r.slope * start_slope : 0.0;
-        b.slope_beta = decay[j] * b.slope_beta + (gain[j] * drive * moved + kAlive);
+        // As what moves the state of charge moves r_j.
+        const auto follow = [&](double slope, double by_soc) {
+          const double moved = r.slope * by_soc;
+          return decay[j] * slope + (gain[j] * drive * moved + kAlive);
+        };
+        if (setup_.diffusion) b.slope.beta = follow(b.slope.beta, step.slopes.beta);
         if (structure_.temperature) {
-          const double by_energy = setup_.diffusion ? r.slope * start_energy_slope : 0.0;
-          b.slope_E_d = decay[j] * b.slope_E_d + (gain[j] * drive * by_energy + kAlive);
+          if (setup_.diffusion) b.slope.energy = follow(b.slope.energy, step.slopes.energy);
           b.slope_energy = decay[j] * b.slope_energy +
                            (gain[j] * drive * r.value * at_.inverse_mol_per_J + kAlive);
         }
+        if (structure_.current_offset) {
+          const double direct =
+              step.current_by_offset * per_A_ * branch_factor_[static_cast<std::size_t>(j)];
+          b.slope.offset = follow(b.slope.offset, step.slopes.offset) + gain[j] * direct * r.value;
+        }
+        if (structure_.free_alpha) b.slope.alpha = follow(b.slope.alpha, step.slopes.alpha);
       }
       if (layout_.nodes() == 1) {
         b.Follow(decay[j], gain[j] * drive);  // (4.50)
@@ -310,18 +365,19 @@ class CellRows {
       thermal_slope_ = decay[h] * thermal_slope_ + decay_slope[h] * thermal_state_A2_ +
                        gain_slope[h] * square_A2;
       thermal_state_A2_ = decay[h] * thermal_state_A2_ + gain[h] * square_A2;
+      thermal_by_offset_A_ =
+          decay[h] * thermal_by_offset_A_ + gain[h] * 2.0 * current_A * step.current_by_offset;
     }
+    if (layout_.hystereses() > 0 && current_A != 0.0) StepHysteresis(step);
   }
 
-  /// The point at which current_A flows and voltage_V was measured.
-  CellRow MakeRow(double current_A,
-                  double voltage_V,
-                  double soc,
-                  double soc_slope,
-                  double soc_energy_slope = 0.0) {
-    using cell_rows_internal::At;
+  /// The point at which voltage_V was measured.
+  CellRow MakeRow(const At& point, double voltage_V) {
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
+    using cell_rows_internal::ValueAt;
+    const double current_A = point.current_A;
+    const double soc = point.soc;
     int entries = 0;
     const auto put = [&](int at, double a) {
       index_[entries] = at;
@@ -341,9 +397,9 @@ class CellRows {
       put(v.lower, 1.0 - v.share);
       put(v.lower + 1, v.share);
     } else {
-      const auto point = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
-      reference_V = point.value_V;
-      slope_V = point.slope_V;
+      const auto curve = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
+      reference_V = curve.value_V;
+      slope_V = curve.slope_V;
     }
     const double i = current_A * per_A_;
     NodeShare r;
@@ -355,19 +411,22 @@ class CellRows {
       put(table + r.lower, -(1.0 - r.share) * drop);
       if (layout_.nodes() > 1) put(table + r.lower + 1, -r.share * drop);
       if (x_ == nullptr) return TableAt{0.0, 0.0};
-      const TableAt at = At(x_ + table, r, structure_.resistance_soc);
+      const TableAt at = ValueAt(x_ + table, r, structure_.resistance_soc);
       slope_V -= at.slope * drop;
       return at;
     };
     TableAt series{0.0, 0.0};
     if (i != 0.0) series = put_table(layout_.series(), series_factor_ * i);
-    double slope_beta = 0.0;
-    double slope_E_d = 0.0;
+    SocSlopes of_branches;
+    double by_current_V = series.value * series_factor_ * per_A_;  // -dv/di, of the offset alone
+    double by_offset_V = 0.0;
     for (int j = 0; j < structure_.branches; ++j) {
       const BranchState& b = branches_[static_cast<std::size_t>(j)];
       for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
-      slope_beta -= b.slope_beta;
-      slope_E_d -= b.slope_E_d;
+      of_branches.beta -= b.slope.beta;
+      of_branches.energy -= b.slope.energy;
+      of_branches.offset -= b.slope.offset;
+      of_branches.alpha -= b.slope.alpha;
       slope_[slots_.tau(j)] = -b.slope_tau;
     }
     if (structure_.charge_transfer) {
@@ -379,6 +438,7 @@ class CellRows {
         const TableAt at = put_table(layout_.transfer(), i_0 * std::asinh(ratio) * per_A);
         slope_[slots_.transfer()] =
             -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A;
+        by_current_V += at.value * transfer_factor_ / std::hypot(1.0, ratio) * per_A;
         if (structure_.temperature) {
           slope_[slots_.transfer_energy()] =
               -at.value * i_0 * ratio / std::hypot(1.0, ratio) * at_.inverse_mol_per_J * per_A;
@@ -390,7 +450,12 @@ class CellRows {
     if (structure_.self_heating) {
       const double per_A3 = per_A_ * per_A_ * per_A_ * current_A;
       put(layout_.heating(), thermal_state_A2_ * per_A3);
-      if (x_ != nullptr) slope_[slots_.heating()] = x_[layout_.heating()] * thermal_slope_ * per_A3;
+      if (x_ != nullptr) {
+        const double rho = x_[layout_.heating()];
+        slope_[slots_.heating()] = rho * thermal_slope_ * per_A3;
+        by_current_V -= rho * thermal_state_A2_ * per_A_ * per_A_ * per_A_;
+        by_offset_V += rho * thermal_by_offset_A_ * per_A3;
+      }
     }
     if (layout_.entropies() > 0) {
       NodeShare e = of_entropy_(soc);
@@ -399,21 +464,55 @@ class CellRows {
       put(layout_.entropy() + e.lower, (1.0 - e.share) * above);
       put(layout_.entropy() + e.lower + 1, e.share * above);
       if (x_ != nullptr)
-        slope_V += At(x_ + layout_.entropy(), e, structure_.entropy_soc).slope * above;
+        slope_V += ValueAt(x_ + layout_.entropy(), e, structure_.entropy_soc).slope * above;
+    }
+    if (layout_.hystereses() > 0) {
+      NodeShare m = of_hysteresis_(soc);
+      m.share = std::clamp(m.share, 0.0, 1.0);
+      const int table = layout_.hysteresis();
+      put(table + m.lower, (1.0 - m.share) * hysteresis_);
+      if (layout_.hystereses() > 1) put(table + m.lower + 1, m.share * hysteresis_);
+      if (x_ != nullptr) {
+        const TableAt half = ValueAt(x_ + table, m, structure_.hysteresis_soc);
+        slope_V += half.slope * hysteresis_;
+        slope_[slots_.hysteresis()] = half.value * hysteresis_by_folds_;
+        by_offset_V += half.value * hysteresis_by_offset_per_A_;
+      }
     }
     if (structure_.temperature && x_ != nullptr) {
       slope_[slots_.series_energy()] = -series.value * series_factor_ * i * at_.inverse_mol_per_J;
       for (int j = 0; j < structure_.branches; ++j)
         slope_[slots_.branch_energy(j)] = -branches_[static_cast<std::size_t>(j)].slope_energy;
       slope_[slots_.diffusion_energy()] =
-          setup_.diffusion ? slope_E_d + slope_V * soc_energy_slope : 0.0;
+          setup_.diffusion ? of_branches.energy + slope_V * point.slopes.energy : 0.0;
     }
-    if (x_ != nullptr)
-      slope_[slots_.beta()] = setup_.diffusion ? slope_beta + slope_V * soc_slope : 0.0;  // (4.51)
+    if (x_ != nullptr) {
+      slope_[slots_.beta()] =
+          setup_.diffusion ? of_branches.beta + slope_V * point.slopes.beta : 0.0;  // (4.51)
+    }
+    if (structure_.current_offset && x_ != nullptr) {
+      slope_[slots_.offset()] = of_branches.offset + slope_V * point.slopes.offset -
+                                by_current_V * point.current_by_offset + by_offset_V;
+    }
+    if (structure_.free_alpha && x_ != nullptr)
+      slope_[slots_.alpha()] = of_branches.alpha + slope_V * point.slopes.alpha;
     return {entries, index_.data(), value_.data(), voltage_V - reference_V, slope_.data()};
   }
 
  private:
+  // Hysteresis<double>::After() with its slopes in the folds and in the offset.
+  void StepHysteresis(const At& step) {
+    const double sign = step.current_A > 0.0 ? 1.0 : -1.0;
+    const double charge_C = std::abs(step.current_A) * step.dt_s;
+    const double decay = std::exp(-folds_per_C_ * charge_C);
+    const double towards = hysteresis_ + sign;
+    hysteresis_by_folds_ = decay * (hysteresis_by_folds_ - charge_C / setup_.alpha_C * towards);
+    const double charge_by_offset_s = sign * step.current_by_offset * step.dt_s;
+    hysteresis_by_offset_per_A_ =
+        decay * (hysteresis_by_offset_per_A_ - folds_per_C_ * charge_by_offset_s * towards);
+    hysteresis_ = decay * towards - sign;
+  }
+
   // Slopes at both ends of every segment: its own, or those of parabolas through three nodes.
   void FindCurveSlopes(CurveSlope curve) {
     const auto& nodes = structure_.voltage_soc;
@@ -445,12 +544,18 @@ class CellRows {
   NodeFinder of_voltage_;
   NodeFinder of_resistance_;
   NodeFinder of_entropy_;
+  NodeFinder of_hysteresis_;
   NodeFinder of_start_;
   std::vector<double> reference_V_;                       // at the nodes
   std::vector<std::pair<double, double>> curve_slope_V_;  // of v_oc at both ends of a segment
   std::vector<cell_rows_internal::BranchState> branches_;
   double thermal_state_A2_ = 0.0;
   double thermal_slope_ = 0.0;  // in tau_h
+  double thermal_by_offset_A_ = 0.0;
+  double folds_per_C_ = 0.0;
+  double hysteresis_ = 0.0;
+  double hysteresis_by_folds_ = 0.0;
+  double hysteresis_by_offset_per_A_ = 0.0;
   std::vector<int> index_;
   std::vector<double> value_;
   std::vector<double> slope_;

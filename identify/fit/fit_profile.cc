@@ -28,7 +28,7 @@ Held HeldAt(const std::string& name, const ProfiledFit& of) {
        JointFit(of.seen, of.known, of.scales).Rates(of.solution.structure)) {
     if (rate.name != name) continue;
     JointRates rates = of.solution.rates;
-    return {*rate.entry(rates, rate.index), rate.lower, rate.upper};
+    return {rate.In(rates), rate.lower, rate.upper};
   }
   if (name == "r_s") held.estimate = ohms(layout.series());
   for (int j = 0; j < of.solution.structure.branches; ++j) {
@@ -58,7 +58,7 @@ class HeldFit {
     const JointFit fit(of_.seen, known_, of_.scales);
     JointRates rates = fit.Base(last_.structure);
     for (const JointFit::Rate& rate : fit.Rates(last_.structure))
-      *rate.entry(rates, rate.index) = *rate.entry(last_.rates, rate.index);
+      rate.In(rates) = rate.In(last_.rates);
     JointSolution found =
         of_.refit(fit, fit.Solve(last_.structure, rates, last_.smoothness, last_.active));
     if (found.x.size() == 0 || !std::isfinite(found.cost)) return {};
@@ -101,13 +101,13 @@ Profiled ProfiledNames(const JointStructure& structure,
     add(tau, c);
     if (capacitances) add(c, tau);
   }
-  if (structure.self_heating) add("tau_h");
-  if (structure.charge_transfer) add("i_0");
-  if (structure.temperature) {
-    if (diffusion) add("E_d");
-    add("E_s");
-    for (int j = 1; j <= structure.branches; ++j) add(fmt::format("E_{}", j));
-    if (structure.charge_transfer) add("E_ct");
+  // Those behind beta and the time constants. Neither the sensor nor the capacity reference is a
+  // parameter of the voltage of a cell.
+  JointSetup setup;
+  setup.diffusion = diffusion;
+  for (const JointRate& rate : AllRates(structure, setup, {})) {
+    if (rate.slot > structure.branches && rate.name != "i_off" && rate.name != "alpha")
+      add(rate.name);
   }
   return names;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/battery/cell_parameters.h"
 
@@ -16,11 +17,13 @@ class Quantities {
   Quantities(LinearizedFit& fit,
              const JointSolution& solution,
              const GivenParameters& known,
+             const std::vector<JointRate>& searched,
              double typical_A,
              double alpha_ratio)
       : fit_(fit),
         solution_(solution),
         known_(known),
+        searched_(searched),
         layout_(solution.structure),
         typical_A_(typical_A),
         alpha_ratio_(alpha_ratio) {}
@@ -37,9 +40,8 @@ class Quantities {
       AddTable("r_ct", layout_.transfer());
       AddRate("i_0", solution_.rates.charge_transfer_A);
     }
-    for (const std::string& rate : fit_.rates) {
-      if (rate.starts_with("E_")) AddRate(rate, EnergyOf(rate));
-    }
+    AddOtherRates();
+    AddHysteresis();
     if (!solution_.structure.self_heating) return;
     const double per_A3 = std::pow(typical_A_, -3.0);
     const double x = solution_.x[layout_.heating()];
@@ -65,25 +67,52 @@ class Quantities {
   }
   [[nodiscard]] bool Follows(int j) const { return solution_.follows[static_cast<std::size_t>(j)]; }
 
-  void AddRate(const std::string& rate, double value) {
+  void AddRate(const std::string& rate, double value, double scale = 1.0) {
     const Eigen::Index at = Searched(rate);
     if (at < 0) return;
-    TrustedQuantity q = fit_.Quantity(rate, std::string(CellParameterUnit(rate)), value);
+    // The offset is the sensor's, and no cell has it.
+    const std::string unit(rate == "i_off" ? "A" : CellParameterUnit(rate));
+    TrustedQuantity q = fit_.Quantity(rate, unit, scale * value);
     if (rate == "beta") q.upper = 1.0;
-    q.combination[at] = 1.0;
+    if (rate == "i_off") q.lower = -std::numeric_limits<double>::infinity();
+    q.combination[at] = scale;
     q.at_bound = AtBound(rate);
     fit_.quantities.push_back(std::move(q));
   }
 
-  // The order of the slots is that of RateSlots.
-  [[nodiscard]] double EnergyOf(const std::string& rate) const {
+  // Those that stand beside no linear unknown.
+  void AddOtherRates() {
     const RateSlots slots(solution_.structure);
-    const int slot = fit_.slots[static_cast<std::size_t>(Searched(rate))];
-    const JointRates& rates = solution_.rates;
-    if (slot == slots.diffusion_energy()) return rates.diffusion_J_per_mol;
-    if (slot == slots.series_energy()) return rates.series_J_per_mol;
-    if (slot == slots.transfer_energy()) return rates.transfer_J_per_mol;
-    return rates.branch_J_per_mol[static_cast<std::size_t>(slot - slots.branch_energy(0))];
+    JointRates rates = solution_.rates;
+    for (const JointRate& rate : searched_) {
+      if (rate.slot < slots.diffusion_energy()) continue;
+      // The e-folds of hysteresis are counted over the alpha of the cell.
+      AddRate(rate.name, rate.In(rates), rate.name == "gamma" ? alpha_ratio_ : 1.0);
+    }
+  }
+
+  void AddHysteresis() {
+    const auto& nodes = solution_.structure.hysteresis_soc;
+    if (nodes.empty()) return;
+    const auto add = [&](std::string name, const NodeShare& at) {
+      const int k = layout_.hysteresis() + at.lower;
+      TrustedQuantity q = fit_.Quantity(std::move(name), "V", solution_.x[k] * (1.0 - at.share));
+      q.combination[fit_.Linear(k)] = 1.0 - at.share;
+      q.at_bound = Active(k);
+      if (at.share > 0.0) {
+        q.value += solution_.x[k + 1] * at.share;
+        q.combination[fit_.Linear(k + 1)] = at.share;
+        q.at_bound = q.at_bound && Active(k + 1);
+      }
+      fit_.quantities.push_back(std::move(q));
+    };
+    if (nodes.size() == 1) return add("M", {});
+    NodeFinder find(nodes);
+    for (const double soc : {0.2, 0.5, 0.8}) {
+      const double on_axis = 1.0 - (1.0 - soc) * alpha_ratio_;
+      if (on_axis >= nodes.front() && on_axis <= nodes.back())
+        add(fmt::format("M({:.1f})", soc), find(on_axis));
+    }
   }
 
   void AddTable(const std::string& name, int table) {
@@ -142,6 +171,7 @@ class Quantities {
   LinearizedFit& fit_;
   const JointSolution& solution_;
   const GivenParameters& known_;
+  const std::vector<JointRate>& searched_;
   JointLayout layout_;
   double typical_A_;
   double alpha_ratio_;
@@ -184,7 +214,8 @@ LinearizedFit Linearize(const Observations& seen,
   const JointLayout layout(solution.structure);
   const JointFit fit(seen, known);
   LinearizedFit all;
-  for (const auto& rate : fit.Rates(solution.structure)) {
+  const std::vector<JointRate> searched = fit.Rates(solution.structure);
+  for (const JointRate& rate : searched) {
     all.rates.push_back(rate.name);
     all.slots.push_back(rate.slot);
     const auto& names = solution.at_bound;
@@ -203,7 +234,7 @@ LinearizedFit Linearize(const Observations& seen,
   ToRises(nodes, layout.voltages());
   all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
-  Quantities(all, solution, known, seen.scales().typical_A, alpha_ratio).Fill();
+  Quantities(all, solution, known, searched, seen.scales().typical_A, alpha_ratio).Fill();
   return all;
 }
 

@@ -17,6 +17,7 @@ namespace lipoid {
 struct FitScales {
   double typical_A = 1.0;   ///< linear unknowns are volts at this current (JointLayout)
   double largest_A = 0.0;   ///< of all currents
+  double slowest_A = 0.0;   ///< of the currents of the logs, the least; only an offset asks
   double weight_sum = 0.0;  ///< of all rows
   double least_beta_per_sqrt_s = 1e-3;
   double shortest_tau_s = 0.0;

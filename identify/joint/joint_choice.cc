@@ -55,7 +55,31 @@ bool Complete(const JointSolution& solution, const JointLogs& logs) {
     if (solution.x.segment(layout.table(t), layout.nodes()).maxCoeff() < kNothing_V * scale)
       return false;
   }
+  if (layout.hystereses() > 0 &&
+      solution.x.segment(layout.hysteresis(), layout.hystereses()).maxCoeff() < kNothing_V)
+    return false;
   return !solution.structure.self_heating || solution.x[layout.heating()] > 0.0;
+}
+
+// Whether a log shows v_oc from the other side: by how much it was charged.
+bool Charges(const JointLogs& logs, double alpha_C) {
+  constexpr double kEnough = 0.05;
+  for (const JointLog& log : logs.logs) {
+    double charged_C = 0.0;
+    for (std::size_t k = 1; k < log.size(); ++k)
+      charged_C += std::max(-log.step_A[k], 0.0) * (log.time_s[k] - log.time_s[k - 1]);
+    if (charged_C > kEnough * alpha_C) return true;
+  }
+  return false;
+}
+
+// Charge out and in at low rate: only they can disagree by what a sensor adds.
+bool BothWays(const JointLogs& logs) {
+  const auto any = [&](LogKind kind) {
+    return std::any_of(
+        logs.logs.begin(), logs.logs.end(), [kind](const auto& log) { return log.kind == kind; });
+  };
+  return any(LogKind::kLowRate) && any(LogKind::kLowRateCharge);
 }
 
 // With a node more between any two.
@@ -73,10 +97,10 @@ std::vector<double> Halved(const std::vector<double>& nodes) {
 std::string Describe(const JointStructure& s) {
   std::string text = s.nodes() == 1 ? "constant resistances" : fmt::format("{} nodes", s.nodes());
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
-  if (s.self_heating) text += ", self-heating";
-  if (s.charge_transfer) text += ", charge transfer";
-  if (s.temperature) text += ", temperature";
-  if (!s.entropy_soc.empty()) text += ", entropy";
+  for (const JointTerm& term : JointTerms()) {
+    if (term.present(s)) text += fmt::format(", {}", term.words);
+  }
+  if (s.hysteresis_soc.size() > 1) text += fmt::format(", M at {} nodes", s.hysteresis_soc.size());
   if (s.voltage_soc.size() > kUsualVoltageNodes)
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
   return text;
@@ -129,12 +153,14 @@ class Choosing {
            const std::vector<double>& voltage_soc,
            double lowest_soc,
            const JointOptions& options,
+           bool free_alpha,
            const std::function<void(double)>& progress)
       : fit_(fit),
         logs_(logs),
         voltage_soc_(voltage_soc),
         lowest_soc_(lowest_soc),
         options_(options),
+        free_alpha_(free_alpha),
         progress_(progress),
         compare_(logs.groups >= 2),
         rough_(options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness) {}
@@ -147,6 +173,9 @@ class Choosing {
     structure.self_heating = options_.self_heating == Presence::kOn;
     structure.charge_transfer = options_.charge_transfer == Presence::kOn;
     structure.temperature = options_.temperature == Presence::kOn;
+    structure.current_offset = options_.current_offset == Presence::kOn;
+    structure.free_alpha = free_alpha_;
+    if (options_.hysteresis == Presence::kOn) structure.hysteresis_soc = {0.5};
     if (structure.temperature && structure.self_heating) {
       throw OptionError(
           "--set joint.temperature=on joint.self_heating=on: both are laws of a cell that warms; "
@@ -164,10 +193,12 @@ class Choosing {
     Search(structure);
     if (compare_) {
       TryTemperature(structure);
+      TryBothWays(structure);
       TryTerms(structure);
       if (given == 0) TryNodes();
       TryBranches();
       TryEntropy();
+      TryHysteresisNodes();
       if (logs_.whole) DropTerms();
       TryVoltageNodes();
     } else {
@@ -243,6 +274,35 @@ class Choosing {
     richer.temperature = true;
     if (options_.entropy == Presence::kOn) richer.entropy_soc = Entropies();
     if (Search(richer) == taken_) structure = richer;
+  }
+
+  // What charge and discharge do not agree on: the voltage, or the charge itself. Each alone, as one
+  // may stand in for the other, and both.
+  void TryBothWays(JointStructure& structure) {
+    const bool voltage = options_.hysteresis == Presence::kAuto &&
+                         structure.hysteresis_soc.empty() &&
+                         Charges(logs_, fit_.seen().setup().alpha_C);
+    const bool charge =
+        options_.current_offset == Presence::kAuto && !structure.current_offset && BothWays(logs_);
+    for (const int which : {1, 2, 3}) {
+      const bool with_voltage = (which & 1) != 0;
+      const bool with_charge = (which & 2) != 0;
+      if ((with_voltage && !voltage) || (with_charge && !charge)) continue;
+      JointStructure richer = structure;
+      if (with_voltage) richer.hysteresis_soc = {0.5};
+      if (with_charge) richer.current_offset = true;
+      Search(richer);
+    }
+    structure.hysteresis_soc = best().hysteresis_soc;
+    structure.current_offset = best().current_offset;
+  }
+
+  // Charge and discharge differ most near empty.
+  void TryHysteresisNodes() {
+    if (options_.hysteresis != Presence::kAuto || best().hysteresis_soc.empty()) return;
+    JointStructure richer = best();
+    richer.hysteresis_soc = OnAxis({0.0, 0.05, 0.15, 0.35, 0.65, 1.0}, lowest_soc_);
+    Search(richer);
   }
 
   void TryEntropy() {
@@ -375,6 +435,7 @@ class Choosing {
   const std::vector<double>& voltage_soc_;
   double lowest_soc_;
   const JointOptions& options_;
+  bool free_alpha_;
   const std::function<void(double)>& progress_;
   bool compare_;
   double rough_;
@@ -390,8 +451,9 @@ JointChoice ChooseStructure(const JointFit& fit,
                             const std::vector<double>& voltage_soc,
                             double lowest_soc,
                             const JointOptions& options,
+                            bool free_alpha,
                             const std::function<void(double)>& progress) {
-  return Choosing(fit, logs, voltage_soc, lowest_soc, options, progress).Run();
+  return Choosing(fit, logs, voltage_soc, lowest_soc, options, free_alpha, progress).Run();
 }
 
 }  // namespace lipoid

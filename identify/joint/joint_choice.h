@@ -34,6 +34,8 @@ struct JointOptions {
   Presence charge_transfer = Presence::kAuto;
   Presence temperature = Presence::kAuto;
   Presence entropy = Presence::kAuto;
+  Presence hysteresis = Presence::kAuto;
+  Presence current_offset = Presence::kAuto;
   double smoothness = 0.0;
   double charge_uncertainty = 0.002;
   double voltage_uncertainty_V = 0.001;
@@ -75,6 +77,16 @@ struct JointOptions {
       self.entropy,
       Names{},
       "whether v_oc changes with the temperature, where temperature takes part");
+    v("hysteresis",
+      self.hysteresis,
+      Names{},
+      "whether v_oc is higher after charging than after discharging; tried where a log charges the "
+      "cell by 5 % of its capacity");
+    v("current_offset",
+      self.current_offset,
+      Names{},
+      "whether the current sensor of all logs has an offset; tried where there is a log of kind "
+      "low-rate and one of kind low-rate-charge");
     v("smoothness",
       self.smoothness,
       Range{0.0, 1e3},
@@ -87,7 +99,7 @@ struct JointOptions {
     v("voltage_uncertainty_V",
       self.voltage_uncertainty_V,
       Range{1e-9, 1e3},
-      "standard error of a voltage that the model cannot help, V, added to that by "
+      "standard error of a voltage that no parameter can explain, V, added to that by "
       "charge_uncertainty");
     v("iterations_per_variable",
       self.iterations_per_variable,
@@ -125,12 +137,14 @@ struct JointChoice {
 };
 
 /// `voltage_soc` are the nodes of v_oc, none where the curve is given; lowest_soc is where the
-/// charge of the logs ends. Progress gets the share done.
+/// charge of the logs ends; free_alpha: the charge from which logs that do not start full are counted
+/// is searched, too. Progress gets the share done.
 [[nodiscard]] JointChoice ChooseStructure(const JointFit& fit,
                                           const JointLogs& logs,
                                           const std::vector<double>& voltage_soc,
                                           double lowest_soc,
                                           const JointOptions& options,
+                                          bool free_alpha = false,
                                           const std::function<void(double)>& progress = {});
 
 /// What the temperatures of the logs must span, so that activation energies can be told from other

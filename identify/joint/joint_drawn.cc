@@ -21,21 +21,33 @@ class Nodes {
         size_(rates + layout_.size()) {}
 
   // The cell has the nodes that rows reached, on an axis of its own alpha.
-  void AddTable(const std::string& name,
-                const Resistance<double>& in_cell,
-                int table,
-                std::vector<NamedCombination>& to) const {
-    const auto& nodes = result_.choice.best.structure.resistance_soc;
-    if (in_cell.constant() || nodes.size() == 1) return;  // among the quantities
-    const std::size_t first = First(nodes, in_cell.soc.front());
-    for (std::size_t k = 0; k < in_cell.soc.size(); ++k) {
-      Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
-      of[rates_ + table + static_cast<Eigen::Index>(first + k)] = 1.0 / result_.logs.typical_A;
-      const std::string at = fmt::format("{}({})", name, nodes[first + k]);
-      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
-                      return ValueIn(in, at, result_.logs.typical_A, result_.choice.best);
-                    })});
-    }
+  void AddResistance(const std::string& name,
+                     const Resistance<double>& in_cell,
+                     int table,
+                     std::vector<NamedCombination>& to) const {
+    AddTable(name,
+             in_cell.soc,
+             result_.choice.best.structure.resistance_soc,
+             table,
+             1.0 / result_.logs.typical_A,
+             to);
+  }
+  void AddEntropy(std::vector<NamedCombination>& to) const {
+    const auto& entropy = result_.cell.temperature->entropy;
+    AddTable("dv_dT",
+             entropy->soc,
+             result_.choice.best.structure.entropy_soc,
+             layout_.entropy(),
+             1.0 / kEntropyScale_K,
+             to);
+  }
+  void AddHysteresis(std::vector<NamedCombination>& to) const {
+    AddTable("M",
+             result_.cell.hysteresis->soc,
+             result_.choice.best.structure.hysteresis_soc,
+             layout_.hysteresis(),
+             1.0,
+             to);
   }
 
   // The unknowns are rises: a node is the sum of those up to it.
@@ -48,12 +60,32 @@ class Nodes {
       Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
       of.segment(rates_, static_cast<Eigen::Index>(first + k) + 1).setOnes();
       to.push_back({fmt::format("v_oc[{}]", k), std::move(of), Spread([&](const auto& in) {
-                      return OpenCircuitVoltageIn(in, result_.setup.open_circuit_voltage, nodes[first + k]);
+                      return OpenCircuitVoltageIn(
+                          in, result_.setup.open_circuit_voltage, nodes[first + k]);
                     })});
     }
   }
 
  private:
+  // A table of one node is a number, and among the quantities.
+  void AddTable(const std::string& name,
+                const std::vector<double>& in_cell,
+                const std::vector<double>& nodes,
+                int table,
+                double per_unknown,
+                std::vector<NamedCombination>& to) const {
+    if (in_cell.empty() || nodes.size() == 1) return;
+    const std::size_t first = First(nodes, in_cell.front());
+    for (std::size_t k = 0; k < in_cell.size(); ++k) {
+      Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
+      of[rates_ + table + static_cast<Eigen::Index>(first + k)] = per_unknown;
+      const std::string at = fmt::format("{}({})", name, nodes[first + k]);
+      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
+                      return ValueIn(in, at, result_.logs.typical_A, result_.choice.best);
+                    })});
+    }
+  }
+
   [[nodiscard]] Eigen::VectorXd Spread(
       const std::function<double(const JointSolution&)>& value) const {
     return SpreadOverStructures(result_.choice, value);
@@ -86,16 +118,19 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
   int t = 0;  // tables stand in the order in which a cell names its resistances
   for (const std::string& name : CellResistanceNames(result.cell))
-    nodes.AddTable(name, *CellResistance(result.cell, name), layout.table(t++), drawn);
+    nodes.AddResistance(name, *CellResistance(result.cell, name), layout.table(t++), drawn);
+  if (layout.entropies() > 0) nodes.AddEntropy(drawn);
+  if (layout.hystereses() > 0) nodes.AddHysteresis(drawn);
   nodes.AddVoltages(drawn);
   return drawn;
 }
 
 bool SocFollowsAlpha(const JointResult& result) {
-  return !result.choice.best.structure.voltage_soc.empty() &&
-         std::all_of(result.logs.logs.begin(), result.logs.logs.end(), [](const JointLog& log) {
-           return log.delivered_C == 0.0;
-         });
+  const JointStructure& best = result.choice.best.structure;
+  if (best.voltage_soc.empty()) return false;
+  return best.free_alpha || std::all_of(result.logs.logs.begin(),
+                                        result.logs.logs.end(),
+                                        [](const JointLog& log) { return log.delivered_C == 0.0; });
 }
 
 }  // namespace lipoid

@@ -13,12 +13,11 @@ namespace lipoid {
 /// LinearizedFit, of which the first `rates` are the rates. alpha takes part where it followed
 /// from the curve.
 [[nodiscard]] std::vector<NamedCombination> DrawnOfJoint(
-    const JointResult& result,
-    const std::vector<TrustedQuantity>& quantities,
-    Eigen::Index rates);
+    const JointResult& result, const std::vector<TrustedQuantity>& quantities, Eigen::Index rates);
 
-/// Whether the state of charge is counted from alpha alone: every log starts full, so that another
-/// alpha is another axis for the same curves over charge (docs/joint.md, 3).
+/// Whether the state of charge is counted from alpha alone: every log starts full, or begins at a
+/// share of an alpha that was fitted, so that another alpha is another axis for the same curves over
+/// charge (docs/joint.md, 3).
 [[nodiscard]] bool SocFollowsAlpha(const JointResult& result);
 
 }  // namespace lipoid

@@ -25,15 +25,12 @@ constexpr double kInstant_s = 1e-9;
 // beyond any step at another: it stays within these parts of the median step.
 constexpr double kLeastOfEdge = 0.15;
 constexpr double kMostOfEdge = 2.0;
-// Activation energies, in J/mol: where they are searched, and where a search begins. The last are in
-// the middle of what is measured of lithium cells (docs/joint.md, "Temperature").
-constexpr double kLeastEnergy = 1e3;
-constexpr double kMostEnergy = 150e3;
-constexpr double kStartOfSeries = 15e3;
-constexpr double kStartOfOthers = 40e3;
 // What is measured of whole lithium cells lies within, -0.6 to 0.6 mV/K. Without a bound slow
 // relaxation in the cold, which looks like a lower v_oc, would take its place.
 constexpr double kMostEntropy_V_per_K = 0.6e-3;
+// Half of what charge and discharge differ by: lithium iron phosphate has 20 mV, silicon 150.
+constexpr double kMostHysteresis_V = 0.25;
+
 // A quadratic of node voltages as one of their rises.
 void TurnToRises(NormalEquations& sum, int voltages) {
   sum.matrix.triangularView<Eigen::StrictlyUpper>() = sum.matrix.transpose();
@@ -59,7 +56,7 @@ JointStructure Coarsen(JointStructure structure) {
   return structure;
 }
 
-// Least squares over the logarithms of the rates, with the linear unknowns at their best for each:
+// Least squares over the coordinates of the rates (JointRate), with the linear unknowns at their best for each:
 // variable projection. The Jacobian is Kaufman's: slopes at fixed linear unknowns, less what the
 // free linear unknowns can follow.
 class RatesProblem : public LeastSquaresProblem {
@@ -70,19 +67,19 @@ class RatesProblem : public LeastSquaresProblem {
   [[nodiscard]] int size() const override { return static_cast<int>(rates_.size()); }
   [[nodiscard]] Eigen::VectorXd lower() const override {
     Eigen::VectorXd x(size());
-    for (int k = 0; k < size(); ++k) x[k] = std::log(rates_[k].lower);
+    for (int k = 0; k < size(); ++k) x[k] = rates_[k].Coordinate(rates_[k].lower);
     return x;
   }
   [[nodiscard]] Eigen::VectorXd upper() const override {
     Eigen::VectorXd x(size());
-    for (int k = 0; k < size(); ++k) x[k] = std::log(rates_[k].upper);
+    for (int k = 0; k < size(); ++k) x[k] = rates_[k].Coordinate(rates_[k].upper);
     return x;
   }
   [[nodiscard]] Eigen::VectorXd Point(JointRates rates) const {
     Eigen::VectorXd x(size());
     for (int k = 0; k < size(); ++k) {
-      x[k] = std::log(
-          std::clamp(*rates_[k].entry(rates, rates_[k].index), rates_[k].lower, rates_[k].upper));
+      x[k] =
+          rates_[k].Coordinate(std::clamp(rates_[k].In(rates), rates_[k].lower, rates_[k].upper));
     }
     return x;
   }
@@ -92,8 +89,7 @@ class RatesProblem : public LeastSquaresProblem {
     JointRates rates = best_.rates;
     for (int k = 0; k < p; ++k) {
       // exp(log(bound)) may miss the bound by a rounding.
-      *rates_[k].entry(rates, rates_[k].index) =
-          std::clamp(std::exp(x[k]), rates_[k].lower, rates_[k].upper);
+      rates_[k].In(rates) = std::clamp(rates_[k].Value(x[k]), rates_[k].lower, rates_[k].upper);
     }
     ProjectedSlopes slopes;
     last_ = fit_.Solve(
@@ -109,7 +105,7 @@ class RatesProblem : public LeastSquaresProblem {
     if (!jacobian) return factor;
     // The root of [J'J J'r; r'J r'r], from the eigenvectors of J'J, which may be singular.
     Eigen::VectorXd scale(p);
-    for (int k = 0; k < p; ++k) scale[k] = *rates_[k].entry(rates, rates_[k].index);
+    for (int k = 0; k < p; ++k) scale[k] = rates_[k].Slope(rates_[k].In(rates));
     const Eigen::MatrixXd square = scale.asDiagonal() * slopes.square * scale.asDiagonal();
     const Eigen::VectorXd right = scale.cwiseProduct(slopes.with_residual);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(square);
@@ -174,112 +170,37 @@ void SortBranches(JointSolution& solution) {
 }
 
 JointRates JointFit::Base(const JointStructure& structure) const {
-  const auto fixed = [&](const std::string& name, double otherwise) {
-    return known_.Fixed(name).value_or(known_.Start(name).value_or(otherwise));
-  };
   JointRates rates;
-  rates.beta_per_sqrt_s = setup_.diffusion ? fixed("beta", 0.2) : kInfinity;
+  rates.time_constant_s.resize(static_cast<std::size_t>(structure.branches));
+  if (structure.temperature) rates.branch_J_per_mol.resize(rates.time_constant_s.size());
+  for (const Rate& rate : AllRates(structure, setup_, scales_)) {
+    rate.In(rates) = known_.Fixed(rate.name).value_or(known_.Start(rate.name).value_or(rate.start));
+  }
   for (int j = 1; j <= structure.branches; ++j) {
     const auto r = known_.Fixed(fmt::format("r_{}", j));
     const auto c = known_.Fixed(fmt::format("c_{}", j));
-    rates.time_constant_s.push_back(
-        r && c ? std::max(*r * *c, kInstant_s)
-               : fixed(fmt::format("tau_{}", j),
-                       std::sqrt(scales_.shortest_tau_s * scales_.longest_tau_s)));
-  }
-  if (structure.self_heating) rates.heating_time_constant_s = fixed("tau_h", 500.0);
-  if (structure.charge_transfer) rates.charge_transfer_A = fixed("i_0", 0.15 * scales_.largest_A);
-  if (structure.temperature) {
-    rates.series_J_per_mol = fixed("E_s", kStartOfSeries);
-    if (setup_.diffusion) rates.diffusion_J_per_mol = fixed("E_d", kStartOfOthers);
-    for (int j = 1; j <= structure.branches; ++j)
-      rates.branch_J_per_mol.push_back(fixed(fmt::format("E_{}", j), kStartOfOthers));
-    if (structure.charge_transfer) rates.transfer_J_per_mol = fixed("E_ct", kStartOfOthers);
+    if (r && c)
+      rates.time_constant_s[static_cast<std::size_t>(j - 1)] = std::max(*r * *c, kInstant_s);
   }
   return rates;
 }
 
 std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) const {
-  std::vector<Rate> rates;
-  const RateSlots slots(structure);
-  const auto add =
-      [&](std::string name, double lower, double upper, auto entry, int index, int slot) {
-        if (known_.Fixed(name)) return;
-        if (const auto bounds = known_.Bounds(name)) {
-          if (bounds->first > 0.0) lower = bounds->first;  // its logarithm is searched
-          upper = bounds->second;
-          if (upper < lower) {
-            throw OptionError(
-                fmt::format("--bounds {}: expected an upper bound of at least {}", name, lower));
-          }
-        }
-        rates.push_back({std::move(name), lower, upper, entry, index, slot});
-      };
-  if (setup_.diffusion) {
-    // Slower than the longest log there is no diffusion to be seen.
-    add(
-        "beta",
-        scales_.least_beta_per_sqrt_s,
-        1.0,
-        [](JointRates& r, int) { return &r.beta_per_sqrt_s; },
-        0,
-        slots.beta());
-  }
-  for (int j = 0; j < structure.branches; ++j) {
-    if (known_.Fixed(fmt::format("r_{}", j + 1)) && known_.Fixed(fmt::format("c_{}", j + 1)))
-      continue;
-    add(
-        fmt::format("tau_{}", j + 1),
-        scales_.shortest_tau_s,
-        scales_.longest_tau_s,
-        [](JointRates& r, int at) { return &r.time_constant_s[at]; },
-        j,
-        slots.tau(j));
-  }
-  if (structure.self_heating) {
-    add(
-        "tau_h",
-        std::max(30.0, 2.0 * scales_.shortest_tau_s),
-        1e4,
-        [](JointRates& r, int) { return &r.heating_time_constant_s; },
-        0,
-        slots.heating());
-  }
-  if (structure.charge_transfer) {
-    add(
-        "i_0",
-        0.01 * scales_.largest_A,
-        2.0 * scales_.largest_A,
-        [](JointRates& r, int) { return &r.charge_transfer_A; },
-        0,
-        slots.transfer());
-  }
-  if (structure.temperature) {
-    const auto add_energy = [&](std::string name, auto entry, int index, int slot) {
-      add(std::move(name), kLeastEnergy, kMostEnergy, entry, index, slot);
-    };
-    if (setup_.diffusion) {
-      add_energy(
-          "E_d",
-          [](JointRates& r, int) { return &r.diffusion_J_per_mol; },
-          0,
-          slots.diffusion_energy());
-    }
-    add_energy(
-        "E_s", [](JointRates& r, int) { return &r.series_J_per_mol; }, 0, slots.series_energy());
-    for (int j = 0; j < structure.branches; ++j) {
-      add_energy(
-          fmt::format("E_{}", j + 1),
-          [](JointRates& r, int at) { return &r.branch_J_per_mol[static_cast<std::size_t>(at)]; },
-          j,
-          slots.branch_energy(j));
-    }
-    if (structure.charge_transfer) {
-      add_energy(
-          "E_ct",
-          [](JointRates& r, int) { return &r.transfer_J_per_mol; },
-          0,
-          slots.transfer_energy());
+  std::vector<Rate> rates = AllRates(structure, setup_, scales_);
+  std::erase_if(rates, [&](const Rate& rate) {
+    if (known_.Fixed(rate.name)) return true;
+    if (!rate.name.starts_with("tau_") || rate.name == "tau_h") return false;
+    return known_.Fixed(fmt::format("r_{}", rate.index + 1)) &&
+           known_.Fixed(fmt::format("c_{}", rate.index + 1));
+  });
+  for (Rate& rate : rates) {
+    const auto bounds = known_.Bounds(rate.name);
+    if (!bounds) continue;
+    if (bounds->first > 0.0) rate.lower = bounds->first;  // its logarithm is searched
+    rate.upper = bounds->second;
+    if (rate.upper < rate.lower) {
+      throw OptionError(fmt::format(
+          "--bounds {}: expected an upper bound of at least {}", rate.name, rate.lower));
     }
   }
   return rates;
@@ -309,6 +230,8 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
   }
   bend(layout.entropy(), layout.entropies());
   slope(layout.entropy(), layout.entropies(), 0.01 * second);
+  bend(layout.hysteresis(), layout.hystereses());
+  slope(layout.hysteresis(), layout.hystereses(), 0.01 * second);
   return penalty;
 }
 
@@ -338,8 +261,10 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
                       : -(setup_.open_circuit_voltage(structure.voltage_soc[k]) -
                           setup_.open_circuit_voltage(structure.voltage_soc[k - 1]));
   }
-  lower.tail(layout.entropies()).setConstant(-kMostEntropy_V_per_K * kEntropyScale_K);
-  upper.tail(layout.entropies()).setConstant(kMostEntropy_V_per_K * kEntropyScale_K);
+  const double most_entropy_V = kMostEntropy_V_per_K * kEntropyScale_K;
+  lower.segment(layout.entropy(), layout.entropies()).setConstant(-most_entropy_V);
+  upper.segment(layout.entropy(), layout.entropies()).setConstant(most_entropy_V);
+  upper.segment(layout.hysteresis(), layout.hystereses()).setConstant(kMostHysteresis_V);
   const auto bound = [&](const std::string& name, int table, double per_value) {
     const auto ends = known_.Range(name);
     if (!ends) return;
@@ -488,42 +413,26 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
     }
     grid = std::move(more);
   };
-  // Two values of tau_h or i_0; one where both are there, for each was found alone before; and none
-  // but its own where the neighbour knows it.
-  const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;
-  const RateSlots slots(structure);
   std::vector<int> branches;
   double lower_tau_s = scales_.shortest_tau_s;
   double upper_tau_s = scales_.longest_tau_s;
+  const RateSlots slots(structure);
   for (const Rate& rate : Rates(structure)) {
-    if (rate.name == "tau_h") {
-      auto choices = Choices(
-          GeometricGrid(std::max(rate.lower, 100.0), std::min(rate.upper, 2000.0), values), 1);
-      if (near != nullptr && std::isfinite(near->heating_time_constant_s))
-        choices = {{near->heating_time_constant_s}};
-      with(choices, [](JointRates& r, const auto& c) { r.heating_time_constant_s = c[0]; });
-    } else if (rate.name == "i_0") {
-      auto choices =
-          Choices(GeometricGrid(0.1 * scales_.largest_A, 0.5 * scales_.largest_A, values), 1);
-      if (near != nullptr && std::isfinite(near->charge_transfer_A))
-        choices = {{near->charge_transfer_A}};
-      with(choices, [](JointRates& r, const auto& c) { r.charge_transfer_A = c[0]; });
-    } else if (rate.name.starts_with("E_")) {
-      // Energies have one valley; the neighbour's, where it has them.
-      if (near == nullptr) continue;
-      JointRates known = *near;
-      const auto at = static_cast<std::size_t>(rate.index);
-      if (rate.slot >= slots.branch_energy(0) && rate.slot < slots.transfer_energy() &&
-          at >= known.branch_J_per_mol.size())
-        continue;
-      const double energy = *rate.entry(known, rate.index);
-      if (!std::isfinite(energy)) continue;
-      for (JointRates& rates : grid) *rate.entry(rates, rate.index) = energy;
-    } else if (rate.name != "beta") {
+    if (rate.slot == slots.beta()) continue;
+    if (rate.slot < slots.tau(structure.branches)) {
       branches.push_back(rate.index);
       lower_tau_s = std::max(lower_tau_s, rate.lower);
       upper_tau_s = std::min(upper_tau_s, rate.upper);
+      continue;
     }
+    // The neighbour's, where it has it.
+    std::vector<double> values = rate.grid;
+    JointRates known = near == nullptr ? JointRates{} : *near;
+    known.branch_J_per_mol.resize(static_cast<std::size_t>(structure.branches),
+                                  std::numeric_limits<double>::quiet_NaN());
+    if (std::isfinite(rate.In(known))) values = {rate.In(known)};
+    if (values.empty()) continue;
+    with(Choices(values, 1), [&](JointRates& r, const auto& c) { rate.In(r) = c[0]; });
   }
   if (branches.empty()) return grid;
   // Not at the ends: there a branch is one with r_s, or with v_oc.
@@ -568,14 +477,18 @@ JointSolution JointFit::Search(const JointStructure& structure,
   std::vector<std::vector<JointSolution>> lines(betas.size());
   ParallelFor(betas.size(), [&](std::size_t b) {
     JointRates with_beta = line.front();
-    with_beta.beta_per_sqrt_s = betas[b];  // the energy of diffusion is that of the whole line
-    const auto rows = seen_.At(with_beta, false);
+    with_beta.beta_per_sqrt_s = betas[b];  // energy and offset are those of the whole line
+    auto rows = seen_.At(with_beta, false);
     std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
       StopIfAsked();
       ++evaluations_;
       rates.beta_per_sqrt_s = betas[b];
+      if (structure.free_alpha && rates.alpha_C != with_beta.alpha_C) {
+        with_beta.alpha_C = rates.alpha_C;
+        rows = seen_.At(with_beta, false);
+      }
       JointSolution solution =
           SolveSums(coarse, rates, smoothness, rows->Sum(coarse, rates), guess);
       guess = solution.active;

@@ -19,6 +19,7 @@
 
 #include "identify/fit/given.h"
 #include "identify/fit/observations.h"
+#include "identify/joint/joint_terms.h"
 #include "identify/optimizers/levenberg_marquardt.h"
 #include "identify/optimizers/summary.h"
 
@@ -28,9 +29,9 @@ struct JointSolution {
   JointStructure structure;
   JointRates rates;
   double smoothness = 0.0;
-  Eigen::VectorXd x;         ///< as JointLayout has it
-  std::vector<char> active;  ///< bounds that hold, of v_oc's rises and of the resistances: 1 the
-                             ///< lower, 2 the upper
+  Eigen::VectorXd x;          ///< as JointLayout has it
+  std::vector<char> active;   ///< bounds that hold, of v_oc's rises and of the resistances: 1 the
+                              ///< lower, 2 the upper
   std::vector<char> follows;  ///< of each branch: c_j is held, so that r_j moves with tau_j
   double cost = std::numeric_limits<double>::infinity();    ///< with the penalty
   double square = std::numeric_limits<double>::infinity();  ///< without it
@@ -101,16 +102,10 @@ class JointFit {
   [[nodiscard]] int evaluations() const { return evaluations_; }
   [[nodiscard]] const Observations& seen() const { return seen_; }
 
-  /// A rate that is searched: its name, and bounds.
-  struct Rate {
-    std::string name;
-    double lower, upper;
-    double* (*entry)(JointRates&, int);
-    int index;
-    int slot;  ///< in RateSlots
-  };
+  /// Those that are searched, within the bounds that were given.
+  using Rate = JointRate;
   [[nodiscard]] std::vector<Rate> Rates(const JointStructure& structure) const;
-  /// Beta and time constants that are not searched stand in the rates that this returns.
+  /// Rates that are not searched stand in what this returns.
   [[nodiscard]] JointRates Base(const JointStructure& structure) const;
 
  private:

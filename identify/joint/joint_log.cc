@@ -114,13 +114,14 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     int group, unit;
   };
   const auto place_of = [&](std::size_t row) -> Place {
-    if (log.kind == LogKind::kLowRate || log.kind == LogKind::kLowRateCharge)
-      return {JointLog::kAlways, JointLog::kAlways};
-    if (log.kind == LogKind::kConstantCurrent) {
+    if (log.kind == LogKind::kLowRate) return {JointLog::kAlways, JointLog::kAlways};
+    // A slow charge is left out in pieces: it alone shows v_oc from that side.
+    if (log.kind == LogKind::kConstantCurrent || log.kind == LogKind::kLowRateCharge) {
       const double share = (record.time_s[row] - from_s) / length_s;
       const int piece = std::min(static_cast<int>(share * kPieces), kPieces - 1);
       if (piece == 0 || piece >= kPieces - 2) return {JointLog::kAlways, JointLog::kAlways};
-      return {whole ? 0 : piece % kGroups, piece / kPiecesOfUnit};
+      const bool at_once = whole && log.kind == LogKind::kConstantCurrent;
+      return {at_once ? 0 : piece % kGroups, piece / kPiecesOfUnit};
     }
     const auto after = std::upper_bound(starts.begin(), starts.end(), row);
     const int pulse = std::max<int>(static_cast<int>(after - starts.begin()) - 1, 0);

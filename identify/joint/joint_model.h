@@ -3,19 +3,21 @@
 /// @file
 /// The unknowns of the joint estimator. Given the few that the model is not linear in,
 ///
-///   beta, tau_1 .. tau_n  [, tau_h, i_0]  [, E_d, E_s, E_1 .. E_n, E_ct]
+///   beta, tau_1 .. tau_n  [, tau_h, i_0]  [, E_d, E_s, E_1 .. E_n, E_ct]  [, gamma] [, i_off] [, alpha]
 ///
 /// the state of charge A(t) of every log is known, and the voltage is linear in all the others:
 ///
 ///   v_b = sum_k V_k phi_k(A) - sum_k R_k psi_k(A) i - sum_j sum_k R_jk L_j[psi_k(A) i]
 ///         [- sum_k C_k psi_k(A) i_0 asinh(i/i_0)] [+ rho h i]                 (4.51)
-///         [+ sum_k S_k chi_k(A) (T - T_ref)]
+///         [+ sum_k S_k chi_k(A) (T - T_ref)] [+ sum_k M_k chi_k(A) h]
 ///
 /// with straight-line nodes phi_k, psi_k (psi constant, phi straight beyond the ends), the low pass
 /// L_j of branch j (4.50), and the thermal state h, the low pass of i² by tau_h. A constant
 /// resistance is a table of one node. Where temperature takes part, its factors multiply the
 /// currents above (model/battery/temperature.h); the temperature itself was measured or is that of
-/// the surroundings. Symbols: docs/joint.md.
+/// the surroundings. Hysteresis adds its own h (model/battery/hysteresis.h). Where the current sensor
+/// has an offset, i is what it showed less i_off, in every row in which it does not show exactly 0:
+/// such a row is an open circuit. Symbols: docs/joint.md.
 
 #include <cmath>
 #include <limits>
@@ -48,8 +50,11 @@ struct JointStructure {
   std::vector<double> voltage_soc = {};     ///< nodes of v_oc; empty: the curve is given
   bool self_heating = false;
   bool charge_transfer = false;
-  bool temperature = false;              ///< every resistance and beta by an energy of its own
-  std::vector<double> entropy_soc = {};  ///< nodes of dv_oc/dT; empty: none
+  bool temperature = false;                 ///< every resistance and beta by an energy of its own
+  std::vector<double> entropy_soc = {};     ///< nodes of dv_oc/dT; empty: none
+  std::vector<double> hysteresis_soc = {};  ///< nodes of M; one: constant; empty: no hysteresis
+  bool current_offset = false;              ///< of the sensor that all logs share
+  bool free_alpha = false;  ///< the charge at which logs that do not start full begin is searched
 
   [[nodiscard]] int nodes() const { return static_cast<int>(resistance_soc.size()); }
   friend bool operator==(const JointStructure&, const JointStructure&) = default;
@@ -66,6 +71,18 @@ struct JointRates {
   double series_J_per_mol = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> branch_J_per_mol = {};
   double transfer_J_per_mol = std::numeric_limits<double>::quiet_NaN();
+  double hysteresis_folds = std::numeric_limits<double>::quiet_NaN();  ///< over JointSetup::alpha_C
+  /// What the sensor shows more than flows; NaN: no such term.
+  double current_offset_A = std::numeric_limits<double>::quiet_NaN();
+  /// Where it is searched: logs that do not start full begin at (1 - initial_soc) of this charge. NaN:
+  /// of JointSetup::alpha_C, which is the unit of A in either case.
+  double alpha_C = std::numeric_limits<double>::quiet_NaN();
+
+  /// The current that flowed where the sensor shows this, and its slope in the offset.
+  [[nodiscard]] double Flowing(double shown_A) const {
+    return shown_A == 0.0 || std::isnan(current_offset_A) ? shown_A : shown_A - current_offset_A;
+  }
+  [[nodiscard]] double FlowingSlope(double shown_A) const { return shown_A == 0.0 ? 0.0 : -1.0; }
 };
 
 /// The factors of one temperature, with the slopes of their logarithms in the energies, which are
@@ -86,15 +103,18 @@ struct AtTemperature {
 };
 
 /// Where the slope in each nonlinear parameter stands: beta, tau_1 .. tau_n, tau_h, i_0, E_d, E_s,
-/// E_1 .. E_n, E_ct. There is always a beta; without diffusion its slope is zero, as is that of
-/// E_d.
+/// E_1 .. E_n, E_ct, gamma, i_off, alpha. There is always a beta; without diffusion its slope is
+/// zero, as is that of E_d.
 class RateSlots {
  public:
   explicit RateSlots(const JointStructure& structure)
       : branches_(structure.branches),
         heating_(structure.self_heating ? 1 : 0),
         transfer_(structure.charge_transfer ? 1 : 0),
-        energies_(structure.temperature ? 2 + structure.branches + transfer_ : 0) {}
+        energies_(structure.temperature ? 2 + structure.branches + transfer_ : 0),
+        hysteresis_(structure.hysteresis_soc.empty() ? 0 : 1),
+        offset_(structure.current_offset ? 1 : 0),
+        alpha_(structure.free_alpha ? 1 : 0) {}
 
   [[nodiscard]] int beta() const { return 0; }
   [[nodiscard]] int tau(int j) const { return 1 + j; }
@@ -104,14 +124,17 @@ class RateSlots {
   [[nodiscard]] int series_energy() const { return diffusion_energy() + 1; }
   [[nodiscard]] int branch_energy(int j) const { return series_energy() + 1 + j; }
   [[nodiscard]] int transfer_energy() const { return branch_energy(branches_); }
-  [[nodiscard]] int size() const { return diffusion_energy() + energies_; }
+  [[nodiscard]] int hysteresis() const { return diffusion_energy() + energies_; }
+  [[nodiscard]] int offset() const { return hysteresis() + hysteresis_; }
+  [[nodiscard]] int alpha() const { return offset() + offset_; }
+  [[nodiscard]] int size() const { return alpha() + alpha_; }
 
  private:
-  int branches_, heating_, transfer_, energies_;
+  int branches_, heating_, transfer_, energies_, hysteresis_, offset_, alpha_;
 };
 
 /// Where each linear unknown stands. All are in volts: node voltages as they are, resistances
-/// times the typical current, rho times its cube, dv_oc/dT times kEntropyScale_K.
+/// times the typical current, rho times its cube, dv_oc/dT times kEntropyScale_K, M as it is.
 inline constexpr double kEntropyScale_K = 10.0;
 class JointLayout {
  public:
@@ -121,7 +144,8 @@ class JointLayout {
         branches_(structure.branches),
         transfer_(structure.charge_transfer),
         heating_(structure.self_heating),
-        entropies_(static_cast<int>(structure.entropy_soc.size())) {}
+        entropies_(static_cast<int>(structure.entropy_soc.size())),
+        hystereses_(static_cast<int>(structure.hysteresis_soc.size())) {}
 
   [[nodiscard]] int voltages() const { return voltages_; }
   [[nodiscard]] int nodes() const { return nodes_; }
@@ -131,7 +155,9 @@ class JointLayout {
   [[nodiscard]] int heating() const { return branch(branches_ + (transfer_ ? 1 : 0)); }
   [[nodiscard]] int entropy() const { return heating() + (heating_ ? 1 : 0); }
   [[nodiscard]] int entropies() const { return entropies_; }
-  [[nodiscard]] int size() const { return entropy() + entropies_; }
+  [[nodiscard]] int hysteresis() const { return entropy() + entropies_; }
+  [[nodiscard]] int hystereses() const { return hystereses_; }
+  [[nodiscard]] int size() const { return hysteresis() + hystereses_; }
   /// Tables of resistances: r_s, r_1 .. r_n and, where it is there, that of the charge transfer.
   [[nodiscard]] int tables() const { return 1 + branches_ + (transfer_ ? 1 : 0); }
   [[nodiscard]] int table(int t) const { return voltages_ + t * nodes_; }
@@ -139,7 +165,7 @@ class JointLayout {
  private:
   int voltages_, nodes_, branches_;
   bool transfer_, heating_;
-  int entropies_;
+  int entropies_, hystereses_;
 };
 
 /// From columns of node voltages to columns of their rises, x_node[k] = sum_{j <= k} rise[j]: each

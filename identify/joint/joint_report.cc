@@ -8,26 +8,28 @@
 namespace lipoid {
 namespace {
 
+void AddTerms(const JointStructure& structure, Json& json) {
+  for (const JointTerm& term : JointTerms()) json[std::string(term.key)] = term.present(structure);
+}
+
 Json TriedToJson(const TriedStructure& row) {
   const JointStructure& s = row.solution.structure;
-  return {{"what", row.what},
-          {"branches", s.branches},
-          {"resistance_nodes", s.nodes()},
-          {"voltage_nodes", s.voltage_soc.size()},
-          {"self_heating", s.self_heating},
-          {"charge_transfer", s.charge_transfer},
-          {"temperature", s.temperature},
-          {"entropy", !s.entropy_soc.empty()},
-          {"smoothness", row.errors.smoothness},
-          {"fitted_V", NumberOrNull(row.errors.fitted_V)},
-          {"left_out_V", NumberOrNull(row.errors.left_out_V)},
-          {"expected_V", NumberOrNull(row.errors.expected_V)},
-          {"gain_V", NumberOrNull(row.gain.gain)},
-          {"gain_standard_error_V", NumberOrNull(row.gain.standard_error)},
-          {"weight", row.weight},
-          {"beta_per_sqrt_s", NumberOrNull(row.solution.rates.beta_per_sqrt_s)},
-          {"time_constants_s", row.solution.rates.time_constant_s},
-          {"taken", row.taken}};
+  Json json = {{"what", row.what},
+               {"branches", s.branches},
+               {"resistance_nodes", s.nodes()},
+               {"voltage_nodes", s.voltage_soc.size()}};
+  AddTerms(s, json);
+  json.update({{"smoothness", row.errors.smoothness},
+               {"fitted_V", NumberOrNull(row.errors.fitted_V)},
+               {"left_out_V", NumberOrNull(row.errors.left_out_V)},
+               {"expected_V", NumberOrNull(row.errors.expected_V)},
+               {"gain_V", NumberOrNull(row.gain.gain)},
+               {"gain_standard_error_V", NumberOrNull(row.gain.standard_error)},
+               {"weight", row.weight},
+               {"beta_per_sqrt_s", NumberOrNull(row.solution.rates.beta_per_sqrt_s)},
+               {"time_constants_s", row.solution.rates.time_constant_s},
+               {"taken", row.taken}});
+  return json;
 }
 
 }  // namespace
@@ -63,27 +65,23 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
             {"largest_rise_K", found->largest_rise_K},
             {"logs", found->logs}};
   }
+  Json joint = {{"rmse_V", result.rmse_V},
+                {"evaluations", result.evaluations},
+                {"termination", options_internal::ToText(best.termination)},
+                {"message", best.message},
+                {"wall_s", result.wall_s},
+                {"branches", best.structure.branches},
+                {"resistance_nodes", best.structure.nodes()},
+                {"voltage_nodes", best.structure.voltage_soc.size()}};
+  AddTerms(best.structure, joint);
+  joint.update({{"smoothness", best.smoothness}, {"at_bound", best.at_bound}, {"tried", tried}});
+  if (best.structure.current_offset) joint["current_offset_A"] = best.rates.current_offset_A;
   Json report = {{"method", "joint"},
                  {"converged", result.converged},
                  {"alpha_C", result.alpha_C},
                  {"alpha_source", result.alpha_source},
                  {"low_rate_charge_C", staged["low_rate_charge_C"]},
-                 {"joint",
-                  {{"rmse_V", result.rmse_V},
-                   {"evaluations", result.evaluations},
-                   {"termination", options_internal::ToText(best.termination)},
-                   {"message", best.message},
-                   {"wall_s", result.wall_s},
-                   {"branches", best.structure.branches},
-                   {"resistance_nodes", best.structure.nodes()},
-                   {"voltage_nodes", best.structure.voltage_soc.size()},
-                   {"self_heating", best.structure.self_heating},
-                   {"charge_transfer", best.structure.charge_transfer},
-                   {"temperature", best.structure.temperature},
-                   {"entropy", !best.structure.entropy_soc.empty()},
-                   {"smoothness", best.smoothness},
-                   {"at_bound", best.at_bound},
-                   {"tried", tried}}},
+                 {"joint", joint},
                  {"parameters", TrustedParametersToJson(trust)},
                  {"trust", TrustToJson(trust)},
                  {"logs", logs},

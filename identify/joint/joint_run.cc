@@ -4,7 +4,6 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -69,8 +68,6 @@ const GivenParameters& Checked(const GivenParameters& given, int branches, bool 
   return given;
 }
 
-// The alpha that fits best lies within so much of the charge of the low-rate log, as a logarithm.
-constexpr double kAlphaReach = 0.4;
 // A fit by another alpha is better, and not only by what smoothness and nodes make of it.
 constexpr double kClearlyBetter = 0.9;
 
@@ -213,6 +210,7 @@ class JointRun {
       structure.voltage_soc = CurveNodes();
       structure.temperature = result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K &&
                               options_.temperature != Presence::kOff;
+      structure.free_alpha = free_alpha_;
       rough = JointFit(seen, known_).Search(structure, 1e-3, rough.x.size() > 0 ? &rough : nullptr);
       return std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
     };
@@ -231,20 +229,25 @@ class JointRun {
     if (!AllStartFull(logs_)) {
       const double cutoff_C = alpha_C;
       const double rmse_of_cutoff_V = search();
-      const auto rmse_at = [&](double log_ratio) {
-        alpha_C = charge_C * std::exp(log_ratio);
-        const double rmse_V = search();
-        return rough.x.size() > 0 ? rmse_V : std::numeric_limits<double>::max();
-      };
-      constexpr int kBits = 9;  // of the ratio: the cost is flat at its least
-      std::uintmax_t most = 20;
-      const auto [log_ratio, rmse_V] =
-          boost::math::tools::brent_find_minima(rmse_at, -kAlphaReach, kAlphaReach, kBits, most);
-      if (rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
-        alpha_C = charge_C * std::exp(log_ratio);
+      free_alpha_ = true;
+      // From the charge of the low-rate log; again where alpha moved, since the nodes lie where the
+      // logs went by the alpha before.
+      alpha_C = charge_C;
+      constexpr int kMostPasses = 5;
+      constexpr double kSettled = 1e-3;
+      double rmse_V = kInfinity;
+      for (int pass = 0; pass < kMostPasses; ++pass) {
+        rmse_V = search();
+        if (rough.x.size() == 0) break;
+        const double change = std::abs(rough.rates.alpha_C / alpha_C - 1.0);
+        alpha_C = rough.rates.alpha_C;
+        if (change < kSettled) break;
+      }
+      if (rough.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
         result_.alpha_source = "least-squares";
       } else {
         alpha_C = cutoff_C;
+        free_alpha_ = false;
       }
     }
     Prepare(alpha_C);
@@ -272,6 +275,7 @@ class JointRun {
                         CurveNodes(),
                         LowestSoc(result_.setup.alpha_C),
                         options_,
+                        free_alpha_,
                         [&](double share) { Tell("all logs at once", 0.3 + 0.6 * share); });
     if (result_.choice.best.x.size() == 0) {
       throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
@@ -323,8 +327,10 @@ class JointRun {
     if (result_.alpha_source == "cut-off") {
       result_.cutoff = Cutoff(best);
       alpha_C *= 1.0 - result_.cutoff.soc;
+    } else if (free_alpha_) {
+      alpha_C = best.rates.alpha_C;
     }
-    if (AllStartFull(logs_) && alpha_C != setup.alpha_C) {
+    if ((AllStartFull(logs_) || free_alpha_) && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
         for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
         return at;
@@ -337,6 +343,10 @@ class JointRun {
       if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
       if (cell.temperature && cell.temperature->entropy)
         cell.temperature->entropy->soc = move(std::move(cell.temperature->entropy->soc));
+      if (cell.hysteresis) {
+        cell.hysteresis->soc = move(std::move(cell.hysteresis->soc));
+        cell.hysteresis->folds *= alpha_C / setup.alpha_C;
+      }
     } else {
       alpha_C = setup.alpha_C;
     }
@@ -358,6 +368,16 @@ class JointRun {
       cell.temperature->entropy->reversible_heat = result_.heat->reversible;
   }
 
+  // By the currents that flowed, where the sensor was found to have an offset.
+  [[nodiscard]] LogErrors ValidateAsFlowing(const LoadedLog& log) const {
+    const JointSolution& best = result_.choice.best;
+    if (!best.structure.current_offset) return Validate(result_.cell, log);
+    LoadedLog flowing = log;
+    for (double& current_A : flowing.log.record.current_A)
+      current_A = best.rates.Flowing(current_A);
+    return Validate(result_.cell, flowing);
+  }
+
   // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
   void Judge() {
     Tell("validation", 0.92);
@@ -368,7 +388,7 @@ class JointRun {
       const bool by_joint = task % 2 == 0;
       if (!by_joint && log.entry.kind == LogKind::kValidation) return;
       (by_joint ? joint : before)[task / 2] =
-          Validate(by_joint ? result_.cell : result_.staged.cell, log);
+          by_joint ? ValidateAsFlowing(log) : Validate(result_.staged.cell, log);
     });
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       if (logs_[l].entry.kind == LogKind::kValidation) {
@@ -398,6 +418,13 @@ class JointRun {
                             name));
     }
     NameTemperatureCautions();
+    if (best.structure.current_offset) {
+      say.push_back(fmt::format(
+          "the current sensor shows {:.4g} mA more than flows: charge out and charge in do not agree "
+          "otherwise. Errors below are those of the corrected currents; the offset is the sensor's, "
+          "and the cell file does not hold it",
+          1e3 * best.rates.current_offset_A));
+    }
     constexpr double kWorthSaying_V = 0.02;
     if (result_.cutoff.extrapolated) {
       const double lowest_V =
@@ -468,6 +495,7 @@ class JointRun {
   const StageProgress& progress_;
   const GivenParameters& known_;
   bool curve_given_ = false;
+  bool free_alpha_ = false;        // alpha is one of the unknowns
   std::vector<double> deepest_C_;  // charge that has left each log at most
   JointResult result_;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "identify/fit/cell_rows.h"
+#include "identify/logs/columns.h"
 #include "model/core/parallel.h"
 #include "model/core/stop.h"
 
@@ -32,28 +33,31 @@ void WalkLog(const JointLogs& logs,
   CellRows rows(setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
   ModeSteps steps;
   rows.SetSteps(log.interval_s, steps);
-  const auto slope = [](const std::vector<double>& of, std::size_t k) {
-    return of.empty() ? 0.0 : of[k];
+  rows.Start(log.delivered_C);
+  const auto at = [&](double shown_A,
+                      double dt_s,
+                      const std::vector<double>& of,
+                      const std::vector<SocSlopes>& slopes,
+                      std::size_t k) {
+    return CellRows::At{.current_A = rates.Flowing(shown_A),
+                        .dt_s = dt_s,
+                        .soc = of[k],
+                        .slopes = slopes.empty() ? SocSlopes{} : slopes[k],
+                        .current_by_offset = rates.FlowingSlope(shown_A)};
   };
   const bool warm = structure.temperature && !log.temperature_K.empty();
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (k > 0) {
+      const double dt_s = log.time_s[k] - log.time_s[k - 1];
       rows.Step(steps,
                 static_cast<Eigen::Index>(log.interval[k]),
-                log.step_A[k],
-                trace.start[k],
-                slope(trace.start_slope, k),
-                slope(trace.start_energy_slope, k));
+                at(log.step_A[k], dt_s, trace.start, trace.start_slopes, k));
     }
     if (warm && (k == 0 || log.temperature_K[k] != log.temperature_K[k - 1]))
       rows.SetTemperature({log.temperature_K[k], setup.reference_K});
     if (!(log.weight[k] > 0.0)) continue;
     sink(k,
-         rows.MakeRow(log.current_A[k],
-                      log.voltage_V[k],
-                      trace.at[k],
-                      slope(trace.at_slope, k),
-                      slope(trace.at_energy_slope, k)));
+         rows.MakeRow(at(log.current_A[k], 0.0, trace.at, trace.at_slopes, k), log.voltage_V[k]));
   }
 }
 
@@ -120,13 +124,17 @@ SocTrace TraceSoc(const JointLogs& logs,
     LogTrace& out = trace.logs[l];
     const double energy_J_per_mol = rates.diffusion_J_per_mol;
     const bool warm = std::isfinite(energy_J_per_mol) && !log.temperature_K.empty();
-    SocState state(setup, rates.beta_per_sqrt_s, log.delivered_C, slopes);
+    const bool with_alpha = std::isfinite(rates.alpha_C);
+    const bool with_offset = std::isfinite(rates.current_offset_A);
+    const double spent = log.delivered_C / setup.alpha_C;
+    SocState state(
+        setup, rates.beta_per_sqrt_s, with_alpha ? spent * rates.alpha_C : log.delivered_C, slopes);
+    if (slopes && with_offset) state.CountOffset();
+    const bool moves = state.slopes() || (slopes && (with_alpha || with_offset));
     out.at.resize(log.size());
     out.start.resize(log.size());
-    out.at_slope.resize(state.slopes() ? log.size() : 0);
-    out.start_slope.resize(state.slopes() ? log.size() : 0);
-    out.at_energy_slope.resize(state.slopes() && warm ? log.size() : 0);
-    out.start_energy_slope.resize(state.slopes() && warm ? log.size() : 0);
+    out.at_slopes.resize(moves ? log.size() : 0);
+    out.start_slopes.resize(moves ? log.size() : 0);
     ModeSteps steps;
     if (warm) {
       std::vector<AtTemperature> at;
@@ -137,22 +145,28 @@ SocTrace TraceSoc(const JointLogs& logs,
     } else {
       state.SetSteps(log.interval_s, steps);
     }
+    const auto slopes_at = [&](double shown_A) {
+      const double current_A = rates.Flowing(shown_A);
+      return SocSlopes{.beta = state.Slope(current_A),
+                       .energy = warm ? state.EnergySlope(current_A) : 0.0,
+                       .offset = state.OffsetSlope(rates.FlowingSlope(shown_A)),
+                       .alpha = with_alpha ? -spent / setup.alpha_C : 0.0};
+    };
     for (std::size_t k = 0; k < log.size(); ++k) {
       const double step_A = k > 0 ? log.step_A[k] : 0.0;
-      out.start[k] = state.Soc(step_A);
-      if (state.slopes()) out.start_slope[k] = state.Slope(step_A);
-      if (state.slopes() && warm) out.start_energy_slope[k] = state.EnergySlope(step_A);
+      out.start[k] = state.Soc(rates.Flowing(step_A));
+      if (moves) out.start_slopes[k] = slopes_at(step_A);
       if (k > 0) {
         state.Step(steps,
                    static_cast<Eigen::Index>(log.interval[k]),
-                   step_A,
-                   log.time_s[k] - log.time_s[k - 1]);
+                   rates.Flowing(step_A),
+                   log.time_s[k] - log.time_s[k - 1],
+                   rates.FlowingSlope(step_A));
       }
       if (warm && k > 0 && log.temperature_K[k] != log.temperature_K[k - 1])
         state.SetTemperature({log.temperature_K[k], setup.reference_K}, energy_J_per_mol);
-      out.at[k] = state.Soc(log.current_A[k]);
-      if (state.slopes()) out.at_slope[k] = state.Slope(log.current_A[k]);
-      if (state.slopes() && warm) out.at_energy_slope[k] = state.EnergySlope(log.current_A[k]);
+      out.at[k] = state.Soc(rates.Flowing(log.current_A[k]));
+      if (moves) out.at_slopes[k] = slopes_at(log.current_A[k]);
     }
   });
   for (std::size_t l = 0; l < logs.logs.size(); ++l) {
@@ -246,6 +260,9 @@ JointObservations::JointObservations(const JointLogs& logs, const JointSetup& se
   scales_.typical_A = logs.typical_A;
   scales_.largest_A = logs.largest_A;
   scales_.weight_sum = logs.weight_sum;
+  scales_.slowest_A = logs.largest_A;
+  for (const JointLog& log : logs.logs)
+    scales_.slowest_A = std::min(scales_.slowest_A, LargestMagnitude(log.current_A));
   // Time constants that logs with steps can show, pulses where there are any.
   double shortest_s = std::numeric_limits<double>::infinity();
   double longest_s = 0.0;

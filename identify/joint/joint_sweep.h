@@ -17,16 +17,14 @@
 
 namespace lipoid {
 
-/// A(t) of one log for one beta and E_d: of each point, and of the start of the step that leads to it under
-/// the step's current (CellModel takes r_j there); their slopes in beta where they were asked for.
+/// A(t) of one log for one beta, E_d, offset and alpha: of each point, and of the start of the step
+/// that leads to it under the step's current (CellModel takes r_j there); their slopes where they
+/// were asked for and there are any.
 struct LogTrace {
   std::vector<double> at;
   std::vector<double> start;
-  std::vector<double> at_slope;
-  std::vector<double> start_slope;
-  /// In E_d, where temperature takes part.
-  std::vector<double> at_energy_slope;
-  std::vector<double> start_energy_slope;
+  std::vector<SocSlopes> at_slopes;
+  std::vector<SocSlopes> start_slopes;
 };
 struct SocTrace {
   std::vector<LogTrace> logs;

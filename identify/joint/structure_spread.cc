@@ -43,6 +43,9 @@ double ValueIn(const JointSolution& solution,
   const std::size_t bracket = name.find('(');
   std::string what = name.substr(0, bracket);
   if (what == "alpha") return kNaN;
+  if (what == "i_off") {  // of the sensor, and of no cell; a structure without it says 0
+    return solution.structure.current_offset ? solution.rates.current_offset_A : 0.0;
+  }
   if (const auto known = FindCellParameter(what); known && known->kind->of_branch) {
     if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
     const int j = BranchNear(solution, taken.rates.time_constant_s[known->branch]);
@@ -61,10 +64,25 @@ double ValueIn(const JointSolution& solution,
   };
   if (what == "r_total") {
     double sum = 0.0;
-    for (const std::string& one : CellResistanceNames(cell)) sum += mean(*CellResistance(cell, one));
+    for (const std::string& one : CellResistanceNames(cell))
+      sum += mean(*CellResistance(cell, one));
     return sum;
   }
   if (const Resistance<double>* r = CellResistance(cell, what)) return mean(*r);
+  if (what == "M") {
+    if (!cell.hysteresis) return 0.0;
+    double sum_V = 0.0;
+    for (const double a : soc)
+      sum_V += cell.hysteresis->Voltage(a, 1.0) / static_cast<double>(soc.size());
+    return sum_V;
+  }
+  if (what == "dv_dT") {
+    if (!cell.temperature || !cell.temperature->entropy) return kNaN;
+    double sum_V_per_K = 0.0;
+    for (const double a : soc)
+      sum_V_per_K += (*cell.temperature->entropy)(a) / static_cast<double>(soc.size());
+    return sum_V_per_K;
+  }
   if (const auto value = CellParameter(cell, what)) return *value;
   if (!what.starts_with("c_")) return kNaN;
   const std::string number = what.substr(2);

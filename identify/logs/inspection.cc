@@ -47,6 +47,8 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   for (std::size_t k = 1; k < record.size(); ++k)
     steps_s.push_back(record.time_s[k] - record.time_s[k - 1]);
   inspection.sampling_s = SpreadOf(std::move(steps_s));
+  if (const auto& thinned = report.thinned)
+    inspection.sampling_s = {thinned->shortest_s, thinned->median_s, thinned->longest_s};
   inspection.segments = FindSegments(record);
   for (const Segment& segment : inspection.segments) {
     (segment.charge_C > 0.0 ? inspection.charge_out_C : inspection.charge_in_C) +=

@@ -80,6 +80,13 @@ Json InspectionToJson(const Inspection& log) {
                {"suggested_kind", nullptr},
                {"suggested_kind_reason", log.suggestion.reason}};
   json.update(ReadingToJson(log.report));
+  if (log.report.thinned) {
+    const ThinningFacts& thinned = *log.report.thinned;
+    json["thinned"] = {{"rows", thinned.rows},
+                       {"most_rows", thinned.most_rows},
+                       {"group", thinned.group},
+                       {"tolerance_A", thinned.tolerance_A}};
+  }
   if (log.report.flight) json["flight"] = ToJson(*log.report.flight);
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
   if (log.suggestion.kind) json["suggested_kind"] = NameOf(*log.suggestion.kind);

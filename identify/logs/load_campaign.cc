@@ -12,6 +12,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
+#include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -111,6 +112,8 @@ std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
     const LogReport& report = loaded.log.report;
     for (const std::string& warning : report.warnings)
       add(fmt::format("{}: {}", loaded.entry.file, warning));
+    if (report.thinned)
+      add(fmt::format("{}: {}", loaded.entry.file, ThinningText(*report.thinned)));
     if (report.current_sign_is_of_others)
       add(fmt::format("{}: {}", loaded.entry.file, report.current_sign_reason));
     if (report.current_sign == "unsigned") continue;

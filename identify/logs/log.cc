@@ -1,17 +1,15 @@
 #include "identify/logs/log.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <set>
 #include <utility>
 
+#include "identify/logs/collector.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/csv/table_reader.h"
 #include "identify/logs/csv/text_source.h"
@@ -24,9 +22,6 @@
 
 namespace lipoid {
 namespace {
-
-// Later than any test began and earlier than any clock of today: seconds since 1970.
-constexpr double kUnixClock_s = 1e8;
 
 // A flight log is held as a whole while it is read.
 constexpr std::size_t kMostFlightBytes = std::size_t{1} << 31;
@@ -69,266 +64,12 @@ void CheckOptions(const ReadOptions& options) {
   }
 }
 
-// A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of
-// the time that reading takes. Only a hint: where the system has no large pages nothing changes.
-void PreferHugePages(void* begin, std::size_t bytes) {
-  constexpr std::size_t kPage = std::size_t{1} << 21;
-  std::size_t room = bytes;
-  void* const first = std::align(kPage, kPage, begin, room);
-  if (first != nullptr) ::madvise(first, room / kPage * kPage, MADV_HUGEPAGE);
-}
-
-// Takes the blocks of a table into a record, row by row where something must be left out.
-class Collector {
- public:
-  Collector(const TextSource& source,
-            const LogPlan& plan,
-            const ReadOptions& options,
-            TableReader& reader)
-      : source_(source),
-        plan_(plan),
-        options_(options),
-        reader_(reader),
-        bytes_left_(static_cast<double>(source.size())) {
-    log_.record.file = source.file();
-    log_.record.hold = options.hold;
-    selects_rows_ = !options.steps.empty() || !options.cycles.empty();
-    has_labels_ = options.labels && (plan.Of(Quantity::kStep) || plan.Of(Quantity::kCycle));
-    selects_times_ = std::isfinite(options.start_s) || std::isfinite(options.end_s);
-  }
-
-  void Take(TableBlock& block) {
-    if (block.rows == 0) return;
-    rows_seen_ += block.rows;
-    ToSi(block, Quantity::kTime);
-    ToSi(block, Quantity::kCurrent);
-    ToSi(block, Quantity::kVoltage);
-    ToSi(block, Quantity::kTemperature);
-    if (!clock_is_set_) {
-      clock_is_set_ = true;
-      const double first_s = Column(block, Quantity::kTime)[0];
-      if (first_s > kUnixClock_s) unix_start_s_ = first_s;
-    }
-    Reserve(block);
-    if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step ||
-        unix_start_s_ != 0.0 || !Increases(block)) {
-      TakeRowByRow(block);
-    } else {
-      TakeAll(block);
-    }
-    bytes_left_ -= static_cast<double>(block.bytes);
-  }
-
-  Log Finish() {
-    if (rows_seen_ == 0) {
-      throw LoadError({source_.file(), plan_.header_line, 1},
-                      reader_.cut_last_lines() > 0
-                          ? "expected rows below the header, found only one that is cut off"
-                          : "expected rows below the header, found none");
-    }
-    if (log_.record.size() == 0) FailUnselected();
-    if (drops_temperature_) log_.record.temperature_degC.clear();
-    if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
-      const double start_s = log_.record.time_s.front();
-      for (double& t : log_.record.time_s) t -= start_s;
-    }
-    log_.report.rows = log_.record.size();
-    log_.report.dropped_cut_last_line = reader_.cut_last_lines();
-    return std::move(log_);
-  }
-
-  [[nodiscard]] std::vector<std::int8_t>& directions() { return directions_; }
-  [[nodiscard]] bool drops_temperature() const { return drops_temperature_; }
-  [[nodiscard]] bool unix_clock() const { return unix_start_s_ != 0.0; }
-
- private:
-  double* Column(TableBlock& block, Quantity quantity) const {
-    const auto& column = plan_.Of(quantity);
-    return column ? block.columns[column->column].get() : nullptr;
-  }
-
-  void ToSi(TableBlock& block, Quantity quantity) const {
-    const auto& column = plan_.Of(quantity);
-    if (!column || column->unit.IsSi()) return;
-    double* values = block.columns[column->column].get();
-    for (std::size_t k = 0; k < block.rows; ++k) values[k] = column->unit.ToSi(values[k]);
-  }
-
-  // Vectors that doubled would hold the log twice for a moment.
-  void Reserve(const TableBlock& block) {
-    const std::size_t needed = log_.record.size() + block.rows;
-    if (needed <= log_.record.time_s.capacity()) return;
-    constexpr double kMargin = 1.02;
-    const double still = std::max(bytes_left_ / static_cast<double>(block.bytes), 1.0) *
-                         static_cast<double>(block.rows);
-    const auto capacity =
-        std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
-                 bytes_left_ > 0.0 ? needed : needed + log_.record.size());
-    for (auto* column : {&log_.record.time_s, &log_.record.current_A, &log_.record.voltage_V}) {
-      column->reserve(capacity);
-      PreferHugePages(column->begin(), capacity * sizeof(double));
-    }
-    if (plan_.Of(Quantity::kTemperature)) log_.record.temperature_degC.reserve(capacity);
-    if (plan_.Of(Quantity::kState)) directions_.reserve(capacity);
-  }
-
-  bool Increases(TableBlock& block) const {
-    const double* time_s = Column(block, Quantity::kTime);
-    if (log_.record.size() > 0 && !(time_s[0] > log_.record.time_s.back())) return false;
-    bool increases = true;
-    for (std::size_t k = 1; k < block.rows; ++k) increases &= time_s[k] > time_s[k - 1];
-    return increases;
-  }
-
-  void TakeAll(TableBlock& block) {
-    Record& record = log_.record;
-    const auto append = [&](lipoid::Column& to, const double* from) {
-      to.append(from, from + block.rows);
-    };
-    append(record.time_s, Column(block, Quantity::kTime));
-    append(record.current_A, Column(block, Quantity::kCurrent));
-    if (const double* voltage = Column(block, Quantity::kVoltage))
-      append(record.voltage_V, voltage);
-    if (const double* temperature = Column(block, Quantity::kTemperature)) {
-      append(record.temperature_degC, temperature);
-      for (std::size_t k = 0; k < block.rows; ++k) drops_temperature_ |= std::isnan(temperature[k]);
-    }
-    if (const double* state = Column(block, Quantity::kState)) {
-      for (std::size_t k = 0; k < block.rows; ++k)
-        directions_.push_back(static_cast<std::int8_t>(state[k]));
-    }
-  }
-
-  void TakeRowByRow(TableBlock& block) {
-    Record& record = log_.record;
-    const double* time_s = Column(block, Quantity::kTime);
-    const double* current_A = Column(block, Quantity::kCurrent);
-    const double* voltage_V = Column(block, Quantity::kVoltage);
-    const double* temperature_degC = Column(block, Quantity::kTemperature);
-    const double* state = Column(block, Quantity::kState);
-    const double* step = Column(block, Quantity::kStep);
-    const double* cycle = Column(block, Quantity::kCycle);
-    for (std::size_t k = 0; k < block.rows; ++k) {
-      double t_s = time_s[k] - unix_start_s_;
-      if (plan_.clock_restarts_with_step) t_s = JoinedTime(k, t_s, step, cycle);
-      if (!IsSelected(t_s, step ? step[k] : 0.0, cycle ? cycle[k] : 0.0)) {
-        ++log_.report.dropped_unselected;
-        continue;
-      }
-      if (record.size() > 0 && !(t_s > record.time_s.back())) {
-        if (t_s < record.time_s.back()) FailBackwards(k);
-        ++log_.report.dropped_repeated_times;
-        continue;
-      }
-      if (has_labels_) Label(record.size(), step ? step[k] : 0.0, cycle ? cycle[k] : 0.0);
-      record.time_s.push_back(t_s);
-      record.current_A.push_back(current_A[k]);
-      if (voltage_V) record.voltage_V.push_back(voltage_V[k]);
-      if (temperature_degC) {
-        record.temperature_degC.push_back(temperature_degC[k]);
-        drops_temperature_ |= std::isnan(temperature_degC[k]);
-      }
-      if (state) directions_.push_back(static_cast<std::int8_t>(state[k]));
-    }
-  }
-
-  void Label(std::size_t row, double step, double cycle) {
-    auto& labels = log_.report.labels;
-    if (!labels.empty() && labels.back().step == step && labels.back().cycle == cycle) return;
-    labels.push_back({.row = row, .step = step, .cycle = cycle});
-  }
-
-  // The clock of the test, from one that starts anew with each step: a step begins where the one
-  // before it ended.
-  double JoinedTime(std::size_t row, double clock_s, const double* step, const double* cycle) {
-    const std::pair label(step ? step[row] : 0.0, cycle ? cycle[row] : 0.0);
-    if (rows_joined_++ > 0) {
-      if (label != last_label_) {
-        step_start_s_ = last_joined_s_;
-      } else if (clock_s < last_clock_s_) {
-        FailBackwards(row);
-      }
-    }
-    last_label_ = label;
-    last_clock_s_ = clock_s;
-    last_joined_s_ = step_start_s_ + clock_s;
-    return last_joined_s_;
-  }
-
-  bool IsSelected(double t_s, double step, double cycle) {
-    const auto holds = [](const std::vector<int>& wanted, double value) {
-      return wanted.empty() ||
-             std::any_of(wanted.begin(), wanted.end(), [&](int w) { return w == value; });
-    };
-    if (!options_.steps.empty()) steps_seen_.insert(step);
-    if (!options_.cycles.empty()) cycles_seen_.insert(cycle);
-    return holds(options_.steps, step) && holds(options_.cycles, cycle) &&
-           t_s >= options_.start_s && t_s <= options_.end_s;
-  }
-
-  [[noreturn]] void FailBackwards(std::size_t row) const {
-    const std::size_t column = plan_.Of(Quantity::kTime)->column;
-    const std::string last = log_.record.size() == 0
-                                 ? std::string()
-                                 : fmt::format(" after {:.10g} s", log_.record.time_s.back());
-    throw LoadError(
-        reader_.PositionOf(row, column),
-        fmt::format(
-            "expected time to increase, found '{}'{}; if the clock starts anew with each step or "
-            "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
-            "`columns = {{time_s = \"...\"}}`",
-            reader_.TextOf(row, column),
-            last));
-  }
-
-  [[noreturn]] void FailUnselected() const {
-    const auto seen = [](const std::set<double>& values) {
-      constexpr std::size_t kMost = 20;
-      std::vector<double> some(
-          values.begin(),
-          std::next(values.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, values.size()))));
-      return fmt::format("{}{}", fmt::join(some, ", "), values.size() > kMost ? ", ..." : "");
-    };
-    std::string found;
-    if (!options_.steps.empty())
-      found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
-    if (!options_.cycles.empty())
-      found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
-    throw LoadError(
-        {source_.file(), plan_.header_line, 1},
-        fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}",
-                    found));
-  }
-
-  const TextSource& source_;
-  const LogPlan& plan_;
-  const ReadOptions& options_;
-  TableReader& reader_;
-  Log log_;
-  std::vector<std::int8_t> directions_;
-  double bytes_left_;
-  std::size_t rows_seen_ = 0;
-  bool selects_rows_ = false;
-  bool selects_times_ = false;
-  bool has_labels_ = false;
-  bool clock_is_set_ = false;
-  bool drops_temperature_ = false;
-  double unix_start_s_ = 0.0;
-  std::size_t rows_joined_ = 0;
-  std::pair<double, double> last_label_;
-  double last_clock_s_ = 0.0;
-  double last_joined_s_ = 0.0;
-  double step_start_s_ = 0.0;
-  std::set<double> steps_seen_;
-  std::set<double> cycles_seen_;
-};
-
 // Volts under one name in either of two units: no cell lies between 10 V and 100 mV read as V.
 void SettleMillivolts(Record& record,
                       const SourcePosition& position,
+                      std::optional<ThinningFacts>& thinned,
                       std::vector<std::string>& notes) {
   constexpr double kMost_V = 10.0;
-  constexpr double kLeast_mV = 100.0;
   const double largest = LargestMagnitude(record.voltage_V);
   if (largest <= kMost_V) return;
   if (largest < kLeast_mV) {
@@ -338,6 +79,7 @@ void SettleMillivolts(Record& record,
                                 largest));
   }
   for (double& v : record.voltage_V) v /= 1000.0;
+  if (thinned) thinned->millivolts = true;
   notes.emplace_back("the voltages are in mV, by their size");
 }
 
@@ -448,6 +190,10 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
                         spikes.size(),
                         largest_V,
                         record.time_s[spikes[0]]));
+  if (log.report.thinned) {
+    for (const std::size_t row : spikes)
+      log.report.thinned->spikes_s.push_back(std::as_const(record.time_s)[row]);
+  }
   const auto drop = [&](auto& column) {
     if (column.empty()) return;
     std::size_t next = 0;
@@ -467,7 +213,7 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
   drop(record.temperature_degC);
   drop(directions);
   log.report.dropped_spikes = spikes.size();
-  log.report.rows = record.size();
+  log.report.rows -= spikes.size();
 }
 
 void AddNotes(const TextSource& source,
@@ -478,6 +224,7 @@ void AddNotes(const TextSource& source,
   const auto note = [&](bool applies, std::string text) {
     if (applies) report.notes.push_back(std::move(text));
   };
+  note(!source.compression().empty(), "unpacked by " + source.compression());
   note(source.had_byte_order_mark(), "byte order mark skipped");
   note(reader.trailing_delimiter(), "a delimiter at the end of lines skipped");
   note(reader.decimal_comma(), "numbers have a decimal comma");
@@ -554,7 +301,8 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
     return SourcePosition{source.file(), plan.header_line, column ? column->header_column : 1};
   };
   if (plan.volts_or_millivolts)
-    SettleMillivolts(log.record, position(Quantity::kVoltage), log.report.notes);
+    SettleMillivolts(
+        log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
   SettleTable(
       log, collector.directions(), options, others, position, plan.layout->discharge_is_positive);
   return log;

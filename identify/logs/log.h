@@ -9,6 +9,7 @@
 /// tests/identify/logs/.
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -24,6 +25,9 @@ namespace lipoid {
 
 /// The largest number that a battery of a flight log may have.
 inline constexpr int kMostBatteries = 256;
+
+/// Rows of a log that are kept as they are: 400 MB, 47 hours at 100 rows per second.
+inline constexpr std::size_t kMostRowsKept = std::size_t{1} << 24;
 
 /// What the user says about a file instead of leaving it to be found.
 struct ReadOptions {
@@ -51,6 +55,10 @@ struct ReadOptions {
   int battery = 0;
   /// Added drop of the leads: v_true = v + R i.
   double lead_resistance_Ohm = 0.0;
+  /// A table of more rows is thinned while it is read (thinning.h).
+  std::size_t most_rows = kMostRowsKept;
+  /// Told which share of the file was read, now and then, where its size is known.
+  std::function<void(double share)> progress = {};
 };
 
 /// A stretch of time without rows, far longer than the sampling around it, in which a current may
@@ -84,11 +92,27 @@ struct FlightFacts {
   bool cut_last_message = false;
 };
 
+/// What was done to a table of more rows than ReadOptions::most_rows (thinning.h).
+struct ThinningFacts {
+  std::size_t rows_of_log = 0;
+  std::size_t rows = 0;       ///< of the record, before spikes were dropped
+  std::size_t most_rows = 0;  ///< that would have been kept as they are
+  std::size_t group = 1;      ///< rows of the log that one row stands for at most
+  double tolerance_A = 0.0;   ///< within which the current of such a group stays
+  /// Between neighbouring rows of the log; the median is that of the first most_rows.
+  double shortest_s = 0.0;
+  double median_s = 0.0;
+  double longest_s = 0.0;
+  // What was settled by the whole log, for reading its rows once more (log_rows.h).
+  bool millivolts = false;
+  std::vector<double> spikes_s = {};  ///< times of the rows that were dropped as spikes
+};
+
 /// What reading found and did; shown by `lipoid inspect`.
 struct LogReport {
   std::string format;                      ///< name in the format table
   std::string current_column;              ///< the header's name for it
-  std::size_t rows = 0;                    ///< rows kept
+  std::size_t rows = 0;                    ///< rows kept; of a thinned log those of the log
   std::size_t dropped_repeated_times = 0;  ///< of repeated time stamps the first row is kept
   std::size_t dropped_unselected = 0;      ///< outside steps, cycles, start_s .. end_s
   std::size_t dropped_cut_last_line = 0;   ///< a last line that the logger did not finish
@@ -98,9 +122,10 @@ struct LogReport {
   std::string current_sign_reason;  ///< one sentence
   bool current_sign_is_of_others = false;  ///< see SignOfOthers
   std::vector<Gap> gaps;
-  std::vector<RowLabel> labels;       ///< where asked for; empty where the file has neither
-  std::optional<FlightFacts> flight;  ///< of an autopilot's log
-  std::vector<std::string> notes;     ///< byte order mark, trailing comma, decimal comma, ...
+  std::vector<RowLabel> labels;          ///< where asked for; empty where the file has neither
+  std::optional<FlightFacts> flight;     ///< of an autopilot's log
+  std::optional<ThinningFacts> thinned;  ///< of a table too long to keep every row
+  std::vector<std::string> notes;        ///< byte order mark, trailing comma, decimal comma, ...
   /// What a person should look at before believing the log, one sentence each: spikes that were
   /// dropped, times that look like minutes. Every command that reads the log shows them.
   std::vector<std::string> warnings;

@@ -4,32 +4,42 @@
 #include <string>
 #include <string_view>
 
-#include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
-void WriteLog(const Record& record, const std::string& file, LogFileFormat format) {
-  const bool has_temperature = !record.temperature_degC.empty();
-  Require(record.current_A.size() == record.size() && record.voltage_V.size() == record.size() &&
-              (!has_temperature || record.temperature_degC.size() == record.size()),
+void LogWriter::Add(const Record& rows) {
+  if (!csv_) {
+    has_temperature_ = !rows.temperature_degC.empty();
+    std::string header = format_ == LogFileFormat::kBdf ? "Test Time / s,Current / A,Voltage / V"
+                                                        : "time_s,current_A,voltage_V";
+    const std::string_view temperature =
+        format_ == LogFileFormat::kBdf ? ",Temperature T1 / degC" : ",temperature_degC";
+    if (has_temperature_) header += temperature;
+    csv_.emplace(file_, header);
+  }
+  Require(rows.current_A.size() == rows.size() && rows.voltage_V.size() == rows.size() &&
+              rows.temperature_degC.size() == (has_temperature_ ? rows.size() : 0),
           "columns of equal length");
-  std::string header = format == LogFileFormat::kBdf ? "Test Time / s,Current / A,Voltage / V"
-                                                     : "time_s,current_A,voltage_V";
-  const std::string_view temperature =
-      format == LogFileFormat::kBdf ? ",Temperature T1 / degC" : ",temperature_degC";
-  if (has_temperature) header += temperature;
-  CsvWriter csv(file, header);
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    const double i_A =
-        format == LogFileFormat::kBdf ? 0.0 - record.current_A[k] : record.current_A[k];
-    if (has_temperature) {
-      csv.Row(record.time_s[k], i_A, record.voltage_V[k], record.temperature_degC[k]);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double i_A = format_ == LogFileFormat::kBdf ? 0.0 - rows.current_A[k] : rows.current_A[k];
+    if (has_temperature_) {
+      csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k], rows.temperature_degC[k]);
     } else {
-      csv.Row(record.time_s[k], i_A, record.voltage_V[k]);
+      csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k]);
     }
   }
-  csv.Commit();
+}
+
+void LogWriter::Commit() {
+  Require(csv_.has_value(), "rows were added");
+  csv_->Commit();
+}
+
+void WriteLog(const Record& record, const std::string& file, LogFileFormat format) {
+  LogWriter writer(file, format);
+  writer.Add(record);
+  writer.Commit();
 }
 
 }  // namespace lipoid

@@ -6,11 +6,13 @@
 /// CSV discharging. Tests: tests/identify/logs/log_writer_test.cc.
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "identify/logs/record.h"
+#include "model/core/csv_writer.h"
 
 namespace lipoid {
 
@@ -19,6 +21,22 @@ enum class LogFileFormat { kCsv, kBdf };
 constexpr std::array<std::pair<LogFileFormat, std::string_view>, 2> OptionNames(LogFileFormat) {
   return {{{LogFileFormat::kCsv, "csv"}, {LogFileFormat::kBdf, "bdf"}}};
 }
+
+/// Rows that come in blocks, each with the same columns. The file appears with Commit().
+class LogWriter {
+ public:
+  LogWriter(std::string file, LogFileFormat format) : file_(std::move(file)), format_(format) {}
+
+  void Add(const Record& rows);
+  /// OptionError where the file cannot be written.
+  void Commit();
+
+ private:
+  std::string file_;
+  LogFileFormat format_;
+  bool has_temperature_ = false;
+  std::optional<CsvWriter> csv_;  // from the first block on
+};
 
 /// time_s,current_A,voltage_V[,temperature_degC], or Test Time / s,Voltage / V,Current / A[,...].
 /// The file appears whole or not at all; OptionError where it cannot be written.

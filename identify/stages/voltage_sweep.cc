@@ -84,11 +84,13 @@ class LogSweep {
       const double step_A = record.hold == Hold::kBackward ? current_A : record.current_A[k - 1];
       const Steps& steps = cache_.Get(
           dt_s, record.time_s[k], [&](double dt, Steps& made) { SetSteps(std::array{dt}, made); });
-      rows_.Step(steps.rows, 0, step_A, 0.0, 0.0);  // constant resistances look at no A
+      rows_.Step(steps.rows, 0, {.current_A = step_A});  // constant resistances look at no A
       soc_.Step(steps.soc, 0, step_A, dt_s);
     }
     const double soc = soc_.Soc(current_A);
-    visitor.Row(k, soc, rows_.MakeRow(current_A, record.voltage_V[k], soc, soc_.Slope(current_A)));
+    const CellRows::At point{
+        .current_A = current_A, .soc = soc, .slopes = {.beta = soc_.Slope(current_A)}};
+    visitor.Row(k, soc, rows_.MakeRow(point, record.voltage_V[k]));
   }
 
   // false: v_oc(A) has more than one formula where the block lies, and its rows are wanted.
@@ -116,13 +118,14 @@ class LogSweep {
     visitor.Begin(piece, shape);
     for (std::size_t j = 0; j < nodes; ++j) {
       const auto at = static_cast<Eigen::Index>(j);
-      rows_.Step(block.steps.rows, at, current_A, 0.0, 0.0);
-      visitor.Node(
-          piece, shape, at, at_[j], rows_.MakeRow(current_A, voltage_V[j], at_[j], slope_[j]));
+      rows_.Step(block.steps.rows, at, {.current_A = current_A});
+      const CellRows::At point{
+          .current_A = current_A, .soc = at_[j], .slopes = {.beta = slope_[j]}};
+      visitor.Node(piece, shape, at, at_[j], rows_.MakeRow(point, voltage_V[j]));
     }
     visitor.End(piece, shape);
     const auto end = static_cast<Eigen::Index>(nodes);
-    rows_.Step(block.steps.rows, end, current_A, 0.0, 0.0);
+    rows_.Step(block.steps.rows, end, {.current_A = current_A});
     // By the stamps themselves, whatever the gaps sum up to.
     double gaps_s = 0.0;
     for (std::size_t j = 0; j < nodes; ++j) gaps_s += block.gap_s[j];

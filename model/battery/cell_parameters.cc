@@ -47,6 +47,20 @@ Cell::Temperature& Warmth(Cell& cell) {
   cell.temperature->branches_J_per_mol.resize(cell.branches.size(), 0.0);
   return *cell.temperature;
 }
+HeatBalance<double>& Heat(Cell& cell) {
+  auto& heat = Warmth(cell).heat;
+  if (!heat) heat = HeatBalance<double>{kMissing, kMissing};
+  return *heat;
+}
+std::optional<double> HeatOf(const Cell& cell, double HeatBalance<double>::*of) {
+  if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
+  return UnlessMissing((*cell.temperature->heat).*of);
+}
+Cell::Hysteresis& Memory(Cell& cell) {
+  if (!cell.hysteresis)
+    cell.hysteresis = Cell::Hysteresis{.folds = kMissing, .soc = {}, .half_V = {kMissing}};
+  return *cell.hysteresis;
+}
 std::optional<double> Energy(const Cell& cell, double Cell::Temperature::*of) {
   return cell.temperature ? std::optional(*cell.temperature.*of) : std::nullopt;
 }
@@ -169,6 +183,44 @@ const std::array kRows{
         [](Cell& cell, std::size_t, double value) {
           Warmth(cell).charge_transfer_J_per_mol = value;
         }},
+    Row{{"C_th", "J/K", "a heat capacity above 0 J/K", false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return HeatOf(cell, &HeatBalance<double>::heat_capacity_J_per_K);
+        },
+        [](Cell& cell, std::size_t, double value) { Heat(cell).heat_capacity_J_per_K = value; }},
+    Row{{"R_th", "K/W", "a thermal resistance above 0 K/W", false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return HeatOf(cell, &HeatBalance<double>::thermal_resistance_K_per_W);
+        },
+        [](Cell& cell, std::size_t, double value) {
+          Heat(cell).thermal_resistance_K_per_W = value;
+        }},
+    Row{{"dv_dT", "V/K", "a finite slope", false, true, kInfinity, true},
+        [](const Cell& cell, std::size_t) -> std::optional<double> {
+          if (!cell.temperature || !cell.temperature->entropy) return std::nullopt;
+          const auto& entropy = *cell.temperature->entropy;
+          return entropy.soc.empty() ? std::optional(entropy.slope_V_per_K[0]) : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) {
+          auto& entropy = Warmth(cell).entropy;
+          if (!entropy) entropy.emplace();
+          entropy->soc.clear();
+          entropy->slope_V_per_K = {value};
+        }},
+    Row{{"gamma", "1", "a number of e-folds above 0", false, false, kInfinity},
+        [](const Cell& cell, std::size_t) {
+          return cell.hysteresis ? UnlessMissing(cell.hysteresis->folds) : std::nullopt;
+        },
+        [](Cell& cell, std::size_t, double value) { Memory(cell).folds = value; }},
+    Row{{"M", "V", "a voltage of at least 0 V", false, true, kInfinity},
+        [](const Cell& cell, std::size_t) -> std::optional<double> {
+          if (!cell.hysteresis || !cell.hysteresis->soc.empty()) return std::nullopt;
+          return UnlessMissing(cell.hysteresis->half_V[0]);
+        },
+        [](Cell& cell, std::size_t, double value) {
+          Memory(cell).soc.clear();
+          Memory(cell).half_V = {value};
+        }},
 };
 
 std::optional<std::size_t> ParseNumber(std::string_view digits) {
@@ -227,11 +279,26 @@ auto* FindResistance(AnyCell& cell, std::string_view name) {
   return found;
 }
 
+// The values at the nodes of a table but that of v_oc; null where the cell has no such table.
+template <class AnyCell>
+auto* FindValues(AnyCell& cell, std::string_view table) {
+  decltype(&cell.series_resistance_Ohm.resistance_Ohm) found = nullptr;
+  if (table == "M") {
+    if (cell.hysteresis && !cell.hysteresis->soc.empty()) found = &cell.hysteresis->half_V;
+  } else if (table == "dv_dT") {
+    if (cell.temperature && cell.temperature->entropy && !cell.temperature->entropy->soc.empty())
+      found = &cell.temperature->entropy->slope_V_per_K;
+  } else if (auto* resistance = FindResistance(cell, table)) {
+    if (!resistance->constant()) found = &resistance->resistance_Ohm;
+  }
+  return found;
+}
+
 // Nodes of a table of this name: none where the cell has no such table.
 std::size_t CountNodes(const Cell& cell, std::string_view table) {
   if (table == "v_oc") return cell.open_circuit_voltage.voltage_V().size();
-  const auto* resistance = FindResistance(cell, table);
-  return resistance && !resistance->constant() ? resistance->resistance_Ohm.size() : 0;
+  const auto* values = FindValues(cell, table);
+  return values ? values->size() : 0;
 }
 
 void Check(bool holds, std::string_view name, std::string_view expected, double value) {
@@ -252,7 +319,7 @@ void SetNode(Cell& cell, std::string_view name, const NodeName& node, double val
   if (node.table != "v_oc") {
     const CellParameterKind& kind = Find(node.table).row->kind;
     Check(kind.Holds(value), name, kind.expected, value);
-    FindResistance(cell, node.table)->resistance_Ohm[node.index] = value;
+    (*FindValues(cell, node.table))[node.index] = value;
     return;
   }
   Check(std::isfinite(value), name, "a finite voltage", value);
@@ -268,6 +335,7 @@ void SetNode(Cell& cell, std::string_view name, const NodeName& node, double val
 }  // namespace
 
 bool CellParameterKind::Holds(double value) const {
+  if (any_sign) return std::isfinite(value);
   return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value <= upper;
 }
 
@@ -312,7 +380,7 @@ std::vector<std::string> CellParameterNames(const Cell& cell) {
 std::vector<std::string> CellNodeNames(const Cell& cell) {
   std::vector<std::string> tables{"r_s"};
   for (std::size_t j = 1; j <= cell.branches.size(); ++j) tables.push_back(fmt::format("r_{}", j));
-  tables.insert(tables.end(), {"r_ct", "v_oc"});
+  tables.insert(tables.end(), {"r_ct", "dv_dT", "M", "v_oc"});
   std::vector<std::string> names;
   for (const auto& table : tables) {
     for (std::size_t k = 0; k < CountNodes(cell, table); ++k)
@@ -325,7 +393,7 @@ std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
   if (const auto node = ParseNodeName(name)) {
     if (node->index >= CountNodes(cell, node->table)) return std::nullopt;
     if (node->table == "v_oc") return cell.open_circuit_voltage.voltage_V()[node->index];
-    return FindResistance(cell, node->table)->resistance_Ohm[node->index];
+    return (*FindValues(cell, node->table))[node->index];
   }
   const Found found = Find(name);
   if (found.row == nullptr) return std::nullopt;
@@ -371,20 +439,23 @@ std::optional<std::string> MissingCellParameter(const Cell& cell) {
       return fmt::format("r_{0} needs c_{0} or tau_{0} beside it", j + 1);
     }
   }
-  const auto pair = [](bool first_missing, std::string_view first, std::string_view second) {
-    return fmt::format(
-        "{} needs {} beside it", first_missing ? second : first, first_missing ? first : second);
+  // The terms beyond the thesis have two numbers each.
+  struct Pair {
+    bool begun;
+    std::string_view first, second;
   };
-  if (const auto& term = cell.self_heating) {
-    const bool no_time = std::isnan(term->time_constant_s);
-    if (no_time || std::isnan(term->resistance_drop_Ohm_per_A2)) {
-      return pair(no_time, "tau_h", "rho_h");
-    }
-  }
-  if (const auto& term = cell.charge_transfer) {
-    const bool no_current = std::isnan(term->current_A);
-    if (no_current || std::isnan(term->resistance_Ohm.resistance_Ohm[0])) {
-      return pair(no_current, "i_0", "r_ct");
+  const bool heat = cell.temperature && cell.temperature->heat;
+  for (const auto& [begun, first, second] :
+       {Pair{cell.self_heating.has_value(), "tau_h", "rho_h"},
+        Pair{
+            cell.charge_transfer && cell.charge_transfer->resistance_Ohm.constant(), "i_0", "r_ct"},
+        Pair{heat, "C_th", "R_th"},
+        Pair{cell.hysteresis && cell.hysteresis->soc.empty(), "gamma", "M"}}) {
+    if (!begun) continue;
+    const bool no_first = !CellParameter(cell, first);
+    if (no_first || !CellParameter(cell, second)) {
+      return fmt::format(
+          "{} needs {} beside it", no_first ? second : first, no_first ? first : second);
     }
   }
   return std::nullopt;

@@ -4,8 +4,9 @@
 /// The table of parameters: the one place that knows what a parameter is called, its unit, its range
 /// and where it stands in a cell. Names are those of the command line: alpha, beta, r_s, r_1, c_1,
 /// tau_1, r_2, ... in SI units (C, s^-1/2, Ohm, F, s), and, of the two terms beyond the thesis,
-/// tau_h (s), rho_h (Ohm/A²), i_0 (A), r_ct (Ohm), and the activation energies E_s, E_d, E_1, ...,
-/// E_ct (J/mol). A new parameter is a new row in the source file.
+/// tau_h (s), rho_h (Ohm/A²), i_0 (A), r_ct (Ohm), the activation energies E_s, E_d, E_1, ..., E_ct
+/// (J/mol), the heat capacity C_th (J/K), the thermal resistance R_th (K/W), the slope dv_dT of v_oc
+/// (V/K), and of hysteresis gamma and M (V). A new parameter is a new row in the source file.
 /// Tests: tests/model/battery/cell_parameters_test.cc.
 
 #include <limits>
@@ -26,6 +27,7 @@ struct CellParameterKind {
   bool of_branch = false;     ///< the name has the number of a branch behind it
   bool zero = false;          ///< the value may be 0; it is never less
   double upper = std::numeric_limits<double>::infinity();  ///< the largest value it may have
+  bool any_sign = false;                                   ///< the value may be less than 0
 
   /// Finite and within the range.
   [[nodiscard]] bool Holds(double value) const;
@@ -45,8 +47,9 @@ struct CellParameterName {
 [[nodiscard]] std::vector<std::string> CellParameterNames(const Cell& cell);
 
 /// The names of the nodes of its tables, counted from 0 as the lists of the cell file: r_s[0],
-/// r_s[1], ..., r_1[0], ..., r_ct[0], ... and, where v_oc(A) is linear or monotone-cubic, v_oc[0],
-/// ... They are parameters as the others are (V for v_oc), where it says so below.
+/// r_s[1], ..., r_1[0], ..., r_ct[0], ..., dv_dT[0], ..., M[0], ... and, where v_oc(A) is linear or
+/// monotone-cubic, v_oc[0], ... They are parameters as the others are (V for v_oc), where it says so
+/// below.
 [[nodiscard]] std::vector<std::string> CellNodeNames(const Cell& cell);
 
 /// The resistances this cell has, constant or not: r_s, r_1, ..., r_ct.
@@ -59,7 +62,8 @@ struct CellParameterName {
 [[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
 
 /// Changes one parameter; r_j of the branch after the last adds a branch, to be completed by c_j or
-/// tau_j; tau_h or rho_h, i_0 or r_ct add their term, to be completed by the other of the two. With
+/// tau_j; tau_h or rho_h, i_0 or r_ct, C_th or R_th, gamma or M add their term, to be completed by the
+/// other of the two. With
 /// r_j given, a branch keeps what it was written with: its capacitance or its time constant.
 /// A node changes its table alone: OptionError where there is none. OptionError names the
 /// parameters there are, or the range.

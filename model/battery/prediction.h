@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/battery/cell.h"
@@ -54,7 +55,48 @@ struct PredictedRow {
   const RecordStepper<double>& stepper;
 };
 
-/// The same row by row, keeping nothing: visit(k, PredictedRow).
+/// The same row by row, keeping nothing, for rows that come in blocks.
+class RowPredictor {
+ public:
+  /// The cell must outlive this.
+  RowPredictor(const Cell& cell, Hold hold, double initial_soc)
+      : cell_(cell), hold_(hold), initial_soc_(initial_soc), model_(cell.Parameters()) {}
+  RowPredictor(const RowPredictor&) = delete;
+  RowPredictor& operator=(const RowPredictor&) = delete;
+
+  /// visit(k, PredictedRow) for the rows of a block; `surroundings` measured are those of its rows.
+  template <class Visit>
+  void Rows(std::span<const double> time_s,
+            std::span<const double> current_A,
+            const Surroundings& surroundings,
+            Visit&& visit) {
+    Require(time_s.size() == current_A.size(),
+            "as many times as currents",
+            {{"times", static_cast<double>(time_s.size())},
+             {"currents", static_cast<double>(current_A.size())}});
+    const auto measured_degC = surroundings.measured_degC;
+    Require(measured_degC.empty() || measured_degC.size() == time_s.size(),
+            "as many temperatures as times",
+            {{"temperatures", static_cast<double>(measured_degC.size())}});
+    if (!stepper_) stepper_.emplace(model_, hold_, StartAmong(model_, initial_soc_, surroundings));
+    RecordStepper<double>& stepper = *stepper_;
+    for (std::size_t k = 0; k < time_s.size(); ++k) {
+      stepper.Row(time_s[k], current_A[k] / cell_.parallel);
+      if (!measured_degC.empty()) stepper.SetTemperature(measured_degC[k] + kZeroCelsius_K);
+      const double soc = stepper.Soc();
+      visit(k, PredictedRow{soc, cell_.series * stepper.Voltage(soc), stepper});
+    }
+  }
+
+ private:
+  const Cell& cell_;
+  Hold hold_;
+  double initial_soc_;
+  CellModel<double> model_;
+  std::optional<RecordStepper<double>> stepper_;
+};
+
+/// The same of rows that are all there.
 template <class Visit>
 void PredictRows(const Cell& cell,
                  std::span<const double> time_s,
@@ -63,22 +105,8 @@ void PredictRows(const Cell& cell,
                  double initial_soc,
                  const Surroundings& surroundings,
                  Visit&& visit) {
-  Require(time_s.size() == current_A.size(),
-          "as many times as currents",
-          {{"times", static_cast<double>(time_s.size())},
-           {"currents", static_cast<double>(current_A.size())}});
-  const auto measured_degC = surroundings.measured_degC;
-  Require(measured_degC.empty() || measured_degC.size() == time_s.size(),
-          "as many temperatures as times",
-          {{"temperatures", static_cast<double>(measured_degC.size())}});
-  const CellModel<double> model(cell.Parameters());
-  RecordStepper<double> stepper(model, hold, StartAmong(model, initial_soc, surroundings));
-  for (std::size_t k = 0; k < time_s.size(); ++k) {
-    stepper.Row(time_s[k], current_A[k] / cell.parallel);
-    if (!measured_degC.empty()) stepper.SetTemperature(measured_degC[k] + kZeroCelsius_K);
-    const double soc = stepper.Soc();
-    visit(k, PredictedRow{soc, cell.series * stepper.Voltage(soc), stepper});
-  }
+  RowPredictor(cell, hold, initial_soc)
+      .Rows(time_s, current_A, surroundings, std::forward<Visit>(visit));
 }
 
 }  // namespace lipoid

@@ -81,7 +81,7 @@ UncertainCell::UncertainCell(const Cell& cell) : base_(cell), names_(cell.uncert
 void UncertainCell::FindRange() {
   const Eigen::Index n = estimate_.size();
   for (Eigen::Index k = 0; k < n; ++k) {
-    if (Kind(k) == nullptr) continue;
+    if (Kind(k) == nullptr || Kind(k)->any_sign) continue;
     const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, k);
     if (Name(k) == "beta") {
       range_.Add(unit, estimate_[k] + std::log(kLeastBeta));
@@ -153,7 +153,7 @@ Cell UncertainCell::At(const Eigen::VectorXd& x) const {
     double value = x[k];
     if (Name(k) == "beta") {
       value = std::min(Kind(k)->upper, std::exp(value));
-    } else {
+    } else if (!Kind(k)->any_sign) {
       value = std::max(Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k], value);
       if (!Kind(k)->Holds(value)) continue;  // a branch without inertia stays one
     }
@@ -194,6 +194,12 @@ void UncertainCell::KeepCharge(Cell& cell) const {
   move_table(cell.series_resistance_Ohm);
   for (auto& branch : cell.branches) move_table(branch.resistance_Ohm);
   if (cell.charge_transfer) move_table(cell.charge_transfer->resistance_Ohm);
+  if (cell.temperature && cell.temperature->entropy)
+    cell.temperature->entropy->soc = move_all(std::move(cell.temperature->entropy->soc));
+  if (cell.hysteresis) {
+    cell.hysteresis->soc = move_all(std::move(cell.hysteresis->soc));
+    cell.hysteresis->folds /= ratio;  // of e-folds over a charge that is another
+  }
   const OpenCircuitVoltage curve = cell.open_circuit_voltage;
   const double lo = move(curve.soc_lo());
   const double hi = move(curve.soc_hi());
@@ -248,7 +254,8 @@ Cell::Uncertainty UncertainCell::WithCovariance(const Eigen::VectorXd& x,
 Eigen::MatrixXd PrincipalMoves(const UncertainCell& around, double least_variance) {
   const Eigen::VectorXd& variances = around.variances();  // rising
   Eigen::Index count = 0;
-  while (count < variances.size() && variances[variances.size() - 1 - count] >= least_variance) ++count;
+  while (count < variances.size() && variances[variances.size() - 1 - count] >= least_variance)
+    ++count;
   return around.factor().rightCols(count).rowwise().reverse();
 }
 

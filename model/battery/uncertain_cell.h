@@ -8,9 +8,9 @@
 /// constants. beta is taken in its logarithm, because the charge that diffusion holds back goes with
 /// 1/beta².
 ///
-/// In range are resistances and rho_h of at least 0, beta of at most 1 and of at least a thousandth of the
-/// estimate, alpha, c_j, tau_j, tau_h and i_0 of at least a hundredth of the estimate, and v_oc that does
-/// not fall with A, except where the estimate falls. Tests: tests/model/battery/uncertain_cell_test.cc.
+/// In range are resistances, rho_h and M of at least 0, beta of at most 1 and of at least a thousandth of
+/// the estimate, alpha, c_j, tau_j, tau_h, i_0, gamma, C_th and R_th of at least a hundredth of the
+/// estimate, and v_oc that does not fall with A, except where the estimate falls. Tests: tests/model/battery/uncertain_cell_test.cc.
 
 #include <Eigen/Core>
 #include <functional>

@@ -9,11 +9,15 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "model/core/errors.h"
@@ -66,17 +70,64 @@ void RemoveFolders(std::vector<std::string>& folders) {
   folders.clear();
 }
 
+// Where process numbers mean what they mean here: this start of this machine, and this container.
+// 0 where nobody can say.
+std::uint32_t ThisMachine() {
+  struct stat processes {};
+  std::ifstream stream("/proc/sys/kernel/random/boot_id");
+  std::string start;
+  if (!(stream >> start) || ::stat("/proc/self/ns/pid", &processes) != 0) return 0;
+  std::uint32_t hash = 2166136261U;  // FNV-1a
+  for (const char c : start + std::to_string(processes.st_ino))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
+// What hidden names begin with: machine and process.
+std::string HiddenPrefix(std::uint32_t machine, long process) {
+  return fmt::format(".lipoid-{:08x}-{}-", machine, process);
+}
+
 // A hidden name in the folder of `target` that nobody is likely to have: hidden, so that no list of
 // logs takes it for one, and short, so that it fits wherever the target's name does.
 std::string TemporaryName(const std::string& target) {
+  static const std::uint32_t machine = ThisMachine();
+  const std::string prefix = HiddenPrefix(machine, ::getpid());
   static std::uint64_t count = 0;
   std::uint64_t x =
       static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
-  x += (static_cast<std::uint64_t>(::getpid()) << 40U) + ++count * 0x9E3779B97F4A7C15ULL;
+  x += ++count * 0x9E3779B97F4A7C15ULL;
   x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
   x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return (fs::path(target).parent_path() / fmt::format(".lipoid-{:016x}.tmp", x ^ (x >> 31U)))
-      .string();
+  return (fs::path(target).parent_path() / fmt::format("{}{:08x}.tmp", prefix, x >> 32U)).string();
+}
+
+// What programs that were killed left in the folder of `target`, as far as it is seen that they run
+// no more: the second names of files, and files that were not done. Once for each folder.
+void RemoveLeftOvers(const std::string& target) {
+  static std::set<std::string> seen;
+  constexpr int kMostEntries = 10'000;  // a larger folder is not looked through
+  std::error_code none;
+  const std::string folder = fs::absolute(target, none).lexically_normal().parent_path().string();
+  if (none || !seen.insert(folder).second) return;
+  const std::uint32_t machine = ThisMachine();
+  if (machine == 0) return;
+  std::vector<fs::path> left;
+  int entries = 0;
+  for (fs::directory_iterator at(folder, none), end; !none && at != end; at.increment(none)) {
+    if (++entries > kMostEntries) return;
+    const std::string name = at->path().filename().string();
+    unsigned named_machine = 0;
+    long process = 0;
+    int length = 0;
+    if (!name.ends_with(".tmp") ||
+        std::sscanf(name.c_str(), ".lipoid-%8x-%ld-%n", &named_machine, &process, &length) != 2 ||
+        name.compare(0, static_cast<std::size_t>(length), HiddenPrefix(machine, process)) != 0)
+      continue;
+    if (process > 0 && ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH)
+      left.push_back(at->path());
+  }
+  for (const fs::path& path : left) ::unlink(path.c_str());
 }
 
 // make(name) until the name was free. False with errno where something else is in the way.
@@ -208,6 +259,7 @@ void AtomicFile::Open(const std::string& model) {
   const bool has_model = ::stat(model.c_str(), &of_model) == 0 && S_ISREG(of_model.st_mode);
   const mode_t mode = has_model ? 0600 : 0666;
   const std::scoped_lock lock(mutex);
+  RemoveLeftOvers(target_);
   int descriptor = OpenNameless(target_, mode);
   if (descriptor < 0) {
     std::string temporary;
@@ -320,10 +372,14 @@ void FileSet::Publish(const std::vector<Waiting>& files) {
     const bool may_be_undone = k + 1 < files.size() && ::lstat(target, &old) == 0;
     bool set_aside = true;
     if (may_be_undone && !S_ISDIR(old.st_mode)) {
-      // A file system without hard links: the old file goes out of the way.
-      set_aside = WithFreeName(files[k].target, before[k], [&](const char* name) {
-        return ::link(target, name) == 0 || (errno != EEXIST && std::rename(target, name) == 0);
-      });
+      set_aside = WithFreeName(
+          files[k].target, before[k], [&](const char* name) { return ::link(target, name) == 0; });
+      if (!set_aside) {
+        // A file system without hard links: the old file goes out of the way, under a name that
+        // nobody clears away, since for a moment it is the only one.
+        before[k] += ".old";
+        set_aside = std::rename(target, before[k].c_str()) == 0;
+      }
       if (!set_aside) before[k].clear();
     }
     // A link cannot replace a file, so that for a moment it has a hidden name.

@@ -28,8 +28,8 @@ namespace lipoid {
 /// written to directly, and so are /dev/stdout and /dev/fd/N, whatever they lead to; a reader of a
 /// pipe who leaves early had enough, and what is written after that goes nowhere.
 ///
-/// The temporary is hidden (".lipoid-....tmp"), and its name is free: one that a killed program
-/// left behind is in nobody's way.
+/// The temporary is hidden (".lipoid-....tmp"), and its name is free. What a killed program left
+/// behind is in nobody's way, and goes when the next one on this machine writes into the folder.
 class AtomicFile {
  public:
   /// Mode and owner are those of `model`, where it is a file; not given: of the file replaced.

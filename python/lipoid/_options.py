@@ -108,6 +108,8 @@ class IdentifyJointGroup(TypedDict, total=False):
     charge_transfer: Literal["auto", "on", "off"]
     temperature: Literal["auto", "on", "off"]
     entropy: Literal["auto", "on", "off"]
+    hysteresis: Literal["auto", "on", "off"]
+    current_offset: Literal["auto", "on", "off"]
     smoothness: float
     charge_uncertainty: float
     voltage_uncertainty_V: float

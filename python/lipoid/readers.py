@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import io
 import os
+import tempfile
 import zipfile
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from lipoid.errors import LoadError
@@ -51,20 +54,41 @@ def _biologic(file: str, library: Any) -> pd.DataFrame:
     return table
 
 
-def _neware(file: str, library: Any) -> pd.DataFrame:
-    data = library.read(file)
-    # NewareNDA has mA and seconds that start anew with each step, and the time stamps of rows.
-    time_s = (data["Timestamp"] - data["Timestamp"].iloc[0]).dt.total_seconds()
-    step_s = data["Time"].astype(float)
-    begins = data["Step"].ne(data["Step"].shift())
-    start_s = (time_s - step_s).where(begins).ffill()
+def _neware(file: str, library: Any, suffix: str) -> pd.DataFrame:
+    # NewareNDA goes by the name of a file, not by its content.
+    with tempfile.TemporaryDirectory() as folder:
+        named = os.path.join(folder, "log" + suffix)
+        os.symlink(os.path.abspath(file), named)
+        data = library.read(named)
+    step_s = data["Time"].to_numpy(float)
+    current_mA = data["Current(mA)"].to_numpy(float)
+    stamp_s = (data["Timestamp"] - data["Timestamp"].iloc[0]).dt.total_seconds().to_numpy()
     return pd.DataFrame(
         {
-            "time_s": start_s + step_s,
-            "current_mA": data["Current(mA)"].astype(float),
-            "voltage_V": data["Voltage"].astype(float),
+            "time_s": _joined_steps_s(data["Step"].to_numpy(), step_s, stamp_s),
+            "current_mA": current_mA,
+            "voltage_V": data["Voltage"],
         }
     )
+
+
+def _joined_steps_s(step: Any, step_s: Any, stamp_s: Any) -> Any:
+    """Return the time of rows whose clock starts anew with each step.
+
+    A step follows the one before at once, unless the time stamps, which are whole seconds in many
+    files, say that something lay between: a pause, or rows that were not kept.
+    """
+    begins = np.flatnonzero(np.append(True, step[1:] != step[:-1]))
+    ends = np.append(begins[1:], len(step))
+    joined = np.empty(len(step))
+    now_s = 0.0
+    for begin, end in zip(begins, ends, strict=True):
+        by_stamp_s = stamp_s[begin] - step_s[begin]
+        if begin == 0 or by_stamp_s > now_s + 2.0:
+            now_s = by_stamp_s
+        joined[begin:end] = now_s + step_s[begin:end]
+        now_s = joined[end - 1]
+    return joined - joined[0]
 
 
 def _excel(file: str, _: Any) -> pd.DataFrame:
@@ -97,8 +121,8 @@ def _parquet(file: str, library: Any) -> pd.DataFrame:
 
 FORMATS = (
     Format("BioLogic .mpr", b"BIO-LOGIC MODULAR FILE", "galvani.BioLogic", _biologic),
-    Format("Neware .nda", b"NEWARE", "NewareNDA", _neware),
-    Format("Neware .ndax", b"PK\x03\x04 ndax", "NewareNDA", _neware),
+    Format("Neware .nda", b"NEWARE", "NewareNDA", partial(_neware, suffix=".nda")),
+    Format("Neware .ndax", b"PK\x03\x04 ndax", "NewareNDA", partial(_neware, suffix=".ndax")),
     Format("Excel", b"PK\x03\x04 xlsx", "openpyxl", _excel),
     Format("MATLAB", b"MATLAB 5.0 MAT-file", "scipy.io", _matlab),
     Format("Parquet", b"PAR1", "pyarrow.parquet", _parquet),

@@ -52,11 +52,11 @@ struct FlyKeywords {
     keywords.Option("duration",
                     duration_s,
                     Range{kControlStep_s, 1e6},
-                    "seconds, instead of the maneuver's own");
+                    "duration of the flight, s; by default that of the maneuver");
     keywords.Option("land-below-V",
                     setup.land_below_V,
                     Range{0.0, 1e4},
-                    "land when the battery has been below it for a second; 0: never");
+                    "land when the battery has been below this voltage for a second, V; 0: never");
     keywords.Option(
         "log-step-s", log_step_s, Range{kControlStep_s, 1e4}, "seconds between rows of the data");
     if (const auto file =

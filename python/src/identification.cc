@@ -105,7 +105,8 @@ void DeclareStages(Keywords& keywords,
                    StagedOptions& options,
                    StagedGiven& given,
                    std::optional<int>& branches) {
-  keywords.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  keywords.Option(
+      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
   if (const auto curve =
           keywords.Take("open_circuit_voltage",
                         "Path | Cell",
@@ -125,8 +126,9 @@ void DeclareStages(Keywords& keywords,
   keywords.Flag(
       "no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   auto& known = given.parameters;
-  keywords.Numbers("fix", known.fixed, "hold parameters: beta, r_s, r_1, c_1, tau_1, ...");
-  keywords.Numbers("start", known.start, "start parameters here");
+  keywords.Numbers(
+      "fix", known.fixed, "hold parameters at these values: beta, r_s, r_1, c_1, tau_1, ...");
+  keywords.Numbers("start", known.start, "values at which the search for parameters begins");
   keywords.Ranges("bounds", known.bounds, "keep parameters within (low, high)");
   if (branches) options.pulses.branches = *branches;
   if (no_diffusion) options.pulses.diffusion = false;

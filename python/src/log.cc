@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -36,6 +37,7 @@ ReadOptions ReadingOf(const nb::dict& given, bool of_a_file) {
   Keywords keywords(given);
   DeclareReading(keywords, options, of_a_file);
   keywords.Finish();
+  options.most_rows = std::numeric_limits<std::size_t>::max();  // arrays are asked for, not a gist
   return options;
 }
 

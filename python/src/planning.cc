@@ -41,22 +41,27 @@ void Values(Keywords& keywords,
 }
 
 void DeclarePlan(Keywords& keywords, PlanGrid& grid) {
-  Values(keywords, "pulse-s", grid.pulse_s, Range{1e-6, kYear_s}, "length of a pulse");
-  Values(keywords, "rest-s", grid.rest_s, Range{0.0, kYear_s}, "rest after each pulse");
+  Values(keywords, "pulse-s", grid.pulse_s, Range{1e-6, kYear_s}, "length of a pulse, s");
+  Values(keywords, "rest-s", grid.rest_s, Range{0.0, kYear_s}, "rest after each pulse, s");
   Values(keywords,
          "rate-C",
          grid.rate_C,
          Range{1e-6, 1e4},
-         "rate of the pulses; not given: what suits the cell");
-  Values(keywords, "sampling-s", grid.sampling_s, Range{1e-6, 1e6}, "time between rows");
-  keywords.Option("voltage-noise-V",
-                  grid.noise.white_V,
+         "C-rate of the pulses; by default one that suits the cell");
+  Values(keywords, "sampling-s", grid.sampling_s, Range{1e-6, 1e6}, "time between rows, s");
+  keywords.Option(
+      "voltage-noise-V",
+      grid.noise.white_V,
+      Range{0.0, 1e3},
+      "standard deviation of the voltage's noise that is independent from row to row, V");
+  keywords.Option("coloured-noise-V",
+                  grid.noise.coloured_V,
                   Range{0.0, 1e3},
-                  "noise of the voltage, independent from row to row");
-  keywords.Option(
-      "coloured-noise-V", grid.noise.coloured_V, Range{0.0, 1e3}, "slow errors of the voltage");
-  keywords.Option(
-      "correlation-s", grid.noise.correlation_s, Range{1e-6, kYear_s}, "how slow those are");
+                  "standard deviation of slow errors of the voltage, V");
+  keywords.Option("correlation-s",
+                  grid.noise.correlation_s,
+                  Range{1e-6, kYear_s},
+                  "time over which these slow errors are correlated, s");
 }
 
 nb::object Plan(const PythonCell& cell, const nb::dict& given, const nb::object& progress) {

@@ -12,6 +12,7 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -306,7 +307,27 @@ def test_fleets_lose_nothing(lab: Path, tmp_path: Path) -> None:
     assert "1 failed" in repr(fleet)
 
 
-def test_fleets_run_in_other_processes(campaign: lipoid.Campaign, lab: Path) -> None:
+@pytest.fixture(params=["pool", "dask"])
+def other_process(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """One worker that is another process: of a pool, or of a cluster of dask."""
+    if request.param == "pool":
+        context = multiprocessing.get_context("spawn")
+        with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
+            yield pool
+    else:
+        distributed = pytest.importorskip("distributed")
+        with (
+            distributed.LocalCluster(
+                n_workers=1, threads_per_worker=1, dashboard_address=None
+            ) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            yield client
+
+
+def test_fleets_run_in_other_processes(
+    campaign: lipoid.Campaign, lab: Path, tmp_path: Path, other_process: Any
+) -> None:
     in_memory = lipoid.Campaign(
         name="memory",
         capacity_Ah=0.6,
@@ -314,10 +335,13 @@ def test_fleets_run_in_other_processes(campaign: lipoid.Campaign, lab: Path) -> 
         low_rate=lipoid.read_log(lab / "low_rate.csv"),
         pulses=[lipoid.read_log(lab / "pulses.csv")],
     )
-    context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
-        fleet = lipoid.identify_many([in_memory, campaign], executor=pool, method="staged")
-    assert list(fleet.table["status"]) == ["done", "done"]
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[cell]\ncapacity_Ah = 'much'\n")
+    fleet = lipoid.identify_many(
+        [in_memory, bad, campaign], executor=other_process, method="staged"
+    )
+    assert list(fleet.table["status"]) == ["done", "failed", "done"]
+    assert "LoadError" in fleet.table["error"][1]
     here = lipoid.identify(in_memory, method="staged")
     there = fleet.results[0]
     assert isinstance(there, lipoid.Identification)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +61,78 @@ def test_matlab(tmp_path: Path) -> None:
     io.savemat(tmp_path / "log.mat", {"meas": {"Time": T, "Current": -I, "Voltage": V}, "note": 1})
     log = lipoid.read_log(tmp_path / "log.mat", units=["s", "A", "V"])
     np.testing.assert_array_equal(log.current_A, I)
+
+
+def mpr_module(name: bytes, version: int, data: bytes) -> bytes:
+    head = name.ljust(10) + b"".ljust(25) + struct.pack("<II", len(data), version) + b"03/14/24"
+    return b"MODULE" + head + data
+
+
+def test_mpr(tmp_path: Path) -> None:
+    """A file as EC-Lab writes it: modules, of which one has the rows, charge positive, in mA."""
+    pytest.importorskip("galvani", reason="tools/setup --extra installs galvani")
+    columns = (4, 6, 11)  # time/s, Ewe/V, <I>/mA
+    rows = np.empty(N, np.dtype([("t", "<f8"), ("v", "<f4"), ("i", "<f8")]))
+    rows["t"], rows["v"], rows["i"] = T, V, -1e3 * I
+    head = struct.pack("<IB", N, len(columns)) + struct.pack("<3H", *columns)
+    (tmp_path / "log.bin").write_bytes(
+        b"BIO-LOGIC MODULAR FILE\x1a".ljust(48)
+        + bytes(4)
+        + mpr_module(b"VMP Set", 0, bytes(16))
+        + mpr_module(b"VMP data", 2, head.ljust(405, b"\0") + rows.tobytes())
+    )
+    log = lipoid.read_log(tmp_path / "log.bin")
+    np.testing.assert_array_equal(log.time_s, T)
+    np.testing.assert_allclose(log.current_A, I, rtol=1e-15)
+    assert log.voltage_V is not None
+    np.testing.assert_allclose(log.voltage_V, V, rtol=1e-7)  # single precision in the file
+    assert log.sign == "discharge-negative"
+
+
+# Neware's records have 86 bytes; steps are numbered, and their clock starts anew. Two states:
+REST, DISCHARGE = 4, 2
+
+
+def nda_record(index: int, step: int, step_s: float, row: int, begins_s: float) -> bytes:
+    second = datetime(2024, 3, 14, 9) + timedelta(seconds=int(begins_s + step_s))  # whole seconds
+    state = DISCHARGE if step == 2 else REST
+    return (
+        struct.pack("<HIIHB", 0x55, index, 0, step, state)
+        + bytes(1)
+        + struct.pack("<Qii", round(1e3 * step_s), round(1e4 * V[row]), round(-1e5 * I[row]))
+        + bytes(8 + 32)
+        + struct.pack("<HBBBBB", *second.timetuple()[:6])
+        + bytes(1)
+        + struct.pack("<i", 100)  # the range of the channel: a unit of the current is 10 uA
+        + bytes(4)
+    )
+
+
+@pytest.mark.parametrize("name", ["log.nda", "log.bin"])
+@pytest.mark.parametrize("pause_s", [0.0, 600.0])
+def test_nda(tmp_path: Path, name: str, pause_s: float) -> None:
+    """Steps whose clocks start anew are joined; whole seconds of the stamps do not jitter them."""
+    pytest.importorskip("NewareNDA", reason="tools/setup --extra installs NewareNDA")
+    steps = ((1, 0.0), (2, 60.4), (3, 360.9))  # rest, discharge, rest
+    times, records, rows = [], [b"NEWARE".ljust(14, b"\0") + b"\x1d" + bytes(1024)], []
+    for step, begins_s in steps:
+        ends_s = {1: 60.4, 2: 360.9, 3: 899.0}[step]
+        for step_s in np.append(np.arange(1.0, ends_s - begins_s, 1.0), ends_s - begins_s):
+            row = int(
+                np.clip(begins_s + step_s, *{1: (0, 60), 2: (61, 359), 3: (360, N - 1)}[step])
+            )
+            waited_s = pause_s if step == 3 else 0.0
+            times.append(begins_s + step_s + waited_s)
+            rows.append(row)
+            records.append(nda_record(len(times), step, step_s, row, begins_s + waited_s + 0.3))
+    (tmp_path / name).write_bytes(b"".join(records))
+    log = lipoid.read_log(tmp_path / name)
+    expected = np.array(times) - times[0]
+    # Exact within steps; across a pause as good as stamps of whole seconds can be.
+    np.testing.assert_allclose(log.time_s, expected, atol=1e-4 if pause_s == 0.0 else 1.0)
+    np.testing.assert_allclose(log.current_A, I[rows], rtol=1e-6)
+    assert log.voltage_V is not None
+    np.testing.assert_allclose(log.voltage_V, V[rows], atol=0.51e-4)  # a unit is 0.1 mV
 
 
 def test_bdf_is_read_by_content(tmp_path: Path) -> None:

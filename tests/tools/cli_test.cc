@@ -68,9 +68,9 @@ TEST(TextTable, BreaksHeadersAndWordsWhereAScreenEnds) {
 }
 
 TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
-  TextTable table({{"log", Align::kLeft}, {"cost / V²"}});
+  TextTable table({{"log", Align::kLeft}, {"cost / V²"}}, "Errors in %.");
   table.Row({"a_b&c#1$", "0.22"});
-  EXPECT_EQ(table.Latex("Errors in %."),
+  EXPECT_EQ(table.Latex(),
             "\\begin{table}\n"
             "  \\centering\n"
             "  \\caption{Errors in \\%.}\n"
@@ -84,6 +84,21 @@ TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
             "\\end{table}\n");
   EXPECT_EQ(LatexText("beta / s^-1/2 \\x{y}~"),
             "beta / s\\textsuperscript{-1/2} \\textbackslash{}x\\{y\\}\\textasciitilde{}");
+}
+
+TEST(TextTable, WithACaptionIsKeptForThePaperOnceItIsShown) {
+  TextTable shown({{"log", Align::kLeft}}, "Shown.");
+  const TextTable hidden({{"log", Align::kLeft}}, "Hidden.");
+  const TextTable plain({{"log", Align::kLeft}});
+  (void)shown.Text();  // nobody writes a paper yet
+  {
+    const TablesForPaper paper;
+    (void)shown.Text();
+    (void)plain.Text();
+    EXPECT_EQ(paper.latex(), "\n" + shown.Latex());
+  }
+  const TablesForPaper next;
+  EXPECT_EQ(next.latex(), "");
 }
 
 TEST(Wrapped, BreaksAtBlanksAndWhereThereAreNoneAfterCommas) {

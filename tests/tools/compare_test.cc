@@ -150,6 +150,31 @@ TEST(Compare, WritesOneRowPerStartAndTablesForAPaperAndCallsATieATie) {
   EXPECT_NE(tex.find("levenberg-marquardt & "), std::string::npos) << tex;
 }
 
+TEST(Latex, HasEachNumberThatTheScreenShows) {
+  const auto folder = TestFolder();
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"plan", "gifi-600mAh-1"},
+        {"poles", "altitude"},
+        {"fly", "hover", "--duration", "2"}}) {
+    auto with = arguments;
+    with.insert(with.end(), {"--latex", "t.tex"});
+    const auto run = RunLipoid(folder, with);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    std::istringstream lines(ReadText(folder + "/t.tex"));
+    std::size_t shown = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(" & ") == std::string::npos) continue;
+      std::istringstream words(line);
+      for (std::string word; words >> word;) {
+        if (word.find_first_of("0123456789") != 0) continue;
+        EXPECT_NE(run.out.find(word), std::string::npos) << word << " of " << line;
+        ++shown;
+      }
+    }
+    EXPECT_GE(shown, 5U) << arguments[0];
+  }
+}
+
 TEST(Compare, TriesRandomStartsAndGivesTheSameForAnyNumberOfThreads) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder);

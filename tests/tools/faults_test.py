@@ -69,6 +69,8 @@ def any_is_whole(path):
     return path.stat().st_size > 0
 
 
+FLIGHT = pathlib.Path(__file__).resolve().parents[2] / "fixtures/flights/log171.bin"
+
 # Each command that writes, and how each of its files is known to be whole.
 WRITERS = {
     "identify": (["identify", "logs/campaign.toml", "--method", "staged", "-o", "new.json", "--residuals", "new.csv",
@@ -87,6 +89,14 @@ WRITERS = {
     "export": (["export", "cell.json", "--to", "spice", "-o", "new.cir"], {"new.cir": any_is_whole}),
     "fly": (["fly", "hover", "--cell", "cell.json", "--duration", "30", "-o", "new.csv"], {"new.csv": csv_is_whole}),
     "inspect": (["inspect", "logs/pulses.csv", "--report", "new.html"], {"new.html": page_is_whole}),
+    "poles": (["poles", "altitude", "-o", "new.csv"], {"new.csv": csv_is_whole}),
+    "design": (["design", "altitude", "-o", "new.json"], {"new.json": json_is_whole}),
+    "plan": (["plan", "cell.json", "--latex", "new.tex"], {"new.tex": any_is_whole}),
+    "vehicle": (["vehicle", "--mass-g", "650", "--frame-mm", "220", "--series", "4", "--propeller-in", "5", "--pitch-in", "4.3",
+                 "--kv-rpm-per-V", "2400", "--winding-resistance-Ohm", "0.06", "-o", "new.toml"], {"new.toml": any_is_whole}),
+    "endurance": (["endurance", "--vehicle", "mambo-physical", "--cell", "cell.json", "--report", "new.html"],
+                  {"new.html": page_is_whole}),
+    "health": (["health", "--cell", "gifi-600mAh-1", "--series", "4", "--capacity-Ah", "1.5", FLIGHT, "--report", "new.html"], {"new.html": page_is_whole}),
     "export-controller": (["export-controller", "--vehicle", "mambo-physical", "-o", "code"],
                           {"code/lipoid_controller.c": any_is_whole}),
 }
@@ -122,12 +132,14 @@ def killed_at_any_moment(lab, moments):
             new = set(files_below(lab.folder)) - there - strays
             left += bool(new)
             strays |= new
-        # While its files appear, each old one has a hidden second name: a kill may hit that moment.
+        # While its files appear, each old one has a hidden second name: a kill may hit that moment. The
+        # next run clears that away.
         assert all(pathlib.Path(one).name.startswith(".lipoid-") for one in strays), f"{name}: {strays}"
         assert left <= max(2, moments // 4), f"{name}: {strays}"
         assert lab.run(*words)[0] in (0, 1), f"{name} after it was killed"
+        assert set(files_below(lab.folder)) == there, f"{name} leaves what it left when it was killed"
         print(f"faults: {name}: {killed} of {moments} killed before their end, {left} of them left temporaries")
-        for one in strays | there - {"cell.json"}:
+        for one in there - {"cell.json"}:
             if not one.startswith("logs/"):
                 (lab.folder / one).unlink()
 

@@ -91,6 +91,8 @@ TEST(NothingLost, NoOutputReplacesAnInputWhicheverOptionNamesIt) {
       {"compare", "c.toml", "--summary", "c.toml"},
       {"compare", "c.toml", "--latex", "logs/cc.csv"},
       {"study", "branches", "c.toml", "--latex", "c.toml"},
+      {"identify", "c.toml", "-o", "new.json", "--latex", "logs/low.csv"},
+      {"validate", "cell.json", "logs/pulses.csv", "--latex", "cell.json"},
       {"study", "branches", "c.toml", "--csv", "linked/pulses.csv"},
       {"study", "branches", "c.toml", "--open-circuit-voltage", "cell.json", "--csv", "cell.json"},
       {"export", "cell.json", "--to", "px4", "-o", "cell.json"},

@@ -45,6 +45,8 @@ def write(result, figure_name):
         parts.append(limits(result))
     if "step_times" in result:
         parts.append(steps(result["step_times"]))
+    if "long_logs" in result:
+        parts.append(long_log_table(result["long_logs"]))
     if "build_times" in result:
         parts.append(builds(result["build_times"]))
     svg = None
@@ -344,6 +346,19 @@ def steps(rows):
     return ("## Short steps\n\nMeasured by `tools/step-times --out docs/benchmarks.json` (processor "
             "time, build of the preset dev, one core), the cell\ngifi-600mAh-1 with ten diffusion "
             "modes:\n\n" + table(["", "ns"], lines))
+
+
+def long_log_table(measured):
+    reading_s = measured["runs"][0]["processor_s"]
+    lines = [[row["name"], number(row["processor_s"], 3), number(row["processor_s"] / reading_s, 3),
+              number(row["peak_memory_MB"], 3)] for row in measured["runs"]]
+    return ("## Long logs\n\nMeasured by `tools/long-logs --out docs/benchmarks.json` (preset dev): a campaign whose "
+            f"low-rate log has {number(measured['rows'])} rows in\n{number(measured['bytes'] / 1e9, 3)} GB of CSV, of "
+            "which more than 16,777,216 rows are thinned "
+            "([formats.md](formats.md#long-logs)). Memory does not grow with the rows.\n\n"
+            + code(measured["command"]) + "\n"
+            + table(["", "processor time / s", "times that of inspect", "peak memory / MB"], lines)
+            + "\nconvert, simulate and validate read the log twice, and the first two write every row.\n")
 
 
 def keep(file, key, measured):

@@ -257,6 +257,10 @@ void CommandLine::ReportOption() {
                report_file_,
                "HTML",
                "write the result as one page with plots, to be opened in a browser");
+  OutputOption("latex",
+               latex_file_,
+               "TEX",
+               "write the tables of the result for LaTeX, with the rules of booktabs");
 }
 
 void CommandLine::OutputOption(std::string_view name,

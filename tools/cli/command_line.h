@@ -152,7 +152,8 @@ class CommandLine {
                     std::string_view word,
                     std::string_view help);
 
-  /// --report HTML: the result as one page with plots, written when the command is done.
+  /// --report HTML and --latex TEX: the result as one page with plots, and its tables for a paper.
+  /// Both are written when the command is done.
   void ReportOption();
 
   /// Before Parse(): the command runs again only for its series, as a page needs them beside a
@@ -226,6 +227,7 @@ class CommandLine {
 
   /// Where --report asks for a page: "" where it does not, and no series need be made.
   [[nodiscard]] const std::string& report_file() const { return report_file_; }
+  [[nodiscard]] const std::string& latex_file() const { return latex_file_; }
   /// What the charts of the page need beside the summary.
   [[nodiscard]] std::vector<Series>& report_series() { return report_series_; }
 
@@ -307,6 +309,7 @@ class CommandLine {
 
   std::string summary_file_;
   std::string report_file_;
+  std::string latex_file_;
   bool can_report_ = false;
   const Json* earlier_ = nullptr;
   std::map<std::string, std::string> sha256_;

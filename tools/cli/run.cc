@@ -113,6 +113,15 @@ void WriteStandardOutput(const std::string& text) {
   }
 }
 
+// The tables, with which lipoid made them by which command.
+std::string Paper(const CommandLine& line, const TablesForPaper& tables) {
+  return fmt::format("% lipoid {} ({}): {}\n% \\usepackage{{booktabs}}\n{}",
+                     Version(),
+                     GitCommit(),
+                     ForeignText(line.CommandText()),
+                     tables.latex());
+}
+
 void PrintFailure(const std::string& program, const Failure& failure) {
   std::string text;
   if (failure.exit_code == ExitCode::kBadInput) {
@@ -226,6 +235,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     program = fmt::format("lipoid {}", command.name);
     line = std::make_unique<CommandLine>(
         command, std::vector<std::string>(arguments.begin() + 1, arguments.end()));
+    const TablesForPaper tables;
     exit_code = command.run(*line);
     line->progress().Wipe();  // a result is not printed behind a bar
     WriteStandardOutput(line->output());
@@ -239,6 +249,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
       if (!line->report_file().empty())
         WriteFileAtomically(line->report_file(), ReportPage({&result, 1}));
     }
+    if (!line->latex_file().empty()) WriteFileAtomically(line->latex_file(), Paper(*line, tables));
     line->CommitOutputs();
   });
   if (!failure) return static_cast<int>(exit_code);

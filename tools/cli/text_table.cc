@@ -58,7 +58,16 @@ std::vector<std::string> LinesOf(const std::string& text, std::size_t width) {
   return lines;
 }
 
+thread_local TablesForPaper* for_paper = nullptr;
+
 }  // namespace
+
+TablesForPaper::TablesForPaper() {
+  Require(for_paper == nullptr, "tables are kept once");
+  for_paper = this;
+}
+
+TablesForPaper::~TablesForPaper() { for_paper = nullptr; }
 
 void TextTable::Row(std::vector<std::string> cells) {
   Require(cells.size() == columns_.size(), "as many cells as columns");
@@ -66,6 +75,7 @@ void TextTable::Row(std::vector<std::string> cells) {
 }
 
 std::string TextTable::Text() const {
+  if (for_paper != nullptr && !caption_.empty()) for_paper->latex_ += "\n" + Latex();
   // What a column wants, and what it needs at least: whole numbers, and words that may stand below
   // one another.
   std::vector<std::size_t> width;
@@ -169,7 +179,7 @@ std::string LatexText(std::string_view words) {
   return text;
 }
 
-std::string TextTable::Latex(std::string_view caption) const {
+std::string TextTable::Latex() const {
   std::string kinds;
   for (const auto& column : columns_) kinds += column.align == Align::kRight ? 'r' : 'l';
   const auto line = [](const auto& cells, auto&& text_of) {
@@ -181,7 +191,7 @@ std::string TextTable::Latex(std::string_view caption) const {
   std::string text = fmt::format(
       "\\begin{{table}}\n  \\centering\n  \\caption{{{}}}\n  \\begin{{tabular}}{{{}}}\n    "
       "\\toprule\n",
-      LatexText(caption),
+      LatexText(caption_),
       kinds);
   text += line(columns_, [](const Column& column) { return column.header; });
   text += "    \\midrule\n";

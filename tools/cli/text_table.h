@@ -25,17 +25,37 @@ class TextTable {
     Align align = Align::kRight;
   };
 
-  explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  /// A table with a caption goes into papers, too (TablesForPaper).
+  explicit TextTable(std::vector<Column> columns, std::string caption = "")
+      : columns_(std::move(columns)), caption_(std::move(caption)) {}
 
   /// As many cells as there are columns.
   void Row(std::vector<std::string> cells);
   [[nodiscard]] std::string Text() const;
-  /// The same for a paper: a table with booktabs' rules. The caption is words, not LaTeX.
-  [[nodiscard]] std::string Latex(std::string_view caption) const;
+  /// The same for a paper: a table with booktabs' rules under its caption.
+  [[nodiscard]] std::string Latex() const;
 
  private:
   std::vector<Column> columns_;
+  std::string caption_;
   std::vector<std::vector<std::string>> rows_;
+};
+
+/// While it lives, keeps for a paper each table with a caption that this thread makes text of, so
+/// that the paper has what the screen shows. One at a time.
+class TablesForPaper {
+ public:
+  TablesForPaper();
+  ~TablesForPaper();
+  TablesForPaper(const TablesForPaper&) = delete;
+  TablesForPaper& operator=(const TablesForPaper&) = delete;
+
+  /// Its preamble wants \\usepackage{booktabs}.
+  [[nodiscard]] const std::string& latex() const { return latex_; }
+
+ private:
+  friend class TextTable;
+  std::string latex_;
 };
 
 /// Words as LaTeX shows them: what LaTeX reads as commands is escaped, and the letters that units

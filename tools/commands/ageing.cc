@@ -49,7 +49,8 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
                         {"change / %"},
                         {"95 % from"},
                         {"to"},
-                        {"", cli::Align::kLeft}});
+                        {"", cli::Align::kLeft}},
+                       "What changed from age to age.");
   Json rows = Json::array();
   for (const AgedQuantity& quantity : quantities) {
     Json at = Json::array();

@@ -11,7 +11,6 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/latex_option.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/split.h"
 #include "tools/commands/staged_arguments.h"
@@ -38,7 +37,7 @@ std::string UnitOf(const PulseVariable& v) {
   return "F";
 }
 
-std::string ProblemText(const PulseTask& task, const Comparison& comparison, LatexOption& latex) {
+std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
   std::string text = fmt::format("Problem {}: {} rows of {} logs, {} points after condensing\n",
                                  task.sweep.setup().diffusion ? "(4.61)" : "without diffusion",
                                  task.sweep.rows(),
@@ -50,7 +49,8 @@ std::string ProblemText(const PulseTask& task, const Comparison& comparison, Lat
                    {"lower"},
                    {"upper"},
                    {"box up to"},
-                   {"moved as", Align::kLeft}});
+                   {"moved as", Align::kLeft}},
+                  "The problem: what is free, where it starts and its bounds.");
   for (std::size_t k = 0; k < comparison.variables.size(); ++k) {
     const PulseVariable& v = comparison.variables[k];
     const std::string over = v.unit == 1.0 ? v.name : fmt::format("{}/{:.4g}", v.name, v.unit);
@@ -62,10 +62,13 @@ std::string ProblemText(const PulseTask& task, const Comparison& comparison, Lat
                Significant(comparison.boxed[k].upper),
                v.logarithmic ? fmt::format("log({})", over) : over});
   }
-  return text + latex.Table(table, "The problem: what is free, where it starts and its bounds.");
+  return text + table.Text();
 }
 
-std::string ResultsText(const Comparison& comparison, int random_starts, LatexOption& latex) {
+std::string ResultsText(const Comparison& comparison, int random_starts) {
+  const std::string starts =
+      random_starts > 0 ? fmt::format("Of {} random starts, the same for all", random_starts)
+                        : "Of the data's start alone (--starts N tries random ones)";
   TextTable table({{"optimizer", Align::kLeft},
                    {"mean / %"},
                    {"max / %"},
@@ -74,9 +77,11 @@ std::string ResultsText(const Comparison& comparison, int random_starts, LatexOp
                    {"time / s"},
                    {"evaluations"},
                    {"gradients"},
-                   {"ended", Align::kLeft}});
+                   {"ended", Align::kLeft}},
+                  "Optimizers on the same problem.");
   TextTable reached(
-      {{"optimizer", Align::kLeft}, {"success"}, {"to target / s"}, {"evaluations to target"}});
+      {{"optimizer", Align::kLeft}, {"success"}, {"to target / s"}, {"evaluations to target"}},
+      starts + ".");
   std::string why;
   for (const auto& r : comparison.results) {
     table.Row({r.optimizer,
@@ -94,20 +99,16 @@ std::string ResultsText(const Comparison& comparison, int random_starts, LatexOp
                  Significant(r.evaluations_to_target, 4)});
     why += "  " + cli::Wrapped(fmt::format("{}: {}", r.optimizer, r.summary.message), 2) + "\n";
   }
-  const std::string starts =
-      random_starts > 0 ? fmt::format("Of {} random starts, the same for all", random_starts)
-                        : "Of the data's start alone (--starts N tries random ones)";
-  const std::string results = latex.Table(table, "Optimizers on the same problem.");
-  return fmt::format(
-      "{}\nWhy each ended\n{}\n{}\n{}", results, why, starts, latex.Table(reached, starts + "."));
+  const std::string results = table.Text();
+  return fmt::format("{}\nWhy each ended\n{}\n{}\n{}", results, why, starts, reached.Text());
 }
 
-std::string ParametersText(const Comparison& comparison, LatexOption& latex) {
+std::string ParametersText(const Comparison& comparison) {
   std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
   for (const auto& v : comparison.variables) {
     columns.push_back({fmt::format("{} / {}", v.name, UnitOf(v))});
   }
-  TextTable table(std::move(columns));
+  TextTable table(std::move(columns), "What each optimizer found.");
   for (const auto& r : comparison.results) {
     std::vector<std::string> row{r.optimizer};
     for (const auto& v : comparison.variables) {
@@ -115,7 +116,7 @@ std::string ParametersText(const Comparison& comparison, LatexOption& latex) {
     }
     table.Row(std::move(row));
   }
-  return latex.Table(table, "What each optimizer found.");
+  return table.Text();
 }
 
 // "sqp", or all that found the same.
@@ -141,7 +142,6 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   ComparisonRequest request;
   std::string names = fmt::format("{}", fmt::join(ThesisOptimizers(), ","));
   std::string csv;
-  LatexOption latex;
 
   line.Describe(
       "Runs optimizers on the same logs, from the same start, with the same objective: stage 3 of "
@@ -153,19 +153,21 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");
   line.InputArguments(
       "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
-  line.Text("optimizers",
-            names,
-            "NAME,NAME,...",
-            "which, or all; the default are the seven of the thesis: `lipoid list optimizers`");
-  line.Option(
-      "starts", request.starts, Range{0, 100000}, "random starts of each, besides the data's");
+  line.Text(
+      "optimizers",
+      names,
+      "NAME,NAME,...",
+      "optimizers to compare, or all (`lipoid list optimizers`); by default the thesis' seven");
+  line.Option("starts",
+              request.starts,
+              Range{0, 100000},
+              "number of random starts of each optimizer, besides the one that the logs suggest");
   line.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
   line.OutputOption(
       "csv",
       csv,
       "CSV",
       "write one line per optimizer and start: start, seed, cost, time, why it ended");
-  latex.AddTo(line);
   staged.AddTo(line);
   line.Group("", request.options);
   staged.AddGroupsTo(line);
@@ -200,11 +202,10 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   if (!csv.empty()) WriteFileAtomically(csv, ComparisonToCsv(comparison, campaign.name, diffusion));
 
   for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
-  const std::string problem = ProblemText(task, comparison, latex);
-  const std::string results = ResultsText(comparison, request.starts, latex);
-  const std::string parameters = ParametersText(comparison, latex);
+  const std::string problem = ProblemText(task, comparison);
+  const std::string results = ResultsText(comparison, request.starts);
+  const std::string parameters = ParametersText(comparison);
   line.Print("{}\n{}\n{}\n{}", problem, results, parameters, BestText(comparison));
-  latex.Write(line);
   const bool found = !comparison.best_optimizer.empty();
   if (!found) line.Message("no optimizer found a finite cost; the table says why");
   return found ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

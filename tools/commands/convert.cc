@@ -3,6 +3,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "identify/logs/all_rows.h"
 #include "identify/logs/inspection_report.h"
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
@@ -57,17 +58,16 @@ struct Selection {
 };
 
 Json Describe(const std::string& file,
-              const Log& log,
+              const LogReport& report,
+              double duration_s,
               const std::string& output,
               LogFileFormat format) {
-  const Record& record = log.record;
-  const LogReport& report = log.report;
   Json json = {{"file", file},
                {"format", report.format},
                {"output", output},
                {"output_format", options_internal::ToText(format)},
                {"rows", report.rows},
-               {"duration_s", record.time_s.back() - record.time_s.front()},
+               {"duration_s", duration_s},
                {"current_sign", report.current_sign},
                {"current_sign_reason", report.current_sign_reason}};
   json.update(ReadingToJson(report));
@@ -104,11 +104,19 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   const bool named_bdf = output.ends_with(".bdf") || output.ends_with(".bdf.csv");
   const LogFileFormat format =
       given_format.value_or(named_bdf ? LogFileFormat::kBdf : LogFileFormat::kCsv);
+  read.progress = [&](double share) { line.progress().Update(share, "reading"); };
   Log log = ReadLog(file, read);
-  DivideByPack(log.record, pack.series.value_or(1), pack.parallel.value_or(1));
-  WriteLog(log.record, output, format);
+  read.progress = [&](double share) { line.progress().Update(share, "writing"); };
+  LogWriter writer(output, format);
+  const Record& record = log.record;
+  const double duration_s = record.time_s.back() - record.time_s.front();
+  ForEachBlockOfRows(log, read, [&](Record& rows) {
+    DivideByPack(rows, pack.series.value_or(1), pack.parallel.value_or(1));
+    writer.Add(rows);
+  });
+  writer.Commit();
 
-  line.summary()["files"] = Json::array({Describe(file, log, output, format)});
+  line.summary()["files"] = Json::array({Describe(file, log.report, duration_s, output, format)});
   line.Message("{}: {}, {} rows kept, {} dropped; {} ({})",
                file,
                log.report.format,

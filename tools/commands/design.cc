@@ -113,13 +113,13 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
       "lipoid design altitude --aware -o gains.json");
   line.Example("lipoid design attitude --aware --optimizer levenberg-marquardt");
   line.Argument("LOOP", loop_name, "altitude, or attitude");
-  line.Flag("aware", aware, "over all xi instead of xi = 1 alone");
+  line.Flag("aware", aware, "minimize the error over all xi, instead of at xi = 1 alone");
   line.Text("xi",
             range,
             "RANGE",
             "voltages over the nominal one, FIRST:STEP:LAST (default 0.8:0.01:1 with --aware, 1 "
             "without)");
-  line.Text("weights", weights, "W,W,...", "one for each xi (default 1)");
+  line.Text("weights", weights, "W,W,...", "weight of each xi in the cost (default 1)");
   line.Input(
       "vehicle", vehicle_name, "VEHICLE", "a vehicle file, or the name of a shipped vehicle");
   line.Input(
@@ -133,14 +133,14 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
             design.controller.law,
             "NAME",
             "inversion, or another of `lipoid list controllers`; lqr: the weights of its regulator "
-            "are searched, and its gains follow (default inversion)");
+            "are searched, and its gains follow");
   line.Text("optimizer", optimizer_name, "NAME", "any of `lipoid list optimizers`");
   line.Option(
       "check",
       check,
       Names(),
-      "state the gap of the cost to a run ten times longer, which may take minutes; auto: unless "
-      "it would take more than one");
+      "state the gap of the cost to a run ten times longer, which may take minutes; auto: only "
+      "where it takes less than a minute");
   line.OutputOption("output,o", output, "JSON", "gains file for `lipoid fly --gains`");
   line.Group("design", design.options);
   line.Group("controller", design.controller);
@@ -211,7 +211,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["start"]["poles"] = PolesToJson(design, start, from);
 
   const std::string unit = altitude ? "m² s" : "rad² s";
-  cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}});
+  cli::TextTable table({{"", Align::kLeft}, {"K_e"}, {"K_eI"}, {"K_edot"}, {"cost / " + unit}},
+                       "Gains of the inner loop, and what they cost.");
   const auto row = [&](std::string name, const ErrorGains& gains, double cost) {
     table.Row({std::move(name),
                Significant(gains.proportional),

@@ -76,7 +76,7 @@ void PrintAnswer(cli::CommandLine& line,
   const bool intervals = !answer.flights.empty();
   std::vector<cli::TextTable::Column> columns{{"until landing", Align::kLeft}, {"estimate"}};
   if (intervals) columns.insert(columns.end(), {{"95 % from"}, {"to"}});
-  cli::TextTable table(columns);
+  cli::TextTable table(columns, "Endurance.");
   for (const EnduranceNumber& number : EnduranceNumbers()) {
     const double value = number.of(answer.estimate);
     if (!std::isfinite(value)) continue;
@@ -206,7 +206,8 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
                         {"to"},
                         {"landing / V"},
                         {"rested / V"},
-                        {"ended by", Align::kLeft}});
+                        {"ended by", Align::kLeft}},
+                       fmt::format("Endurance over {}.", over.variable->name));
   Json rows = Json::array();
   for (std::size_t k = 0; k < over.values.size(); ++k) {
     line.progress().Update(static_cast<double>(k) / static_cast<double>(over.values.size()),
@@ -274,7 +275,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             mission,
             "M",
             "hover; cruise; waypoints=FILE, a route as of `lipoid fly waypoints`; or power=FILE, a "
-            "CSV of time_s,power_W or any log with voltage and current (default hover)");
+            "CSV of time_s,power_W or any log with voltage and current");
   line.Flag("once", once, "fly the mission of a file once instead of again and again");
   line.Input(
       "gains",

@@ -95,7 +95,10 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   line.Example("lipoid export cell.json --to thevenin --mission flight.csv -o cell.yaml");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.RequiredText("to", target_name, "TARGET", TargetHelp());
-  line.Output(output, "FILE", "the first file; others stand beside it with its stem");
+  line.Output(
+      output,
+      "FILE",
+      "the file to write; where a target has several, the others stand beside it with its stem");
   line.Input("mission",
              mission_file,
              "LOG",
@@ -103,15 +106,17 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
              "time_s,power_W, or a flight of lipoid; default: two levels of current with rests");
   line.Option("series", pack.series, kPackSizes, "cells in series of the pack to export");
   line.Option("parallel", pack.parallel, kPackSizes, "cells in parallel of the pack to export");
-  line.Text("target-version",
-            version,
-            "VERSION",
-            "of the program that reads the file, where names differ; lipoid list targets has them");
+  line.Text(
+      "target-version",
+      version,
+      "VERSION",
+      "version of the program that reads the file, where names differ: `lipoid list targets`");
   line.Option("branches",
               branches,
               Range{1, 2},
-              "pairs of resistor and capacitor, for targets that can have more than one");
-  line.Option("precision", precision, Names(), "of the numbers, for targets that can be either");
+              "number of pairs of resistor and capacitor, for targets that can have more than one");
+  line.Option(
+      "precision", precision, Names(), "precision of the numbers, for targets that can be either");
   line.Input("into",
              into,
              "FILE",
@@ -119,7 +124,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   line.Option("error-limit-mV",
               limit_mV,
               Range{0.0, 1e6},
-              "an error above this, rms and for one cell, is a warning");
+              "rms error of one cell, mV, above which a warning is given");
   start.AddTo(line);
   log_options.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;

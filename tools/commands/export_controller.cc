@@ -57,9 +57,10 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Text("controller",
             request.controller.law,
             "NAME",
-            "inversion, or another of `lipoid list controllers` (default inversion)");
-  line.Flag(
-      "compensate", request.controller.compensate, "commands use the measured voltage (5.52)");
+            "inversion, or another of `lipoid list controllers`");
+  line.Flag("compensate",
+            request.controller.compensate,
+            "turn commands into duty cycles by the measured voltage of the battery (5.52)");
   line.Input(
       "cell",
       cell_name,
@@ -69,11 +70,11 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Option("lowest-V",
               lowest_V,
               Range{1e-3, 1e5},
-              "instead of --cell: the pack's voltage under load at which a flight ends");
+              "voltage of the pack under load at which a flight ends, V, instead of --cell");
   line.Option("precision",
               request.precision,
               Names(),
-              "of all numbers; -DLIPOID_DOUBLE=1 or 0 when compiling decides otherwise");
+              "precision of all numbers; -DLIPOID_DOUBLE=1 or 0 when compiling decides otherwise");
   line.RequiredText("output,o", folder, "DIR", "the folder to write to; made where it is missing");
   line.Group("controller", request.controller);
   line.Group("estimator", request.estimator);

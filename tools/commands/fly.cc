@@ -43,7 +43,8 @@ constexpr double kLongFlight_s = 600.0;
 constexpr double kLongFlightLogStep_s = 1.0;
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
-  cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}});
+  cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}},
+                       "The flight.");
   const auto row = [&](std::string what, std::string value, std::string unit) {
     table.Row({std::move(what), std::move(value), std::move(unit)});
   };
@@ -77,7 +78,8 @@ void PrintEnsemble(cli::CommandLine& line,
   cli::TextTable table({{fmt::format("{} cells drawn", flights.size()), Align::kLeft},
                         {"estimate"},
                         {"95 % from"},
-                        {"to"}});
+                        {"to"}},
+                       "The flight on cells drawn from what the identification leaves open.");
   for (const FlightNumber& number : kFlightNumbers) {
     const auto [low, high] = IntervalOf(flights, number.of);
     table.Row({std::string(number.what),
@@ -146,26 +148,31 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.Text("controller",
             setup.controller.law,
             "NAME",
-            "inversion, or another of `lipoid list controllers` (default inversion)");
-  line.Flag("compensate", setup.controller.compensate, "commands use the measured voltage (5.52)");
+            "inversion, or another of `lipoid list controllers`");
+  line.Flag("compensate",
+            setup.controller.compensate,
+            "turn commands into duty cycles by the measured voltage of the battery (5.52)");
   line.Flag("estimate",
             setup.estimate,
             "the controller sees noisy sensors through the estimator, not the true state");
   line.Input("waypoints",
              request.waypoints_file,
              "FILE",
-             "places for the maneuver waypoints (docs/formats.md)");
-  line.Text("wind", wind, "X[,Y[,Z]]", "m/s that the air moves along x, y and down");
-  line.Option("gusts",
-              setup.wind.gusts_m_per_s,
-              Range{0.0, 60.0},
-              "Dryden gusts by the wind speed at 20 ft: 7.7 light, 15.4 moderate, 23.2 severe");
+             "file of the places that the maneuver waypoints visits (docs/formats.md)");
+  line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air along x, y and down, m/s");
   line.Option(
-      "duration", duration_s, Range{kControlStep_s, 1e6}, "seconds, instead of the maneuver's own");
+      "gusts",
+      setup.wind.gusts_m_per_s,
+      Range{0.0, 60.0},
+      "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
+  line.Option("duration",
+              duration_s,
+              Range{kControlStep_s, 1e6},
+              "duration of the flight, s; by default that of the maneuver");
   line.Option("land-below-V",
               setup.land_below_V,
               Range{0.0, 1e4},
-              "land when the battery has been below it for a second; 0: never");
+              "land when the battery has been below this voltage for a second, V; 0: never");
   line.Option(
       "log-step-s",
       log_step_s,

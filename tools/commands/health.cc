@@ -120,7 +120,8 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                         {"95 %"},
                         {"resistance / mOhm"},
                         {"95 %"},
-                        {"mean error / %"}});
+                        {"mean error / %"}},
+                       "The pack in each flight, with intervals of 95 %.");
   for (const FlightHealth& flight : report.flights) {
     table.Row({flight.file,
                Value(flight.soc_start, 1.0),

@@ -271,7 +271,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     };
     CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
     line.progress().Update(share(0.0), "reading logs");
-    const auto logs = LoadLogs(line, campaign);
+    const auto logs = LoadLogs(line, campaign, share);
     Hashing hashing(InputsOf(campaign, staged.given));
     const StageProgress tell = [&](std::string_view stage, double part) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);

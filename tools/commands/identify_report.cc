@@ -46,7 +46,8 @@ std::string DischargeTimesText(const StagedResult& result) {
                         Significant(stage.beta_lower_bound_per_sqrt_s, 3));
   }
   TextTable table(
-      {{"   log", Align::kLeft}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}});
+      {{"   log", Align::kLeft}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}},
+      "Discharge times, measured and predicted.");
   for (const auto& row : stage.rows) {
     table.Row({"   " + row.file,
                Significant(row.current_A),
@@ -67,7 +68,8 @@ std::string FromRestsText(const OcvFromRests& stage) {
                    {"v_oc / V"},
                    {"rest / s"},
                    {"drift / mV"},
-                   {"slope / mV/h"}});
+                   {"slope / mV/h"}},
+                  "Open-circuit voltage from the rests between pulses.");
   for (const auto& rest : stage.rests) {
     table.Row({"",
                Significant(rest.soc, 4),
@@ -108,7 +110,8 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
 }
 
 std::string PulsesText(const StagedResult& result) {
-  TextTable table({{"3  pulses", Align::kLeft}, {"beta held (4.60)"}, {"beta free (4.61)"}});
+  TextTable table({{"3  pulses", Align::kLeft}, {"beta held (4.60)"}, {"beta free (4.61)"}},
+                  "What the pulses give.");
   const auto row = [&](const std::string& name, const auto& value) {
     table.Row({"   " + name,
                result.pulses_beta_held ? value(*result.pulses_beta_held) : "-",
@@ -154,11 +157,9 @@ std::string PulsesText(const StagedResult& result) {
 
 std::string ValidationText(const std::vector<LogErrors>& logs) {
   if (logs.empty()) return "";
-  TextTable table({{"validation", Align::kLeft},
-                   {"mean_%"},
-                   {"max_%"},
-                   {"rmse_mV"},
-                   {"mean_% above 10 % SOC"}});
+  TextTable table(
+      {{"validation", Align::kLeft}, {"mean_%"}, {"max_%"}, {"rmse_mV"}, {"mean_% above 10 % SOC"}},
+      "How well the cell predicts logs that it was not made from.");
   for (const auto& log : logs) {
     table.Row({"   " + log.file,
                Significant(log.all.mean_error_percent, 3),
@@ -179,7 +180,8 @@ std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) 
                    {"mean_%"},
                    {"max_%"},
                    {"rmse_mV"},
-                   {"mean_% above 10 % SOC"}});
+                   {"mean_% above 10 % SOC"}},
+                  "Discharges at constant current, measured and predicted.");
   for (const auto& log : logs) {
     const bool ends = std::isfinite(log.predicted_s);
     table.Row({"   " + log.voltage.file,
@@ -218,7 +220,8 @@ TextAndJson SpreadOfCells(const std::vector<Cell>& cells,
                    {"std. dev. / %"},
                    {"least"},
                    {"most"},
-                   {"unit", Align::kLeft}});
+                   {"unit", Align::kLeft}},
+                  "Spread over the cells.");
   const auto add =
       [&](const std::string& name, const std::string& unit, const std::vector<double>& values) {
         if (values.size() < 2) return;

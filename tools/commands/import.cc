@@ -18,9 +18,9 @@ cli::ExitCode ImportCommand(cli::CommandLine& line) {
       "equivalent circuit as JSON (the keys of the package thevenin or of PyBaMM), a frame model of "
       "ArduPilot, or an SDF with Gazebo's LinearBatteryPlugin. The format is found from the content.",
       "lipoid import frame.json --series 3 -o cell.json");
-  line.InputArgument("FILE", file, "the battery");
+  line.InputArgument("FILE", file, "the file that describes the battery");
   line.Output(output, "FILE", "the cell file");
-  line.Text("name", options.name, "NAME", "of the cell, instead of the file's own");
+  line.Text("name", options.name, "NAME", "name of the cell, instead of the file's own");
   line.Option("series",
               options.series,
               kPackSizes,

@@ -10,6 +10,7 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
+#include "identify/logs/thinning.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
@@ -131,7 +132,7 @@ std::string SegmentTable(const Inspection& log, bool all) {
                                               {"charge / Ah"}};
   if (!labels.empty()) columns.insert(columns.end(), {{"step"}, {"cycle"}});
   const std::size_t width = columns.size();
-  cli::TextTable table(std::move(columns));
+  cli::TextTable table(std::move(columns), "Segments of the log.");
   double most_A = 0.0;
   double most_Ah = 0.0;
   for (const Segment& segment : segments) {
@@ -168,7 +169,8 @@ std::string PartsTable(const std::vector<Inspection>& parts) {
                         {"end_s"},
                         {"charge out / Ah"},
                         {"rests at / V"},
-                        {"kind", Align::kLeft}});
+                        {"kind", Align::kLeft}},
+                       "The parts of the log.");
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Inspection& part = parts[k];
     table.Row({fmt::format("  {}", k + 1),
@@ -223,6 +225,7 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
                    log.charge_out_C / kSecondsPerHour,
                    log.charge_in_C / kSecondsPerHour));
   item("dropped", Dropped(log.report));
+  if (log.report.thinned) item("thinned", ThinningText(*log.report.thinned));
   for (const auto& warning : log.report.warnings) item("look at", warning);
   for (const auto& note : log.report.notes) item("note", note);
   if (!log.parts.empty()) line.Print("{}", PartsTable(log.parts));
@@ -236,7 +239,8 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
                         {"rows"},
                         {"duration"},
                         {"charge out / Ah"},
-                        {"kind", Align::kLeft}});
+                        {"kind", Align::kLeft}},
+                       "The logs.");
   for (const auto& file : files) {
     if (!file.inspection) {
       table.Row({file.file, "not read", "", "", "", ""});
@@ -366,8 +370,10 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
       "lipoid inspect cc_1C.csv pulses.csv");
   line.Example("lipoid inspect logs --write-campaign logs/campaign.toml");
   line.InputArguments("LOG", words, "logs, or folders of logs");
-  line.OutputOption(
-      "write-campaign", campaign_file, "FILE", "draft a campaign of these logs, to be read over");
+  line.OutputOption("write-campaign",
+                    campaign_file,
+                    "FILE",
+                    "write a draft of a campaign of these logs, to be checked before it is used");
   line.Flag("all", all_segments, "print every segment, however many there are");
   log_options.AddTo(line);
   pack.AddTo(line);
@@ -378,6 +384,8 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   read.labels = true;
   const auto named = Expand(words);
   line.AddInputs(named);
+  if (named.size() == 1)
+    read.progress = [&](double share) { line.progress().Update(share, "reading"); };
   const bool report = !line.report_file().empty();
   std::vector<Series> series(report ? named.size() : 0);
   constexpr std::size_t kColumns = 3;  // current, voltage, perhaps temperature

@@ -20,7 +20,8 @@ using cli::TextTable;
 std::string TriedText(const JointChoice& choice) {
   // beta and tau_j of each stand in the summary.
   TextTable table(
-      {{"structure tried (errors in mV)", Align::kLeft}, {"fitted"}, {"held out"}, {"gain"}});
+      {{"structure tried (errors in mV)", Align::kLeft}, {"fitted"}, {"held out"}, {"gain"}},
+      "Structures that were tried, and how well they predict logs held out.");
   for (const auto& row : choice.tried) {
     table.Row({(row.taken ? "=> " : "   ") + row.what,
                Significant(1e3 * row.errors.fitted_V, 3),
@@ -46,7 +47,7 @@ std::string RangeText(const Resistance<double>& r) {
 
 std::string FoundText(const JointResult& result) {
   const Cell& cell = result.cell;
-  TextTable table({{"found", Align::kLeft}, {"", Align::kLeft}});
+  TextTable table({{"found", Align::kLeft}, {"", Align::kLeft}}, "The cell.");
   const auto row = [&](const std::string& name, const std::string& value) {
     table.Row({"   " + name, value});
   };
@@ -89,7 +90,8 @@ std::string ErrorsText(const JointResult& result) {
                    {"mean_%"},
                    {"max_%"},
                    {"rmse_mV"},
-                   {"staged mean_%"}});
+                   {"staged mean_%"}},
+                  "How well the cell describes its logs.");
   for (std::size_t l = 0; l < result.fitted.size(); ++l) {
     const auto& log = result.fitted[l];
     table.Row({"   " + log.file,

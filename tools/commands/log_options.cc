@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 #include "model/battery/ranges.h"
@@ -9,6 +11,13 @@
 #include "tools/commands/split.h"
 
 namespace lipoid {
+
+namespace {
+
+// Of what commands do with logs that they read.
+constexpr double kShareOfReading = 0.2;
+
+}  // namespace
 
 void LogOptions::AddTo(cli::CommandLine& line) {
   line.Texts("columns",
@@ -31,6 +40,11 @@ void LogOptions::AddTo(cli::CommandLine& line) {
       battery,
       Range{1, kMostBatteries},
       "which battery of a flight log, as the autopilot numbers it, where there are several");
+  line.Option("most-rows",
+              most_rows,
+              Range{1024, 1e9},
+              "rows of a log that are kept as they are; where nothing happens in a longer log one "
+              "row then stands for several");
 }
 
 ReadOptions LogOptions::ToReadOptions() const {
@@ -61,6 +75,7 @@ ReadOptions LogOptions::ToReadOptions() const {
   }
   read.current_sign = current_sign;
   read.battery = battery.value_or(0);
+  read.most_rows = static_cast<std::size_t>(most_rows);
   return read;
 }
 
@@ -82,8 +97,23 @@ std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns) {
   return files;
 }
 
-std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign) {
-  std::vector<LoadedLog> logs = LoadCampaign(campaign);
+std::vector<LoadedLog> LoadLogs(cli::CommandLine& line,
+                                const Campaign& campaign,
+                                const std::function<double(double)>& share_of_bar) {
+  // A bar that grows with all the logs: each counts alike.
+  Campaign told = campaign;
+  std::vector<std::atomic<double>> shares(told.logs.size());
+  for (std::size_t k = 0; k < told.logs.size(); ++k) {
+    told.logs[k].read.progress = [&, k](double share) {
+      shares[k] = share;
+      double sum = 0.0;
+      for (const auto& each : shares) sum += each;
+      const double all = kShareOfReading * sum / static_cast<double>(shares.size());
+      line.progress().Update(share_of_bar ? share_of_bar(all) : all, "reading logs");
+    };
+  }
+  std::vector<LoadedLog> logs = LoadCampaign(told);
+  for (LoadedLog& log : logs) log.entry.read.progress = {};  // of this call alone
   for (const std::string& note : NotesOnLogs(logs)) line.Message("{}", note);
   return logs;
 }

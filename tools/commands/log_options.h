@@ -3,6 +3,7 @@
 /// @file
 /// The options that say how logs are read, common to the commands that read them.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,8 +21,9 @@ struct LogOptions {
   std::string current_sign;          ///< as typed
   Hold hold = Hold::kBackward;
   std::optional<int> battery;
+  int most_rows = static_cast<int>(kMostRowsKept);
 
-  /// Adds --columns, --units, --current-sign, --hold and --battery.
+  /// Adds --columns, --units, --current-sign, --hold, --battery and --most-rows.
   void AddTo(cli::CommandLine& line);
   /// OptionError where they are not right.
   [[nodiscard]] ReadOptions ToReadOptions() const;
@@ -40,7 +42,11 @@ struct PackOptions {
 /// The files of all their logs.
 [[nodiscard]] std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns);
 
-/// LoadCampaign(), with a message for each of NotesOnLogs().
-[[nodiscard]] std::vector<LoadedLog> LoadLogs(cli::CommandLine& line, const Campaign& campaign);
+/// LoadCampaign(), with a message for each of NotesOnLogs() and the first fifth of the progress bar, or of
+/// that part of it which `share_of_bar` makes of a share.
+[[nodiscard]] std::vector<LoadedLog> LoadLogs(
+    cli::CommandLine& line,
+    const Campaign& campaign,
+    const std::function<double(double)>& share_of_bar = {});
 
 }  // namespace lipoid

@@ -47,13 +47,22 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
   line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
   line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
-  line.Text("pulse-s", pulse_s, "LIST", "length of a pulse");
-  line.Text("rest-s", rest_s, "LIST", "rest after each pulse");
-  line.Text("rate-C", rate_C, "LIST", "rate of the pulses; not given: what suits the cell");
-  line.Text("sampling-s", sampling_s, "LIST", "time between rows");
-  line.Option("voltage-noise-V", noise.white_V, Range{0.0, 1e3}, "independent from row to row");
-  line.Option("coloured-noise-V", noise.coloured_V, Range{0.0, 1e3}, "slow errors of the voltage");
-  line.Option("correlation-s", noise.correlation_s, Range{1e-6, kYear_s}, "how slow those are");
+  line.Text("pulse-s", pulse_s, "LIST", "length of a pulse, s");
+  line.Text("rest-s", rest_s, "LIST", "rest after each pulse, s");
+  line.Text("rate-C", rate_C, "LIST", "C-rate of the pulses; by default one that suits the cell");
+  line.Text("sampling-s", sampling_s, "LIST", "time between rows, s");
+  line.Option("voltage-noise-V",
+              noise.white_V,
+              Range{0.0, 1e3},
+              "standard deviation of the voltage's noise that is independent from row to row, V");
+  line.Option("coloured-noise-V",
+              noise.coloured_V,
+              Range{0.0, 1e3},
+              "standard deviation of slow errors of the voltage, V");
+  line.Option("correlation-s",
+              noise.correlation_s,
+              Range{1e-6, kYear_s},
+              "time over which these slow errors are correlated, s");
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
@@ -87,7 +96,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
     }
     columns.push_back({"verdict", cli::Align::kLeft});
     cells.push_back(doubts.empty() ? "all identified" : doubts);
-    if (!table) table.emplace(columns);
+    if (!table) table.emplace(columns, "What each experiment would tell: standard errors in %.");
     table->Row(cells);
   }
   line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",

@@ -78,7 +78,8 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
                         {"kappa"},
                         {"closed form", cli::Align::kLeft},
                         {"quasi-static", cli::Align::kLeft},
-                        {"with motor lag", cli::Align::kLeft}});
+                        {"with motor lag", cli::Align::kLeft}},
+                       "Poles of the loop over xi.");
   Json rows = Json::array();
   std::vector<PolesRow> all;
   for (const double xi : ReadRange("xi", range, Range{1e-3, 2.0})) {

@@ -44,8 +44,8 @@ cli::ExitCode ServeCommand(cli::CommandLine& line) {
       "nothing leaves this machine.",
       "lipoid serve");
   line.Example("lipoid serve --port 8080 --jobs 2");
-  line.Option("port", port, Range{0, 65535}, "to listen at; 0 takes a free one");
-  line.Text("address", address, "ADDRESS", "to listen at; 0.0.0.0 lets other machines in");
+  line.Option("port", port, Range{0, 65535}, "port to listen at; 0: any free one");
+  line.Text("address", address, "ADDRESS", "address to listen at; 0.0.0.0 lets other machines in");
   line.Texts("allow-host",
              names,
              "NAME",

@@ -1,9 +1,12 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
+#include "identify/logs/all_rows.h"
 #include "identify/logs/discharge.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
@@ -32,18 +35,67 @@ Json WidthOf(const PredictionBand& band) {
   return {{"band_mean_V", NumberOrNull(sum_V / rows)}, {"band_max_V", most_V}};
 }
 
-// The rows before the first one that lies below the cut-off of the pack. A current that ends where
-// the cut-off is reached is whole: the last row of a discharge lies on a steep end.
-std::size_t RowsUntilCutoff(const std::vector<double>& voltage_V, const Cell& cell) {
-  constexpr double kLastStep_V = 0.3;
-  const double least_V = cell.series * (cell.cutoff_V - kCutoffTolerance_V);
-  const auto below =
-      std::find_if(voltage_V.begin(), voltage_V.end(), [&](double v) { return !(v >= least_V); });
-  const auto rows = static_cast<std::size_t>(below - voltage_V.begin());
-  const bool only_the_last =
-      rows > 0 && rows + 1 == voltage_V.size() && *below >= least_V - cell.series * kLastStep_V;
-  return only_the_last ? voltage_V.size() : rows;
-}
+// What became of a cell on its way along a log.
+struct Way {
+  std::size_t rows = 0;  // before the cut-off
+  std::size_t outside = 0;
+  double first_s = 0.0;
+  double last_s = 0.0;
+  double soc = 0.0;
+  double voltage_V = 0.0;
+  double lowest_V = std::numeric_limits<double>::infinity();
+  std::optional<double> cutoff_s;  // of the first row below the cut-off
+  double cutoff_A = 0.0;
+};
+
+// write(time_s, current_A, row) for the rows before the first one that lies below the cut-off of the
+// pack. A current that ends where the cut-off is reached is whole: the last row of a discharge lies
+// on a steep end.
+class Walk {
+ public:
+  Walk(const Cell& cell, Hold hold, double initial_soc, std::size_t rows_of_log, bool beyond_cutoff)
+      : cell_(cell),
+        predictor_(cell, hold, initial_soc),
+        rows_of_log_(rows_of_log),
+        beyond_cutoff_(beyond_cutoff) {}
+
+  template <class Write>
+  void Rows(const Record& rows, const Surroundings& surroundings, const Write& write) {
+    if (way_.cutoff_s) return;
+    predictor_.Rows(
+        rows.time_s, rows.current_A, surroundings, [&](std::size_t k, const PredictedRow& row) {
+          if (way_.cutoff_s) return;
+          if (!beyond_cutoff_ && IsBelow(row.voltage_V)) {
+            way_.cutoff_s = rows.time_s[k];
+            way_.cutoff_A = rows.current_A[k];
+            return;
+          }
+          if (way_.rows++ == 0) way_.first_s = rows.time_s[k];
+          way_.last_s = rows.time_s[k];
+          way_.soc = row.soc;
+          way_.voltage_V = row.voltage_V;
+          if (row.voltage_V < way_.lowest_V) way_.lowest_V = row.voltage_V;
+          if (!cell_.open_circuit_voltage.InRange(row.soc)) ++way_.outside;
+          write(rows.time_s[k], rows.current_A[k], row);
+        });
+  }
+
+  [[nodiscard]] const Way& way() const { return way_; }
+
+ private:
+  [[nodiscard]] bool IsBelow(double voltage_V) const {
+    constexpr double kLastStep_V = 0.3;
+    const double least_V = cell_.series * (cell_.cutoff_V - kCutoffTolerance_V);
+    const bool last = way_.rows > 0 && way_.rows + 1 == rows_of_log_;
+    return !(voltage_V >= (last ? least_V - cell_.series * kLastStep_V : least_V));
+  }
+
+  const Cell& cell_;
+  RowPredictor predictor_;
+  std::size_t rows_of_log_;
+  bool beyond_cutoff_;
+  Way way_;
+};
 
 }  // namespace
 
@@ -85,30 +137,32 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   const double initial_soc = start.Soc(cell);
   auto read = log_options.ToReadOptions();
   read.voltage_optional = true;
-  const Log read_log = ReadLog(current_file, read);
-  for (const auto& warning : read_log.report.warnings)
-    line.Message("{}: {}", current_file, warning);
-  const Record& record = read_log.record;
-  const Surroundings surroundings = options_of_surroundings.Of(record);
-  const auto prediction =
-      Predict(cell, record.time_s, record.current_A, record.hold, initial_soc, surroundings);
-
-  const std::size_t rows =
-      beyond_cutoff ? record.size() : RowsUntilCutoff(prediction.voltage_V, cell);
-  const bool whole = rows == record.size();
-  const auto outside =
-      std::count_if(prediction.soc.begin(),
-                    prediction.soc.begin() + static_cast<std::ptrdiff_t>(rows),
-                    [&](double soc) { return !cell.open_circuit_voltage.InRange(soc); });
+  read.progress = [&](double share) { line.progress().Update(share, "reading"); };
+  Log log = ReadLog(current_file, read);
+  for (const auto& warning : log.report.warnings) line.Message("{}: {}", current_file, warning);
+  const std::size_t rows_of_log = log.report.rows;
+  const Surroundings surroundings = options_of_surroundings.Of(log.record);
+  const Hold hold = log.record.hold;
 
   PredictionBand band;
   if (ensemble.asked()) {
+    if (log.report.thinned) {
+      throw OptionError(fmt::format(
+          "option --ensemble: expected a log of at most {} rows, found {}; take a part of "
+          "it, or keep all of its rows (--most-rows)",
+          read.most_rows,
+          rows_of_log));
+    }
+    Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
+    walk.Rows(log.record, surroundings, [](double, double, const PredictedRow&) {});
+    const std::size_t rows = walk.way().rows;
     auto drawn = ensemble.Draw(line, cell, cell_name, start);
+    const Record& record = log.record;
     band = PredictBand(drawn.cells,
                        drawn.initial_soc,
                        std::span(record.time_s).first(rows),
                        std::span(record.current_A).first(rows),
-                       record.hold,
+                       hold,
                        surroundings);
     line.summary()["ensemble"] = std::move(drawn.json);
     line.summary()["ensemble"].update(WidthOf(band));
@@ -119,69 +173,74 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   if (ensemble.asked()) header += ",voltage_low_V,voltage_high_V";
   CsvWriter csv(output, header);
   std::vector<double> columns;
-  for (std::size_t k = 0; k < rows; ++k) {
-    columns.assign({record.time_s[k],
-                    record.current_A[k],
-                    prediction.voltage_V[k],
-                    prediction.open_circuit_V[k],
-                    prediction.soc[k]});
-    if (cell.temperature) columns.push_back(prediction.temperature_degC[k]);
-    if (ensemble.asked())
-      columns.insert(columns.end(), {band.voltage_low_V[k], band.voltage_high_V[k]});
-    csv.RowOf(columns);
-  }
+  Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
+  read.progress = [&](double share) { line.progress().Update(share, "simulating"); };
+  ForEachBlockOfRows(log, read, [&](Record& block) {
+    Surroundings now = surroundings;
+    if (!now.measured_degC.empty()) now.measured_degC = block.temperature_degC;
+    walk.Rows(block, now, [&](double time_s, double current_A, const PredictedRow& row) {
+      columns.assign(
+          {time_s, current_A, row.voltage_V, cell.series * row.stepper.OpenCircuit(), row.soc});
+      if (cell.temperature) columns.push_back(row.stepper.state().temperature_K - kZeroCelsius_K);
+      if (ensemble.asked()) {
+        const std::size_t k = walk.way().rows - 1;
+        columns.insert(columns.end(), {band.voltage_low_V[k], band.voltage_high_V[k]});
+      }
+      csv.RowOf(columns);
+    });
+  });
   csv.Commit();
+  const Way& way = walk.way();
+  const bool whole = !way.cutoff_s;
 
   const double cutoff_V = cell.series * cell.cutoff_V;
-  Json log = {{"file", current_file},
-              {"output", output},
-              {"rows", rows},
-              {"rows_of_current", record.size()},
-              {"duration_s", 0.0},
-              {"initial_soc", initial_soc},
-              {"final_soc", nullptr},
-              {"final_voltage_V", nullptr},
-              {"minimum_voltage_V", nullptr},
-              {"cutoff_s", nullptr},
-              {"rows_outside_curve", outside}};
-  if (!whole) log["cutoff_s"] = record.time_s[rows];
-  if (rows > 0) {
-    const auto written = prediction.voltage_V.begin() + static_cast<std::ptrdiff_t>(rows);
-    const double lowest_V = *std::min_element(prediction.voltage_V.begin(), written);
-    log["duration_s"] = record.time_s[rows - 1] - record.time_s.front();
-    log["final_soc"] = prediction.soc[rows - 1];
-    log["final_voltage_V"] = prediction.voltage_V[rows - 1];
-    log["minimum_voltage_V"] = lowest_V;
+  Json told = {{"file", current_file},
+               {"output", output},
+               {"rows", way.rows},
+               {"rows_of_current", rows_of_log},
+               {"duration_s", 0.0},
+               {"initial_soc", initial_soc},
+               {"final_soc", nullptr},
+               {"final_voltage_V", nullptr},
+               {"minimum_voltage_V", nullptr},
+               {"cutoff_s", nullptr},
+               {"rows_outside_curve", way.outside}};
+  if (way.cutoff_s) told["cutoff_s"] = *way.cutoff_s;
+  if (way.rows > 0) {
+    told["duration_s"] = way.last_s - way.first_s;
+    told["final_soc"] = way.soc;
+    told["final_voltage_V"] = way.voltage_V;
+    told["minimum_voltage_V"] = way.lowest_V;
     line.Message("{}: {} rows, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
                  output,
-                 rows,
+                 way.rows,
                  initial_soc,
-                 prediction.soc[rows - 1],
-                 lowest_V);
+                 way.soc,
+                 way.lowest_V);
   }
-  line.summary()["logs"] = Json::array({std::move(log)});
+  line.summary()["logs"] = Json::array({std::move(told)});
   if (!whole) {
     line.Message(
         "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} rows "
         "before it were written (--beyond-cutoff writes all)",
         cutoff_V,
-        record.time_s[rows],
-        record.current_A[rows],
-        rows,
-        record.size());
+        *way.cutoff_s,
+        way.cutoff_A,
+        way.rows,
+        rows_of_log);
   }
-  if (ensemble.asked() && rows > 0) {
+  if (ensemble.asked() && way.rows > 0) {
     const Json& of = line.summary()["ensemble"];
     line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
                  ensemble.count,
                  of["band_mean_V"].get<double>(),
                  of["band_max_V"].get<double>());
   }
-  if (outside > 0) {
+  if (way.outside > 0) {
     line.Message(
         "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
         "there",
-        outside);
+        way.outside);
   }
   return whole ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }

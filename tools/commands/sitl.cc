@@ -131,13 +131,15 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
              "VEHICLE",
              "a vehicle file, or the name of a shipped vehicle; its motors turn as ArduCopter's "
              "quad X has them");
-  line.Option("port", port, Range{0, 65535}, "to listen at; 0 takes a free one and says which");
-  line.Text("address", address, "ADDRESS", "to listen at; 0.0.0.0 lets other machines in");
-  line.Text("wind", wind, "X[,Y[,Z]]", "m/s that the air moves north, east and down");
-  line.Option("gusts",
-              setup.wind.gusts_m_per_s,
-              Range{0.0, 60.0},
-              "Dryden gusts by the wind speed at 20 ft: 7.7 light, 15.4 moderate, 23.2 severe");
+  line.Option(
+      "port", port, Range{0, 65535}, "port to listen at; 0: any free one, which is printed");
+  line.Text("address", address, "ADDRESS", "address to listen at; 0.0.0.0 lets other machines in");
+  line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air to the north, east and down, m/s");
+  line.Option(
+      "gusts",
+      setup.wind.gusts_m_per_s,
+      Range{0.0, 60.0},
+      "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
   line.Option("duration", duration_s, Range{1e-6, 1e9}, "end after so many simulated seconds");
   line.Option("packets", packets, Range{1, 2'000'000'000}, "end after so many packets");
   line.Option("idle-s", idle_s, Range{0.001, 1e6}, "end when no packet came for so many seconds");

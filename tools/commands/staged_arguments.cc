@@ -51,7 +51,8 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
   line.Option("parallel", typed_.parallel, kPackSizes, "cells in parallel in the logs");
   log_options_.AddTo(line);
   start_options_.AddTo(line);
-  line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  line.Option(
+      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
   line.Input(
       "open-circuit-voltage",
       curve_file_,
@@ -59,9 +60,10 @@ void StagedArguments::AddTo(cli::CommandLine& line) {
       "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
   line.Option("branches", branches_, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
   line.Flag("no-diffusion", no_diffusion_, "hold beta at infinity: the plain equivalent circuit");
-  line.Texts("fix", fix_, "NAME=VALUE", "hold a parameter: beta, r_s, r_1, c_1, tau_1, ...");
-  line.Texts("start", start_, "NAME=VALUE", "start a parameter here");
-  line.Texts("bounds", bounds_, "NAME=LOW,HIGH", "keep a parameter within");
+  line.Texts(
+      "fix", fix_, "NAME=VALUE", "hold a parameter at a value: beta, r_s, r_1, c_1, tau_1, ...");
+  line.Texts("start", start_, "NAME=VALUE", "value at which the search for a parameter begins");
+  line.Texts("bounds", bounds_, "NAME=LOW,HIGH", "keep a parameter between two bounds");
 }
 
 void StagedArguments::AddGroupsTo(cli::CommandLine& line) {
@@ -130,6 +132,9 @@ std::vector<Campaign> StagedArguments::Campaigns(cli::CommandLine& line,
         unreadable->push_back(error);
       }
     }
+  }
+  for (Campaign& campaign : campaigns) {
+    for (CampaignLog& log : campaign.logs) log.read.most_rows = typed_.read.most_rows;
   }
   line.AddInputs(LogFiles(campaigns));
   return campaigns;

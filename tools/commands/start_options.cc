@@ -11,10 +11,11 @@ void StartOptions::AddTo(cli::CommandLine& line) {
               initial_soc,
               kInitialSocs,
               "state of charge of the first row; 1 is full, the default");
-  line.Option("initial-voltage-V",
-              initial_voltage_V,
-              Range{0.0, 1e5},
-              "instead: the voltage at which the pack rested before the first row");
+  line.Option(
+      "initial-voltage-V",
+      initial_voltage_V,
+      Range{0.0, 1e5},
+      "voltage in V at which the pack rested before the first row, instead of --initial-soc");
 }
 
 double StartOptions::Soc(const Cell& cell) const {

@@ -10,7 +10,6 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/latex_option.h"
 #include "tools/commands/log_options.h"
 
 namespace lipoid {
@@ -32,14 +31,14 @@ std::string Shown(const Json& value, const StudyColumn& column) {
   return value.is_null() ? "-" : value.dump();
 }
 
-cli::TextTable TableOf(const StudyResult& result) {
+cli::TextTable TableOf(const StudyResult& result, std::string caption) {
   std::vector<cli::TextTable::Column> columns;
   for (const StudyColumn& column : result.columns) {
     const Json& first = result.rows.at(0).at(std::string(column.key));
     const bool words = first.is_string() || first.is_array() || first.is_boolean();
     columns.push_back({std::string(column.header), words ? cli::Align::kLeft : cli::Align::kRight});
   }
-  cli::TextTable table(std::move(columns));
+  cli::TextTable table(std::move(columns), std::move(caption));
   for (const Json& row : result.rows) {
     std::vector<std::string> cells;
     for (const StudyColumn& column : result.columns)
@@ -76,7 +75,6 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   std::string what;
   std::string campaign_file;
   std::string csv;
-  LatexOption latex;
   std::string curve_file;
   std::optional<int> branches;
   bool no_diffusion = false;
@@ -91,14 +89,15 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.Argument("WHAT", what, known);
   line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
-  latex.AddTo(line);
-  line.Option("alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha, instead of finding it");
+  line.Option(
+      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
   line.Input(
       "open-circuit-voltage",
       curve_file,
       "FILE",
       "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
-  line.Option("branches", branches, Range{0, 5}, "branches, where they are not what is studied");
+  line.Option(
+      "branches", branches, Range{0, 5}, "number of branches, in studies of something else");
   line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
   line.Group("discharge_times", options.discharge_times);
   line.Group("open_circuit_voltage", options.open_circuit_voltage);
@@ -127,8 +126,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.summary().update(result.facts);
   line.summary()["rows"] = result.rows;
   if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
-  line.Print("{}", latex.Table(TableOf(result), study.summary));
-  latex.Write(line);
+  line.Print("{}", TableOf(result, std::string(study.summary)).Text());
   for (const auto& remark : result.remarks) line.Message("{}", remark);
   return cli::ExitCode::kDone;
 }

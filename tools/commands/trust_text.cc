@@ -43,7 +43,8 @@ std::string KnownText(const Identification& found) {
                         {"value"},
                         {"95 % from"},
                         {"to"},
-                        {"unit", Align::kLeft}});
+                        {"unit", Align::kLeft}},
+                       "What the logs know of the cell.");
   const auto row =
       [&](const std::string& what, double value, double low, double high, const std::string& unit) {
         const int digits = Digits(value, 0.5 * std::max(high - value, value - low));
@@ -91,7 +92,8 @@ std::string TrustText(const TrustReport& report, const std::string& exact) {
                         {"95 % from"},
                         {"to"},
                         {"unit", Align::kLeft},
-                        {"identifiability", Align::kLeft}});
+                        {"identifiability", Align::kLeft}},
+                       "Parameters of the cell with intervals of 95 %.");
   for (const auto& q : report.quantities) {
     const int digits = Digits(q.estimate, q.standard_error);
     table.Row({"   " + q.name,

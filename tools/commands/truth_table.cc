@@ -9,11 +9,9 @@ namespace lipoid {
 std::string TruthTable(const CellComparison& comparison) {
   using cli::Align;
   using cli::Significant;
-  cli::TextTable table({{"parameter", Align::kLeft},
-                        {"unit", Align::kLeft},
-                        {"truth"},
-                        {"estimate"},
-                        {"error / %"}});
+  cli::TextTable table(
+      {{"parameter", Align::kLeft}, {"unit", Align::kLeft}, {"truth"}, {"estimate"}, {"error / %"}},
+      "The cell that was identified, beside the one that made the logs.");
   const auto text = [](const std::optional<double>& value, int digits) {
     return value ? Significant(*value, digits) : std::string("-");
   };

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/fit_quality.h"
+#include "identify/logs/all_rows.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
@@ -54,17 +55,29 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"max / %"},
                         {"rmse / V"},
                         {"mean above 10 % / %"},
-                        {"rmse above 10 % / V"}});
-  const auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+                        {"rmse above 10 % / V"}},
+                       "How well the cell predicts the logs.");
+  auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   std::vector<std::size_t> lengths;
   for (const auto& loaded : logs) lengths.push_back(loaded.log.record.size());
   constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
   const auto most_rows = RowsOfPage(lengths, kColumns);
   const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
   std::vector<LogErrors> all;
-  for (const auto& loaded : logs) {
+  for (auto& loaded : logs) {
     const Surroundings among = surroundings.Of(loaded.log.record);
-    LogErrors errors = Validate(one, loaded.log.record, initial_soc, among);
+    Validation validation(one, loaded.log.record.hold, initial_soc);
+    if (!loaded.log.report.thinned) {  // every row is there, and one of the cell already
+      validation.Add(loaded.log.record, among);
+    } else {
+      ForEachBlockOfRows(loaded.log, loaded.entry.read, [&](Record& block) {
+        DivideByPack(block, cell.series, cell.parallel);
+        Surroundings now = among;
+        if (!now.measured_degC.empty()) now.measured_degC = block.temperature_degC;
+        validation.Add(block, now);
+      });
+    }
+    LogErrors errors = validation.Result();
     errors.file = loaded.entry.file;
     if (const std::string doubt =
             DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);

@@ -45,7 +45,7 @@ struct EscOptions {
 };
 
 void DeclareBody(cli::CommandLine& line, BuilderNumbers& numbers, Required& required) {
-  line.Text("name", numbers.name, "NAME", "of the vehicle (default the name of the file)");
+  line.Text("name", numbers.name, "NAME", "name of the vehicle (default the name of the file)");
   line.Option("mass-g",
               required.mass_g,
               Range{kSmallest, 1e6},
@@ -54,8 +54,8 @@ void DeclareBody(cli::CommandLine& line, BuilderNumbers& numbers, Required& requ
   line.Option("frame-mm",
               required.frame_mm,
               Range{1.0, 1e5},
-              "from motor to opposite motor across the frame, mm");
-  line.Option("layout", numbers.layout, Names(), "where the rotors are (docs/vehicles.md)");
+              "distance from a motor to the opposite one across the frame, mm");
+  line.Option("layout", numbers.layout, Names(), "layout of the rotors (docs/vehicles.md)");
   line.Option("front-right-turns",
               numbers.front_right_turns,
               Names(),

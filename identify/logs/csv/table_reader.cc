@@ -91,13 +91,17 @@ void TableReader::ReadPlainRows(Piece& piece) {
   piece.block.bytes = piece.text.size();
   piece.trailing_delimiter = false;
   piece.decimal = decimal_;
+  piece.repeated.assign(spec_.columns.size(), {});
   const char* at = piece.text.data();
   const char* const end = at + piece.text.size();
   if (NeedsOnlyNumbers()) {
-    while (
-        at < end &&
-        ReadFast(at, end, piece.block.rows, piece.decimal, piece.block, piece.trailing_delimiter) ==
-            Row::kRead)
+    while (at < end && ReadFast(at,
+                                end,
+                                piece.block.rows,
+                                piece.decimal,
+                                piece.block,
+                                piece.trailing_delimiter,
+                                piece.repeated.data()) == Row::kRead)
       ++piece.block.rows;
   }
   piece.bytes_read = static_cast<std::size_t>(at - piece.text.data());
@@ -188,7 +192,7 @@ void TableReader::Finish(Piece& piece) {
   while (at < end) {
     const char* const start = at;
     Row outcome = spec_.levels.empty()
-                      ? ReadFast(at, end, block.rows, decimal_, block, trailing_delimiter_)
+                      ? ReadFast(at, end, block.rows, decimal_, block, trailing_delimiter_, nullptr)
                       : Row::kUnusual;
     if (outcome == Row::kUnusual) {
       const auto* stop = static_cast<const char*>(
@@ -216,12 +220,38 @@ void TableReader::Finish(Piece& piece) {
   }
 }
 
+// Where the plain number at `at` ends; null where it is none.
+inline const char* TableReader::ReadNumber(
+    const char* at, const char* end, char decimal, Repeated* repeated, double& value) const {
+  if (end - at < kPlainDecimalReach) return nullptr;
+  if (repeated == nullptr || repeated->misses >= Repeated::kMostMisses)
+    return ReadPlainDecimal(at, decimal, value);
+  std::uint64_t bytes = 0;
+  std::memcpy(&bytes, at, sizeof bytes);
+  if (repeated->mask != 0 && ((bytes ^ repeated->bytes) & repeated->mask) == 0) {
+    repeated->misses = 0;
+    value = repeated->value;
+    return at + repeated->length;
+  }
+  const char* const stop = ReadPlainDecimal(at, decimal, value);
+  ++repeated->misses;
+  repeated->mask = 0;
+  if (stop == nullptr || stop - at >= Repeated::kMostBytes) return stop;
+  constexpr int kBits = 8;
+  repeated->mask = ~std::uint64_t{0} >> (kBits * (Repeated::kMostBytes - 1 - (stop - at)));
+  repeated->bytes = bytes;
+  repeated->value = value;
+  repeated->length = stop - at;
+  return stop;
+}
+
 TableReader::Row TableReader::ReadFast(const char*& at,
                                        const char* end,
                                        std::size_t row,
                                        char decimal,
                                        TableBlock& block,
-                                       bool& trailing_delimiter) {
+                                       bool& trailing_delimiter,
+                                       Repeated* repeated) {
   const char delimiter = spec_.delimiter;
   const fast_float::parse_options options(fast_float::chars_format::general, decimal);
   const char* p = at;
@@ -241,7 +271,7 @@ TableReader::Row TableReader::ReadFast(const char*& at,
     double value = 0.0;
     if (column.kind == CellKind::kNumber) {
       const char* stop =
-          end - p >= kPlainDecimalReach ? ReadPlainDecimal(p, decimal, value) : nullptr;
+          ReadNumber(p, end, decimal, repeated != nullptr ? &repeated[k] : nullptr, value);
       if (stop == nullptr || !(*stop == delimiter || *stop == line_end_ || *stop == '\r')) {
         const auto result = fast_float::from_chars_advanced(p, end, value, options);
         if (result.ec != std::errc() || !(std::abs(value) < kOverflow)) return Row::kUnusual;

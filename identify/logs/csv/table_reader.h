@@ -13,6 +13,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -95,13 +96,27 @@ class TableReader {
  private:
   enum class Row { kRead, kSkipped, kUnusual };
 
+  // A number that the last row had too, as currents do: where the same bytes come again, up to the
+  // delimiter behind them, so does the number.
+  struct Repeated {
+    static constexpr int kMostBytes = 8;
+    static constexpr int kMostMisses = 64;
+
+    std::uint64_t bytes = 0;  // of the field and its delimiter, in one word
+    std::uint64_t mask = 0;   // those of the word that count; 0: none
+    double value = 0.0;
+    std::ptrdiff_t length = 0;  // of the field
+    int misses = 0;             // in a row; a column with too many is not looked at any more
+  };
+
   // A piece of text and what the plain path made of its beginning.
   struct Piece {
     std::string_view text;
     TableBlock block;
     std::size_t bytes_read = 0;  // of the text, by block.rows rows
     bool trailing_delimiter = false;
-    char decimal = '.';  // the mark that they were read with
+    char decimal = '.';              // the mark that they were read with
+    std::vector<Repeated> repeated;  // of each column
   };
 
   void ReadPlainRows(Piece& piece);
@@ -111,7 +126,10 @@ class TableReader {
                std::size_t row,
                char decimal,
                TableBlock& block,
-               bool& trailing_delimiter);
+               bool& trailing_delimiter,
+               Repeated* repeated);
+  const char* ReadNumber(
+      const char* at, const char* end, char decimal, Repeated* repeated, double& value) const;
   Row ReadCarefully(std::string_view line, bool has_end, std::size_t row);
   void ReadHeading(const std::vector<TextCell>& cells, std::size_t level);
   bool Convert(std::string_view text, const WantedColumn& column, double& value);

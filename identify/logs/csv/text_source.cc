@@ -74,6 +74,18 @@ TextSource::TextSource(std::string file, std::string_view text)
 void TextSource::Begin() {
   Fill(kBufferBytes);
   if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
+  decompressor_ = Decompressor::Make(
+      head(), file_, [this](char* to, std::size_t most) { return ReadBytes(to, most); });
+  if (decompressor_) {
+    end_ = 0;
+    at_end_ = false;
+    Fill(kBufferBytes);
+    if (end_ == 0) {
+      throw LoadError(
+          {file_},
+          fmt::format("expected a log, found an empty file packed by {}", decompressor_->name()));
+    }
+  }
   if (head().starts_with("\xEF\xBB\xBF")) {
     had_byte_order_mark_ = true;
     begin_ = 3;
@@ -92,13 +104,22 @@ void TextSource::Skip(std::size_t bytes) {
 
 void TextSource::Fill(std::size_t limit) {
   while (!at_end_ && end_ < limit) {
-    const auto count = ::read(descriptor_, current_ + end_, limit - end_);
-    if (count < 0) {
-      if (errno == EINTR) continue;
-      throw LoadError({file_}, fmt::format("reading failed: {}", std::strerror(errno)));
-    }
+    const std::size_t count = decompressor_ ? decompressor_->Read(current_ + end_, limit - end_)
+                                            : ReadBytes(current_ + end_, limit - end_);
     if (count == 0) at_end_ = true;
-    end_ += static_cast<std::size_t>(count);
+    end_ += count;
+  }
+}
+
+std::size_t TextSource::ReadBytes(char* to, std::size_t most) {
+  while (true) {
+    const auto count = ::read(descriptor_, to, most);
+    if (count >= 0) {
+      read_bytes_ += static_cast<std::size_t>(count);
+      return static_cast<std::size_t>(count);
+    }
+    if (errno != EINTR)
+      throw LoadError({file_}, fmt::format("reading failed: {}", std::strerror(errno)));
   }
 }
 

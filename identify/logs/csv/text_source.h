@@ -2,15 +2,19 @@
 
 /// @file
 /// A text file in pieces of whole lines, by read(2) into one buffer: memory does not grow with the
-/// file. Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice.
+/// file. Files of 10^8 rows pass through here, so nothing is mapped, copied or looked at twice. A file
+/// that is compressed with gzip or zstd is unpacked on the way.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc, tests/identify/logs/log_test.cc.
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "identify/logs/csv/compression.h"
 
 namespace lipoid {
 
@@ -35,8 +39,16 @@ class TextSource {
   TextSource& operator=(const TextSource&) = delete;
 
   [[nodiscard]] const std::string& file() const { return file_; }
-  /// Size in bytes, 0 where it is not known (a pipe).
-  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Bytes of text, 0 where their number is not known: of a pipe, or a compressed file.
+  [[nodiscard]] std::uint64_t size() const { return decompressor_ ? 0 : size_; }
+  /// Of the bytes of the file, those that were read; 0 where their number is not known.
+  [[nodiscard]] double share_read() const {
+    return size_ > 0 ? static_cast<double>(read_bytes_) / static_cast<double>(size_) : 0.0;
+  }
+  /// "gzip" or "zstd"; "" of a file that is not compressed.
+  [[nodiscard]] std::string compression() const {
+    return decompressor_ ? decompressor_->name() : std::string();
+  }
   /// The beginning of the file without its byte order mark. Valid until the first NextPiece().
   [[nodiscard]] std::string_view head() const { return {current_ + begin_, end_ - begin_}; }
   /// head() holds the whole file.
@@ -61,10 +73,13 @@ class TextSource {
  private:
   void Begin();
   void Fill(std::size_t limit);
+  std::size_t ReadBytes(char* to, std::size_t most);
 
   std::string file_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  std::atomic<std::uint64_t> read_bytes_ = 0;   // asked for while other threads read on
+  std::unique_ptr<Decompressor> decompressor_;  // null: the file is not compressed
   std::unique_ptr<char[]> head_buffer_;
   std::string rest_;
   std::array<std::unique_ptr<char[]>, kPiecesAlive> buffers_;  // taken in turn after the head

@@ -15,7 +15,7 @@
 namespace lipoid {
 namespace {
 
-JointResult WithTables(double initial_soc = 1.0) {
+JointResult WithTables(double initial_soc = 1.0, const StagedGiven& given = {}) {
   Cell truth = LoadCell("gifi-600mAh-1");
   truth.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
   auto logs = test::SyntheticLogs(truth, 10.0, 0.0003);
@@ -27,7 +27,8 @@ JointResult WithTables(double initial_soc = 1.0) {
                         .resistance_nodes = 6,
                         .self_heating = Presence::kOn,
                         .charge_transfer = Presence::kOn,
-                        .smoothness = 1e-3});
+                        .smoothness = 1e-3},
+                       given);
 }
 
 // The unknowns with rises for the nodes of v_oc, behind so many rates.
@@ -55,7 +56,8 @@ TEST(JointDrawn, CombinationsGiveTheParametersOfTheCell) {
     if (name.starts_with("v_oc")) {
       const auto k = static_cast<std::size_t>(std::stoi(name.substr(5)));
       const double soc = result.cell.open_circuit_voltage.soc()[k];
-      found += result.setup.open_circuit_voltage(1.0 - (1.0 - soc) * result.alpha_C / result.setup.alpha_C);
+      found += result.setup.open_circuit_voltage(1.0 - (1.0 - soc) * result.alpha_C /
+                                                           result.setup.alpha_C);
     }
     EXPECT_NEAR(found, *value, 1e-9) << name;  // sums of volts, and an axis that was moved and back
   }
@@ -114,9 +116,15 @@ TEST(JointDrawn, WhatAnotherStructureMovesTogetherVariesTogether) {
   }
 }
 
-TEST(JointDrawn, AlphaTakesPartWhereItIsAConventionOnly) {
+// A convention where every log starts full, an unknown like others where it was fitted, and neither
+// where it was given.
+TEST(JointDrawn, AlphaTakesPartUnlessItWasGiven) {
   EXPECT_TRUE(SocFollowsAlpha(WithTables()));
-  const JointResult half_full = WithTables(0.99);
+  const JointResult fitted = WithTables(0.99);
+  EXPECT_EQ(SocFollowsAlpha(fitted), fitted.alpha_source == "least-squares");
+  StagedGiven given;
+  given.alpha_C = 1353.6;
+  const JointResult half_full = WithTables(0.99, given);
   EXPECT_FALSE(SocFollowsAlpha(half_full));
   TrustedQuantity alpha;
   alpha.name = "alpha";

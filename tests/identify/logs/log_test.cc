@@ -328,7 +328,8 @@ const Wrong kWrong[] = {
      "its columns in prose; save the rows under a header such as time_s,current_A,voltage_V"},
     {"gzip",
      "\x1f\x8b\x08",
-     "F:1:1: error: expected a log as text, found a gzip file; unpack it and name the log inside"},
+     "F:1:1: error: expected gzip to its end, found the end of the file before that (3 bytes into "
+     "the file); what comes before stands for 0 bytes: unpack what can be unpacked, and read that"},
     {"Excel",
      "PK\x03\x04 [Content_Types].xml",
      "F:1:1: error: expected a log as text, found an Excel workbook (.xlsx); save the sheet as "

@@ -193,6 +193,27 @@ TEST(CellParameters, EachHasItsUnit) {
   for (const auto& [name, unit] : all) EXPECT_EQ(CellParameterUnit(name), unit) << name;
 }
 
+// Terms of two numbers are begun with one and completed with the other; a slope has either sign.
+TEST(CellParameters, HysteresisAndHeatAreTermsOfTwoNumbers) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  SetCellParameter(cell, "M", 0.02);
+  EXPECT_EQ(MissingCellParameter(cell), "M needs gamma beside it");
+  SetCellParameter(cell, "gamma", 40.0);
+  EXPECT_EQ(MissingCellParameter(cell), std::nullopt);
+  EXPECT_EQ(cell.hysteresis->half_V, std::vector<double>{0.02});
+  SetCellParameter(cell, "R_th", 12.0);
+  EXPECT_EQ(MissingCellParameter(cell), "R_th needs C_th beside it");
+  SetCellParameter(cell, "C_th", 15.0);
+  EXPECT_EQ(MissingCellParameter(cell), std::nullopt);
+  SetCellParameter(cell, "dv_dT", -2e-4);
+  EXPECT_EQ((*cell.temperature->entropy)(0.3), -2e-4);
+  cell.temperature->entropy = EntropySlope<double>{{0.0, 1.0}, {-1e-4, 1e-4}};
+  EXPECT_EQ(CellParameter(cell, "dv_dT"), std::nullopt);
+  EXPECT_EQ(CellParameter(cell, "dv_dT[1]"), 1e-4);
+  SetCellParameter(cell, "dv_dT[1]", -3e-4);
+  EXPECT_EQ((*cell.temperature->entropy)(1.0), -3e-4);
+}
+
 TEST(CellParameters, WhatCannotBeIsRefused) {
   const Cell cell = LoadCell("gifi-600mAh-1");
   EXPECT_EQ(OptionErrorOf(cell, "beta", 1.5), "beta: expected a number in (0, 1], found 1.5");
@@ -208,8 +229,13 @@ TEST(CellParameters, WhatCannotBeIsRefused) {
   EXPECT_EQ(OptionErrorOf(cell, "i_0", 0.0), "i_0: expected a current above 0 A, found 0");
   EXPECT_EQ(OptionErrorOf(cell, "r_ct", -0.1),
             "r_ct: expected a resistance of at least 0 Ohm, found -0.1");
-  EXPECT_EQ(OptionErrorOf(cell, "gamma", 1.0),
-            "'gamma' is no parameter of this cell; it has alpha, beta, r_s, r_1, c_1, tau_1");
+  EXPECT_EQ(OptionErrorOf(cell, "gamma", 0.0),
+            "gamma: expected a number of e-folds above 0, found 0");
+  EXPECT_EQ(OptionErrorOf(cell, "M", -0.1), "M: expected a voltage of at least 0 V, found -0.1");
+  EXPECT_EQ(OptionErrorOf(cell, "C_th", 0.0),
+            "C_th: expected a heat capacity above 0 J/K, found 0");
+  EXPECT_EQ(OptionErrorOf(cell, "delta", 1.0),
+            "'delta' is no parameter of this cell; it has alpha, beta, r_s, r_1, c_1, tau_1");
 }
 
 }  // namespace

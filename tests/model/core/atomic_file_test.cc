@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -172,6 +173,37 @@ TEST(AtomicFile, TemporariesLeftBehindDoNotBlock) {
   }
   EXPECT_EQ(ReadTextFile(file), "last");
   EXPECT_EQ(FileCount(folder), 2U);
+}
+
+TEST(AtomicFile, WhatAKilledProgramLeftGoesWithTheNextThatWritesThere) {
+  const auto folder = test::FreshFolder("AtomicFile.Killed");
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    // More files wait than there may be without a name: the others have hidden ones.
+    FileSet files;
+    for (int k = 0; k < 70; ++k) WriteFileAtomically(folder + "/" + std::to_string(k), "x");
+    (void)::raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const std::size_t left = FileCount(folder);
+  ASSERT_GE(left, 6U);
+  // The same names, but of a process that runs, of another machine, and of nobody.
+  const std::string one = fs::directory_iterator(folder)->path().filename().string();
+  const std::string dead = "-" + std::to_string(child) + "-";
+  ASSERT_NE(one.find(dead), std::string::npos) << one;
+  std::string runs = one;
+  runs.replace(one.find(dead), dead.size(), "-" + std::to_string(::getpid()) + "-");
+  std::string elsewhere = one;
+  elsewhere[8] = one[8] == '0' ? '1' : '0';
+  for (const std::string& name : {runs, elsewhere, std::string(".lipoid-mine.tmp")})
+    std::ofstream(folder + "/" + name) << "kept";
+  WriteFileAtomically(folder + "/a.txt", "new");
+  EXPECT_EQ(FileCount(folder), 4U);
+  for (const std::string& name : {runs, elsewhere, std::string(".lipoid-mine.tmp")})
+    EXPECT_EQ(ReadTextFile(folder + "/" + name), "kept");
 }
 
 TEST(AtomicFile, AReaderOfAPipeWhoLeavesEarlyHadEnough) {

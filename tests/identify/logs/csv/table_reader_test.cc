@@ -6,6 +6,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <random>
 
@@ -50,6 +51,33 @@ std::string Digits(double value, std::mt19937_64& random) {
   if (random() % 11 == 0) digits = "\"" + digits + "\"";
   if (random() % 13 == 0 && digits.find('e') != std::string::npos) digits[digits.find('e')] = 'E';
   return digits;
+}
+
+// A field that comes again is not read again: so is nothing that only begins like it.
+TEST(TableReader, FieldsThatComeAgainAreReadAsTheFirstTime) {
+  const std::vector<std::string> fields = {
+      "2.5",      "2.5",       "2.5",  "2.50", "2.5e1", "2.5", "-2.5",    "-2.5",    "2",
+      "2",        "25",        "2.5",  "0",    "-0",    "0",   "1234567", "1234567", "12345678",
+      "12345678", "123456789", " 2.5", "2.5",  "2.5 ",  "7",   "7"};
+  std::string text = "a,b\n";
+  std::vector<double> first;
+  std::vector<double> last;
+  for (std::size_t k = 0; k < 20000; ++k) {
+    const std::string& a = fields[k % fields.size()];
+    const std::string& b = fields[(k / 3) % fields.size()];
+    text += a;
+    text += ',';
+    text += b;
+    text += k % 5 == 0 ? "\r\n" : "\n";
+    first.push_back(std::strtod(a.c_str(), nullptr));
+    last.push_back(std::strtod(b.c_str(), nullptr));
+  }
+  const auto columns = ReadAll(WriteText("log.csv", text), ',', 2);
+  const auto same = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+  };
+  EXPECT_TRUE(same(columns[0], first));
+  EXPECT_TRUE(same(columns[1], last));
 }
 
 // Any doubles, printed in any way that says them fully, come back bit for bit.

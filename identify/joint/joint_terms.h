@@ -1,0 +1,57 @@
+#pragma once
+
+/// @file
+/// The terms that a structure may have, each with its words, and the nonlinear unknowns of a
+/// structure, each with its name, its range and where its search begins. Whoever reports, profiles or
+/// searches asks here, and knows no term by name. Tests: tests/identify/joint/joint_terms_test.cc.
+
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identify/fit/observations.h"
+#include "identify/joint/joint_model.h"
+
+namespace lipoid {
+
+struct JointTerm {
+  std::string_view key;    ///< in --summary
+  std::string_view words;  ///< in the table of what was tried
+  bool (*present)(const JointStructure&);
+};
+
+/// In the order in which they are reported.
+[[nodiscard]] const std::vector<JointTerm>& JointTerms();
+
+/// A nonlinear unknown. It is searched within its bounds, in a coordinate of which steps of one size
+/// matter as much as those of any other: its logarithm, or the value itself, in some unit.
+struct JointRate {
+  std::string name;
+  double lower, upper;
+  double* (*entry)(JointRates&, int);
+  int index;
+  int slot;  ///< in RateSlots
+  double start;
+  bool logarithm = true;
+  double unit = 1.0;
+  /// Where a search begins of whose neighbour it is not known; empty: at the start alone.
+  std::vector<double> grid = {};
+
+  [[nodiscard]] double& In(JointRates& rates) const { return *entry(rates, index); }
+  [[nodiscard]] double Coordinate(double value) const {
+    return (logarithm ? std::log(value) : value) / unit;
+  }
+  [[nodiscard]] double Value(double coordinate) const {
+    return logarithm ? std::exp(coordinate * unit) : coordinate * unit;
+  }
+  /// Slope of the value in the coordinate.
+  [[nodiscard]] double Slope(double value) const { return logarithm ? value * unit : unit; }
+};
+
+/// All of a structure, in the order of RateSlots; of a setup without diffusion neither beta nor E_d.
+[[nodiscard]] std::vector<JointRate> AllRates(const JointStructure& structure,
+                                              const JointSetup& setup,
+                                              const FitScales& scales);
+
+}  // namespace lipoid

@@ -1,0 +1,264 @@
+#include "identify/logs/collector.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+namespace lipoid {
+namespace {
+
+// A column of 10^7 rows is 20,000 small pages, and touching each for the first time is a fifth of
+// the time that reading takes. Only a hint: where the system has no large pages nothing changes.
+void PreferHugePages(void* begin, std::size_t bytes) {
+  constexpr std::size_t kPage = std::size_t{1} << 21;
+  std::size_t room = bytes;
+  void* const first = std::align(kPage, kPage, begin, room);
+  if (first != nullptr) ::madvise(first, room / kPage * kPage, MADV_HUGEPAGE);
+}
+
+}  // namespace
+
+Collector::Collector(const TextSource& source,
+                     const LogPlan& plan,
+                     const ReadOptions& options,
+                     TableReader& reader)
+    : source_(source),
+      plan_(plan),
+      options_(options),
+      reader_(reader),
+      bytes_left_(static_cast<double>(source.size())),
+      thinning_(options.hold, options.most_rows) {
+  log_.record.file = source.file();
+  log_.record.hold = options.hold;
+  selects_rows_ = !options.steps.empty() || !options.cycles.empty();
+  has_labels_ = options.labels && (plan.Of(Quantity::kStep) || plan.Of(Quantity::kCycle));
+  selects_times_ = std::isfinite(options.start_s) || std::isfinite(options.end_s);
+}
+
+void Collector::Take(TableBlock& block) {
+  if (block.rows == 0) return;
+  rows_seen_ += block.rows;
+  if (options_.progress && source_.share_read() > 0.0) options_.progress(source_.share_read());
+  ToSi(block, Quantity::kTime);
+  ToSi(block, Quantity::kCurrent);
+  ToSi(block, Quantity::kVoltage);
+  ToSi(block, Quantity::kTemperature);
+  if (!clock_is_set_) {
+    clock_is_set_ = true;
+    const double first_s = Column(block, Quantity::kTime)[0];
+    if (first_s > kUnixClock_s) unix_start_s_ = first_s;
+  }
+  thinning_.MakeRoom(block.rows, log_.record, directions_, log_.report.labels, Volt());
+  Reserve(block);
+  if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step ||
+      unix_start_s_ != 0.0 || !Increases(block)) {
+    TakeRowByRow(block);
+  } else {
+    TakeAll(block);
+  }
+  bytes_left_ -= static_cast<double>(block.bytes);
+}
+
+Log Collector::Finish() {
+  if (rows_seen_ == 0) {
+    throw LoadError({source_.file(), plan_.header_line, 1},
+                    reader_.cut_last_lines() > 0
+                        ? "expected rows below the header, found only one that is cut off"
+                        : "expected rows below the header, found none");
+  }
+  if (log_.record.size() == 0) FailUnselected();
+  log_.report.thinned = thinning_.Finish(log_.record, directions_, log_.report.labels, Volt());
+  if (drops_temperature_) log_.record.temperature_degC.clear();
+  if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
+    const double start_s = log_.record.time_s.front();
+    for (double& t : log_.record.time_s) t -= start_s;
+  }
+  log_.report.rows = log_.report.thinned ? log_.report.thinned->rows_of_log : log_.record.size();
+  log_.report.dropped_cut_last_line = reader_.cut_last_lines();
+  return std::move(log_);
+}
+
+// One volt in the units of the record: they may turn out to be millivolts (SettleMillivolts).
+double Collector::Volt() const {
+  const auto& voltage_V = log_.record.voltage_V;
+  return plan_.volts_or_millivolts && !voltage_V.empty() && voltage_V.front() >= kLeast_mV ? 1e3
+                                                                                           : 1.0;
+}
+
+double* Collector::Column(TableBlock& block, Quantity quantity) const {
+  const auto& column = plan_.Of(quantity);
+  return column ? block.columns[column->column].get() : nullptr;
+}
+
+void Collector::ToSi(TableBlock& block, Quantity quantity) const {
+  const auto& column = plan_.Of(quantity);
+  if (!column || column->unit.IsSi()) return;
+  double* values = block.columns[column->column].get();
+  for (std::size_t k = 0; k < block.rows; ++k) values[k] = column->unit.ToSi(values[k]);
+}
+
+Record Collector::HandOn() {
+  hands_on_ = true;
+  Record next;
+  next.file = log_.record.file;
+  next.hold = log_.record.hold;
+  return std::exchange(log_.record, std::move(next));
+}
+
+// Vectors that doubled would hold the log twice for a moment.
+void Collector::Reserve(const TableBlock& block) {
+  if (hands_on_) return;
+  const std::size_t needed = log_.record.size() + block.rows;
+  if (needed <= log_.record.time_s.capacity()) return;
+  constexpr double kMargin = 1.02;
+  const double still = std::max(bytes_left_ / static_cast<double>(block.bytes), 1.0) *
+                       static_cast<double>(block.rows);
+  const auto capacity = std::max(
+      std::min(std::max(log_.record.size() + static_cast<std::size_t>(kMargin * still) + 16,
+                        bytes_left_ > 0.0 ? needed : needed + log_.record.size()),
+               options_.most_rows),
+      needed);
+  for (auto* column : {&log_.record.time_s, &log_.record.current_A, &log_.record.voltage_V}) {
+    column->reserve(capacity);
+    PreferHugePages(column->begin(), capacity * sizeof(double));
+  }
+  if (plan_.Of(Quantity::kTemperature)) log_.record.temperature_degC.reserve(capacity);
+  if (plan_.Of(Quantity::kState)) directions_.reserve(capacity);
+}
+
+bool Collector::Increases(TableBlock& block) const {
+  const double* time_s = Column(block, Quantity::kTime);
+  if (!(time_s[0] > last_s_)) return false;
+  bool increases = true;
+  for (std::size_t k = 1; k < block.rows; ++k) increases &= time_s[k] > time_s[k - 1];
+  return increases;
+}
+
+void Collector::TakeAll(TableBlock& block) {
+  Record& record = log_.record;
+  const auto append = [&](lipoid::Column& to, const double* from) {
+    to.append(from, from + block.rows);
+  };
+  append(record.time_s, Column(block, Quantity::kTime));
+  last_s_ = Column(block, Quantity::kTime)[block.rows - 1];
+  append(record.current_A, Column(block, Quantity::kCurrent));
+  if (const double* voltage = Column(block, Quantity::kVoltage)) append(record.voltage_V, voltage);
+  if (const double* temperature = Column(block, Quantity::kTemperature)) {
+    append(record.temperature_degC, temperature);
+    for (std::size_t k = 0; k < block.rows; ++k) drops_temperature_ |= std::isnan(temperature[k]);
+  }
+  if (const double* state = Column(block, Quantity::kState)) {
+    for (std::size_t k = 0; k < block.rows; ++k)
+      directions_.push_back(static_cast<std::int8_t>(state[k]));
+  }
+}
+
+void Collector::TakeRowByRow(TableBlock& block) {
+  Record& record = log_.record;
+  const double* time_s = Column(block, Quantity::kTime);
+  const double* current_A = Column(block, Quantity::kCurrent);
+  const double* voltage_V = Column(block, Quantity::kVoltage);
+  const double* temperature_degC = Column(block, Quantity::kTemperature);
+  const double* state = Column(block, Quantity::kState);
+  const double* step = Column(block, Quantity::kStep);
+  const double* cycle = Column(block, Quantity::kCycle);
+  for (std::size_t k = 0; k < block.rows; ++k) {
+    double t_s = time_s[k] - unix_start_s_;
+    if (plan_.clock_restarts_with_step) t_s = JoinedTime(k, t_s, step, cycle);
+    if (!IsSelected(t_s, step ? step[k] : 0.0, cycle ? cycle[k] : 0.0)) {
+      ++log_.report.dropped_unselected;
+      continue;
+    }
+    if (!(t_s > last_s_)) {
+      if (t_s < last_s_) FailBackwards(k);
+      ++log_.report.dropped_repeated_times;
+      continue;
+    }
+    if (has_labels_) Label(record.size(), step ? step[k] : 0.0, cycle ? cycle[k] : 0.0);
+    record.time_s.push_back(t_s);
+    last_s_ = t_s;
+    record.current_A.push_back(current_A[k]);
+    if (voltage_V) record.voltage_V.push_back(voltage_V[k]);
+    if (temperature_degC) {
+      record.temperature_degC.push_back(temperature_degC[k]);
+      drops_temperature_ |= std::isnan(temperature_degC[k]);
+    }
+    if (state) directions_.push_back(static_cast<std::int8_t>(state[k]));
+  }
+}
+
+void Collector::Label(std::size_t row, double step, double cycle) {
+  auto& labels = log_.report.labels;
+  if (!labels.empty() && labels.back().step == step && labels.back().cycle == cycle) return;
+  labels.push_back({.row = row, .step = step, .cycle = cycle});
+}
+
+// The clock of the test, from one that starts anew with each step: a step begins where the one
+// before it ended.
+double Collector::JoinedTime(std::size_t row,
+                             double clock_s,
+                             const double* step,
+                             const double* cycle) {
+  const std::pair label(step ? step[row] : 0.0, cycle ? cycle[row] : 0.0);
+  if (rows_joined_++ > 0) {
+    if (label != last_label_) {
+      step_start_s_ = last_joined_s_;
+    } else if (clock_s < last_clock_s_) {
+      FailBackwards(row);
+    }
+  }
+  last_label_ = label;
+  last_clock_s_ = clock_s;
+  last_joined_s_ = step_start_s_ + clock_s;
+  return last_joined_s_;
+}
+
+bool Collector::IsSelected(double t_s, double step, double cycle) {
+  const auto holds = [](const std::vector<int>& wanted, double value) {
+    return wanted.empty() ||
+           std::any_of(wanted.begin(), wanted.end(), [&](int w) { return w == value; });
+  };
+  if (!options_.steps.empty()) steps_seen_.insert(step);
+  if (!options_.cycles.empty()) cycles_seen_.insert(cycle);
+  return holds(options_.steps, step) && holds(options_.cycles, cycle) && t_s >= options_.start_s &&
+         t_s <= options_.end_s;
+}
+
+void Collector::FailBackwards(std::size_t row) const {
+  const std::size_t column = plan_.Of(Quantity::kTime)->column;
+  const std::string last =
+      std::isinf(last_s_) ? std::string() : fmt::format(" after {:.10g} s", last_s_);
+  throw LoadError(
+      reader_.PositionOf(row, column),
+      fmt::format(
+          "expected time to increase, found '{}'{}; if the clock starts anew with each step or "
+          "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
+          "`columns = {{time_s = \"...\"}}`",
+          reader_.TextOf(row, column),
+          last));
+}
+
+void Collector::FailUnselected() const {
+  const auto seen = [](const std::set<double>& values) {
+    constexpr std::size_t kMost = 20;
+    std::vector<double> some(
+        values.begin(),
+        std::next(values.begin(), static_cast<std::ptrdiff_t>(std::min(kMost, values.size()))));
+    return fmt::format("{}{}", fmt::join(some, ", "), values.size() > kMost ? ", ..." : "");
+  };
+  std::string found;
+  if (!options_.steps.empty()) found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
+  if (!options_.cycles.empty())
+    found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
+  throw LoadError(
+      {source_.file(), plan_.header_line, 1},
+      fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}",
+                  found));
+}
+
+}  // namespace lipoid

@@ -1,0 +1,88 @@
+#include "identify/joint/joint_terms.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/battery/cell_parameters.h"
+#include "tests/support/ridders.h"
+
+namespace lipoid {
+namespace {
+
+JointStructure WithEveryTerm(bool temperature) {
+  JointStructure structure;
+  structure.branches = 2;
+  structure.self_heating = !temperature;
+  structure.temperature = temperature;
+  structure.charge_transfer = true;
+  structure.entropy_soc = {0.0, 1.0};
+  structure.hysteresis_soc = {0.5};
+  structure.current_offset = structure.free_alpha = true;
+  return structure;
+}
+
+const FitScales kScales{.typical_A = 1.0,
+                        .largest_A = 6.0,
+                        .slowest_A = 0.05,
+                        .weight_sum = 1.0,
+                        .shortest_tau_s = 10.0,
+                        .longest_tau_s = 1800.0};
+
+JointSetup ASetup() {
+  JointSetup setup;
+  setup.alpha_C = 2000.0;
+  return setup;
+}
+
+TEST(JointTerms, EveryRateHasItsSlotOnceInOrder) {
+  for (const bool temperature : {false, true}) {
+    const JointStructure structure = WithEveryTerm(temperature);
+    const auto rates = AllRates(structure, ASetup(), kScales);
+    ASSERT_EQ(static_cast<int>(rates.size()), RateSlots(structure).size());
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+      const JointRate& rate = rates[k];
+      EXPECT_EQ(rate.slot, static_cast<int>(k)) << rate.name;
+      EXPECT_LT(rate.lower, rate.upper) << rate.name;
+      EXPECT_GE(rate.start, rate.lower) << rate.name;
+      EXPECT_LE(rate.start, rate.upper) << rate.name;
+      for (const double value : rate.grid) {
+        EXPECT_GE(value, rate.lower) << rate.name;
+        EXPECT_LE(value, rate.upper) << rate.name;
+      }
+      // A parameter of cells, or of the sensor.
+      EXPECT_TRUE(rate.name == "i_off" || FindCellParameter(rate.name)) << rate.name;
+    }
+  }
+}
+
+// What is set by one entry is read by it alone: no two rates share a number.
+TEST(JointTerms, EveryRateHasANumberOfItsOwn) {
+  const auto rates = AllRates(WithEveryTerm(true), ASetup(), kScales);
+  JointRates all;
+  all.time_constant_s.resize(2);
+  all.branch_J_per_mol.resize(2);
+  for (std::size_t k = 0; k < rates.size(); ++k) rates[k].In(all) = static_cast<double>(k);
+  for (std::size_t k = 0; k < rates.size(); ++k)
+    EXPECT_EQ(rates[k].In(all), static_cast<double>(k)) << rates[k].name;
+}
+
+TEST(JointTerms, CoordinatesAndValuesAreInverse) {
+  for (const JointRate& rate : AllRates(WithEveryTerm(true), ASetup(), kScales)) {
+    const double value = 0.3 * rate.lower + 0.7 * rate.upper;
+    const double at = rate.Coordinate(value);
+    EXPECT_NEAR(rate.Value(at), value, 1e-13 * std::abs(value)) << rate.name;
+    const auto slope = test::Ridders([&](double x) { return rate.Value(x); }, at, 0.1);
+    EXPECT_NEAR(rate.Slope(value), slope.value, 1e-9 * std::abs(slope.value)) << rate.name;
+  }
+}
+
+TEST(JointTerms, AStructureHasTheTermsThatItWasGiven) {
+  for (const JointTerm& term : JointTerms()) {
+    EXPECT_FALSE(term.present(JointStructure())) << term.key;
+    EXPECT_TRUE(term.present(WithEveryTerm(term.key != "self_heating"))) << term.key;
+  }
+}
+
+}  // namespace
+}  // namespace lipoid
