@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "model/analysis/placed_gains.h"
 #include "model/core/errors.h"
@@ -238,6 +241,27 @@ TEST(GainDesign, WithoutLagAndSaturationAnyGainsAreAsGoodAtFullVoltage) {
   const GainProblem real(design);
   const ErrorGains unaware = LoadGains("unaware").altitude;
   EXPECT_LT(ideal.CostOf(unaware), 0.02 * real.CostOf(unaware));
+}
+
+// A regulator with integral action is a PID about hover, and so is what is left of the inversion in a climb: costs of laws are like for
+// like at the same gains.
+TEST(GainDesign, LawsCostTheSameAtTheSameGains) {
+  const ErrorGains gains{.proportional = 0.1644, .integral = 0.002377, .derivative = 5.686};
+  for (const Loop loop : {Loop::kAltitude, Loop::kAttitude}) {
+    std::map<std::string, std::vector<double>> costs;
+    for (const char* law : {"inversion", "pid", "lqr"}) {
+      GainDesign design = Design(loop, {{0.8, 1.0}, {0.9, 1.0}, {1.0, 1.0}});
+      design.controller.law = law;
+      costs[law] = GainProblem(design).CostsOf(gains);
+    }
+    // The inversion adds thrust where the vehicle leans: 1/cos of 4 degrees.
+    const double of_inversion = loop == Loop::kAltitude ? 1e-12 : 0.01;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double pid = costs["pid"][k];
+      EXPECT_NEAR(costs["lqr"][k], pid, 1e-12 * pid);
+      EXPECT_NEAR(costs["inversion"][k], pid, of_inversion * pid);
+    }
+  }
 }
 
 // What a design of six and of eight rotors promises is what the whole flight of such a vehicle does.

@@ -4,7 +4,10 @@
 
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <optional>
+#include <tuple>
 
 #include "model/core/errors.h"
 #include "model/statistics/normal_noise.h"
@@ -96,9 +99,12 @@ TEST(BenchFit, FindsTheLossesOfSwitching) {
 }
 
 // 95 % intervals of 100 tables with errors of 1 % hold the truth in 88 to 100 of them.
-TEST(BenchFit, IntervalsHoldTheTruth) {
+class BenchCoverage : public testing::TestWithParam<std::tuple<bool, bool>> {};
+
+TEST_P(BenchCoverage, IntervalsHoldTheTruth) {
   const Truth truth;
-  for (const bool has_speed : {true, false}) {
+  const auto [has_speed, friction_given] = GetParam();
+  {
     std::map<std::string, int> held;
     double mean_rms = 0.0;
     const std::map<std::string, double> values{{"thrust_coefficient_N_s2", truth.k_T},
@@ -108,7 +114,8 @@ TEST(BenchFit, IntervalsHoldTheTruth) {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
       const BenchFit fit =
           FitBenchTable(Table(truth, has_speed, 0.01, seed),
-                        {.motor_constant_N_m_per_A = truth.k_e, .friction_N_m_s = truth.b});
+                        {.motor_constant_N_m_per_A = truth.k_e,
+                         .friction_N_m_s = friction_given ? std::optional(truth.b) : std::nullopt});
       ASSERT_TRUE(fit.converged) << "seed " << seed << ": " << fit.message;
       for (const BenchQuantity& q : fit.Quantities()) {
         const auto value = values.find(q.name);
@@ -122,12 +129,22 @@ TEST(BenchFit, IntervalsHoldTheTruth) {
       mean_rms += 0.01 * fit.current_rms;
     }
     for (const auto& [name, count] : held) {
-      EXPECT_GE(count, 88) << name << (has_speed ? " with speeds" : " without speeds");
+      std::printf("%-26s %3d of 100 intervals hold the truth\n", name.c_str(), count);
+      EXPECT_GE(count, 88) << name;
     }
     EXPECT_EQ(held.size(), values.size());
     EXPECT_NEAR(mean_rms, 0.01, 0.002);  // what was put in
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(BenchFit,
+                         BenchCoverage,
+                         testing::Combine(testing::Bool(), testing::Bool()),
+                         [](const auto& of) {
+                           std::string name = std::get<0>(of.param) ? "Speeds" : "NoSpeeds";
+                           return name +=
+                                  std::get<1>(of.param) ? "FrictionGiven" : "FrictionFitted";
+                         });
 
 }  // namespace
 }  // namespace lipoid

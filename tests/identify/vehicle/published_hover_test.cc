@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "identify/logs/log.h"
 #include "model/flight/trim.h"
+#include "model/vehicle/level_flight.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/paths.h"
 
@@ -65,6 +67,31 @@ TEST(PublishedHover, CameraDroneDrawsWhatASoloWasLoggedToDraw) {
   ASSERT_GT(hovering_W.size(), 100u);
   std::nth_element(hovering_W.begin(), hovering_W.begin() + 150, hovering_W.end());
   EXPECT_NEAR(power_W, hovering_W[150], kAgrees * hovering_W[150]);
+}
+
+// The whole of log171.bin has speeds by GPS: tests/reference/cruise_power.py prints this table of speed over the ground
+// and power. Wind is not known, and 500 m of altitude make the air 5 % thinner than at sea level.
+TEST(PublishedHover, CameraDroneCruisesWithThePowerASoloWasLoggedToTake) {
+  struct Measured {
+    double speed_m_per_s;
+    double power_W;
+  };
+  const Vehicle v = LoadVehicle("camera-10in");
+  const LevelFlightOptions air{.air_density_kg_per_m3 = 1.167};  // the standard atmosphere at 500 m
+  for (const Measured& at :
+       {Measured{0.17, 230.2}, {1.02, 222.9}, {2.93, 214.3}, {5.01, 215.4}, {6.66, 224.7}}) {
+    const double power_W = BatteryPower(v, Cruise(v, at.speed_m_per_s, air), 15.3);
+    EXPECT_NEAR(power_W, at.power_W, kAgrees * at.power_W) << at.speed_m_per_s << " m/s";
+  }
+  // Beyond, the drag area decides, which is assumed: half of it would do.
+  const Measured fast{11.32, 238.5};
+  const double assumed_W = BatteryPower(v, Cruise(v, fast.speed_m_per_s, air), 15.3);
+  EXPECT_GT(assumed_W, 1.1 * fast.power_W);
+  LevelFlightOptions slender = air;
+  slender.flat_plate_area_m2 = 0.5 * std::pow(v.mass_kg / 500.0, 2.0 / 3.0);
+  const double slender_W = BatteryPower(v, Cruise(v, fast.speed_m_per_s, slender), 15.3);
+  std::printf("%.1f W with the assumed drag area, %.1f W with half of it\n", assumed_W, slender_W);
+  EXPECT_NEAR(slender_W, fast.power_W, kAgrees * fast.power_W);
 }
 
 }  // namespace

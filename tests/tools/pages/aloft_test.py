@@ -54,6 +54,22 @@ class Aloft(PageTest):
         self.assertEqual(data[0], [1, 2, 3])
         self.assertEqual(data[1], [one["counted_capacity_Ah"] for one in summary["flights"]])
 
+    def test_identify_shows_what_flights_add(self):
+        self.lipoid("synthesize", CELL, "--with", "r_1=0.03,c_1=1500", "--sampling-s", 1, "--voltage-noise-V", 0.001, "-o", "logs")
+        self.lipoid("identify", "--low-rate", "logs/low_rate.csv", "--pulses", "logs/pulses.csv", "--flight", "logs/cc_6C.csv",
+                    "--cutoff-V", 3, "--capacity-Ah", 0.6, "-o", "cell.json", "--report", "page.html", "--summary", "s.json")
+        found = json.loads((self.folder / "s.json").read_text())["flights_with_lab"]
+        self.assertTrue(found["taken"], found["not_taken_because"])
+        page = self.open("page.html")
+        rows = page.run("""const heading = [...document.querySelectorAll('h3')].find((one) => one.textContent === 'Flights');
+          return [...heading.parentElement.querySelectorAll('tbody')].map((body) =>
+            [...body.rows].map(row => [...row.cells].map(cell => cell.textContent)))""")
+        self.assertEqual(rows[0][0][0], "cc_6C.csv")
+        self.assertAlmostEqual(float(rows[0][0][1]), found["flights"][0]["soc_start"], delta=5e-3)
+        named = {one["name"]: one for one in found["parameters"]}
+        for row in rows[1]:
+            self.assertAlmostEqual(float(row[3]), named[row[0]]["estimate"], delta=1e-4 * abs(named[row[0]]["estimate"]))
+
 
 if __name__ == "__main__":
     main()

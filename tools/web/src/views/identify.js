@@ -3,6 +3,7 @@ import { disclosure, element, notice } from "../dom.js";
 import { plural } from "../format.js";
 import { table } from "../table.js";
 import { dischargeTimes } from "./identify/discharge_times.js";
+import { flights } from "./identify/flights.js";
 import { header } from "./identify/header.js";
 import { logs } from "./identify/logs.js";
 import { openCircuitVoltage } from "./identify/open_circuit_voltage.js";
@@ -23,6 +24,7 @@ function cell(summary, series, program, key) {
     known(result),
     parameters(result),
     logs(result),
+    flights(result),
     dischargeTimes(result),
     openCircuitVoltage(result),
     resistances(result),
