@@ -179,6 +179,7 @@ Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given)
   if (given.open_circuit_voltage) {
     known["open_circuit_voltage"] = given.open_circuit_voltage_source;
   }
+  if (given.reference) known["reference"] = given.reference->source;
   if (!given.parameters.fixed.empty()) known["fix"] = given.parameters.fixed;
   if (!given.parameters.start.empty()) known["start"] = given.parameters.start;
   if (!given.parameters.bounds.empty()) known["bounds"] = given.parameters.bounds;
@@ -231,7 +232,13 @@ void AddRunRecord(Identification& found,
 void CheckIdentifyOptions(const IdentifyOptions& options) {
   if (options.method == IdentifyMethod::kJoint) {
     CheckJointProfile(options.profiled);
+    if (options.given.reference && options.given.open_circuit_voltage) {
+      throw OptionError(
+          "--reference and --open-circuit-voltage: v_oc(A) is that of the reference; leave one out");
+    }
   } else {
+    if (options.given.reference)
+      throw OptionError("--reference needs --method joint: the staged method holds no shapes");
     CheckStagedProfile(options.profiled, options.staged.pulses, options.given.parameters);
   }
 }

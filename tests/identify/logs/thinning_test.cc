@@ -37,7 +37,8 @@ struct Bench {
   void Write(const Row& row) {
     std::mt19937_64 random(7);
     std::normal_distribution<double> normal;
-    text = header + "\n";
+    text = header;
+    text += '\n';
     double charge_C = 0.0;
     for (std::size_t k = 0; k < rows; ++k) {
       const double current_A = Level_A(k) + noise_A * normal(random);
