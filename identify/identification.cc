@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/health/health_report.h"
@@ -89,6 +90,14 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   found.expected_error = ExpectErrorOf(
       found.joint->logs, found.joint->setup, options.given.parameters, found.joint->choice.best);
   AddUncertainty(found, SocFollowsAlpha(*found.joint));
+  if (const auto& heat = found.joint->heat; heat && found.cell.uncertainty) {
+    AddPair(*found.cell.uncertainty,
+            "C_th",
+            "R_th",
+            std::pow(heat->heat_capacity_standard_error_J_per_K, 2),
+            std::pow(heat->thermal_resistance_standard_error_K_per_W, 2),
+            heat->covariance_s);
+  }
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
   found.profiles =
