@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/constant_current_validation.h"
@@ -92,6 +93,14 @@ Identification IdentifyAllAtOnce(const Campaign& campaign,
   found.expected_error = ExpectErrorOf(
       found.joint->logs, found.joint->setup, options.given.parameters, found.joint->choice.best);
   AddUncertainty(found, SocFollowsAlpha(*found.joint));
+  if (const auto& heat = found.joint->heat; heat && found.cell.uncertainty) {
+    AddPair(*found.cell.uncertainty,
+            "C_th",
+            "R_th",
+            std::pow(heat->heat_capacity_standard_error_J_per_K, 2),
+            std::pow(heat->thermal_resistance_standard_error_K_per_W, 2),
+            heat->covariance_s);
+  }
   if (options.profiled.empty()) return found;
   if (progress) progress("profiles", 0.97);
   found.profiles =
@@ -223,6 +232,7 @@ Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given)
   if (given.open_circuit_voltage) {
     known["open_circuit_voltage"] = given.open_circuit_voltage_source;
   }
+  if (given.reference) known["reference"] = given.reference->source;
   if (!given.parameters.fixed.empty()) known["fix"] = given.parameters.fixed;
   if (!given.parameters.start.empty()) known["start"] = given.parameters.start;
   if (!given.parameters.bounds.empty()) known["bounds"] = given.parameters.bounds;
@@ -275,7 +285,13 @@ void AddRunRecord(Identification& found,
 void CheckIdentifyOptions(const IdentifyOptions& options) {
   if (options.method == IdentifyMethod::kJoint) {
     CheckJointProfile(options.profiled);
+    if (options.given.reference && options.given.open_circuit_voltage) {
+      throw OptionError(
+          "--reference and --open-circuit-voltage: v_oc(A) is that of the reference; leave one out");
+    }
   } else {
+    if (options.given.reference)
+      throw OptionError("--reference needs --method joint: the staged method holds no shapes");
     CheckStagedProfile(options.profiled, options.staged.pulses, options.given.parameters);
   }
 }

@@ -44,7 +44,13 @@ class SocState {
  public:
   /// At the reference temperature.
   SocState(const JointSetup& setup, double beta_per_sqrt_s, double delivered_C, bool slopes)
-      : alpha_C_(setup.alpha_C),
+      : SocState(setup, setup.alpha_C, beta_per_sqrt_s, delivered_C, slopes) {}
+  SocState(const JointSetup& setup,
+           double alpha_C,
+           double beta_per_sqrt_s,
+           double delivered_C,
+           bool slopes)
+      : alpha_C_(alpha_C),
         diffusion_(setup.diffusion && !std::isinf(beta_per_sqrt_s)),
         slopes_(slopes && diffusion_),
         beta_per_sqrt_s_(beta_per_sqrt_s),
@@ -282,7 +288,8 @@ class CellRows {
       reference_V_.push_back(setup.open_circuit_voltage(a));
     for (auto& b : branches_) b.Reset(layout_.nodes());
     if (x != nullptr) FindCurveSlopes(curve);
-    folds_per_C_ = rates.hysteresis_folds / setup.alpha_C;
+    axis_C_ = setup.AxisCharge(rates.alpha_C);
+    folds_per_C_ = rates.hysteresis_folds / axis_C_;
   }
 
   /// The log begins relaxed after so much charge: hysteresis starts as CellModel::Relaxed() says.
@@ -420,6 +427,7 @@ class CellRows {
     SocSlopes of_branches;
     double by_current_V = series.value * series_factor_ * per_A_;  // -dv/di, of the offset alone
     double by_offset_V = 0.0;
+    double by_alpha_V = 0.0;
     for (int j = 0; j < structure_.branches; ++j) {
       const BranchState& b = branches_[static_cast<std::size_t>(j)];
       for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
@@ -477,6 +485,8 @@ class CellRows {
         slope_V += half.slope * hysteresis_;
         slope_[slots_.hysteresis()] = half.value * hysteresis_by_folds_;
         by_offset_V += half.value * hysteresis_by_offset_per_A_;
+        // The e-folds over a charge are those over A where the axis follows alpha.
+        if (setup_.held) by_alpha_V = -half.value * hysteresis_by_folds_ * folds_per_C_;
       }
     }
     if (structure_.temperature && x_ != nullptr) {
@@ -495,7 +505,7 @@ class CellRows {
                                 by_current_V * point.current_by_offset + by_offset_V;
     }
     if (structure_.free_alpha && x_ != nullptr)
-      slope_[slots_.alpha()] = of_branches.alpha + slope_V * point.slopes.alpha;
+      slope_[slots_.alpha()] = of_branches.alpha + slope_V * point.slopes.alpha + by_alpha_V;
     return {entries, index_.data(), value_.data(), voltage_V - reference_V, slope_.data()};
   }
 
@@ -506,7 +516,7 @@ class CellRows {
     const double charge_C = std::abs(step.current_A) * step.dt_s;
     const double decay = std::exp(-folds_per_C_ * charge_C);
     const double towards = hysteresis_ + sign;
-    hysteresis_by_folds_ = decay * (hysteresis_by_folds_ - charge_C / setup_.alpha_C * towards);
+    hysteresis_by_folds_ = decay * (hysteresis_by_folds_ - charge_C / axis_C_ * towards);
     const double charge_by_offset_s = sign * step.current_by_offset * step.dt_s;
     hysteresis_by_offset_per_A_ =
         decay * (hysteresis_by_offset_per_A_ - folds_per_C_ * charge_by_offset_s * towards);
@@ -552,6 +562,7 @@ class CellRows {
   double thermal_state_A2_ = 0.0;
   double thermal_slope_ = 0.0;  // in tau_h
   double thermal_by_offset_A_ = 0.0;
+  double axis_C_ = 0.0;  // of which A is a share
   double folds_per_C_ = 0.0;
   double hysteresis_ = 0.0;
   double hysteresis_by_folds_ = 0.0;

@@ -96,15 +96,18 @@ Found Search(const std::vector<const Warming*>& logs) {
   return {std::exp(log_tau), Solve(logs, std::exp(log_tau))};
 }
 
-// The standard error of a mean over what leaving one out gives, Tukey's jackknife.
-double Jackknife(const std::vector<double>& values) {
-  const auto n = static_cast<double>(values.size());
+// The covariance of two estimates over what leaving one out gives, Tukey's jackknife.
+double Jackknife(const std::vector<double>& one, const std::vector<double>& two) {
+  const auto n = static_cast<double>(one.size());
   if (n < 3.0) return std::numeric_limits<double>::quiet_NaN();
-  double mean = 0.0;
-  for (const double value : values) mean += value / n;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return std::sqrt((n - 1.0) / n * squares);
+  double mean_one = 0.0;
+  double mean_two = 0.0;
+  for (const double value : one) mean_one += value / n;
+  for (const double value : two) mean_two += value / n;
+  double products = 0.0;
+  for (std::size_t k = 0; k < one.size(); ++k)
+    products += (one[k] - mean_one) * (two[k] - mean_two);
+  return (n - 1.0) / n * products;
 }
 
 }  // namespace
@@ -149,8 +152,9 @@ std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& 
     capacities.push_back(balance_of(without).heat_capacity_J_per_K);
     resistances.push_back(without.at.thermal_resistance_K_per_W);
   }
-  fit.heat_capacity_standard_error_J_per_K = Jackknife(capacities);
-  fit.thermal_resistance_standard_error_K_per_W = Jackknife(resistances);
+  fit.heat_capacity_standard_error_J_per_K = std::sqrt(Jackknife(capacities, capacities));
+  fit.thermal_resistance_standard_error_K_per_W = std::sqrt(Jackknife(resistances, resistances));
+  fit.covariance_s = Jackknife(capacities, resistances);
   return fit;
 }
 

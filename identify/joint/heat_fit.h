@@ -23,13 +23,14 @@ struct HeatFit {
   double rmse_K = 0.0;          ///< of the temperature above the surroundings, every log the same
   double largest_rise_K = 0.0;  ///< that was measured
   std::size_t logs = 0;         ///< with a temperature
-  /// By leaving out one log after the other; NaN of fewer than three.
   /// Whether the entropic slope of the cell takes part in the heat: not where the temperatures are
   /// explained better without.
   bool reversible = true;
   double rmse_reversible_K = 0.0;  ///< with the heat of the entropic slope
+  /// By leaving out one log after the other; NaN of fewer than three.
   double heat_capacity_standard_error_J_per_K = 0.0;
   double thermal_resistance_standard_error_K_per_W = 0.0;
+  double covariance_s = 0.0;  ///< of the two: J/K K/W
 };
 
 /// What logs must show of their own warming.

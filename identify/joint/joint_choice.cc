@@ -16,6 +16,9 @@ constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kTypicalSmoothness = 1e-3;
+// Of the ratio to a shape that is held: little more than a factor is left. A short test cannot choose it:
+// what it prefers where it went is no shape for where it did not go.
+constexpr double kTypicalOfHeld = 1.0;
 constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
 constexpr int kFewNodes = 13;
 constexpr int kManyNodes = 34;
@@ -163,7 +166,9 @@ class Choosing {
         free_alpha_(free_alpha),
         progress_(progress),
         compare_(logs.groups >= 2),
-        rough_(options.smoothness > 0.0 ? options.smoothness : kTypicalSmoothness) {}
+        rough_(options.smoothness > 0.0  ? options.smoothness
+               : fit.seen().setup().held ? kTypicalOfHeld
+                                         : kTypicalSmoothness) {}
 
   JointChoice Run() {
     JointStructure structure;
@@ -175,7 +180,7 @@ class Choosing {
     structure.temperature = options_.temperature == Presence::kOn;
     structure.current_offset = options_.current_offset == Presence::kOn;
     structure.free_alpha = free_alpha_;
-    if (options_.hysteresis == Presence::kOn) structure.hysteresis_soc = {0.5};
+    if (options_.hysteresis == Presence::kOn) structure.hysteresis_soc = MemoryNodes();
     if (structure.temperature && structure.self_heating) {
       throw OptionError(
           "--set joint.temperature=on joint.self_heating=on: both are laws of a cell that warms; "
@@ -190,6 +195,11 @@ class Choosing {
       structure.entropy_soc = Entropies();
     const int given = options_.resistance_nodes;
     structure.resistance_soc = Nodes(given > 0 ? given : compare_ ? kFewNodes : 1);
+    if (Held() != nullptr) {  // nothing is left to choose
+      structure.resistance_soc = Held()->ResistanceNodes();
+      Search(structure);
+      return Finish();
+    }
     Search(structure);
     if (compare_) {
       TryTemperature(structure);
@@ -205,18 +215,22 @@ class Choosing {
       choice_.reason =
           "too few pulses and discharges to leave any out: the simplest structure is taken";
     }
+    return Finish();
+  }
+
+ private:
+  JointChoice Finish() {
     for (std::size_t k = 0; compare_ && k < choice_.tried.size(); ++k) {
       if (k != taken_) choice_.tried[k].gain = Gain(k, taken_);
     }
     choice_.tried[taken_].taken = true;
     PolishBest();
     FindWeights();
-    FindFiner();
+    if (Held() == nullptr) FindFiner();
     Tell(1.0);
     return std::move(choice_);
   }
 
- private:
   void Tell(double share) {
     done_ = std::max(done_, share);
     if (progress_) progress_(done_);
@@ -244,12 +258,13 @@ class Choosing {
     TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
     row.errors.smoothness = rough_;
     if (compare_) {
-      row.errors = LeaveOut(
-          fit_,
-          logs_,
-          row.solution.structure,
-          row.solution.rates,
-          options_.smoothness > 0.0 ? std::vector<double>{options_.smoothness} : kSmoothness);
+      row.errors =
+          LeaveOut(fit_,
+                   logs_,
+                   row.solution.structure,
+                   row.solution.rates,
+                   options_.smoothness > 0.0 || Held() != nullptr ? std::vector<double>{rough_}
+                                                                  : kSmoothness);
     }
     const bool taking = choice_.tried.empty() ||
                         (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
@@ -262,7 +277,17 @@ class Choosing {
     return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
   }
 
+  [[nodiscard]] const HeldShape* Held() const { return fit_.seen().setup().held.get(); }
+  // The nodes of M.
+  [[nodiscard]] std::vector<double> MemoryNodes() const {
+    if (Held() == nullptr || Held()->cell.hysteresis->soc.empty()) return {0.5};
+    return Held()->cell.hysteresis->soc;
+  }
   [[nodiscard]] std::vector<double> Entropies() const {
+    if (Held() != nullptr) {
+      const auto& soc = Held()->cell.temperature->entropy->soc;
+      return soc.size() > 1 ? soc : std::vector<double>{0.0, 1.0};
+    }
     return OnAxis({0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0}, lowest_soc_);
   }
 
@@ -387,7 +412,8 @@ class Choosing {
   void PolishBest() {
     // Where the model fits to within the noise of a row nothing needs smoothing, and what pulls the
     // last nodes of v_oc to the reference's shape would move alpha by a part in a hundred thousand.
-    if (compare_ && options_.smoothness == 0.0 && choice_.errors.fitted_V <= logs_.noise_V)
+    if (compare_ && options_.smoothness == 0.0 && Held() == nullptr &&
+        choice_.errors.fitted_V <= logs_.noise_V)
       choice_.errors.smoothness = kNoSmoothness;
     JointSolution before = fit_.Solve(best(), choice_.best.rates, choice_.errors.smoothness);
     before.at_bound = choice_.best.at_bound;

@@ -93,7 +93,8 @@ class Nodes {
 
   // The node of the fit that is the first of the cell.
   [[nodiscard]] std::size_t First(const std::vector<double>& nodes, double cell_soc) const {
-    const double soc = 1.0 - (1.0 - cell_soc) * result_.alpha_C / result_.setup.alpha_C;
+    const double ratio = result_.setup.held ? 1.0 : result_.alpha_C / result_.setup.alpha_C;
+    const double soc = 1.0 - (1.0 - cell_soc) * ratio;
     const auto nearer = [soc](double a, double b) { return std::abs(a - soc) < std::abs(b - soc); };
     return static_cast<std::size_t>(std::min_element(nodes.begin(), nodes.end(), nearer) -
                                     nodes.begin());
@@ -114,7 +115,7 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   const JointLayout layout(best.structure);
   const Nodes nodes(result, rates);
   std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
-  if (!SocFollowsAlpha(result))
+  if (!SocFollowsAlpha(result) && !best.structure.free_alpha)
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
   int t = 0;  // tables stand in the order in which a cell names its resistances
   for (const std::string& name : CellResistanceNames(result.cell))
@@ -127,7 +128,7 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
 
 bool SocFollowsAlpha(const JointResult& result) {
   const JointStructure& best = result.choice.best.structure;
-  if (best.voltage_soc.empty()) return false;
+  if (best.voltage_soc.empty()) return false;  // given, or held over A
   return best.free_alpha || std::all_of(result.logs.logs.begin(),
                                         result.logs.logs.end(),
                                         [](const JointLog& log) { return log.delivered_C == 0.0; });

@@ -225,8 +225,21 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
   bend(0, layout.voltages());
   slope(0, layout.voltages(), 1e-6 * second);  // a curve that no row reaches keeps its shape
   for (int t = 0; t < layout.tables(); ++t) {
-    bend(layout.table(t), layout.nodes());
-    slope(layout.table(t), layout.nodes(), 0.01 * second);
+    if (!setup_.held || layout.nodes() == 1) {
+      bend(layout.table(t), layout.nodes());
+      slope(layout.table(t), layout.nodes(), 0.01 * second);
+      continue;
+    }
+    // The ratio to the shape that is held, in the unit of its mean, goes on as a constant.
+    slope(layout.table(t), layout.nodes(), second);
+    Eigen::VectorXd ratio(layout.nodes());
+    for (int k = 0; k < layout.nodes(); ++k) {
+      ratio[k] =
+          1.0 / setup_.held->Resistance(t, structure.resistance_soc[static_cast<std::size_t>(k)]);
+    }
+    ratio /= ratio.mean();
+    auto block = penalty.block(layout.table(t), layout.table(t), layout.nodes(), layout.nodes());
+    block = (ratio.asDiagonal() * block * ratio.asDiagonal()).eval();
   }
   bend(layout.entropy(), layout.entropies());
   slope(layout.entropy(), layout.entropies(), 0.01 * second);
@@ -265,6 +278,20 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
   lower.segment(layout.entropy(), layout.entropies()).setConstant(-most_entropy_V);
   upper.segment(layout.entropy(), layout.entropies()).setConstant(most_entropy_V);
   upper.segment(layout.hysteresis(), layout.hystereses()).setConstant(kMostHysteresis_V);
+  if (setup_.held) {
+    const Cell& held = setup_.held->cell;
+    for (int k = 0; k < layout.entropies(); ++k) {
+      const int at = layout.entropy() + k;
+      lower[at] = upper[at] =
+          (*held.temperature->entropy)(structure.entropy_soc[static_cast<std::size_t>(k)]) *
+          kEntropyScale_K;
+    }
+    for (int k = 0; k < layout.hystereses(); ++k) {
+      const int at = layout.hysteresis() + k;
+      lower[at] = upper[at] =
+          held.hysteresis->Voltage(structure.hysteresis_soc[static_cast<std::size_t>(k)], 1.0);
+    }
+  }
   const auto bound = [&](const std::string& name, int table, double per_value) {
     const auto ends = known_.Range(name);
     if (!ends) return;
@@ -274,7 +301,8 @@ JointSolution JointFit::SolveSums(const JointStructure& structure,
     }
   };
   bound("r_s", layout.series(), scales_.typical_A);
-  if (structure.nodes() > 1 && !known_.Range("r_s") && std::isfinite(setup_.edge_resistance_Ohm)) {
+  if (structure.nodes() > 1 && !known_.Range("r_s") && !setup_.held &&
+      std::isfinite(setup_.edge_resistance_Ohm)) {
     const double edge = setup_.edge_resistance_Ohm * scales_.typical_A;
     for (int k = layout.series(); k < layout.series() + layout.nodes(); ++k) {
       lower[k] = kLeastOfEdge * edge;

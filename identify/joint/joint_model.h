@@ -21,9 +21,11 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "identify/joint/held_shape.h"
 #include "model/battery/cell.h"
 #include "model/battery/ranges.h"
 
@@ -41,6 +43,14 @@ struct JointSetup {
   double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
   /// At which the parameters are those of the cell.
   double reference_K = 25.0 + kZeroCelsius_K;
+  /// What an earlier cell lends. Then A is counted from the alpha that is searched, and curves and
+  /// tables are held over A.
+  std::shared_ptr<const HeldShape> held = {};
+
+  /// The charge of which A is a share.
+  [[nodiscard]] double AxisCharge(double searched_C) const {
+    return held && !std::isnan(searched_C) ? searched_C : alpha_C;
+  }
 };
 
 /// Which terms there are.
@@ -75,7 +85,7 @@ struct JointRates {
   /// What the sensor shows more than flows; NaN: no such term.
   double current_offset_A = std::numeric_limits<double>::quiet_NaN();
   /// Where it is searched: logs that do not start full begin at (1 - initial_soc) of this charge. NaN:
-  /// of JointSetup::alpha_C, which is the unit of A in either case.
+  /// of JointSetup::alpha_C, which is the unit of A unless a shape is held.
   double alpha_C = std::numeric_limits<double>::quiet_NaN();
 
   /// The current that flowed where the sensor shows this, and its slope in the offset.

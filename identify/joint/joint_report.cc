@@ -76,6 +76,8 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
   AddTerms(best.structure, joint);
   joint.update({{"smoothness", best.smoothness}, {"at_bound", best.at_bound}, {"tried", tried}});
   if (best.structure.current_offset) joint["current_offset_A"] = best.rates.current_offset_A;
+  if (const auto& held = result.setup.held)
+    joint["reference"] = {{"file", held->source}, {"held", held->Names()}};
   Json report = {{"method", "joint"},
                  {"converged", result.converged},
                  {"alpha_C", result.alpha_C},

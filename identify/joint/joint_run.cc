@@ -1,6 +1,7 @@
 #include "identify/joint/joint_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -85,13 +86,19 @@ class JointRun {
         options_(options),
         given_(given),
         progress_(progress),
-        known_(Checked(given.parameters, options.branches, staged_options.pulses.diffusion)) {}
+        known_(Checked(given.parameters, options.branches, staged_options.pulses.diffusion)) {
+    if (given.reference) Hold(given.reference);
+  }
 
   JointResult Run() {
     const auto began = std::chrono::steady_clock::now();
     StagedGiven for_staged = given_;
     for_staged.parameters = {};  // structures differ: what is held here need not be there
-    curve_given_ = given_.open_circuit_voltage.has_value();
+    curve_given_ = given_.open_circuit_voltage.has_value() || given_.reference;
+    if (given_.reference) {  // for the staged run, too
+      for_staged.open_circuit_voltage = given_.reference->cell.open_circuit_voltage;
+      if (!for_staged.alpha_C) for_staged.alpha_C = given_.reference->cell.alpha_C();
+    }
     result_.fixed = known_.fixed;
     for (const LoadedLog& log : logs_) {
       const std::vector<double> delivered_C = DeliveredCharge(log.log.record);
@@ -108,6 +115,29 @@ class JointRun {
   }
 
  private:
+  // The terms of the cell that is held, and its rates; only beta, alpha and resistances are left.
+  void Hold(const std::shared_ptr<const HeldShape>& held) {
+    const Cell& cell = held->cell;
+    const auto presence = [](bool is) { return is ? Presence::kOn : Presence::kOff; };
+    const bool warm =
+        cell.temperature && std::all_of(logs_.begin(), logs_.end(), [](const auto& log) {
+          return log.entry.kind == LogKind::kValidation || log.entry.ambient_degC ||
+                 !log.log.record.temperature_degC.empty();
+        });
+    options_.branches = static_cast<int>(cell.branches.size());
+    options_.self_heating = presence(cell.self_heating.has_value());
+    options_.charge_transfer = presence(cell.charge_transfer.has_value());
+    options_.temperature = presence(warm);
+    options_.entropy = presence(warm && cell.temperature->entropy);
+    options_.hysteresis = presence(cell.hysteresis.has_value());
+    options_.current_offset = Presence::kOff;
+    for (const auto& [name, value] : held->Rates()) {
+      if (warm || !name.starts_with("E_")) known_.fixed.try_emplace(name, value);
+    }
+    result_.setup.held = held;
+    if (cell.temperature) result_.setup.reference_K = cell.temperature->reference_K;
+  }
+
   void Tell(std::string_view stage, double share) const {
     if (progress_) progress_(stage, share);
   }
@@ -178,9 +208,32 @@ class JointRun {
     return curve_given_ ? std::vector<double>{} : result_.setup.open_circuit_voltage.soc();
   }
 
+  // alpha is an unknown of the fit itself, from anywhere; its weights and its axis want one that is
+  // near.
+  void FindAlphaOfHeld() {
+    free_alpha_ = true;
+    result_.alpha_source = "least-squares";
+    double alpha_C = given_.reference->cell.alpha_C();
+    for (int pass = 0; pass < 2; ++pass) {
+      Tell("alpha", 0.2 + 0.05 * pass);
+      Prepare(alpha_C);
+      const JointObservations seen(result_.logs, result_.setup);
+      JointStructure structure;
+      structure.branches = options_.branches;
+      structure.resistance_soc = given_.reference->ResistanceNodes();
+      structure.charge_transfer = options_.charge_transfer == Presence::kOn;
+      structure.free_alpha = true;
+      const JointSolution rough = JointFit(seen, known_).Search(structure, 1e-3);
+      if (rough.x.size() == 0) break;
+      alpha_C = rough.rates.alpha_C;
+    }
+    Prepare(alpha_C);
+  }
+
   // alpha with which v_oc(0) is the cut-off, by a first fit.
   void FindAlpha() {
     const StagedResult& staged = result_.staged;
+    if (given_.reference && !given_.alpha_C) return FindAlphaOfHeld();
     if (given_.alpha_C || curve_given_ || !campaign_.cutoff_V) {
       Prepare(staged.alpha_C);
       result_.alpha_source = staged.alpha_source;
@@ -311,7 +364,9 @@ class JointRun {
     const JointSolution& best = result_.choice.best;
     const JointSetup& setup = result_.setup;
     const SocTrace soc = TraceSoc(result_.logs, setup, best.rates);
-    const ReachedSoc reached{soc.lowest, soc.highest};
+    // What is held reaches as far as it did.
+    const ReachedSoc reached =
+        setup.held ? ReachedSoc{} : ReachedSoc{.lowest = soc.lowest, .highest = soc.highest};
     Cell& cell = result_.cell;
     cell = result_.staged.cell;  // name, pack, cut-off
     if (!curve_given_)
@@ -330,7 +385,9 @@ class JointRun {
     } else if (free_alpha_) {
       alpha_C = best.rates.alpha_C;
     }
-    if ((AllStartFull(logs_) || free_alpha_) && alpha_C != setup.alpha_C) {
+    if (setup.held) {
+      // Every curve is over A already.
+    } else if ((AllStartFull(logs_) || free_alpha_) && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
         for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
         return at;
@@ -359,6 +416,14 @@ class JointRun {
     } else {
       cell.diffusion.reset();
       cell.capacity_Ah = alpha_C / 3600.0;
+    }
+    if (setup.held && setup.held->cell.temperature) {
+      // What these logs do not show is as it was.
+      if (!cell.temperature) cell.temperature = setup.held->cell.temperature;
+      cell.temperature->heat = setup.held->cell.temperature->heat;
+      if (cell.temperature->entropy)
+        cell.temperature->entropy = setup.held->cell.temperature->entropy;
+      return;
     }
     if (!cell.temperature) return;
     result_.heat = FitHeat(cell, logs_);
@@ -406,6 +471,13 @@ class JointRun {
     auto& say = result_.cautions;
     const JointSolution& best = result_.choice.best;
     if (!result_.choice.reason.empty()) say.push_back(result_.choice.reason);
+    if (const auto& held = result_.setup.held) {
+      say.push_back(fmt::format(
+          "held as in {}: {}, and the shapes of the resistances over A where these logs "
+          "say nothing; fitted: alpha, beta and the resistances",
+          held->source,
+          fmt::join(held->Names(), ", ")));
+    }
     for (const auto& name : best.at_bound) {
       say.push_back(
           name == "beta"
@@ -490,10 +562,10 @@ class JointRun {
   const Campaign& campaign_;
   const std::vector<LoadedLog>& logs_;
   const StagedOptions& staged_options_;
-  const JointOptions& options_;
+  JointOptions options_;
   const StagedGiven& given_;
   const StageProgress& progress_;
-  const GivenParameters& known_;
+  GivenParameters known_;
   bool curve_given_ = false;
   bool free_alpha_ = false;        // alpha is one of the unknowns
   std::vector<double> deepest_C_;  // charge that has left each log at most

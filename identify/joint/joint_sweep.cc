@@ -127,8 +127,12 @@ SocTrace TraceSoc(const JointLogs& logs,
     const bool with_alpha = std::isfinite(rates.alpha_C);
     const bool with_offset = std::isfinite(rates.current_offset_A);
     const double spent = log.delivered_C / setup.alpha_C;
-    SocState state(
-        setup, rates.beta_per_sqrt_s, with_alpha ? spent * rates.alpha_C : log.delivered_C, slopes);
+    const double axis_C = setup.AxisCharge(rates.alpha_C);
+    SocState state(setup,
+                   axis_C,
+                   rates.beta_per_sqrt_s,
+                   with_alpha ? spent * rates.alpha_C : log.delivered_C,
+                   slopes);
     if (slopes && with_offset) state.CountOffset();
     const bool moves = state.slopes() || (slopes && (with_alpha || with_offset));
     out.at.resize(log.size());
@@ -147,10 +151,14 @@ SocTrace TraceSoc(const JointLogs& logs,
     }
     const auto slopes_at = [&](double shown_A) {
       const double current_A = rates.Flowing(shown_A);
+      // A = A_0 - charge/alpha where the axis follows alpha; else only A_0 moves.
+      const double by_alpha = !with_alpha  ? 0.0
+                              : setup.held ? (1.0 - spent - state.Soc(current_A)) / axis_C
+                                           : -spent / axis_C;
       return SocSlopes{.beta = state.Slope(current_A),
                        .energy = warm ? state.EnergySlope(current_A) : 0.0,
                        .offset = state.OffsetSlope(rates.FlowingSlope(shown_A)),
-                       .alpha = with_alpha ? -spent / setup.alpha_C : 0.0};
+                       .alpha = by_alpha};
     };
     for (std::size_t k = 0; k < log.size(); ++k) {
       const double step_A = k > 0 ? log.step_A[k] : 0.0;

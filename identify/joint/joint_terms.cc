@@ -24,6 +24,9 @@ constexpr double kMostOffset = 0.2;
 constexpr double kAlphaReach = 1.5;
 constexpr double kAlphaGrid = 1.35;
 constexpr int kAlphas = 7;
+// An aged cell may have lost most of it.
+constexpr double kAgedReach = 4.0;
+constexpr double kAgedGrid = 2.5;
 // Charges are known a hundred times as well as time constants, and so is an offset.
 constexpr double kFine = 0.01;
 
@@ -158,16 +161,17 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                      .unit = kFine * scales.slowest_A});
   }
   if (structure.free_alpha) {
-    rates.push_back(
-        {.name = "alpha",
-         .lower = setup.alpha_C / kAlphaReach,
-         .upper = setup.alpha_C * kAlphaReach,
-         .entry = [](JointRates& r, int) { return &r.alpha_C; },
-         .index = 0,
-         .slot = slots.alpha(),
-         .start = setup.alpha_C,
-         .unit = kFine,
-         .grid = GeometricGrid(setup.alpha_C / kAlphaGrid, setup.alpha_C * kAlphaGrid, kAlphas)});
+    rates.push_back({.name = "alpha",
+                     .lower = setup.alpha_C / (setup.held ? kAgedReach : kAlphaReach),
+                     .upper = setup.alpha_C * kAlphaReach,
+                     .entry = [](JointRates& r, int) { return &r.alpha_C; },
+                     .index = 0,
+                     .slot = slots.alpha(),
+                     .start = setup.alpha_C,
+                     .unit = kFine,
+                     .grid = GeometricGrid(setup.alpha_C / (setup.held ? kAgedGrid : kAlphaGrid),
+                                           setup.alpha_C * kAlphaGrid,
+                                           setup.held ? 2 * kAlphas : kAlphas)});
   }
   return rates;
 }

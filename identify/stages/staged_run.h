@@ -7,12 +7,14 @@
 /// Tests: tests/identify/stages/staged_run_test.cc.
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "identify/constant_current_validation.h"
+#include "identify/joint/held_shape.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/discharge_times.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
@@ -36,6 +38,8 @@ struct StagedGiven {
   std::optional<OpenCircuitVoltage> open_circuit_voltage;
   std::string open_circuit_voltage_source;  ///< a file, for the record
   GivenParameters parameters;
+  /// An earlier cell of the same kind whose shapes are held; the joint method only.
+  std::shared_ptr<const HeldShape> reference = {};
 };
 
 struct StagedResult {

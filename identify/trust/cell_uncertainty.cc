@@ -87,4 +87,22 @@ CellUncertainty UncertaintyOf(const TrustReport& trust, const Cell& cell, bool s
   return result;
 }
 
+void AddPair(Cell::Uncertainty& to,
+             const std::string& first,
+             const std::string& second,
+             double first_variance,
+             double second_variance,
+             double covariance) {
+  if (!std::isfinite(first_variance) || !std::isfinite(second_variance) ||
+      !std::isfinite(covariance) || !(first_variance > 0.0) || !(second_variance > 0.0))
+    return;
+  Append(to, first, first_variance);
+  Append(to, second, second_variance);
+  const std::size_t last = to.parameters.size() - 1;
+  // No combination has a negative variance, but for rounding.
+  const double most = std::sqrt(first_variance * second_variance);
+  to.covariance[last][last - 1] = to.covariance[last - 1][last] =
+      std::clamp(covariance, -most, most);
+}
+
 }  // namespace lipoid

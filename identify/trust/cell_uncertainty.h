@@ -36,4 +36,14 @@ struct CellUncertainty {
                                             const Cell& cell,
                                             bool soc_follows_alpha);
 
+/// Two parameters more, which vary with no other: heat capacity and thermal resistance follow from
+/// measured temperatures, and not from voltages. Nothing where an error is not finite, or where
+/// nothing else varies.
+void AddPair(Cell::Uncertainty& to,
+             const std::string& first,
+             const std::string& second,
+             double first_variance,
+             double second_variance,
+             double covariance);
+
 }  // namespace lipoid

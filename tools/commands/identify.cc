@@ -181,6 +181,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::string output;
   std::string residuals;
   std::string truth_file;
+  std::string reference_file;
   std::vector<std::string> profile_texts;
   bool verbose = false;
 
@@ -208,6 +209,12 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
                     residuals,
                     "CSV",
                     "write measured and fitted voltages of the last fit, row by row");
+  line.Input(
+      "reference",
+      reference_file,
+      "CELL",
+      "the same cell at another age: its v_oc(A), time constants and shapes are held, so that a "
+      "short test gives its capacity, beta and resistances now");
   line.Input("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
   line.Texts("profile",
              profile_texts,
@@ -232,6 +239,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   options.staged = staged.options;
   options.given = staged.given;
   options.profiled = ProfiledNames(profile_texts);
+  if (!reference_file.empty()) {
+    HeldShape held{.source = reference_file, .cell = LoadCell(reference_file)};
+    held.cell.series = held.cell.parallel = 1;
+    options.given.reference = std::make_shared<const HeldShape>(std::move(held));
+  }
   CheckIdentifyOptions(options);
   if (line.earlier() != nullptr) {
     ShowAgain(line, *line.earlier(), campaigns, options);
@@ -269,7 +281,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     const auto share = [&](double part) {
       return (static_cast<double>(k) + part) / static_cast<double>(campaigns.size());
     };
-    CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
+    CheckCampaign(campaign,
+                  options.given.open_circuit_voltage.has_value() || options.given.reference);
     line.progress().Update(share(0.0), "reading logs");
     const auto logs = LoadLogs(line, campaign, share);
     Hashing hashing(InputsOf(campaign, staged.given));

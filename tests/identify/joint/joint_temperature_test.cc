@@ -6,10 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "identify/identification.h"
 #include "identify/joint/heat_fit.h"
 #include "identify/joint/joint_run.h"
 #include "identify/joint/joint_trust.h"
 #include "identify/trust/profile.h"
+#include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "tests/support/synthetic_campaign.h"
@@ -259,6 +261,36 @@ TEST(JointTemperature, FindsEnergiesAndHeatOfASyntheticCell) {
   EXPECT_NEAR(result.heat->balance.heat_capacity_J_per_K, 15.0, 0.6);
   EXPECT_NEAR(result.heat->balance.thermal_resistance_K_per_W, 20.0, 0.6);
   EXPECT_LT(result.heat->rmse_K, 0.01 * result.heat->largest_rise_K);
+}
+
+// Ensembles draw the heat balance, the activation energies and the slope of v_oc with all else.
+TEST(JointTemperature, CellsThatAreDrawnDifferInHeatToo) {
+  const Cell truth = ColdTruth();
+  const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005);
+  IdentifyOptions options;
+  options.joint.entropy = Presence::kOn;
+  options.joint.branches = 1;
+  const Identification found = Identify(test::CampaignOf(logs), logs, options);
+  ASSERT_TRUE(found.cell.uncertainty);
+  const auto& names = found.cell.uncertainty->parameters;
+  for (const char* name : {"C_th", "R_th", "E_s", "E_1", "E_d", "dv_dT[0]"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+  const auto& heat = *found.cell.temperature->heat;
+  // What a file holds is read back.
+  EXPECT_NO_THROW((void)ParseCell(CellToJson(found.cell).dump(), "cell.json"));
+  constexpr int kDrawn = 400;
+  double square = 0.0;
+  for (const Cell& cell : DrawCells(found.cell, kDrawn, 1).cells) {
+    square +=
+        std::pow(cell.temperature->heat->heat_capacity_J_per_K - heat.heat_capacity_J_per_K, 2);
+    EXPECT_NE(cell.temperature->entropy->slope_V_per_K[0],
+              found.cell.temperature->entropy->slope_V_per_K[0]);
+  }
+  const double expected = found.joint->heat->heat_capacity_standard_error_J_per_K;
+  const double freedom = found.cell.uncertainty->degrees_of_freedom;
+  // Student's variance; 400 draws tell it to a tenth.
+  EXPECT_NEAR(
+      std::sqrt(square / kDrawn), expected * std::sqrt(freedom / (freedom - 2.0)), 0.2 * expected);
 }
 
 TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
