@@ -130,6 +130,7 @@ class IdentifyOptions(TypedDict, total=False):
     discharge_times: IdentifyDischargeTimesGroup
     open_circuit_voltage_fit: IdentifyOpenCircuitVoltageFitGroup
     pulses: IdentifyPulsesGroup
+    reference: Path | Cell | None
     profile: str | Sequence[str] | None
     solver: IdentifySolverGroup
     joint: IdentifyJointGroup

@@ -151,6 +151,14 @@ PythonCell WithPack(const PythonCell& self, int series, int parallel) {
 
 }  // namespace
 
+const Cell* CellBehind(nb::handle argument) {
+  const nb::object wrapped = nb::getattr(argument, "_core", nb::none());
+  for (const nb::handle one : {argument, nb::handle(wrapped)}) {
+    if (nb::isinstance<PythonCell>(one)) return &nb::cast<const PythonCell*>(one)->cell;
+  }
+  return nullptr;
+}
+
 void AddCells(nb::module_& module) {
   nb::class_<PythonCell>(module, "Cell")
       .def_prop_ro("name", [](const PythonCell& self) { return self.cell.name; })

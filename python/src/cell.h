@@ -15,6 +15,9 @@ struct PythonCell {
   Cell cell;
 };
 
+/// The cell behind an argument: lipoid.Cell or what it wraps; null where it is something else.
+[[nodiscard]] const Cell* CellBehind(nb::handle argument);
+
 void AddCells(nb::module_& module);
 
 }  // namespace lipoid::python

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/joint/held_shape.h"
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
@@ -28,6 +29,22 @@ struct IdentifyKeywords {
         "method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
     std::optional<int> branches;
     DeclareStages(keywords, options.staged, options.given, branches);
+    if (const auto reference = keywords.Take(
+            "reference",
+            "Path | Cell",
+            "the same cell at another age: its v_oc(A), time constants and shapes are "
+            "held, so that a short test gives its capacity, beta and resistances now")) {
+      HeldShape held;
+      if (const Cell* const cell = CellBehind(*reference)) {
+        held.cell = *cell;
+        held.source = held.cell.name;
+      } else {
+        held.source = PathOf(*reference);
+        held.cell = LoadCell(held.source);
+      }
+      held.cell.series = held.cell.parallel = 1;
+      options.given.reference = std::make_shared<const HeldShape>(std::move(held));
+    }
     keywords.Words("profile",
                    options.profiled,
                    "hold each of these at values around its estimate and refit the others");
@@ -49,7 +66,9 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
   keywords.Finish();
   CheckIdentifyOptions(made.options);
   const Campaign& described = campaign.campaign();
-  CheckCampaign(described, made.options.given.open_circuit_voltage.has_value());
+  CheckCampaign(
+      described,
+      made.options.given.open_circuit_voltage.has_value() || made.options.given.reference);
   Identification found;
   Json summary;
   Work(
@@ -112,9 +131,9 @@ void DeclareStages(Keywords& keywords,
                         "Path | Cell",
                         "v_oc(A), instead of finding it: a CSV file with columns soc "
                         "and voltage_V, a cell file, or a cell")) {
-    if (nb::isinstance<PythonCell>(*curve)) {
-      given.open_circuit_voltage = nb::cast<const PythonCell*>(*curve)->cell.open_circuit_voltage;
-      given.open_circuit_voltage_source = nb::cast<const PythonCell*>(*curve)->cell.name;
+    if (const Cell* const cell = CellBehind(*curve)) {
+      given.open_circuit_voltage = cell->open_circuit_voltage;
+      given.open_circuit_voltage_source = cell->name;
     } else {
       given.open_circuit_voltage_source = PathOf(*curve);
       given.open_circuit_voltage = ReadOpenCircuitVoltageFile(given.open_circuit_voltage_source);

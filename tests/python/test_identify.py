@@ -93,6 +93,28 @@ def test_options_reach_the_fit(campaign: lipoid.Campaign) -> None:
     assert options["pulses"]["branches"] == 2
     assert found.cell.to_dict()["diffusion"]["beta_per_sqrt_s"] == 0.2
     assert len(found.cell.to_dict()["branches"]) == 2
+    given = lipoid.identify(campaign, method="staged", open_circuit_voltage=found.cell)
+    curve = given.cell.to_dict()["open_circuit_voltage"]
+    assert curve["voltage_V"] == found.cell.to_dict()["open_circuit_voltage"]["voltage_V"]
+
+
+def test_an_earlier_cell_lends_its_curve(
+    lab: Path, result: lipoid.Identification, program: Lipoid, tmp_path: Path
+) -> None:
+    result.cell.save(tmp_path / "earlier.json")
+    pulses = lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, pulses=lab / "pulses.csv")
+    found = lipoid.identify(pulses, reference=result.cell)
+    assert "v_oc(A)" in found.summary["joint"]["reference"]["held"]
+    earlier, later = (c.to_dict()["open_circuit_voltage"] for c in (result.cell, found.cell))
+    np.testing.assert_allclose(later["voltage_V"], earlier["voltage_V"], rtol=0, atol=1e-12)
+    theirs = program(
+        *("identify", "--pulses", lab / "pulses.csv", "--cutoff-V", "3", "--capacity-Ah", "0.6"),
+        *("--reference", "earlier.json", "-o", "later.json"),
+        folder=tmp_path,
+    )
+    same = lipoid.identify(pulses, reference=tmp_path / "earlier.json").parameters["estimate"]
+    pd.testing.assert_series_equal(found.parameters["estimate"], same, check_exact=True)
+    assert {p["name"]: p["estimate"] for p in theirs["parameters"]} == dict(same)
 
 
 @pytest.mark.parametrize(
