@@ -53,8 +53,10 @@ void UncertainCell::Range::Add(const Eigen::VectorXd& row, double bound) {
   least[least.size() - 1] = bound;
 }
 
-UncertainCell::UncertainCell(const Cell& cell) : base_(cell), names_(cell.uncertainty->parameters) {
+UncertainCell::UncertainCell(const Cell& cell) : base_(cell) {
+  Require(cell.uncertainty.has_value(), "a cell with its uncertainty");
   const Cell::Uncertainty& uncertainty = *cell.uncertainty;
+  names_ = uncertainty.parameters;
   freedom_ = uncertainty.degrees_of_freedom;
   soc_follows_alpha_ = uncertainty.soc_follows_alpha;
   base_.run.reset();
