@@ -165,8 +165,9 @@ Json FlightsWithLabToJson(const FlightsWithLab& found) {
 std::string FlightsWithLabText(const FlightsWithLab& found) {
   if (!found.taken)
     return fmt::format("The cell is that of the lab logs alone: {}.", found.not_taken_because);
+  constexpr double kWorthSaying = 0.9;  // of the standard error before
   const FlightsWithLab::Parameter* best = nullptr;
-  double least = 1.0;
+  double least = kWorthSaying;
   for (const auto& one : found.parameters) {
     if (!(one.by_lab_error > 0.0) || one.error / one.by_lab_error >= least) continue;
     least = one.error / one.by_lab_error;
@@ -186,10 +187,10 @@ std::string FlightsWithLabText(const FlightsWithLab& found) {
         best->estimate,
         best->error);
   } else {
-    text += "They add nothing that the lab logs do not say better. ";
+    text += "They make no standard error smaller by a tenth or more. ";
   }
   text += fmt::format(
-      "They cost the lab logs little: their mean error is {:.3g} % instead of {:.3g} %.",
+      "The mean error of the lab logs is {:.3g} % with them, {:.3g} % without.",
       found.lab_mean_error_with_flights_percent,
       found.lab_mean_error_percent);
   return text;

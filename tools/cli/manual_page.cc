@@ -30,6 +30,8 @@ std::string Roff(std::string_view text) {
       safe += "\\-";
     } else if (c == '\'') {
       safe += "\\(aq";
+    } else if (c == ',' && k + 1 < text.size() && text[k + 1] != ' ') {
+      safe += ",\\:";  // a list of names without blanks may break there
     } else {
       safe += c;
     }
