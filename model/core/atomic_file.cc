@@ -73,14 +73,17 @@ void RemoveFolders(std::vector<std::string>& folders) {
 // Where process numbers mean what they mean here: this start of this machine, and this container.
 // 0 where nobody can say.
 std::uint32_t ThisMachine() {
-  struct stat processes {};
-  std::ifstream stream("/proc/sys/kernel/random/boot_id");
-  std::string start;
-  if (!(stream >> start) || ::stat("/proc/self/ns/pid", &processes) != 0) return 0;
-  std::uint32_t hash = 2166136261U;  // FNV-1a
-  for (const char c : start + std::to_string(processes.st_ino))
-    hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
-  return hash;
+  static const std::uint32_t machine = [] {
+    struct stat processes {};
+    std::ifstream stream("/proc/sys/kernel/random/boot_id");
+    std::string start;
+    if (!(stream >> start) || ::stat("/proc/self/ns/pid", &processes) != 0) return 0U;
+    std::uint32_t hash = 2166136261U;  // FNV-1a
+    for (const char c : start + std::to_string(processes.st_ino))
+      hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+    return hash;
+  }();
+  return machine;
 }
 
 // What hidden names begin with: machine and process.
@@ -91,8 +94,7 @@ std::string HiddenPrefix(std::uint32_t machine, long process) {
 // A hidden name in the folder of `target` that nobody is likely to have: hidden, so that no list of
 // logs takes it for one, and short, so that it fits wherever the target's name does.
 std::string TemporaryName(const std::string& target) {
-  static const std::uint32_t machine = ThisMachine();
-  const std::string prefix = HiddenPrefix(machine, ::getpid());
+  const std::string prefix = HiddenPrefix(ThisMachine(), ::getpid());
   static std::uint64_t count = 0;
   std::uint64_t x =
       static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
