@@ -25,8 +25,6 @@ namespace {
 
 using U = FlightUnknowns;
 
-// The errors of a flight are weighed by noise that is itself estimated, from few independent slow errors.
-constexpr double kFreedom = 12.0;
 // One of so many flights of the same cell is further from what its lab logs say.
 constexpr double kOneOf = 1000.0;
 // The share of its variance that a direction must lose before the flights are said to speak of it.
@@ -311,7 +309,7 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
   const Eigen::MatrixXd covariance = problem.Covariance(scaled);
   found.coordinates = scaled.head(coordinates);
   found.coordinate_covariance = covariance.topLeftCorner(coordinates, coordinates);
-  const double freedom = std::min(kFreedom, around.degrees_of_freedom());
+  const double freedom = std::min(kFlightFreedom, around.degrees_of_freedom());
   for (std::size_t f = 0; f < flying.size(); ++f) {
     const Flying& one_flying = flying[f];
     FlightsWithLab::Flight& flight = found.flights.emplace_back();

@@ -18,10 +18,6 @@ namespace {
 
 using U = FlightUnknowns;
 
-// Standard deviations to either side; the deviations are themselves estimated, from few independent
-// slow errors.
-constexpr double kFreedom = 12.0;
-
 // A flight that tells less than this of a logarithm tells nothing that a guess does not.
 constexpr double kUselessCapacity = 0.3;
 constexpr double kUselessResistance = 0.4;
@@ -34,12 +30,12 @@ constexpr double kGuessedLogCapacity = 2.0;
 constexpr double kFarFromReference = 2.0;
 
 WithInterval Symmetric(double value, double deviation) {
-  const double reach = Reach95(kFreedom) * deviation;
+  const double reach = Reach95(kFlightFreedom) * deviation;
   return {value, value - reach, value + reach, {}};
 }
 
 WithInterval Logarithmic(double value, double deviation) {
-  const double factor = std::exp(Reach95(kFreedom) * deviation);
+  const double factor = std::exp(Reach95(kFlightFreedom) * deviation);
   return {value, value / factor, value * factor, {}};
 }
 

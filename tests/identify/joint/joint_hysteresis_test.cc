@@ -9,6 +9,7 @@
 #include "identify/joint/joint_trust.h"
 #include "identify/trust/profile.h"
 #include "model/battery/cell_file.h"
+#include "tests/support/joint_example.h"
 #include "tests/support/paths.h"
 #include "tests/support/ridders.h"
 #include "tests/support/synthetic_campaign.h"
@@ -16,65 +17,22 @@
 namespace lipoid {
 namespace {
 
+using test::JointExample;
+using test::SetupOf;
+using test::UnknownsOf;
+
 // A cell with hysteresis beside every term that an offset of the current moves, its tables on the
 // nodes of the structure; and what its sensor shows too much.
-struct Example {
-  Cell cell;
-  JointStructure structure;
-  JointRates rates;
-};
-
-Example Everything() {
-  Example e;
-  e.cell = LoadCell("gifi-600mAh-1");
-  e.structure.branches = 2;
-  e.structure.resistance_soc = {0.05, 0.3, 0.6, 0.95};
-  e.structure.voltage_soc = e.cell.open_circuit_voltage.soc();
-  e.structure.self_heating = e.structure.charge_transfer = true;
+JointExample Everything() {
+  JointExample e = test::ExampleOfTables();
+  test::AddSelfHeating(e);
   e.structure.hysteresis_soc = {0.1, 0.5, 0.9};
   e.structure.current_offset = e.structure.free_alpha = true;
-  e.rates = {.beta_per_sqrt_s = 0.15,
-             .time_constant_s = {8.0, 200.0},
-             .heating_time_constant_s = 400.0,
-             .charge_transfer_A = 1.3,
-             .hysteresis_folds = 25.0,
-             .current_offset_A = 0.004,
-             .alpha_C = e.cell.alpha_C()};
-  const auto table = [&](double scale) {
-    return Resistance<double>(e.structure.resistance_soc,
-                              {1.7 * scale, 1.1 * scale, 0.9 * scale, 1.3 * scale});
-  };
-  e.cell.diffusion->beta_per_sqrt_s = e.rates.beta_per_sqrt_s;
-  e.cell.series_resistance_Ohm = table(0.1);
-  e.cell.branches = {{table(0.02), 8.0, {}}, {table(0.03), 200.0, {}}};
-  e.cell.self_heating =
-      Cell::SelfHeating{.time_constant_s = 400.0, .resistance_drop_Ohm_per_A2 = 1e-3};
-  e.cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1.3, .resistance_Ohm = table(0.05)};
+  e.rates.hysteresis_folds = 25.0;
+  e.rates.current_offset_A = 0.004;
+  e.rates.alpha_C = e.cell.alpha_C();
   e.cell.hysteresis = Cell::Hysteresis{25.0, e.structure.hysteresis_soc, {0.05, 0.02, 0.03}};
   return e;
-}
-
-JointSetup SetupOf(const Cell& cell) {
-  return {.alpha_C = cell.alpha_C(),
-          .diffusion = true,
-          .terms = cell.diffusion->terms,
-          .tail = cell.diffusion->tail,
-          .open_circuit_voltage = cell.open_circuit_voltage};
-}
-
-Eigen::VectorXd UnknownsOf(const Example& e, double typical_A) {
-  const JointLayout layout(e.structure);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout.size());
-  const auto put = [&](int at, const Resistance<double>& r) {
-    for (int k = 0; k < layout.nodes(); ++k) x[at + k] = r.resistance_Ohm[k] * typical_A;
-  };
-  put(layout.series(), e.cell.series_resistance_Ohm);
-  for (int j = 0; j < 2; ++j) put(layout.branch(j), e.cell.branches[j].resistance_Ohm);
-  put(layout.transfer(), e.cell.charge_transfer->resistance_Ohm);
-  x[layout.heating()] = e.cell.self_heating->resistance_drop_Ohm_per_A2 * std::pow(typical_A, 3.0);
-  for (int k = 0; k < layout.hystereses(); ++k)
-    x[layout.hysteresis() + k] = e.cell.hysteresis->half_V[static_cast<std::size_t>(k)];
-  return x;
 }
 
 // One log with both directions and rests, that starts at 0.7.
@@ -99,7 +57,7 @@ void Shift(Record& record, double offset_A) {
 }
 
 TEST(JointHysteresis, RowsAreThoseOfTheCellModel) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   LoadedLog log = BothDirections();
   Record& r = log.log.record;
   r.voltage_V = Predict(e.cell, r.time_s, r.current_A, r.hold, 0.7).voltage_V;
@@ -115,7 +73,7 @@ TEST(JointHysteresis, RowsAreThoseOfTheCellModel) {
 
 // The slopes of the rows against differences of the voltage of the cell that simulations step.
 TEST(JointHysteresis, SlopesAreThoseOfRiddersDifferences) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   LoadedLog log = BothDirections();
   Record& r = log.log.record;
   r.voltage_V = Predict(e.cell, r.time_s, r.current_A, r.hold, 0.7).voltage_V;

@@ -7,67 +7,26 @@
 
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
+#include "tests/support/joint_example.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
 namespace {
 
-// A cell with every term there is, its tables on the nodes of the structure.
-struct Example {
-  Cell cell;
-  JointStructure structure;
-  JointRates rates;
-};
+using test::JointExample;
+using test::SetupOf;
+using test::UnknownsOf;
 
-Example Everything() {
-  Example e;
-  e.cell = LoadCell("gifi-600mAh-1");
-  e.structure.branches = 2;
-  e.structure.resistance_soc = {0.05, 0.3, 0.6, 0.95};
-  e.structure.voltage_soc = e.cell.open_circuit_voltage.soc();
-  e.structure.self_heating = e.structure.charge_transfer = true;
-  e.rates = {.beta_per_sqrt_s = 0.15,
-             .time_constant_s = {8.0, 200.0},
-             .heating_time_constant_s = 400.0,
-             .charge_transfer_A = 1.3};
-  const auto table = [&](double scale) {
-    return Resistance<double>(e.structure.resistance_soc,
-                              {1.7 * scale, 1.1 * scale, 0.9 * scale, 1.3 * scale});
-  };
-  e.cell.diffusion->beta_per_sqrt_s = e.rates.beta_per_sqrt_s;
-  e.cell.series_resistance_Ohm = table(0.1);
-  e.cell.branches = {{table(0.02), 8.0, {}}, {table(0.03), 200.0, {}}};
-  e.cell.self_heating =
-      Cell::SelfHeating{.time_constant_s = 400.0, .resistance_drop_Ohm_per_A2 = 1e-3};
-  e.cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1.3, .resistance_Ohm = table(0.05)};
+// A cell with every term of the current alone, its tables on the nodes of the structure.
+JointExample Everything() {
+  JointExample e = test::ExampleOfTables();
+  test::AddSelfHeating(e);
   return e;
-}
-
-JointSetup SetupOf(const Cell& cell) {
-  return {.alpha_C = cell.alpha_C(),
-          .diffusion = true,
-          .terms = cell.diffusion->terms,
-          .tail = cell.diffusion->tail,
-          .open_circuit_voltage = cell.open_circuit_voltage};
-}
-
-// The unknowns of the cell's tables, as JointLayout has them: v_oc is the reference.
-Eigen::VectorXd UnknownsOf(const Example& e, double typical_A) {
-  const JointLayout layout(e.structure);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout.size());
-  const auto put = [&](int at, const Resistance<double>& r) {
-    for (int k = 0; k < layout.nodes(); ++k) x[at + k] = r.resistance_Ohm[k] * typical_A;
-  };
-  put(layout.series(), e.cell.series_resistance_Ohm);
-  for (int j = 0; j < 2; ++j) put(layout.branch(j), e.cell.branches[j].resistance_Ohm);
-  put(layout.transfer(), e.cell.charge_transfer->resistance_Ohm);
-  x[layout.heating()] = e.cell.self_heating->resistance_drop_Ohm_per_A2 * std::pow(typical_A, 3.0);
-  return x;
 }
 
 // The sums are made of other code than the cell that simulations step: they must be one model.
 TEST(JointSweep, RowsAreThoseOfTheCellModel) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
     auto logs = test::SyntheticLogs(e.cell, 2.0);
     for (auto& log : logs) {
@@ -93,7 +52,7 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
 
 // The cell that simulations step, in a scalar that carries its derivatives.
 using Jet = ceres::Jet<double, 5>;
-CellParameters<Jet> Differentiable(const Example& e) {
+CellParameters<Jet> Differentiable(const JointExample& e) {
   const CellParameters<double> p = e.cell.Parameters();
   const auto table = [](const Resistance<double>& r) {
     return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
@@ -116,7 +75,7 @@ CellParameters<Jet> Differentiable(const Example& e) {
 }
 
 TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 5);
   const int of_jet[] = {
@@ -169,7 +128,7 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
 }
 
 TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   const auto logs = test::SyntheticLogs(e.cell, 5.0, 0.001);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -206,7 +165,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
 }
 
 TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   const auto logs = test::SyntheticLogs(e.cell, 5.0);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});

@@ -14,41 +14,25 @@
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
+#include "tests/support/joint_example.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
 namespace {
 
-// A cell with every term that knows temperature, its tables on the nodes of the structure.
-struct Example {
-  Cell cell;
-  JointStructure structure;
-  JointRates rates;
-};
+using test::JointExample;
+using test::SetupOf;
+using test::UnknownsOf;
 
-Example Everything() {
-  Example e;
-  e.cell = LoadCell("gifi-600mAh-1");
-  e.structure.branches = 2;
-  e.structure.resistance_soc = {0.05, 0.3, 0.6, 0.95};
-  e.structure.voltage_soc = e.cell.open_circuit_voltage.soc();
-  e.structure.charge_transfer = e.structure.temperature = true;
+// A cell with every term that knows temperature, its tables on the nodes of the structure.
+JointExample Everything() {
+  JointExample e = test::ExampleOfTables();
+  e.structure.temperature = true;
   e.structure.entropy_soc = {0.0, 0.4, 1.0};
-  e.rates = {.beta_per_sqrt_s = 0.15,
-             .time_constant_s = {8.0, 200.0},
-             .charge_transfer_A = 1.3,
-             .diffusion_J_per_mol = 35e3,
-             .series_J_per_mol = 14e3,
-             .branch_J_per_mol = {60e3, 30e3},
-             .transfer_J_per_mol = 62e3};
-  const auto table = [&](double scale) {
-    return Resistance<double>(e.structure.resistance_soc,
-                              {1.7 * scale, 1.1 * scale, 0.9 * scale, 1.3 * scale});
-  };
-  e.cell.diffusion->beta_per_sqrt_s = e.rates.beta_per_sqrt_s;
-  e.cell.series_resistance_Ohm = table(0.1);
-  e.cell.branches = {{table(0.02), 8.0, {}}, {table(0.03), 200.0, {}}};
-  e.cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1.3, .resistance_Ohm = table(0.05)};
+  e.rates.diffusion_J_per_mol = 35e3;
+  e.rates.series_J_per_mol = 14e3;
+  e.rates.branch_J_per_mol = {60e3, 30e3};
+  e.rates.transfer_J_per_mol = 62e3;
   Cell::Temperature& term = e.cell.temperature.emplace();
   term.series_J_per_mol = 14e3;
   term.branches_J_per_mol = {60e3, 30e3};
@@ -56,28 +40,6 @@ Example Everything() {
   term.charge_transfer_J_per_mol = 62e3;
   term.entropy = EntropySlope<double>{e.structure.entropy_soc, {-3e-4, 1e-4, 2e-4}};
   return e;
-}
-
-JointSetup SetupOf(const Cell& cell) {
-  return {.alpha_C = cell.alpha_C(),
-          .diffusion = true,
-          .terms = cell.diffusion->terms,
-          .tail = cell.diffusion->tail,
-          .open_circuit_voltage = cell.open_circuit_voltage};
-}
-
-Eigen::VectorXd UnknownsOf(const Example& e, double typical_A) {
-  const JointLayout layout(e.structure);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout.size());
-  const auto put = [&](int at, const Resistance<double>& r) {
-    for (int k = 0; k < layout.nodes(); ++k) x[at + k] = r.resistance_Ohm[k] * typical_A;
-  };
-  put(layout.series(), e.cell.series_resistance_Ohm);
-  for (int j = 0; j < 2; ++j) put(layout.branch(j), e.cell.branches[j].resistance_Ohm);
-  put(layout.transfer(), e.cell.charge_transfer->resistance_Ohm);
-  for (int k = 0; k < layout.entropies(); ++k)
-    x[layout.entropy() + k] = e.cell.temperature->entropy->slope_V_per_K[k] * kEntropyScale_K;
-  return x;
 }
 
 // Between -20 and 20 degC within one log, as fast as no cell does.
@@ -97,7 +59,7 @@ std::vector<LoadedLog> LogsOfChangingTemperature(const Cell& cell, double dt_s, 
 }
 
 TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   const auto logs = LogsOfChangingTemperature(e.cell, 2.0, 2400);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -113,7 +75,7 @@ TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
 
 // The cell that simulations step, in a scalar that carries its derivatives.
 using Jet = ceres::Jet<double, 9>;
-CellParameters<Jet> Differentiable(const Example& e) {
+CellParameters<Jet> Differentiable(const JointExample& e) {
   const CellParameters<double> p = e.cell.Parameters();
   const auto table = [](const Resistance<double>& r) {
     return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
@@ -142,7 +104,7 @@ CellParameters<Jet> Differentiable(const Example& e) {
 }
 
 TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
-  const Example e = Everything();
+  const JointExample e = Everything();
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 9);
   const int of_jet[] = {slots.beta(),
