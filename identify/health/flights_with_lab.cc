@@ -12,6 +12,7 @@
 #include <memory>
 #include <utility>
 
+#include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/logs/plausibility.h"
 #include "identify/optimizers/levenberg_marquardt.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
