@@ -373,10 +373,10 @@ class StudyOptions(TypedDict, total=False):
 class PlanOptions(TypedDict, total=False):
     """Keyword arguments."""
 
-    pulse_s: float | Sequence[float] | None
-    rest_s: float | Sequence[float] | None
+    pulse_s: float | Sequence[float]
+    rest_s: float | Sequence[float]
     rate_C: float | Sequence[float] | None
-    sampling_s: float | Sequence[float] | None
+    sampling_s: float | Sequence[float]
     voltage_noise_V: float
     coloured_noise_V: float
     correlation_s: float

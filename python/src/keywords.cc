@@ -7,6 +7,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
+#include "python/src/convert.h"
 
 namespace lipoid::python {
 namespace {
@@ -91,14 +92,16 @@ void Keywords::Text(std::string_view name,
 
 std::optional<nb::object> Keywords::Take(std::string_view name,
                                          std::string_view type,
-                                         std::string_view help) {
+                                         std::string_view help,
+                                         std::string_view valid,
+                                         std::string_view default_text) {
   const std::string shown = PythonName(name);
   known_.push_back(shown);
   nb::dict one;
   one["name"] = shown;
-  one["type"] = std::string(type) + " | None";
-  one["default"] = "None";
-  one["valid"] = "";
+  one["type"] = std::string(type) + (default_text.empty() ? " | None" : "");
+  one["default"] = std::string(default_text.empty() ? "None" : default_text);
+  one["valid"] = std::string(valid);
   one["help"] = std::string(help);
   described_.append(one);
   return Given(shown);
@@ -149,6 +152,53 @@ void Keywords::Words(std::string_view name,
   }
   values.clear();
   for (const nb::handle word : *given) values.push_back(TextOf(PythonName(name), word));
+}
+
+void Keywords::OfKind(std::string_view name, InputFile& value, const Word&, std::string_view help) {
+  if (const auto file = Take(name, "Path", help)) value.path = PathOf(*file);
+}
+
+void Keywords::OfKind(std::string_view name,
+                      std::vector<std::string>& values,
+                      const Word&,
+                      std::string_view help) {
+  Words(name, values, help);
+}
+
+void Keywords::OfKind(std::string_view name,
+                      std::vector<double>& values,
+                      const Range& valid,
+                      std::string_view help) {
+  const std::string shown = PythonName(name);
+  const auto given = Take(name,
+                          "float | Sequence[float]",
+                          help,
+                          options_internal::DescribeValid<double>(valid),
+                          fmt::format("{}", fmt::join(values, ", ")));
+  if (!given) return;
+  values.clear();
+  const auto add = [&](nb::handle value) {
+    values.push_back(options_internal::ParseDouble(shown, TextOf(shown, value), valid));
+  };
+  if (!nb::hasattr(*given, "__len__") || nb::isinstance<nb::str>(*given)) return add(*given);
+  for (const nb::handle value : *given) add(value);
+  if (values.empty())
+    throw OptionError(
+        fmt::format("option {}: expected at least one number, found {}", shown, Shown(*given)));
+}
+
+void Keywords::OfKind(std::string_view name,
+                      std::map<std::string, double>& values,
+                      const Word&,
+                      std::string_view help) {
+  Numbers(name, values, help);
+}
+
+void Keywords::OfKind(std::string_view name,
+                      std::map<std::string, Ends>& values,
+                      const Word&,
+                      std::string_view help) {
+  Ranges(name, values, help);
 }
 
 void Keywords::Group(std::string_view name,

@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/core/option_kinds.h"
 #include "model/core/options.h"
 
 namespace lipoid::python {
@@ -66,10 +67,13 @@ class Keywords {
             std::string_view word,
             std::string_view help);
 
-  /// An argument that is no single value: the object as given, or none. `type` is for stubs.
+  /// An argument that is no single value: the object as given, or none. `type` is for stubs; without
+  /// a default, None is one of its values.
   [[nodiscard]] std::optional<nb::object> Take(std::string_view name,
                                                std::string_view type,
-                                               std::string_view help);
+                                               std::string_view help,
+                                               std::string_view valid = "",
+                                               std::string_view default_text = "");
 
   /// {"name": value}.
   void Numbers(std::string_view name, std::map<std::string, double>& values, std::string_view help);
@@ -94,12 +98,12 @@ class Keywords {
              const std::function<void(std::string_view, std::string_view)>& set,
              const std::vector<std::string>& types = {});
 
-  /// Options of a struct, each by itself.
+  /// Options of a struct, each by itself; model/core/option_kinds.h has what they may be.
   template <class Options>
   void Each(Options& options) {
     Options::Visit(options,
                    [&](std::string_view name, auto& member, const auto& valid, const char* help) {
-                     Option(name, member, valid, help);
+                     OfKind(name, member, valid, help);
                    });
   }
 
@@ -110,6 +114,31 @@ class Keywords {
   [[nodiscard]] nb::list Described() const { return described_; }
 
  private:
+  template <class T, class Valid>
+  void OfKind(std::string_view name, T& value, const Valid& valid, std::string_view help) {
+    Option(name, value, valid, help);
+  }
+  void OfKind(std::string_view name, std::string& value, const Word& word, std::string_view help) {
+    Text(name, value, word.text, help);
+  }
+  void OfKind(std::string_view name, InputFile& value, const Word& word, std::string_view help);
+  void OfKind(std::string_view name,
+              std::vector<std::string>& values,
+              const Word& word,
+              std::string_view help);
+  void OfKind(std::string_view name,
+              std::vector<double>& values,
+              const Range& valid,
+              std::string_view help);
+  void OfKind(std::string_view name,
+              std::map<std::string, double>& values,
+              const Word& word,
+              std::string_view help);
+  void OfKind(std::string_view name,
+              std::map<std::string, Ends>& values,
+              const Word& word,
+              std::string_view help);
+
   template <class T>
   static std::string TypeOf() {
     if constexpr (std::is_enum_v<T>) {

@@ -18,56 +18,10 @@
 namespace lipoid::python {
 namespace {
 
-constexpr double kYear_s = 3.2e7;
-
-void Values(Keywords& keywords,
-            std::string_view name,
-            std::vector<double>& values,
-            const Range& valid,
-            std::string_view help) {
-  const auto given = keywords.Take(name, "float | Sequence[float]", help);
-  if (!given) return;
-  const std::string shown = PythonName(name);
-  values.clear();
-  const auto add = [&](nb::handle value) {
-    values.push_back(options_internal::ParseDouble(shown, TextOf(shown, value), valid));
-  };
-  if (nb::hasattr(*given, "__len__") && !nb::isinstance<nb::str>(*given)) {
-    for (const nb::handle value : *given) add(value);
-    if (values.empty()) throw OptionError("option " + shown + ": expected a number at least");
-  } else {
-    add(*given);
-  }
-}
-
-void DeclarePlan(Keywords& keywords, PlanGrid& grid) {
-  Values(keywords, "pulse-s", grid.pulse_s, Range{1e-6, kYear_s}, "length of a pulse, s");
-  Values(keywords, "rest-s", grid.rest_s, Range{0.0, kYear_s}, "rest after each pulse, s");
-  Values(keywords,
-         "rate-C",
-         grid.rate_C,
-         Range{1e-6, 1e4},
-         "C-rate of the pulses; by default one that suits the cell");
-  Values(keywords, "sampling-s", grid.sampling_s, Range{1e-6, 1e6}, "time between rows, s");
-  keywords.Option(
-      "voltage-noise-V",
-      grid.noise.white_V,
-      Range{0.0, 1e3},
-      "standard deviation of the voltage's noise that is independent from row to row, V");
-  keywords.Option("coloured-noise-V",
-                  grid.noise.coloured_V,
-                  Range{0.0, 1e3},
-                  "standard deviation of slow errors of the voltage, V");
-  keywords.Option("correlation-s",
-                  grid.noise.correlation_s,
-                  Range{1e-6, kYear_s},
-                  "time over which these slow errors are correlated, s");
-}
-
 nb::object Plan(const PythonCell& cell, const nb::dict& given, const nb::object& progress) {
   PlanGrid grid;
   Keywords keywords(given);
-  DeclarePlan(keywords, grid);
+  keywords.Each(grid);
   keywords.Finish();
   Json summary;
   Work(
@@ -127,7 +81,7 @@ void AddPlanning(nb::module_& module) {
   module.def("describe_plan", [] {
     Keywords keywords;
     PlanGrid grid;
-    DeclarePlan(keywords, grid);
+    keywords.Each(grid);
     return keywords.Described();
   });
   module.def("describe_synthesize", [] {

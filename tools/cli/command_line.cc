@@ -1,5 +1,6 @@
 #include "tools/cli/command_line.h"
 
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -18,7 +19,10 @@
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
 #include "model/core/run_record.h"
+#include "tools/cli/assignments.h"
 #include "tools/cli/command_description.h"
+#include "tools/cli/number_range.h"
+#include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
 
 namespace po = boost::program_options;
@@ -294,20 +298,82 @@ CommandLine::Declared& CommandLine::Declare(std::string_view name,
 void CommandLine::Group(std::string_view prefix,
                         std::vector<OptionDescription> options,
                         std::function<void(std::string_view, std::string_view)> set) {
-  groups_.push_back({std::string(prefix), std::move(options), std::move(set), false});
+  groups_.push_back({std::string(prefix), std::move(options), std::move(set)});
 }
 
-void CommandLine::AddFlags(std::vector<OptionDescription> options,
-                           std::function<void(std::string_view, std::string_view)> set) {
-  for (const auto& option : options) {
-    std::string name = option.name;
-    std::replace(name.begin(), name.end(), '_', '-');
-    Declare(name, option.valid == "text" ? "TEXT" : option.valid, option.default_text, option.help)
-        .set = [set, member = option.name](const std::string&, const std::string& text) {
-      set(member, text);
-    };
-  }
-  groups_.push_back({"", std::move(options), std::move(set), true});
+std::string CommandLine::Dashed(std::string_view name) {
+  std::string dashed(name);
+  std::replace(dashed.begin(), dashed.end(), '_', '-');
+  return dashed;
+}
+
+void CommandLine::OfKind(const std::string& name, bool& value, const Names&, const char* help) {
+  Declare(name, "", "", help).set = [&value](const std::string& shown, const std::string& text) {
+    value = text.empty() || options_internal::ParseBool(shown, text);  // a value comes by --set
+  };
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::string& value,
+                         const Word& word,
+                         const char* help) {
+  Text(name, value, word.text, help);
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         InputFile& value,
+                         const Word& word,
+                         const char* help) {
+  Input(name, value.path, word.text, help);
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::vector<std::string>& values,
+                         const Word& word,
+                         const char* help) {
+  auto& option = Declare(name, word.text, fmt::format("{}", fmt::join(values, ",")), help);
+  option.several = true;
+  option.set = [&values, first = true](const std::string&, const std::string& text) mutable {
+    if (std::exchange(first, false)) values.clear();
+    for (std::string& piece : SplitAt(text, ',')) values.push_back(std::move(piece));
+  };
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::vector<double>& values,
+                         const Range& valid,
+                         const char* help) {
+  Declare(name, "LIST", fmt::format("{}", fmt::join(values, ",")), help).set =
+      [&values, valid, name](const std::string&, const std::string& text) {
+        values.clear();
+        for (const std::string& piece : SplitAt(text, ',')) {
+          const std::vector<double> some = ReadRange(name, piece, valid);
+          values.insert(values.end(), some.begin(), some.end());
+        }
+      };
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::map<std::string, double>& values,
+                         const Word& word,
+                         const char* help) {
+  auto& option = Declare(name, word.text, "", help);
+  option.several = true;
+  option.set = [&values](const std::string& shown, const std::string& text) {
+    for (const auto& [parameter, value] : ParseAssignments(shown, {text}))
+      values[parameter] = value;
+  };
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::map<std::string, Ends>& values,
+                         const Word& word,
+                         const char* help) {
+  auto& option = Declare(name, word.text, "", help);
+  option.several = true;
+  option.set = [&values](const std::string& shown, const std::string& text) {
+    for (const auto& [parameter, ends] : ParseRanges(shown, {text})) values[parameter] = ends;
+  };
 }
 
 std::string CommandLine::Declared::Shown() const {
@@ -402,11 +468,18 @@ void CommandLine::SetOne(const std::string& assignment) {
     throw OptionError(fmt::format("option --set: expected OPTION=VALUE, found '{}'", assignment));
   }
   const auto name = assignment.substr(0, equals);
+  const std::string value = assignment.substr(equals + 1);
   std::vector<std::string> known;
+  for (const auto& option : options_) {
+    if (!option->by_set) continue;
+    known.push_back(option->name);
+    std::replace(known.back().begin(), known.back().end(), '-', '_');
+    if (known.back() == name) return option->set(name, value);
+  }
   for (const auto& group : groups_) {
     for (const auto& option : group.options) {
       known.push_back(group.FullName(option));
-      if (known.back() == name) return group.set(option.name, assignment.substr(equals + 1));
+      if (known.back() == name) return group.set(option.name, value);
     }
   }
   throw OptionError("option --set: " + UnknownName("option", name, known));
@@ -610,7 +683,6 @@ std::string CommandLine::Help() const {
   add_options("Common options", true);
   bool first = true;
   for (const auto& group : groups_) {
-    if (group.flags) continue;
     if (first) text += "\nOptions for --set OPTION=VALUE:\n";
     first = false;
     for (const auto& option : group.options) {

@@ -44,6 +44,7 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
+#include "model/core/option_kinds.h"
 #include "model/core/options.h"
 #include "tools/cli/progress.h"
 #include "tools/report/report.h"
@@ -176,12 +177,16 @@ class CommandLine {
   void Group(std::string_view prefix,
              std::vector<OptionDescription> options,
              std::function<void(std::string_view name, std::string_view text)> set);
-  /// Options of a struct as --name-of-it VALUE each, and for --set name_of_it=value too.
+  /// Options of a struct as --name-of-it each, and for --set name_of_it=value too;
+  /// model/core/option_kinds.h has what they may be.
   template <class Options>
-  void Flags(Options& options) {
-    AddFlags(DescribeOptions<Options>(), [&options](std::string_view name, std::string_view text) {
-      SetOption(options, name, text);
-    });
+  void Each(Options& options) {
+    const std::size_t first = options_.size();
+    Options::Visit(
+        options, [this](std::string_view name, auto& member, const auto& valid, const char* help) {
+          OfKind(Dashed(name), member, valid, help);
+        });
+    for (std::size_t k = first; k < options_.size(); ++k) options_[k]->by_set = true;
   }
 
   /// Reads the command line into the declared variables. False: --help was asked for and is
@@ -258,6 +263,7 @@ class CommandLine {
     bool required = false;
     bool output = false;  // a file to be written
     bool common = false;
+    bool by_set = false;  // for --set, too
     bool given = false;
     std::function<void(const std::string& shown, const std::string& text)> set;
 
@@ -279,7 +285,6 @@ class CommandLine {
     std::string prefix;
     std::vector<OptionDescription> options;
     std::function<void(std::string_view, std::string_view)> set;
-    bool flags = false;  // shown among the options, not under --set
 
     [[nodiscard]] std::string FullName(const OptionDescription& option) const {
       return prefix.empty() ? option.name : prefix + "." + option.name;
@@ -290,8 +295,31 @@ class CommandLine {
                     std::string_view word,
                     std::string_view default_text,
                     std::string_view help);
-  void AddFlags(std::vector<OptionDescription> options,
-                std::function<void(std::string_view, std::string_view)> set);
+  /// --name-of-it of name_of_it.
+  [[nodiscard]] static std::string Dashed(std::string_view name);
+  template <class T, class Valid>
+  void OfKind(const std::string& name, T& value, const Valid& valid, const char* help) {
+    Option(name, value, valid, help);
+  }
+  void OfKind(const std::string& name, bool& value, const Names&, const char* help);
+  void OfKind(const std::string& name, std::string& value, const Word& word, const char* help);
+  void OfKind(const std::string& name, InputFile& value, const Word& word, const char* help);
+  void OfKind(const std::string& name,
+              std::vector<std::string>& values,
+              const Word& word,
+              const char* help);
+  void OfKind(const std::string& name,
+              std::vector<double>& values,
+              const Range& valid,
+              const char* help);
+  void OfKind(const std::string& name,
+              std::map<std::string, double>& values,
+              const Word& word,
+              const char* help);
+  void OfKind(const std::string& name,
+              std::map<std::string, Ends>& values,
+              const Word& word,
+              const char* help);
   void SetOne(const std::string& assignment);
   void AssignArguments(const std::vector<std::string>& words);
   void CheckOutputs() const;

@@ -12,7 +12,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 #include "tools/commands/staged_arguments.h"
 
 namespace lipoid {

@@ -10,7 +10,7 @@
 #include "model/core/errors.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 
 namespace lipoid {
 namespace {

@@ -13,9 +13,9 @@
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/number_range.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/poles_json.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 #include "tools/commands/stability_json.h"
 
 namespace lipoid {

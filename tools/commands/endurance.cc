@@ -18,7 +18,7 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/log_options.h"
-#include "tools/commands/number_range.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/uncertain_option.h"
 

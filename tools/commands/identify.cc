@@ -24,7 +24,7 @@
 #include "tools/commands/joint_text.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/profile_text.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 #include "tools/commands/staged_arguments.h"
 #include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"

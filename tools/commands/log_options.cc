@@ -8,7 +8,7 @@
 
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 
 namespace lipoid {
 

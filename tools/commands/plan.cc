@@ -6,40 +6,15 @@
 
 #include "identify/trust/plan_grid.h"
 #include "model/battery/cell_file.h"
-#include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/number_range.h"
-#include "tools/commands/split.h"
 #include "tools/commands/trust_text.h"
 
 namespace lipoid {
-namespace {
-
-// "10,30,60", "10:10:60", or both.
-std::vector<double> ReadNumbers(const std::string& option,
-                                const std::string& text,
-                                const Range& valid) {
-  std::vector<double> all;
-  for (const auto& piece : SplitAt(text, ',')) {
-    const auto some = ReadRange(option, piece, valid);
-    all.insert(all.end(), some.begin(), some.end());
-  }
-  return all;
-}
-
-}  // namespace
 
 cli::ExitCode PlanCommand(cli::CommandLine& line) {
-  const SynthesisOptions thesis;
-  constexpr double kYear_s = 3.2e7;
   std::string cell_name;
-  std::string pulse_s = fmt::format("{}", thesis.pulse_s);
-  std::string rest_s = fmt::format("{}", thesis.rest_s);
-  std::string rate_C;
-  std::string sampling_s = "1";
   PlanGrid grid;
-  PlannedNoise& noise = grid.noise;
   line.Describe(
       "Predicts the standard errors that a pulse experiment would give for a cell like this one, "
       "before the lab is booked: the thesis' protocol, and variations of its pulses. Lists "
@@ -47,30 +22,11 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
       "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
   line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
   line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
-  line.Text("pulse-s", pulse_s, "LIST", "length of a pulse, s");
-  line.Text("rest-s", rest_s, "LIST", "rest after each pulse, s");
-  line.Text("rate-C", rate_C, "LIST", "C-rate of the pulses; by default one that suits the cell");
-  line.Text("sampling-s", sampling_s, "LIST", "time between rows, s");
-  line.Option("voltage-noise-V",
-              noise.white_V,
-              Range{0.0, 1e3},
-              "standard deviation of the voltage's noise that is independent from row to row, V");
-  line.Option("coloured-noise-V",
-              noise.coloured_V,
-              Range{0.0, 1e3},
-              "standard deviation of slow errors of the voltage, V");
-  line.Option("correlation-s",
-              noise.correlation_s,
-              Range{1e-6, kYear_s},
-              "time over which these slow errors are correlated, s");
+  line.Each(grid);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Cell cell = LoadCell(cell_name);
-  grid.pulse_s = ReadNumbers("pulse-s", pulse_s, Range{1e-6, kYear_s});
-  grid.rest_s = ReadNumbers("rest-s", rest_s, Range{0.0, kYear_s});
-  if (!rate_C.empty()) grid.rate_C = ReadNumbers("rate-C", rate_C, Range{1e-6, 1e4});
-  grid.sampling_s = ReadNumbers("sampling-s", sampling_s, Range{1e-6, 1e6});
   const PlanGridResult result =
       PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
 

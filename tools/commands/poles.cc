@@ -12,7 +12,7 @@
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/number_range.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/poles_json.h"
 
 namespace lipoid {

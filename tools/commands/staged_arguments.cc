@@ -8,7 +8,7 @@
 #include "identify/stages/open_circuit_voltage_file.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
-#include "tools/commands/assignments.h"
+#include "tools/cli/assignments.h"
 
 namespace lipoid {
 namespace {

@@ -11,7 +11,7 @@
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"
-#include "tools/commands/assignments.h"
+#include "tools/cli/assignments.h"
 
 namespace lipoid {
 namespace {
@@ -53,7 +53,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   line.Option("series", series, kPackSizes, "cells in series, instead of what the cell file says");
   line.Option(
       "parallel", parallel, kPackSizes, "cells in parallel, instead of what the cell file says");
-  line.Flags(options);
+  line.Each(options);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "model/core/errors.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 
 namespace lipoid {
 

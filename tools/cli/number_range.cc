@@ -1,4 +1,4 @@
-#include "tools/commands/number_range.h"
+#include "tools/cli/number_range.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "model/core/errors.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 
 namespace lipoid {
 

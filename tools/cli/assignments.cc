@@ -1,4 +1,4 @@
-#include "tools/commands/assignments.h"
+#include "tools/cli/assignments.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/options.h"
-#include "tools/commands/split.h"
+#include "tools/cli/split.h"
 
 namespace lipoid {
 namespace {
