@@ -377,9 +377,12 @@ class PlanOptions(TypedDict, total=False):
     rest_s: float | Sequence[float] | None
     rate_C: float | Sequence[float] | None
     sampling_s: float | Sequence[float] | None
+    ambient_degC: float | Sequence[float] | None
+    second_degC: float | Sequence[float] | None
     voltage_noise_V: float
     coloured_noise_V: float
     correlation_s: float
+    temperature_noise_degC: float
 
 
 class SynthesizeOptions(TypedDict, total=False):
@@ -387,6 +390,7 @@ class SynthesizeOptions(TypedDict, total=False):
 
     rates_C: str
     low_rate_h: float
+    ambient_degC: str
     pulse_rate_C: float
     pulse_s: float
     rest_s: float

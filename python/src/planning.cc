@@ -9,6 +9,8 @@
 #include "identify/synthesis/synthesize.h"
 #include "identify/trust/plan_grid.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -49,6 +51,20 @@ void DeclarePlan(Keywords& keywords, PlanGrid& grid) {
          Range{1e-6, 1e4},
          "C-rate of the pulses; by default one that suits the cell");
   Values(keywords, "sampling-s", grid.sampling_s, Range{1e-6, 1e6}, "time between rows, s");
+  Values(
+      keywords,
+      "ambient-degC",
+      grid.ambient_degC,
+      kTemperatures_degC,
+      "temperatures of the surroundings in degC: the whole protocol runs at the first, its pulses at "
+      "the others too; all belong to one campaign; by default the reference temperature of a cell "
+      "that knows one. A cell that knows none gets typical energies");
+  Values(keywords,
+         "second-degC",
+         grid.second_degC,
+         kTemperatures_degC,
+         "second temperatures in degC: what the same pulses there, or one pulse, would add to the "
+         "campaign; by default 25 degC below the coldest of ambient_degC");
   keywords.Option(
       "voltage-noise-V",
       grid.noise.white_V,
@@ -62,6 +78,11 @@ void DeclarePlan(Keywords& keywords, PlanGrid& grid) {
                   grid.noise.correlation_s,
                   Range{1e-6, kYear_s},
                   "time over which these slow errors are correlated, s");
+  keywords.Option(
+      "temperature-noise-degC",
+      grid.noise.temperature_K,
+      Range{0.0, 100.0},
+      "standard deviation of the thermometer's noise that is independent from row to row, degC");
 }
 
 nb::object Plan(const PythonCell& cell, const nb::dict& given, const nb::object& progress) {
@@ -91,6 +112,7 @@ void SynthesizeLogs(const PythonCell& truth,
   keywords.Finish();
   Cell cell = truth.cell;
   cell.uncertainty.reset();  // it is the truth now
+  if (!options.ambient_degC.empty() && !cell.temperature) cell = WithTypicalTemperature(cell);
   RunRecord run;
   run.command = "lipoid.synthesize";
   run.options = OptionsToJson<Json>(options);
