@@ -1,5 +1,7 @@
 #include "identify/joint/capacity_reference.h"
 
+#include "identify/fit/cell_of_solution.h"
+#include "identify/joint/joint_sweep.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -32,6 +34,21 @@ CutoffPoint FindCutoff(const std::vector<double>& soc,
   point.per_upper_V = -below_V * width / (rise_V * rise_V);
   point.per_lower_V = -width / rise_V - point.per_upper_V;
   point.found = true;
+  return point;
+}
+
+CutoffPoint CutoffOf(const JointSolution& solution,
+                     const JointLogs& logs,
+                     const JointSetup& setup,
+                     double cutoff_V) {
+  const auto& nodes = solution.structure.voltage_soc;
+  const SocTrace soc = TraceSoc(logs, setup, solution.rates);
+  const ReachedSoc reached{soc.lowest, soc.highest};
+  const std::size_t first = reached.Of(nodes, 2).first;
+  const OpenCircuitVoltage curve = CurveOf(solution, setup.open_circuit_voltage, reached);
+  CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), cutoff_V);
+  point.lower += first;
+  point.upper += first;
   return point;
 }
 

@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "identify/joint/joint_fit.h"
+#include "identify/joint/joint_log.h"
+
 namespace lipoid {
 
 /// The line through two nodes on which the cut-off lies: between them, or below the lowest one that
@@ -31,5 +34,11 @@ inline constexpr double kSecantSoc = 0.03;
 [[nodiscard]] CutoffPoint FindCutoff(const std::vector<double>& soc,
                                      const std::vector<double>& voltage_V,
                                      double cutoff_V);
+
+/// The same of a solution's v_oc, at those of its nodes that the logs reach.
+[[nodiscard]] CutoffPoint CutoffOf(const JointSolution& solution,
+                                   const JointLogs& logs,
+                                   const JointSetup& setup,
+                                   double cutoff_V);
 
 }  // namespace lipoid

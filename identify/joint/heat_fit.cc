@@ -1,5 +1,6 @@
 #include "identify/joint/heat_fit.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
@@ -114,25 +115,37 @@ double Jackknife(const std::vector<double>& one, const std::vector<double>& two)
 
 namespace {
 
-// With or without the reversible heat, as the cell has it.
-std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& logs) {
+// The logs that tell of heat, and by how much the warmest of them rises.
+struct AllWarming {
+  std::vector<Warming> logs;
+  double largest_rise_K = 0.0;
+};
+
+AllWarming WarmingOfAll(const Cell& one, const std::vector<LoadedLog>& logs) {
   std::vector<const LoadedLog*> used;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;
     if (log.entry.kind == LogKind::kValidation || record.temperature_degC.empty()) continue;
     if (record.size() > 2) used.push_back(&log);
   }
-  std::vector<Warming> all(used.size());
-  ParallelFor(used.size(), [&](std::size_t l) { all[l] = WarmingOf(one, *used[l]); });
-  HeatFit fit;
-  fit.logs = all.size();
-  std::vector<const Warming*> seen;
-  for (const Warming& log : all) {
-    seen.push_back(&log);
+  AllWarming all{.logs = std::vector<Warming>(used.size())};
+  ParallelFor(used.size(), [&](std::size_t l) { all.logs[l] = WarmingOf(one, *used[l]); });
+  for (const Warming& log : all.logs) {
     const double most_K = *std::max_element(log.above_K.begin(), log.above_K.end());
-    fit.largest_rise_K = std::max(fit.largest_rise_K, most_K - log.above_K.front());
+    all.largest_rise_K = std::max(all.largest_rise_K, most_K - log.above_K.front());
   }
+  return all;
+}
+
+// With or without the reversible heat, as the cell has it.
+std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& logs) {
+  const AllWarming all = WarmingOfAll(one, logs);
+  HeatFit fit;
+  fit.logs = all.logs.size();
+  fit.largest_rise_K = all.largest_rise_K;
   if (fit.largest_rise_K < kLeastRise_K) return std::nullopt;
+  std::vector<const Warming*> seen;
+  for (const Warming& log : all.logs) seen.push_back(&log);
   const Found best = Search(seen);
   if (!std::isfinite(best.at.mean_square_K2)) return std::nullopt;
   const auto balance_of = [](const Found& found) {
@@ -173,6 +186,59 @@ std::optional<HeatFit> FitHeat(const Cell& cell, const std::vector<LoadedLog>& l
   without->reversible = false;
   without->rmse_reversible_K = with ? with->rmse_K : std::numeric_limits<double>::quiet_NaN();
   return without;
+}
+
+std::optional<HeatFit> PlanHeat(const Cell& cell,
+                                const std::vector<LoadedLog>& logs,
+                                double temperature_noise_K) {
+  if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
+  Cell one = cell;
+  one.series = one.parallel = 1;
+  const AllWarming all = WarmingOfAll(one, logs);
+  HeatFit fit;
+  fit.balance = *cell.temperature->heat;
+  fit.logs = all.logs.size();
+  fit.largest_rise_K = all.largest_rise_K;
+  if (fit.largest_rise_K < kLeastRise_K) return std::nullopt;
+  const double r_th = fit.balance.thermal_resistance_K_per_W;
+  const double c_th = fit.balance.heat_capacity_J_per_K;
+  const double tau_s = c_th * r_th;
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  // of the scores, per noise²
+  for (const Warming& log : all.logs) {
+    const auto rows = static_cast<double>(log.dt_s.size());
+    const double weight = 1.0 / rows;
+    // T = R y + T_0 e^(-t/tau), where y, the low pass of the heat, and T_0, the first row, which is
+    // no better measured than the others.
+    double y_W = 0.0;
+    double y_by_tau = 0.0;
+    double start = 1.0;
+    double start_by_tau = 0.0;
+    Eigen::Vector2d of_first = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < log.dt_s.size(); ++k) {
+      const double decay = std::exp(-log.dt_s[k] / tau_s);
+      const double decay_by_tau = decay * log.dt_s[k] / (tau_s * tau_s);
+      y_by_tau = decay * y_by_tau + decay_by_tau * (y_W - log.heat_W[k]);
+      y_W = decay * y_W + (1.0 - decay) * log.heat_W[k];
+      start_by_tau = decay * start_by_tau + decay_by_tau * start;
+      start *= decay;
+      const double by_tau = r_th * y_by_tau + log.above_K.front() * start_by_tau;
+      // tau = C R.
+      const Eigen::Vector2d by(r_th * by_tau, y_W + c_th * by_tau);
+      information += weight * by * by.transpose();
+      scatter += weight * weight * by * by.transpose();
+      of_first -= weight * start * by;
+    }
+    // In the first row itself the error and what it does to the prediction are the same.
+    scatter += of_first * of_first.transpose();
+  }
+  const Eigen::Matrix2d inverse = information.inverse();
+  const Eigen::Matrix2d covariance =
+      temperature_noise_K * temperature_noise_K * inverse * scatter * inverse;
+  fit.heat_capacity_standard_error_J_per_K = std::sqrt(covariance(0, 0));
+  fit.thermal_resistance_standard_error_K_per_W = std::sqrt(covariance(1, 1));
+  fit.covariance_s = covariance(0, 1);
+  return fit;
 }
 
 }  // namespace lipoid

@@ -40,4 +40,12 @@ inline constexpr double kLeastRise_K = 2.0;
 /// kLeastRise_K, or the heat does not explain them. The cell is one that knows temperature.
 [[nodiscard]] std::optional<HeatFit> FitHeat(const Cell& cell, const std::vector<LoadedLog>& logs);
 
+/// What FitHeat() would find in logs of a cell that is known, by the same least squares: the balance
+/// of the cell, and the standard errors that a thermometer gives whose readings are off by
+/// temperature_noise_K, independently from row to row. None as there, and where the cell has no
+/// balance.
+[[nodiscard]] std::optional<HeatFit> PlanHeat(const Cell& cell,
+                                              const std::vector<LoadedLog>& logs,
+                                              double temperature_noise_K);
+
 }  // namespace lipoid

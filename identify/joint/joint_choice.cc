@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/core/errors.h"
 
@@ -15,7 +16,6 @@ constexpr double kBetterFit = 0.05;
 constexpr double kAtTheNoise = 1.1;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
-constexpr double kTypicalSmoothness = 1e-3;
 // Of the ratio to a shape that is held: little more than a factor is left. A short test cannot choose it:
 // what it prefers where it went is no shape for where it did not go.
 constexpr double kTypicalOfHeld = 1.0;
@@ -139,12 +139,24 @@ std::vector<double> VoltageNodes(int count) {
   return count <= 2 ? std::vector<double>{0.0, 1.0} : Bent(count);
 }
 
+std::vector<double> EntropyNodes() { return {0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0}; }
+
 std::vector<double> OnAxis(std::vector<double> nodes, double lowest_soc) {
   constexpr double kNearZero = 0.02;
   if (nodes.size() > 1 && std::abs(lowest_soc) > kNearZero) {
     for (double& a : nodes) a = 1.0 - (1.0 - a) * (1.0 - lowest_soc);
   }
   return nodes;
+}
+
+OpenCircuitVoltage AtNodes(const OpenCircuitVoltage& curve, const std::vector<double>& soc) {
+  std::vector<double> voltage_V;
+  double highest_V = -std::numeric_limits<double>::infinity();
+  for (const double a : soc) {
+    highest_V = std::max(highest_V, curve(a));
+    voltage_V.push_back(highest_V);
+  }
+  return OpenCircuitVoltage::Linear(soc, std::move(voltage_V));
 }
 
 namespace {
@@ -288,7 +300,7 @@ class Choosing {
       const auto& soc = Held()->cell.temperature->entropy->soc;
       return soc.size() > 1 ? soc : std::vector<double>{0.0, 1.0};
     }
-    return OnAxis({0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0}, lowest_soc_);
+    return OnAxis(EntropyNodes(), lowest_soc_);
   }
 
   // First of all: at several temperatures nothing else can be told without it.

@@ -122,6 +122,9 @@ struct TriedStructure {
   bool taken = false;
 };
 
+/// Where nothing is known better.
+inline constexpr double kTypicalSmoothness = 1e-3;
+
 /// Of a fit that is within the noise of a row: the data decide alone.
 inline constexpr double kNoSmoothness = 1e-6;
 
@@ -155,8 +158,13 @@ inline constexpr double kLeastSpan_K = 10.0;
 /// has it.
 [[nodiscard]] std::vector<double> ResistanceNodes(int count);
 [[nodiscard]] std::vector<double> VoltageNodes(int count);
+[[nodiscard]] std::vector<double> EntropyNodes();
 /// Nodes for [0, 1], stretched to [lowest_soc, 1] where that is another range: they shall lie where
 /// the logs went, whatever alpha makes of it.
 [[nodiscard]] std::vector<double> OnAxis(std::vector<double> nodes, double lowest_soc);
+
+/// A curve at nodes, made to rise: what the bounds of the fit start from.
+[[nodiscard]] OpenCircuitVoltage AtNodes(const OpenCircuitVoltage& curve,
+                                         const std::vector<double>& soc);
 
 }  // namespace lipoid

@@ -19,17 +19,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The curve at nodes, made to rise: the bounds of the fit start there.
-OpenCircuitVoltage AtNodes(const OpenCircuitVoltage& curve, const std::vector<double>& soc) {
-  std::vector<double> voltage_V;
-  double highest_V = -kInfinity;
-  for (const double a : soc) {
-    highest_V = std::max(highest_V, curve(a));
-    voltage_V.push_back(highest_V);
-  }
-  return OpenCircuitVoltage::Linear(soc, std::move(voltage_V));
-}
-
 // v_oc(A) over the axis of another alpha.
 OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, double to_C) {
   constexpr int kSamples = 400;
@@ -308,15 +297,7 @@ class JointRun {
 
   // Where the solution's v_oc reaches the cut-off.
   [[nodiscard]] CutoffPoint Cutoff(const JointSolution& solution) const {
-    const auto& nodes = solution.structure.voltage_soc;
-    const SocTrace soc = TraceSoc(result_.logs, result_.setup, solution.rates);
-    const ReachedSoc reached{soc.lowest, soc.highest};
-    const std::size_t first = reached.Of(nodes, 2).first;
-    const OpenCircuitVoltage curve = CurveOf(solution, result_.setup.open_circuit_voltage, reached);
-    CutoffPoint point = FindCutoff(curve.soc(), curve.voltage_V(), *campaign_.cutoff_V);
-    point.lower += first;
-    point.upper += first;
-    return point;
+    return CutoffOf(solution, result_.logs, result_.setup, *campaign_.cutoff_V);
   }
 
   void Fit() {

@@ -65,7 +65,8 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   if (result.cutoff.found) quantities.insert(quantities.begin(), Alpha(result, fit));
   TrustOptions with_held = options;
   with_held.held.insert(with_held.held.end(), fit.held.begin(), fit.held.end());
-  with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
+  // Nobody draws cells from what is only planned.
+  if (!options.assumed) with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
 
   // Half charge on the axis of the fit, and 1C.
   const PulseQuestion question{.soc = 1.0 - 0.5 * AlphaRatio(result),

@@ -1,12 +1,15 @@
 #include "identify/synthesis/protocols.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 
+#include "model/battery/at_temperature.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -14,18 +17,18 @@ namespace {
 
 constexpr double kForever_s = std::numeric_limits<double>::infinity();
 
-std::vector<double> ParseRates(const std::string& text) {
-  std::vector<double> rates;
+std::vector<double> ParseList(const char* option, const std::string& text, const Range& valid) {
+  std::vector<double> values;
   for (std::size_t from = 0; from <= text.size();) {
     const auto to = std::min(text.find(',', from), text.size());
-    rates.push_back(
-        options_internal::ParseDouble("rates_C", text.substr(from, to - from), Range{1e-6, 1e4}));
-    if (std::count(rates.begin(), rates.end(), rates.back()) > 1) {
-      throw OptionError(fmt::format("option rates_C: {} stands twice in '{}'", rates.back(), text));
+    values.push_back(options_internal::ParseDouble(option, text.substr(from, to - from), valid));
+    if (std::count(values.begin(), values.end(), values.back()) > 1) {
+      throw OptionError(
+          fmt::format("option {}: {} stands twice in '{}'", option, values.back(), text));
     }
     from = to + 1;
   }
-  return rates;
+  return values;
 }
 
 // The double nearest to x with so many significant digits: 6 * 0.6 A is 3.6 A.
@@ -53,12 +56,28 @@ double HighestSuitableRate(const Cell& cell) {
   return rate_C;
 }
 
+double HighestSuitableRate(const Cell& cell, const std::vector<double>& ambient_degC) {
+  if (ambient_degC.empty()) return HighestSuitableRate(cell);
+  return HighestSuitableRate(
+      AtOneTemperature(cell, *std::min_element(ambient_degC.begin(), ambient_degC.end())));
+}
+
+std::vector<double> ParseTemperatures(const std::string& text) {
+  return text.empty() ? std::vector<double>{} : ParseList("ambient_degC", text, kTemperatures_degC);
+}
+
+std::string TemperaturesAsText(const std::vector<double>& ambient_degC) {
+  return fmt::format("{}", fmt::join(ambient_degC, ","));
+}
+
 std::vector<TestPlan> ThesisProtocol(const Cell& cell, const SynthesisOptions& options) {
+  const std::vector<double> ambients_degC = ParseTemperatures(options.ambient_degC);
+  const double highest_C = HighestSuitableRate(cell, ambients_degC);
   std::vector<double> rates_C;
   if (options.rates_C.empty()) {
-    for (double rate = 1.0; rate <= HighestSuitableRate(cell); rate += 1.0) rates_C.push_back(rate);
+    for (double rate = 1.0; rate <= highest_C; rate += 1.0) rates_C.push_back(rate);
   } else {
-    rates_C = ParseRates(options.rates_C);
+    rates_C = ParseList("rates_C", options.rates_C, Range{1e-6, 1e4});
   }
   std::vector<TestPlan> plans;
   plans.reserve(rates_C.size() + 2);
@@ -69,12 +88,22 @@ std::vector<TestPlan> ThesisProtocol(const Cell& cell, const SynthesisOptions& o
   }
   const double low_A = RoundToDigits(cell.alpha_C() / (3600.0 * options.low_rate_h), 3);
   plans.push_back({LogKind::kLowRate, "low_rate.csv", {{low_A, kForever_s}}});
-  const double pulse_C =
-      options.pulse_rate_C > 0.0 ? options.pulse_rate_C : HighestSuitableRate(cell);
+  const double pulse_C = options.pulse_rate_C > 0.0 ? options.pulse_rate_C : highest_C;
   plans.push_back({LogKind::kPulses,
                    "pulses.csv",
                    {{CurrentAtRate(cell, pulse_C), options.pulse_s}, {0.0, options.rest_s}}});
+  if (ambients_degC.empty()) return plans;
+  const TestPlan pulses = plans.back();
+  for (TestPlan& plan : plans) plan.ambient_degC = ambients_degC.front();
+  for (std::size_t k = 1; k < ambients_degC.size(); ++k)
+    plans.push_back(AtAnotherTemperature(pulses, ambients_degC[k]));
   return plans;
+}
+
+TestPlan AtAnotherTemperature(TestPlan plan, double ambient_degC) {
+  plan.file.insert(plan.file.rfind('.'), fmt::format("_{}degC", ambient_degC));
+  plan.ambient_degC = ambient_degC;
+  return plan;
 }
 
 const Protocol& FindProtocol(std::string_view name) {

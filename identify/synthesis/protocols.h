@@ -4,6 +4,7 @@
 /// What a lab does to a cell to identify it: the registry of protocols, for logs with a known
 /// truth. Tests: tests/identify/synthesis/synthesize_test.cc.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,9 @@ struct SynthesisOptions {
   /// The low-rate current empties alpha in so many hours; it is rounded to three digits as a lab
   /// would.
   double low_rate_h = 13.0;
+  /// Temperatures of the surroundings: "25,0,-20". The whole protocol runs at the first, its pulses
+  /// at the others too. Empty: nobody knows them.
+  std::string ambient_degC = {};
   /// 0: the highest rate that suits the cell.
   double pulse_rate_C = 0.0;
   double pulse_s = 30.0;
@@ -40,6 +44,11 @@ struct SynthesisOptions {
       Names(),
       "constant-current rates in C, as 1,2,3; empty: 1C, 2C, ... up to what suits the cell");
     v("low_rate_h", self.low_rate_h, Range{0.01, 1e4}, "duration of the low-rate discharge, h");
+    v("ambient_degC",
+      self.ambient_degC,
+      Names(),
+      "temperatures of the surroundings in degC, as 25,0,-20: the whole protocol runs at the first, "
+      "its pulses at the others too; empty: the reference temperature, in no column");
     v("pulse_rate_C",
       self.pulse_rate_C,
       Range{0.0, 1e4},
@@ -75,12 +84,17 @@ struct TestStage {
   double length_s = 0.0;
 };
 
-/// One log: a rest row, then the stages over and over until cut-off.
+/// One log: a rest row, then the stages over and over until cut-off, or as often as `cycles` says.
 struct TestPlan {
   LogKind kind = LogKind::kConstantCurrent;
   std::string file;
   std::vector<TestStage> stages;
+  std::optional<double> ambient_degC = {};  ///< none: nobody knows it
+  int cycles = 0;                           ///< 0: until cut-off
 };
+
+/// The same test at this temperature of the surroundings, under a name that says so.
+[[nodiscard]] TestPlan AtAnotherTemperature(TestPlan plan, double ambient_degC);
 
 struct Protocol {
   std::string_view name;
@@ -105,5 +119,12 @@ inline constexpr Protocol kProtocols[] = {
 /// The highest whole C-rate, at most 8, at which a full cell drops no more than half a volt at
 /// once: 6C for the 600 mAh cells and 8C for the 32 Ah cells of the thesis, as chosen there.
 [[nodiscard]] double HighestSuitableRate(const Cell& cell);
+/// The same at the coldest of these temperatures.
+[[nodiscard]] double HighestSuitableRate(const Cell& cell, const std::vector<double>& ambient_degC);
+
+/// "25,0,-20" as numbers. OptionError where one is no temperature, or stands twice.
+[[nodiscard]] std::vector<double> ParseTemperatures(const std::string& text);
+/// The same as text.
+[[nodiscard]] std::string TemperaturesAsText(const std::vector<double>& ambient_degC);
 
 }  // namespace lipoid

@@ -13,11 +13,12 @@
 #include <random>
 
 #include "identify/synthesis/decimal_step.h"
+#include "identify/synthesis/plan_walk.h"
 #include "model/battery/cell_file.h"
-#include "model/core/json_text.h"
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
+#include "model/core/json_text.h"
 
 namespace lipoid {
 namespace {
@@ -44,15 +45,11 @@ class Noise {
   boost::random::normal_distribution<double> normal_;
 };
 
-std::int64_t RowsOf(const TestStage& stage, const DecimalStep& sampling) {
-  return std::isinf(stage.length_s) ? kMaxRows + 1 : sampling.Count(stage.length_s);
-}
-
 void CheckPlan(const TestPlan& plan, const DecimalStep& sampling) {
   for (const auto& stage : plan.stages) {
-    const auto rows = RowsOf(stage, sampling);
-    const bool whole =
-        std::isinf(stage.length_s) || std::abs(sampling.Times(rows) - stage.length_s) <= 1e-9;
+    if (std::isinf(stage.length_s)) continue;
+    const auto rows = sampling.Count(stage.length_s);
+    const bool whole = std::abs(sampling.Times(rows) - stage.length_s) <= 1e-9;
     if (!whole || (rows < 1 && stage.length_s > 0.0)) {
       throw OptionError(fmt::format(
           "{}: expected stages that are multiples of sampling_s, {} s; found one of {} s",
@@ -98,53 +95,26 @@ SynthesizedFile WriteLog(const TestPlan& plan,
                          SharedProgress& progress) {
   constexpr std::int64_t kRowsPerReport = 100'000;
   const Cell& cell = signals.cell;
-  const CellModel<double> model(cell.Parameters());
-  RecordStepper<double> stepper(model, signals.options.hold, model.Relaxed(1.0));
   Noise voltage_noise(signals.seed, index, 0, signals.options.voltage_noise_V);
   Noise current_noise(signals.seed, index, 1, signals.options.current_noise_A);
-
-  std::size_t stage = 0;
-  std::int64_t rows_left = RowsOf(plan.stages[0], signals.sampling);
   double reported_C = 0.0;
-  for (std::int64_t row = 0;; ++row) {
-    const double time_s = signals.sampling.Times(row);
-    const double current_A = row == 0 ? 0.0 : plan.stages[stage].current_A * cell.parallel;
-    stepper.Row(time_s, current_A / cell.parallel);
-    const double true_V = cell.series * stepper.Voltage();
-    double voltage_V = true_V + voltage_noise();
+  const auto write = [&](const WalkedRow& row) {
+    double voltage_V = cell.series * row.voltage_V + voltage_noise();
     if (signals.resolution)
       voltage_V = signals.resolution->Times(signals.resolution->Count(voltage_V));
-    csv.Row(time_s, current_A + current_noise(), voltage_V);
-
-    if (true_V <= cell.series * cell.cutoff_V) {
-      if (row > 1) break;
-      throw OptionError(fmt::format(
-          "{}: the full cell is at its cut-off of {} V at once, at {} A; take a lower rate",
-          plan.file,
-          cell.cutoff_V,
-          current_A));
+    const double shown_A = row.current_A + current_noise();
+    const auto& state = row.stepper.state();
+    if (plan.ambient_degC) {
+      csv.Row(row.time_s, shown_A, voltage_V, state.temperature_K - kZeroCelsius_K);
+    } else {
+      csv.Row(row.time_s, shown_A, voltage_V);
     }
-    const double delivered_C = stepper.state().delivered_C;
-    if (row % kRowsPerReport == 0) {
-      progress.Add(delivered_C - reported_C);
-      reported_C = delivered_C;
+    if (row.index % kRowsPerReport == 0) {
+      progress.Add(state.delivered_C - reported_C);
+      reported_C = state.delivered_C;
     }
-    if (delivered_C > 3.0 * cell.alpha_C()) {
-      throw OptionError(fmt::format(
-          "{}: the cell never reaches its cut-off of {} V; give it another v_oc(A) or cut-off",
-          plan.file,
-          cell.cutoff_V));
-    }
-    if (row == kMaxRows) {
-      throw OptionError(
-          fmt::format("{}: more than {} rows; take a longer sampling_s", plan.file, kMaxRows));
-    }
-    if (row == 0 || --rows_left > 0) continue;
-    do {
-      stage = (stage + 1) % plan.stages.size();
-      rows_left = RowsOf(plan.stages[stage], signals.sampling);
-    } while (rows_left == 0);
-  }
+  };
+  WalkPlan(cell, plan, signals.sampling, signals.options.hold, kMaxRows, write);
   progress.Add(cell.alpha_C() - reported_C);
   csv.Flush();
   return {plan.file, csv.rows(), csv.bytes()};
@@ -163,6 +133,7 @@ Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold h
     log.kind = plan.kind;
     log.file = plan.file;
     log.read.hold = hold;
+    log.ambient_degC = plan.ambient_degC;
     campaign.logs.push_back(std::move(log));
   }
   return campaign;
@@ -209,7 +180,9 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
   std::vector<std::unique_ptr<CsvWriter>> logs;
   logs.reserve(plans.size());
   for (const auto& plan : plans) {
-    logs.push_back(std::make_unique<CsvWriter>(path(plan.file), "time_s,current_A,voltage_V"));
+    std::string columns = "time_s,current_A,voltage_V";
+    if (plan.ambient_degC) columns += ",temperature_degC";
+    logs.push_back(std::make_unique<CsvWriter>(path(plan.file), columns));
   }
   std::vector<SynthesizedFile> written(plans.size());
   SharedProgress shared(static_cast<double>(plans.size()) * cell.alpha_C(), progress);

@@ -4,77 +4,36 @@
 
 #include <cmath>
 
-#include "identify/logs/record.h"
 #include "identify/stages/staged_trust.h"
-#include "identify/synthesis/decimal_step.h"
-#include "model/battery/record_stepper.h"
+#include "identify/synthesis/plan_walk.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::size_t kMostRows = 40'000'000;
+constexpr std::int64_t kMostRows = 40'000'000;
 constexpr double kTypicalSoc = 0.5;
 
 bool IsTooFast(const Cell::Branch& branch, double sampling_s) {
   return branch.time_constant_s < 0.5 * sampling_s;
 }
 
-// The cell with constants only: what stage 3 fits.
-CellParameters<double> Constants(const Cell& cell) {
-  CellParameters<double> p;
-  p.alpha_C = cell.alpha_C();
-  p.diffusion = cell.diffusion.has_value();
-  if (cell.diffusion) {
-    p.beta_per_sqrt_s = cell.diffusion->beta_per_sqrt_s;
-    p.terms = cell.diffusion->terms;
-    p.tail = cell.diffusion->tail;
-  }
-  p.series_resistance_Ohm = Resistance<double>(cell.series_resistance_Ohm(kTypicalSoc));
-  for (const auto& branch : cell.branches)
-    p.branches.push_back(
-        {Resistance<double>(branch.resistance_Ohm(kTypicalSoc)), branch.time_constant_s});
-  p.open_circuit_voltage = cell.open_circuit_voltage;
-  return p;
-}
-
-Record SimulatePulses(const CellModel<double>& model,
-                      const Cell& cell,
-                      const TestPlan& plan,
-                      const DecimalStep& sampling) {
-  Record record;
-  record.file = plan.file;
-  RecordStepper<double> stepper(model, record.hold, model.Relaxed(1.0));
-  std::size_t stage = 0;
-  std::int64_t left = sampling.Count(plan.stages[0].length_s);
-  for (std::int64_t row = 0;; ++row) {
-    const double current_A = row == 0 ? 0.0 : plan.stages[stage].current_A;
-    const double time_s = sampling.Times(row);
-    stepper.Row(time_s, current_A);
-    record.time_s.push_back(time_s);
-    record.current_A.push_back(current_A);
-    record.voltage_V.push_back(stepper.Voltage());
-    if (record.voltage_V.back() <= cell.cutoff_V) break;
-    if (record.size() >= kMostRows) {
-      throw OptionError(fmt::format(
-          "a plan of more than {} rows; take a longer sampling or shorter rests", kMostRows));
-    }
-    if (stepper.state().delivered_C > 3.0 * cell.alpha_C())
-      throw OptionError("the cell never reaches its cut-off; give it another v_oc(A) or cut-off");
-    if (row == 0 || --left > 0) continue;
-    do {
-      stage = (stage + 1) % plan.stages.size();
-      left = sampling.Count(plan.stages[stage].length_s);
-    } while (left == 0);
-  }
-  return record;
+// One cell with constants only: what stage 3 fits.
+Cell Constants(Cell cell) {
+  cell.series = cell.parallel = 1;
+  cell.series_resistance_Ohm = Resistance<double>(cell.series_resistance_Ohm(kTypicalSoc));
+  for (auto& branch : cell.branches)
+    branch.resistance_Ohm = Resistance<double>(branch.resistance_Ohm(kTypicalSoc));
+  cell.self_heating.reset();
+  cell.charge_transfer.reset();
+  cell.temperature.reset();
+  cell.hysteresis.reset();
+  return cell;
 }
 
 }  // namespace
 
-PlannedExperiment PlanExperiment(const Cell& cell,
-                                 const SynthesisOptions& options,
-                                 const PlannedNoise& noise) {
+DecimalStep SamplingOf(const SynthesisOptions& options) {
   const auto sampling = DecimalStep::Of(options.sampling_s);
   if (!sampling) {
     throw OptionError(
@@ -84,11 +43,31 @@ PlannedExperiment PlanExperiment(const Cell& cell,
     throw OptionError(fmt::format(
         "a pulse of {} s is shorter than the sampling, {} s", options.pulse_s, options.sampling_s));
   }
-  const CellModel<double> model(Constants(cell));
+  return *sampling;
+}
+
+Record RecordOfPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
+  Record record;
+  record.file = plan.file;
+  WalkPlan(cell, plan, sampling, record.hold, kMostRows, [&](const WalkedRow& row) {
+    record.time_s.push_back(row.time_s);
+    record.current_A.push_back(row.current_A);
+    record.voltage_V.push_back(row.voltage_V);
+    if (plan.ambient_degC)
+      record.temperature_degC.push_back(row.stepper.state().temperature_K - kZeroCelsius_K);
+  });
+  return record;
+}
+
+PlannedExperiment PlanExperiment(const Cell& cell,
+                                 const SynthesisOptions& options,
+                                 const PlannedNoise& noise) {
+  const DecimalStep sampling = SamplingOf(options);
+  const Cell constant = Constants(cell);
+  const CellParameters<double> p = constant.Parameters();
   const auto plans = ThesisProtocol(cell, options);
   const TestPlan& pulses = plans.back();
-  const Record record = SimulatePulses(model, cell, pulses, *sampling);
-  const auto& p = model.parameters();
+  const Record record = RecordOfPlan(constant, pulses, sampling);
   const VoltageSweep sweep({.alpha_C = p.alpha_C,
                             .diffusion = p.diffusion,
                             .terms = p.terms,
@@ -107,39 +86,54 @@ PlannedExperiment PlanExperiment(const Cell& cell,
   assume.assumed = ResidualCorrelation{.white_V = noise.white_V,
                                        .correlated_V = noise.coloured_V,
                                        .correlation_s = noise.correlation_s};
-  return {.current_A = pulses.stages[0].current_A,
-          .duration_s = record.time_s.back(),
-          .rows = record.size(),
-          .trust = AssessStaged(sweep, fit, std::nullopt, assume)};
+  PlannedExperiment planned;
+  planned.current_A = pulses.stages[0].current_A;
+  planned.duration_s = record.time_s.back();
+  planned.rows = record.size();
+  planned.trust = AssessStaged(sweep, fit, std::nullopt, assume);
+  return planned;
 }
 
 Cell AsSampled(const Cell& cell, double sampling_s) {
   Cell seen = cell;
-  std::erase_if(seen.branches, [&](const Cell::Branch& branch) {
-    if (!IsTooFast(branch, sampling_s)) return false;
+  for (std::size_t j = 0; j < seen.branches.size();) {
+    const Cell::Branch& branch = seen.branches[j];
+    if (!IsTooFast(branch, sampling_s)) {
+      ++j;
+      continue;
+    }
     for (std::size_t k = 0; k < seen.series_resistance_Ohm.resistance_Ohm.size(); ++k) {
       seen.series_resistance_Ohm.resistance_Ohm[k] += branch.resistance_Ohm(
           seen.series_resistance_Ohm.constant() ? kTypicalSoc : seen.series_resistance_Ohm.soc[k]);
     }
-    return true;
-  });
+    const auto at = static_cast<std::ptrdiff_t>(j);
+    seen.branches.erase(seen.branches.begin() + at);
+    if (seen.temperature) {
+      auto& energies = seen.temperature->branches_J_per_mol;
+      energies.erase(energies.begin() + at);
+    }
+  }
   return seen;
+}
+
+std::optional<std::string> TooFastForPlan(const Cell& cell, std::size_t j, double sampling_s) {
+  const Cell::Branch& branch = cell.branches[j];
+  if (!IsTooFast(branch, sampling_s)) return std::nullopt;
+  return fmt::format(
+      "branch {} is too fast to be seen in rows every {:g} s (tau_{} = {:.3g} s): its "
+      "{:.3g} Ohm count with r_s",
+      j + 1,
+      sampling_s,
+      j + 1,
+      branch.time_constant_s,
+      branch.resistance_Ohm(kTypicalSoc));
 }
 
 std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s) {
   std::vector<std::string> left_out{
       "alpha and v_oc(A) are taken as known, as the staged fit takes them"};
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
-    const Cell::Branch& branch = cell.branches[j];
-    if (!IsTooFast(branch, sampling_s)) continue;
-    left_out.push_back(
-        fmt::format("branch {} is too fast to be seen in rows every {:g} s (tau_{} = {:.3g} s): its "
-                    "{:.3g} Ohm count with r_s",
-                    j + 1,
-                    sampling_s,
-                    j + 1,
-                    branch.time_constant_s,
-                    branch.resistance_Ohm(kTypicalSoc)));
+    if (auto said = TooFastForPlan(cell, j, sampling_s)) left_out.push_back(std::move(*said));
   }
   bool tables = !cell.series_resistance_Ohm.constant();
   for (const auto& branch : cell.branches) tables = tables || !branch.resistance_Ohm.constant();

@@ -1,52 +1,161 @@
 #include "identify/trust/plan_grid.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/trust/campaign_plan.h"
+#include "identify/trust/profile.h"
 #include "identify/trust/trust_report.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
 
-PlanGridResult PlanVariations(const Cell& cell,
-                              const PlanGrid& grid,
-                              const std::function<void(double)>& progress) {
-  const auto rates =
-      grid.rate_C.empty() ? std::vector<double>{HighestSuitableRate(cell)} : grid.rate_C;
-  const std::size_t count =
-      grid.pulse_s.size() * grid.rest_s.size() * rates.size() * grid.sampling_s.size();
-  if (count > kMostVariations) {
-    throw OptionError(fmt::format(
-        "{} variations; at most {} at a time, so shorten a list", count, kMostVariations));
+namespace {
+
+std::string Within(const QuantityTrust& quantity) {
+  return fmt::format("{:.2g} %", 100.0 * Reach95(quantity) / std::abs(quantity.estimate));
+}
+
+// What the second temperature tells, against the same campaign without.
+std::string WhatItAdds(const PlannedVariation& with, const PlannedVariation& without) {
+  std::vector<std::string> gains;
+  for (const QuantityTrust& after : with.plan.trust.quantities) {
+    if (!OfTemperature(after.name) || !std::isfinite(after.standard_error)) continue;
+    const QuantityTrust* before = FindQuantity(without.plan.trust, after.name);
+    const bool known = before != nullptr && std::isfinite(before->standard_error);
+    gains.push_back(fmt::format("{} within {}{}",
+                                after.name,
+                                Within(after),
+                                known ? fmt::format(" ({} without)", Within(*before)) : ""));
   }
-  Require(count > 0, "a value in each list");
-  const double shortest_s = *std::min_element(grid.sampling_s.begin(), grid.sampling_s.end());
-  const Cell seen = AsSampled(cell, shortest_s);
-  PlanGridResult result;
-  for (const double rate : rates) {
-    for (const double pulse : grid.pulse_s) {
-      for (const double rest : grid.rest_s) {
-        for (const double sampling : grid.sampling_s) {
-          StopIfAsked();
-          if (progress) {
-            progress(static_cast<double>(result.variations.size()) / static_cast<double>(count));
+  const std::string what =
+      fmt::format("{} at {:g} degC",
+                  with.second == SecondPulses::kOne ? "one pulse" : "the same pulses",
+                  with.second_degC);
+  if (gains.empty())
+    return fmt::format("{} would tell no activation energy; {}", what, with.plan.trust.sentence);
+  return fmt::format(
+      "{} would tell {} (95 %); {}", what, fmt::join(gains, ", "), with.plan.trust.sentence);
+}
+
+class Variations {
+ public:
+  Variations(const Cell& cell, const PlanGrid& grid, const std::function<void(double)>& progress)
+      : grid_(grid), progress_(progress), ambients_degC_(grid.ambient_degC) {
+    result_.temperature =
+        cell.temperature || !grid.ambient_degC.empty() || !grid.second_degC.empty();
+    const bool assume = result_.temperature && !cell.temperature;
+    cell_ = assume ? WithTypicalTemperature(cell) : cell;
+    result_.temperature_assumed = result_.temperature && cell_.temperature_assumed;
+    if (!result_.temperature) return;
+    if (ambients_degC_.empty())
+      ambients_degC_.push_back(cell_.temperature->reference_K - kZeroCelsius_K);
+    seconds_degC_ = grid.second_degC;
+    if (seconds_degC_.empty()) {
+      seconds_degC_.push_back(*std::min_element(ambients_degC_.begin(), ambients_degC_.end()) -
+                              kSecondBelow_K);
+    }
+  }
+
+  PlanGridResult Run() {
+    const double shortest_s = *std::min_element(grid_.sampling_s.begin(), grid_.sampling_s.end());
+    const Cell seen = AsSampled(cell_, shortest_s);
+    auto temperatures = ambients_degC_;
+    temperatures.insert(temperatures.end(), seconds_degC_.begin(), seconds_degC_.end());
+    const auto rates = grid_.rate_C.empty()
+                           ? std::vector<double>{HighestSuitableRate(cell_, temperatures)}
+                           : grid_.rate_C;
+    count_ = grid_.pulse_s.size() * grid_.rest_s.size() * rates.size() * grid_.sampling_s.size() *
+             (1 + 2 * seconds_degC_.size());
+    if (count_ > kMostVariations) {
+      throw OptionError(fmt::format(
+          "{} variations; at most {} at a time, so shorten a list", count_, kMostVariations));
+    }
+    Require(count_ > 0, "a value in each list");
+    for (const double rate : rates) {
+      for (const double pulse : grid_.pulse_s) {
+        for (const double rest : grid_.rest_s) {
+          for (const double sampling : grid_.sampling_s) {
+            SynthesisOptions options;
+            options.pulse_rate_C = rate;
+            options.pulse_s = pulse;
+            options.rest_s = rest;
+            options.sampling_s = sampling;
+            Add(seen, options);
           }
-          SynthesisOptions options;
-          options.pulse_rate_C = rate;
-          options.pulse_s = pulse;
-          options.rest_s = rest;
-          options.sampling_s = sampling;
-          result.variations.push_back(
-              {rate, pulse, rest, sampling, PlanExperiment(seen, options, grid.noise)});
         }
       }
     }
+    result_.left_out = result_.temperature ? LeftOutOfCampaign(cell_, shortest_s)
+                                           : LeftOutOfPlan(cell_, shortest_s);
+    return std::move(result_);
   }
-  result.left_out = LeftOutOfPlan(cell, shortest_s);
-  return result;
+
+ private:
+  PlannedVariation& Push(const SynthesisOptions& options, PlannedExperiment plan) {
+    result_.variations.push_back({options.pulse_rate_C,
+                                  options.pulse_s,
+                                  options.rest_s,
+                                  options.sampling_s,
+                                  std::move(plan),
+                                  ambients_degC_});
+    return result_.variations.back();
+  }
+
+  void Tell() const {
+    StopIfAsked();
+    if (progress_)
+      progress_(static_cast<double>(result_.variations.size()) / static_cast<double>(count_));
+  }
+
+  void Add(const Cell& seen, SynthesisOptions options) {
+    Tell();
+    if (!result_.temperature) {
+      Push(options, PlanExperiment(seen, options, grid_.noise));
+      return;
+    }
+    const DecimalStep sampling = SamplingOf(options);
+    options.ambient_degC = TemperaturesAsText(ambients_degC_);
+    const std::vector<TestPlan> tests = ThesisProtocol(seen, options);
+    const std::size_t first = result_.variations.size();
+    Push(options, PlanCampaign(seen, tests, sampling, grid_.noise));
+    const auto pulses = std::find_if(
+        tests.begin(), tests.end(), [](const auto& test) { return test.kind == LogKind::kPulses; });
+    for (const double second_degC : seconds_degC_) {
+      for (const SecondPulses how : {SecondPulses::kAll, SecondPulses::kOne}) {
+        Tell();
+        std::vector<TestPlan> more = tests;
+        more.push_back(AtAnotherTemperature(*pulses, second_degC));
+        if (how == SecondPulses::kOne) more.back().cycles = 1;
+        PlannedVariation& with = Push(options, PlanCampaign(seen, more, sampling, grid_.noise));
+        with.second = how;
+        with.second_degC = second_degC;
+        with.plan.trust.sentence = WhatItAdds(with, result_.variations[first]);
+      }
+    }
+  }
+
+  const PlanGrid& grid_;
+  const std::function<void(double)>& progress_;
+  Cell cell_;
+  std::vector<double> ambients_degC_;
+  std::vector<double> seconds_degC_;
+  std::size_t count_ = 0;
+  PlanGridResult result_;
+};
+
+}  // namespace
+
+PlanGridResult PlanVariations(const Cell& cell,
+                              const PlanGrid& grid,
+                              const std::function<void(double)>& progress) {
+  return Variations(cell, grid, progress).Run();
 }
 
 Json PlanGridToJson(const Cell& cell, const PlanGrid& grid, const PlanGridResult& result) {
@@ -61,11 +170,23 @@ Json PlanGridToJson(const Cell& cell, const PlanGrid& grid, const PlanGridResult
                     {"rows", one.plan.rows},
                     {"parameters", TrustedParametersToJson(one.plan.trust)},
                     {"sentence", one.plan.trust.sentence}});
+    if (!result.temperature) continue;
+    Json& row = rows.back();
+    row["ambient_degC"] = one.ambient_degC;
+    row["coldest_degC"] = one.plan.coldest_degC;
+    row["warmest_degC"] = one.plan.warmest_degC;
+    const bool more = one.second != SecondPulses::kNone;
+    row["second_degC"] = more ? Json(one.second_degC) : Json();
+    row["second_pulses"] = !more ? Json() : Json(one.second == SecondPulses::kOne ? "one" : "all");
   }
   Json json = {{"cell", cell.name}};
   json["noise"] = {{"white_V", grid.noise.white_V},
                    {"coloured_V", grid.noise.coloured_V},
                    {"correlation_s", grid.noise.correlation_s}};
+  if (result.temperature) {
+    json["noise"]["temperature_K"] = grid.noise.temperature_K;
+    json["temperature_assumed"] = result.temperature_assumed;
+  }
   json["rows"] = std::move(rows);
   json["left_out"] = result.left_out;
   return json;

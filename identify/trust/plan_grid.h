@@ -1,7 +1,10 @@
 #pragma once
 
 /// @file
-/// Variations of one experiment, combined with one another: what `lipoid plan` shows.
+/// Variations of one experiment, combined with one another: what `lipoid plan` shows. Of a cell that
+/// knows temperature, or where an ambient temperature is given, an experiment is the whole protocol of
+/// synthesis/protocols.h (campaign_plan.h), and each is followed by what a second temperature would
+/// add to it; else the pulses alone (experiment_plan.h).
 /// Tests: tests/tools/plan_test.cc, tests/python/test_planning.py.
 
 #include <functional>
@@ -9,6 +12,7 @@
 #include <vector>
 
 #include "identify/trust/experiment_plan.h"
+#include "model/battery/ranges.h"
 #include "model/core/json.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
@@ -20,6 +24,11 @@ struct PlanGrid {
   std::vector<double> rest_s = {SynthesisOptions{}.rest_s};
   std::vector<double> rate_C = {};  ///< empty: what suits the cell
   std::vector<double> sampling_s = {1.0};
+  /// Of the campaign; empty: the reference temperature of a cell that knows one, and no temperature
+  /// for any other.
+  std::vector<double> ambient_degC = {};
+  /// Those that would be added; empty: kSecondBelow_K below the coldest.
+  std::vector<double> second_degC = {};
   PlannedNoise noise = {};
 
   template <class Self, class Visitor>
@@ -45,8 +54,28 @@ struct PlanGrid {
       self.noise.correlation_s,
       Range{kTiny, kYear_s},
       "time over which these slow errors are correlated, s");
+    v("ambient_degC",
+      self.ambient_degC,
+      kTemperatures_degC,
+      "temperatures of the surroundings in degC: the whole protocol runs at the first, its pulses "
+      "at the others too; all belong to one campaign; by default the reference temperature of a "
+      "cell that knows one. A cell that knows none gets typical energies");
+    v("second_degC",
+      self.second_degC,
+      kTemperatures_degC,
+      "second temperatures in degC: what the same pulses there, or one pulse, would add to the "
+      "campaign; by default 25 degC below the coldest ambient temperature");
+    v("temperature_noise_degC",
+      self.noise.temperature_K,
+      Range{0.0, 100.0},
+      "standard deviation of the thermometer's noise that is independent from row to row, degC");
   }
 };
+
+inline constexpr double kSecondBelow_K = 25.0;
+/// How much is done at a second temperature: nothing, the same pulses to cut-off, or the first of
+/// them.
+enum class SecondPulses { kNone, kAll, kOne };
 
 struct PlannedVariation {
   double rate_C = 0.0;
@@ -54,11 +83,16 @@ struct PlannedVariation {
   double rest_s = 0.0;
   double sampling_s = 0.0;
   PlannedExperiment plan;
+  std::vector<double> ambient_degC = {};  ///< empty: temperature takes no part
+  SecondPulses second = SecondPulses::kNone;
+  double second_degC = 0.0;  ///< where there are some
 };
 
 struct PlanGridResult {
   std::vector<PlannedVariation> variations;  ///< by rate, pulse, rest and sampling
   std::vector<std::string> left_out;         ///< of the cell, in words
+  bool temperature = false;                  ///< whether it takes part
+  bool temperature_assumed = false;          ///< energies and heat of the cell are typical values
 };
 
 /// OptionError where there are more than kMostVariations, or an experiment does not suit the cell.

@@ -151,7 +151,7 @@ class Assessment {
     const Eigen::MatrixXd h = SumRows(penalty);
     ParallelInvoke(
         [&] {
-          if (!options_.assumed) fit_.emplace(h);
+          if (!options_.assumed || !options_.drawn.empty()) fit_.emplace(h);
         },
         [&] { ReduceToQuantities(h); });
   }
@@ -599,7 +599,6 @@ class Assessment {
   void FindDrawn() {
     const std::vector<NamedCombination>& drawn = options_.drawn;
     if (drawn.empty()) return;
-    Require(fit_.has_value(), "a fit, not a plan, to draw cells from");
     Eigen::MatrixXd of_free(static_cast<Eigen::Index>(drawn.size()), Size(free_));
     for (Eigen::Index k = 0; k < of_free.rows(); ++k) {
       const NamedCombination& one = drawn[static_cast<std::size_t>(k)];

@@ -380,6 +380,9 @@ class PlanOptions(TypedDict, total=False):
     voltage_noise_V: float
     coloured_noise_V: float
     correlation_s: float
+    ambient_degC: float | Sequence[float] | None
+    second_degC: float | Sequence[float] | None
+    temperature_noise_degC: float
 
 
 class SynthesizeOptions(TypedDict, total=False):
@@ -387,6 +390,7 @@ class SynthesizeOptions(TypedDict, total=False):
 
     rates_C: str
     low_rate_h: float
+    ambient_degC: str
     pulse_rate_C: float
     pulse_s: float
     rest_s: float

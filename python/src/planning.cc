@@ -9,6 +9,8 @@
 #include "identify/synthesis/synthesize.h"
 #include "identify/trust/plan_grid.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -45,6 +47,7 @@ void SynthesizeLogs(const PythonCell& truth,
   keywords.Finish();
   Cell cell = truth.cell;
   cell.uncertainty.reset();  // it is the truth now
+  if (!options.ambient_degC.empty() && !cell.temperature) cell = WithTypicalTemperature(cell);
   RunRecord run;
   run.command = "lipoid.synthesize";
   run.options = OptionsToJson<Json>(options);

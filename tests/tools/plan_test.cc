@@ -65,8 +65,84 @@ TEST(Plan, RefusesWhatIsNoPlan) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_NE(run.err.find("--pulse-s"), std::string::npos) << run.err;
   }
+  const auto warm = RunLipoid(folder, {"plan", "gifi-600mAh-1", "--ambient-degC", "300"});
+  EXPECT_EQ(warm.exit_code, 2);
+  EXPECT_NE(warm.err.find("--ambient-degC"), std::string::npos) << warm.err;
   EXPECT_EQ(RunLipoid(folder, {"plan", "gifi-600mAh-1", "--sampling-s", "60"}).exit_code, 2)
       << "a pulse of 30 s every 60 s";
+}
+
+TEST(Plan, SaysWhatASecondTemperatureWouldTell) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"plan",
+                              "gifi-600mAh-1",
+                              "--ambient-degC",
+                              "25",
+                              "--second-degC",
+                              "0,-5",
+                              "--sampling-s",
+                              "5",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* said : {"+ pulses at",
+                           "+ one pulse at",
+                           "the same pulses at 0 degC would tell E_d within",
+                           "activation energies and heat balance of the cell are typical values"})
+    EXPECT_NE(run.out.find(said), std::string::npos) << said << "\n" << run.out;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary["temperature_assumed"], true);
+  const Json& rows = summary["rows"];
+  ASSERT_EQ(rows.size(), 5U);
+  EXPECT_TRUE(rows[0]["second_degC"].is_null());
+  EXPECT_EQ(rows[2]["second_degC"], 0.0);
+  EXPECT_EQ(rows[2]["second_pulses"], "one");
+  EXPECT_EQ(rows[3]["second_pulses"], "all");
+  EXPECT_EQ(rows[3]["ambient_degC"], Json::array({25.0}));
+  EXPECT_LT(rows[3]["coldest_degC"], -4.9);
+  // A cell that knows no temperature, and no option of it: as ever.
+  ASSERT_EQ(RunLipoid(folder, {"plan", "gifi-600mAh-1", "--summary", "plain.json"}).exit_code, 0);
+  const Json plain = ReadJson(folder, "plain.json");
+  EXPECT_FALSE(plain.contains("temperature_assumed"));
+  EXPECT_FALSE(plain["rows"][0].contains("ambient_degC"));
+}
+
+// What is planned can be synthesized, and is what identify reads.
+TEST(Plan, ACampaignOfTwoTemperaturesIsIdentified) {
+  const auto folder = TestFolder();
+  const auto made = RunLipoid(folder,
+                              {"synthesize",
+                               "gifi-600mAh-1",
+                               "--ambient-degC",
+                               "25,0",
+                               "--rates-C",
+                               "1,2",
+                               "--sampling-s",
+                               "10",
+                               "--voltage-noise-V",
+                               "0.0005",
+                               "-o",
+                               "logs"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("typical values are assumed"), std::string::npos) << made.err;
+  const std::string campaign = ReadTextFile(folder + "/logs/campaign.toml");
+  EXPECT_NE(campaign.find("file = \"pulses_0degC.csv\""), std::string::npos) << campaign;
+  EXPECT_NE(campaign.find("ambient_degC = 0.0"), std::string::npos) << campaign;
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "logs/campaign.toml",
+                              "--truth",
+                              "logs/truth.json",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
+  ASSERT_LE(run.exit_code, 1) << run.err;
+  const Json cell = ReadJson(folder, "cell.json");
+  // 20 kJ/mol is what is assumed of a series resistance.
+  EXPECT_NEAR(
+      cell["temperature"]["activation_energy_J_per_mol"]["series"].get<double>(), 20e3, 1e3);
 }
 
 TEST(Plan, IdentifySaysHowFarToBelieveIt) {

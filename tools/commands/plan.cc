@@ -1,35 +1,36 @@
 // lipoid plan CELL: what an experiment would tell, before the lab is booked.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/trust/plan_grid.h"
+#include "identify/trust/profile.h"
 #include "model/battery/cell_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/trust_text.h"
 
 namespace lipoid {
+namespace {
 
-cli::ExitCode PlanCommand(cli::CommandLine& line) {
-  std::string cell_name;
-  PlanGrid grid;
-  line.Describe(
-      "Predicts the standard errors that a pulse experiment would give for a cell like this one, "
-      "before the lab is booked: the thesis' protocol, and variations of its pulses. Lists "
-      "(10,30,60) and ranges (10:10:60) are combined with one another, one row each.",
-      "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
-  line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
-  line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
-  line.Each(grid);
-  line.ReportOption();
-  if (!line.Parse()) return cli::ExitCode::kDone;
+std::string ErrorText(const QuantityTrust& q) {
+  return std::isinf(q.standard_error) ? "unknown"
+                                      : cli::Significant(100.0 * q.relative_standard_error, 3);
+}
 
-  const Cell cell = LoadCell(cell_name);
-  const PlanGridResult result =
-      PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
+std::string DoubtsOf(const TrustReport& trust) {
+  std::string doubts;
+  for (const auto& q : trust.quantities) {
+    if (q.verdict != Verdict::kIdentified)
+      doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
+  }
+  return doubts.empty() ? "all identified" : doubts;
+}
 
+// One row each.
+std::string TableOfExperiments(const PlanGridResult& result) {
   std::optional<cli::TextTable> table;
   for (const PlannedVariation& one : result.variations) {
     const PlannedExperiment& plan = one.plan;
@@ -41,23 +42,99 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
                                    fmt::format("{}", plan.rows)};
     std::vector<cli::TextTable::Column> columns{
         {"rate_C"}, {"pulse_s"}, {"rest_s"}, {"sampling_s"}, {"hours"}, {"rows"}};
-    std::string doubts;
     for (const auto& q : plan.trust.quantities) {
       columns.push_back({q.name + "_%"});
-      cells.push_back(std::isinf(q.standard_error)
-                          ? "unknown"
-                          : cli::Significant(100.0 * q.relative_standard_error, 3));
-      if (q.verdict != Verdict::kIdentified)
-        doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
+      cells.push_back(ErrorText(q));
     }
     columns.push_back({"verdict", cli::Align::kLeft});
-    cells.push_back(doubts.empty() ? "all identified" : doubts);
+    cells.push_back(DoubtsOf(plan.trust));
     if (!table) table.emplace(columns, "What each experiment would tell: standard errors in %.");
     table->Row(cells);
   }
-  line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
-             table->Text());
-  if (result.variations.size() == 1) line.Print("{}\n\n", result.variations[0].plan.trust.sentence);
+  return table->Text();
+}
+
+// One column each: a campaign, and what a second temperature adds to it. `from` is the campaign.
+std::string TableOfTemperatures(const std::vector<PlannedVariation>& all, std::size_t from) {
+  const std::string ambient = fmt::format("{} degC", fmt::join(all[from].ambient_degC, ", "));
+  std::vector<cli::TextTable::Column> columns{
+      {"parameter", cli::Align::kLeft}, {"estimate"}, {"unit", cli::Align::kLeft}, {ambient}};
+  std::size_t to = from + 1;
+  for (; to < all.size() && all[to].second != SecondPulses::kNone; ++to) {
+    columns.push_back(
+        {fmt::format("{} {:g} degC",
+                     all[to].second == SecondPulses::kOne ? "+ one pulse at" : "+ pulses at",
+                     all[to].second_degC)});
+  }
+  cli::TextTable table(columns, "What a second temperature would tell: standard errors in %.");
+  const auto row = [&](const std::string& name, const std::string& estimate, const auto& text) {
+    std::vector<std::string> cells{name, estimate, ""};
+    for (std::size_t k = from; k < to; ++k) cells.push_back(text(all[k]));
+    return cells;
+  };
+  for (const QuantityTrust& q : all[to - 1].plan.trust.quantities) {
+    auto cells = row(q.name, cli::Significant(q.estimate), [&](const PlannedVariation& one) {
+      const QuantityTrust* found = FindQuantity(one.plan.trust, q.name);
+      return found == nullptr ? std::string("-") : ErrorText(*found);
+    });
+    cells[2] = q.unit;
+    table.Row(cells);
+  }
+  table.Row(row("hours", "", [](const PlannedVariation& one) {
+    return cli::Significant(one.plan.duration_s / 3600.0, 3);
+  }));
+  return table.Text();
+}
+
+}  // namespace
+
+cli::ExitCode PlanCommand(cli::CommandLine& line) {
+  std::string cell_name;
+  PlanGrid grid;
+  line.Describe(
+      "Predicts the standard errors that a pulse experiment would give for a cell like this one, "
+      "before the lab is booked: the thesis' protocol, and variations of its pulses. Lists "
+      "(10,30,60) and ranges (10:10:60) are combined with one another, one row each. Of a cell that "
+      "knows temperature, or with --ambient-degC, the whole protocol is planned as the joint fit would "
+      "use it, with activation energies and heat balance, and beside it what a second temperature would "
+      "add.",
+      "lipoid plan gifi-600mAh-1 --pulse-s 10,30,60 --rest-s 600,1770");
+  line.Example("lipoid plan cell.json --rate-C 1:1:4 --sampling-s 0.1,1,10");
+  line.Example("lipoid plan cell.json --ambient-degC 25 --second-degC 0,-10");
+  line.InputArgument("CELL", cell_name, "a cell file or the name of a shipped cell");
+  line.Each(grid);
+  line.ReportOption();
+  if (!line.Parse()) return cli::ExitCode::kDone;
+
+  const Cell cell = LoadCell(cell_name);
+  const PlanGridResult result =
+      PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
+
+  const std::vector<PlannedVariation>& all = result.variations;
+  if (result.temperature) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const PlannedVariation& one = all[k];
+      if (one.second == SecondPulses::kNone) {
+        line.Print(
+            "Standard errors that a campaign would give, in % of each parameter: pulses of {:g} s at "
+            "{:g}C, rests of {:g} s, rows every {:g} s\n\n{}\n",
+            one.pulse_s,
+            one.rate_C,
+            one.rest_s,
+            one.sampling_s,
+            TableOfTemperatures(all, k));
+      }
+      line.Print("{}: {}\n\n",
+                 one.second == SecondPulses::kNone
+                     ? fmt::format("{} degC", fmt::join(one.ambient_degC, ", "))
+                     : "Added",
+                 one.plan.trust.sentence);
+    }
+  } else {
+    line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
+               TableOfExperiments(result));
+    if (all.size() == 1) line.Print("{}\n\n", all[0].plan.trust.sentence);
+  }
   line.Print("{}", cli::Bullets("Left out", result.left_out));
   line.summary() = PlanGridToJson(cell, grid, result);
   return cli::ExitCode::kDone;

@@ -10,8 +10,9 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
-#include "tools/commands.h"
 #include "tools/cli/assignments.h"
+#include "tools/commands.h"
+#include "tools/commands/ambient_option.h"
 
 namespace lipoid {
 namespace {
@@ -38,6 +39,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   line.Example(
       "lipoid synthesize gifi-600mAh-1 --with r_1=0.03,c_1=1500 --voltage-noise-V 0.001 --seed 7 "
       "-o logs");
+  line.Example("lipoid synthesize cell.json --ambient-degC 25,0 --sampling-s 1 -o logs");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   std::vector<std::string> protocols;
   for (const auto& row : kProtocols)
@@ -65,6 +67,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   if (series) cell.series = *series;
   if (parallel) cell.parallel = *parallel;
   cell.uncertainty.reset();  // it is the truth now
+  if (!options.ambient_degC.empty()) cell = KnowingTemperature(line, cell, cell_name);
   std::vector<std::string> outputs;
   for (const auto& name : SynthesizedNames(cell, FindProtocol(protocol), options))
     outputs.push_back((std::filesystem::path(folder) / name).string());

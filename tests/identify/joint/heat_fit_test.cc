@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/battery/prediction.h"
+#include "model/statistics/normal_noise.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -68,6 +69,45 @@ TEST(HeatFit, ASlopeThatIsNoEntropyReleasesNoHeat) {
   ASSERT_TRUE(fit);
   EXPECT_FALSE(fit->reversible);
   EXPECT_GT(fit->rmse_reversible_K, 2.0 * fit->rmse_K);
+}
+
+// What a plan promises is what fits scatter by.
+TEST(HeatFit, APlanKnowsTheScatterOfItsEstimates) {
+  const Cell cell = WarmingCell(0.0);
+  const auto clean = LogsOf(cell);
+  constexpr double kNoise_K = 0.1;
+  const auto plan = PlanHeat(cell, clean, kNoise_K);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->balance.heat_capacity_J_per_K, 15.0);
+  const auto undisturbed = FitHeat(cell, clean);
+  constexpr int kSeeds = 60;
+  double capacities = 0.0;
+  double resistances = 0.0;
+  double products = 0.0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    NormalNoise normal(seed, 0);
+    auto logs = clean;
+    for (LoadedLog& log : logs) {
+      for (double& t_degC : log.log.record.temperature_degC) t_degC += kNoise_K * normal();
+      log.entry.ambient_degC = std::round(log.log.record.temperature_degC.front());
+    }
+    const auto found = FitHeat(cell, logs)->balance;
+    const double capacity =
+        found.heat_capacity_J_per_K - undisturbed->balance.heat_capacity_J_per_K;
+    const double resistance =
+        found.thermal_resistance_K_per_W - undisturbed->balance.thermal_resistance_K_per_W;
+    capacities += capacity * capacity / kSeeds;
+    resistances += resistance * resistance / kSeeds;
+    products += capacity * resistance / kSeeds;
+  }
+  // A standard deviation of 60 estimates is known to 1/sqrt(120) = 9 %: three of that.
+  EXPECT_NEAR(std::sqrt(capacities) / plan->heat_capacity_standard_error_J_per_K, 1.0, 0.27);
+  EXPECT_NEAR(std::sqrt(resistances) / plan->thermal_resistance_standard_error_K_per_W, 1.0, 0.27);
+  // Correlations of 60 pairs to 1/sqrt(60) = 0.13.
+  const double planned = plan->covariance_s / (plan->heat_capacity_standard_error_J_per_K *
+                                               plan->thermal_resistance_standard_error_K_per_W);
+  EXPECT_NEAR(products / std::sqrt(capacities * resistances), planned, 0.39);
+  EXPECT_FALSE(PlanHeat(test::Truth(), clean, kNoise_K));
 }
 
 TEST(HeatFit, NoneWhereNothingWarms) {

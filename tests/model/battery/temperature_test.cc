@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "model/battery/at_temperature.h"
+#include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/prediction.h"
 #include "model/battery/typical_temperature.h"
@@ -267,6 +269,37 @@ TEST(Temperature, DerivativesAreThoseOfRiddersDifferences) {
     const double tolerance = 1e-8 * std::abs(difference.value) + 1e3 * kEpsilon / at[k];
     EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kNames[k];
     EXPECT_NE(voltage.v[k], 0.0) << kNames[k];
+  }
+}
+
+TEST(AtOneTemperature, ShowsTheVoltagesOfTheCellAtThatTemperature) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  cell.diffusion->beta_per_sqrt_s = 0.15;
+  cell.series_resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.12, 0.08});
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}, {Resistance<double>(0.02), 400.0, {}}};
+  cell.charge_transfer = {2.0, Resistance<double>({0.0, 1.0}, {0.03, 0.02})};
+  cell.temperature.emplace();
+  cell.temperature->series_J_per_mol = 14e3;
+  cell.temperature->branches_J_per_mol = {60e3, 30e3};
+  cell.temperature->diffusion_J_per_mol = 45e3;
+  cell.temperature->charge_transfer_J_per_mol = 62e3;
+  cell.temperature->entropy = EntropySlope<double>{{0.2, 0.55, 0.9}, {-3e-4, 1e-4, 2e-4}};
+  std::vector<double> time_s;
+  std::vector<double> current_A;
+  for (int k = 0; k < 300; ++k) {
+    time_s.push_back(10.0 * k);
+    current_A.push_back(k % 30 < 10 ? 1.2 : -0.1);
+  }
+  for (const double at_degC : {-10.0, 25.0, 40.0}) {
+    const Cell there = AtOneTemperature(cell, at_degC);
+    EXPECT_FALSE(there.temperature);
+    EXPECT_NEAR(
+        *there.branches[0].capacitance_F * there.branches[0].resistance_Ohm(0.5), 45.0, 1e-12);
+    const auto expected =
+        Predict(cell, time_s, current_A, Hold::kBackward, 1.0, {.ambient_degC = at_degC}).voltage_V;
+    const auto voltage_V = Predict(there, time_s, current_A).voltage_V;
+    for (std::size_t k = 0; k < time_s.size(); ++k)  // sums of some ten terms of 4 V
+      ASSERT_NEAR(voltage_V[k], expected[k], 100.0 * 4.0 * kEpsilon) << at_degC << " " << k;
   }
 }
 

@@ -12,6 +12,8 @@ const VARIED = [
   { key: "sampling_s", title: "Time between rows", label: "sampling / s", unit: "s", log: true },
 ];
 const IDENTIFIED = "identified";
+// Of a plan with temperatures each row has one.
+const MOST_SENTENCES = 9;
 
 const parameterOf = (row, name) => listOf(row.parameters).find((parameter) => parameter.name === name);
 const percentOf = (row, name) => times(100, parameterOf(row, name)?.relative_standard_error);
@@ -28,7 +30,7 @@ function against(varied, rows, names, others) {
   const chosen = Object.fromEntries(others.map(({ key, values: all }) => [key, all[0]]));
   const holder = element("div", {});
   const draw = () => {
-    const own = values.map((value) => rows.find((row) => row[varied.key] === value && others.every(({ key }) => row[key] === chosen[key])));
+    const own = values.map((value) => rows.find((row) => !isNumber(row.second_degC) && row[varied.key] === value && others.every(({ key }) => row[key] === chosen[key])));
     holder.replaceChildren(lineChart({
       title: `Standard error against the ${varied.title.toLowerCase()}`,
       x: { label: varied.label, values, log: varied.log && values[0] > 0 },
@@ -45,9 +47,18 @@ function against(varied, rows, names, others) {
   return section(varied.title, choices.length > 0 ? element("p", { class: "choices" }, "The others at: ", choices) : null, holder);
 }
 
+// What is done at which temperatures; empty where none takes part.
+function temperaturesOf(row) {
+  if (!Array.isArray(row.ambient_degC)) return "";
+  const at = row.ambient_degC.map((degC) => significant(degC)).join(", ");
+  if (!isNumber(row.second_degC)) return `${at} °C`;
+  return `${at} °C and ${row.second_pulses === "one" ? "one pulse" : "pulses"} at ${significant(row.second_degC)} °C`;
+}
+
 function planTable(rows, names, varied) {
   return table(
     [
+      ...(rows.some((row) => temperaturesOf(row) !== "") ? [{ title: "temperatures", of: temperaturesOf, class: "name" }] : []),
       ...(varied.length > 0 ? varied : VARIED).map(({ key, label }) => ({ title: label, of: (row) => row[key] })),
       { title: "duration", of: (row) => duration(row.duration_s), by: (row) => row.duration_s, class: "number" },
       { title: "rows", of: (row) => row.rows },
@@ -68,9 +79,11 @@ export const plan = {
     const noise = summary.noise ?? {};
     const varied = VARIED.map((each) => ({ ...each, values: distinct(rows.map((row) => row[each.key])) })).filter(({ values }) => values.length > 1);
     return [
-      rows.length === 1 ? element("p", { class: "sentence" }, rows[0].sentence) : null,
+      rows.length === 1 || rows.some((row) => temperaturesOf(row) !== "")
+        ? rows.slice(0, MOST_SENTENCES).map((row) => element("p", { class: "sentence" }, `${temperaturesOf(row) && `${temperaturesOf(row)}: `}${row.sentence}`)) : null,
       facts([
         ["Cell", summary.cell],
+        ["Energies and heat balance", summary.temperature_assumed ? "typical values" : null],
         ["White noise", isNumber(noise.white_V) ? `${significant(1e3 * noise.white_V)} mV` : null],
         ...VARIED.filter(({ key }) => varied.every((each) => each.key !== key))
           .map(({ key, title, unit }) => [title, `${significant(rows[0]?.[key])} ${unit}`]),
