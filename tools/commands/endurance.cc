@@ -14,11 +14,11 @@
 #include "model/flight/endurance_route.h"
 #include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tools/cli/number_range.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/log_options.h"
-#include "tools/cli/number_range.h"
 #include "tools/commands/start_options.h"
 #include "tools/commands/uncertain_option.h"
 

@@ -10,8 +10,8 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
-#include "tools/commands.h"
 #include "tools/cli/assignments.h"
+#include "tools/commands.h"
 
 namespace lipoid {
 namespace {
