@@ -14,34 +14,24 @@ find_dependency(NLopt)
 find_dependency(pagmo)
 find_dependency(Boost)  # headers only: Boost.Math
 
-# Ipopt 3.11 brings no CMake package, and its pkg-config file names the libraries behind it, which a
-# shared library finds by itself.
-if(NOT TARGET Ipopt::Ipopt)
-  find_path(LIPOID_IPOPT_INCLUDE_DIR IpTNLP.hpp PATH_SUFFIXES coin coin-or REQUIRED)
-  find_library(LIPOID_IPOPT_LIBRARY ipopt REQUIRED)
-  add_library(Ipopt::Ipopt UNKNOWN IMPORTED)
-  set_target_properties(
-    Ipopt::Ipopt
-    PROPERTIES IMPORTED_LOCATION "${LIPOID_IPOPT_LIBRARY}"
-               INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_IPOPT_INCLUDE_DIR}"
-               INTERFACE_COMPILE_DEFINITIONS HAVE_CSTDDEF)  # what Debian's build of it was told
-endif()
+# lipoid_imported(target header library [SUFFIX ...]): a library that brings no CMake package which serves.
+macro(lipoid_imported target header library)
+  if(NOT TARGET ${target})
+    string(TOUPPER "LIPOID_${library}" _name)
+    find_path(${_name}_INCLUDE_DIR ${header} PATH_SUFFIXES ${ARGN} REQUIRED)
+    find_library(${_name}_LIBRARY ${library} REQUIRED)
+    add_library(${target} UNKNOWN IMPORTED)
+    set_target_properties(${target} PROPERTIES IMPORTED_LOCATION "${${_name}_LIBRARY}"
+                                               INTERFACE_INCLUDE_DIRECTORIES "${${_name}_INCLUDE_DIR}")
+  endif()
+endmacro()
 
+# Ipopt 3.11 brings none, and its pkg-config file names the libraries behind it, which a shared library
+# finds by itself. Its headers want to be told what Debian's build of it was told.
+lipoid_imported(Ipopt::Ipopt IpTNLP.hpp ipopt coin coin-or)
+set_target_properties(Ipopt::Ipopt PROPERTIES INTERFACE_COMPILE_DEFINITIONS HAVE_CSTDDEF)
 # Debian's CMake package of libzip wants the programs zipcmp, zipmerge and ziptool, which come in
 # packages of their own and which nothing here runs.
-if(NOT TARGET libzip::zip)
-  find_path(LIPOID_ZIP_INCLUDE_DIR zip.h REQUIRED)
-  find_library(LIPOID_ZIP_LIBRARY zip REQUIRED)
-  add_library(libzip::zip UNKNOWN IMPORTED)
-  set_target_properties(libzip::zip PROPERTIES IMPORTED_LOCATION "${LIPOID_ZIP_LIBRARY}"
-                                               INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_ZIP_INCLUDE_DIR}")
-endif()
-
+lipoid_imported(libzip::zip zip.h zip)
 # Debian's libzstd comes with pkg-config's file alone.
-if(NOT TARGET zstd::zstd)
-  find_path(LIPOID_ZSTD_INCLUDE_DIR zstd.h REQUIRED)
-  find_library(LIPOID_ZSTD_LIBRARY zstd REQUIRED)
-  add_library(zstd::zstd UNKNOWN IMPORTED)
-  set_target_properties(zstd::zstd PROPERTIES IMPORTED_LOCATION "${LIPOID_ZSTD_LIBRARY}"
-                                              INTERFACE_INCLUDE_DIRECTORIES "${LIPOID_ZSTD_INCLUDE_DIR}")
-endif()
+lipoid_imported(zstd::zstd zstd.h zstd)

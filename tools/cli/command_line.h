@@ -188,7 +188,7 @@ class CommandLine {
     const std::size_t first = options_.size();
     Options::Visit(
         options, [this](std::string_view name, auto& member, const auto& valid, const char* help) {
-          OfKind(Dashed(name), member, valid, help);
+          this->OfKind(Dashed(name), member, valid, help);  // Clang 14 would not see it used
         });
     for (std::size_t k = first; k < options_.size(); ++k) options_[k]->by_set = true;
   }

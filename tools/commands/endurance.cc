@@ -28,8 +28,6 @@ namespace {
 using cli::Align;
 using cli::Significant;
 
-constexpr double kGramsPerKilogram = 1000.0;
-
 // Why the flight ended, as a sentence.
 std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answer) {
   const EnduranceResult& result = answer.estimate;

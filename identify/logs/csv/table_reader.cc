@@ -131,7 +131,7 @@ bool TableReader::NextBlock(TableBlock& block) {
 }
 
 void TableReader::ForEachBlock(const std::function<void(TableBlock&)>& take) {
-  if (!NeedsOnlyNumbers()) {
+  if (!NeedsOnlyNumbers() || source_.head_is_all()) {  // one piece is not parsed side by side
     TableBlock block;
     while (NextBlock(block)) take(block);
     return;

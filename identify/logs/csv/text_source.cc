@@ -26,10 +26,7 @@ std::string WhyNotOpened(const std::string& file, int error) {
 
 }  // namespace
 
-TextSource::TextSource(std::string file)
-    : file_(std::move(file)),
-      head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
-      current_(head_buffer_.get()) {
+TextSource::TextSource(std::string file) : file_(std::move(file)) {
   struct stat status {};
   if (::stat(file_.c_str(), &status) != 0)
     throw LoadError(NoFile(file_), WhyNotOpened(file_, errno));
@@ -51,11 +48,7 @@ TextSource::TextSource(std::string file)
 }
 
 TextSource::TextSource(std::string file, std::string_view text)
-    : file_(std::move(file)),
-      descriptor_(::memfd_create("log", MFD_CLOEXEC)),
-      size_(text.size()),
-      head_buffer_(std::make_unique_for_overwrite<char[]>(kBufferBytes)),
-      current_(head_buffer_.get()) {
+    : file_(std::move(file)), descriptor_(::memfd_create("log", MFD_CLOEXEC)), size_(text.size()) {
   try {
     if (descriptor_ < 0) throw std::bad_alloc();
     for (std::size_t written = 0; written < text.size();) {
@@ -71,15 +64,23 @@ TextSource::TextSource(std::string file, std::string_view text)
   }
 }
 
+void TextSource::MakeHead(std::size_t bytes) {
+  head_buffer_ = std::make_unique_for_overwrite<char[]>(bytes);
+  current_ = head_buffer_.get();
+  end_ = 0;
+  Fill(bytes);
+}
+
 void TextSource::Begin() {
-  Fill(kBufferBytes);
+  // One byte more than the file has: only a read of nothing shows its end.
+  const bool is_short = size_ > 0 && size_ < kBufferBytes;
+  MakeHead(is_short ? static_cast<std::size_t>(size_) + 1 : kBufferBytes);
   if (end_ == 0) throw LoadError({file_}, "expected a log, found an empty file");
   decompressor_ = Decompressor::Make(
       head(), file_, [this](char* to, std::size_t most) { return ReadBytes(to, most); });
   if (decompressor_) {
-    end_ = 0;
     at_end_ = false;
-    Fill(kBufferBytes);
+    MakeHead(kBufferBytes);
     if (end_ == 0) {
       throw LoadError(
           {file_},

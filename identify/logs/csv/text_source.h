@@ -72,6 +72,7 @@ class TextSource {
 
  private:
   void Begin();
+  void MakeHead(std::size_t bytes);
   void Fill(std::size_t limit);
   std::size_t ReadBytes(char* to, std::size_t most);
 

@@ -126,8 +126,7 @@ std::size_t CountNeeded(const Header& header, const ReadOptions& options) {
   return count;
 }
 
-bool HasNeeded(const Header& header, const ReadOptions& options) {
-  const std::size_t count = CountNeeded(header, options);
+bool HasNeeded(const Header& header, std::size_t count, const ReadOptions& options) {
   if (count == std::size(kNeeded)) return true;
   return options.voltage_optional && count + 1 == std::size(kNeeded) &&
          Find(header, Quantity::kVoltage, options).empty();
@@ -217,8 +216,8 @@ std::optional<Header> FindHeader(const std::vector<Line>& lines,
           return header;
       }
       header.layout = &kPlainCsv;
-      if (HasNeeded(header, options)) return header;
       const std::size_t count = CountNeeded(header, options);
+      if (HasNeeded(header, count, options)) return header;
       if (count > nearest_count) {
         nearest_count = count;
         nearest = header;
