@@ -35,26 +35,31 @@ std::vector<const OptimizerEntry*> FindOptimizers(const std::vector<std::string>
   return chosen;
 }
 
+void ComparisonRequest::Resolve() {
+  (void)FindOptimizers(optimizers);
+  staged.Resolve();
+}
+
 ComparisonRunResult RunComparison(const Campaign& campaign,
                                   const std::vector<LoadedLog>& logs,
                                   const ComparisonRequest& request,
                                   const ComparisonProgress& progress) {
-  PulseTask task = PreparePulses(campaign, logs, request.staged, request.given);
+  PulseTask task = PreparePulses(campaign, logs, request.staged.options, request.staged.given);
   const PulseUnknowns unknowns =
       FindPulseUnknowns(task.sweep.setup(),
                         task.data,
-                        {.branches = request.staged.pulses.branches,
+                        {.branches = request.staged.options.pulses.branches,
                          .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
                          .unknown = request.time_constants ? BranchUnknown::kTimeConstant
                                                            : BranchUnknown::kCapacitance,
                          .scale = request.options.scaling},
-                        request.given.parameters);
+                        request.staged.given.parameters);
   if (unknowns.variables.empty()) {
     throw OptionError("every parameter is held by --fix: there is nothing to compare");
   }
   Comparison comparison = CompareOptimizers(task.sweep,
                                             unknowns,
-                                            request.optimizers,
+                                            FindOptimizers(request.optimizers),
                                             request.settings,
                                             request.starts,
                                             request.options,
@@ -72,8 +77,8 @@ Json ComparisonRunToJson(const Campaign& campaign,
                {"alpha_source", result.task.found.alpha_source},
                {"done_instead", result.task.found.done_instead},
                {"options", OptionsToJson<Json>(request.options)}};
-  json["options"].update(StagedOptionsToJson(request.staged, request.given));
-  for (const OptimizerEntry* optimizer : request.optimizers) {
+  json["options"].update(StagedOptionsToJson(request.staged.options, request.staged.given));
+  for (const OptimizerEntry* optimizer : FindOptimizers(request.optimizers)) {
     Json& own = json["options"][std::string(optimizer->name)];
     for (const auto& [name, value] : optimizer->values(request.settings)) own[name] = value;
   }

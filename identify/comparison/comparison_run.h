@@ -8,25 +8,10 @@
 #include <vector>
 
 #include "identify/comparison/compare_optimizers.h"
-#include "identify/stages/staged_run.h"
+#include "identify/stages/staged_request.h"
 #include "model/core/json.h"
 
 namespace lipoid {
-
-struct ComparisonRequest {
-  StagedOptions staged = {};
-  StagedGiven given = {};
-  std::vector<const OptimizerEntry*> optimizers = {};
-  OptimizerSettings settings = {};
-  ComparisonOptions options = {};
-  int starts = 0;               ///< random ones, besides the data's
-  bool time_constants = false;  ///< tau_j as unknowns, instead of c_j
-};
-
-struct ComparisonRunResult {
-  PulseTask task;  ///< the problem
-  Comparison comparison;
-};
 
 /// The optimizers that the thesis compares, by name.
 [[nodiscard]] std::vector<std::string> ThesisOptimizers();
@@ -35,6 +20,44 @@ struct ComparisonRunResult {
 /// not known or stands there twice.
 [[nodiscard]] std::vector<const OptimizerEntry*> FindOptimizers(
     const std::vector<std::string>& names);
+
+/// The options of `lipoid compare` and the keywords of lipoid.compare().
+struct ComparisonRequest {
+  StagedRequest staged = {};
+  std::vector<std::string> optimizers = ThesisOptimizers();
+  int starts = 0;
+  bool time_constants = false;
+  ComparisonOptions options = {};
+  OptimizerSettings settings = {};
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("optimizers",
+      self.optimizers,
+      Word{"NAME,NAME,..."},
+      "optimizers to compare, or all (`lipoid list optimizers`); by default the thesis' seven");
+    v("starts",
+      self.starts,
+      Range{0, 100000},
+      "number of random starts of each optimizer, besides the one that the logs suggest");
+    v("time_constants", self.time_constants, Names(), "tau_j as unknowns, instead of c_j");
+    StagedRequest::Visit(self.staged, v);
+  }
+
+  template <class Visitor>
+  void EachGroup(Visitor&& v) {
+    v("", options);
+    staged.EachGroup(v);
+  }
+
+  /// As StagedRequest::Resolve(); OptionError as FindOptimizers().
+  void Resolve();
+};
+
+struct ComparisonRunResult {
+  PulseTask task;  ///< the problem
+  Comparison comparison;
+};
 
 /// The logs must outlive the result. LoadError and OptionError as IdentifyStaged(), and where every
 /// parameter is held.

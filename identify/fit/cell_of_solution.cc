@@ -66,11 +66,11 @@ void PutInto(Cell& cell,
   cell.temperature.reset();
   if (structure.temperature) {
     Cell::Temperature& term = cell.temperature.emplace();
-    term.series_J_per_mol = rates.series_J_per_mol;
-    term.branches_J_per_mol = rates.branch_J_per_mol;
-    if (std::isfinite(rates.diffusion_J_per_mol))
-      term.diffusion_J_per_mol = rates.diffusion_J_per_mol;
-    if (structure.charge_transfer) term.charge_transfer_J_per_mol = rates.transfer_J_per_mol;
+    term.series_J_per_mol = rates.Series();
+    for (std::size_t j = 0; j < cell.branches.size(); ++j)
+      term.branches_J_per_mol.push_back(rates.Branch(j));
+    if (std::isfinite(rates.Diffusion())) term.diffusion_J_per_mol = rates.Diffusion();
+    if (structure.charge_transfer) term.charge_transfer_J_per_mol = rates.Transfer();
     if (layout.entropies() > 0) {
       const auto slopes =
           solution.x.segment(layout.entropy(), layout.entropies()) / kEntropyScale_K;

@@ -311,10 +311,10 @@ class CellRows {
   /// From here on the cell has this temperature. Until it is told, the reference.
   void SetTemperature(const AtTemperature& at) {
     at_ = at;
-    series_factor_ = at.Factor(rates_.series_J_per_mol);
+    series_factor_ = at.Factor(rates_.Series());
     for (std::size_t j = 0; j < branch_factor_.size(); ++j)
-      branch_factor_[j] = at.Factor(rates_.branch_J_per_mol[j]);
-    if (structure_.charge_transfer) transfer_factor_ = at.Factor(rates_.transfer_J_per_mol);
+      branch_factor_[j] = at.Factor(rates_.Branch(j));
+    if (structure_.charge_transfer) transfer_factor_ = at.Factor(rates_.Transfer());
   }
 
   /// A step of column `at` of the steps.
@@ -428,6 +428,7 @@ class CellRows {
     double by_current_V = series.value * series_factor_ * per_A_;  // -dv/di, of the offset alone
     double by_offset_V = 0.0;
     double by_alpha_V = 0.0;
+    double by_transfer_energy_V = 0.0;
     for (int j = 0; j < structure_.branches; ++j) {
       const BranchState& b = branches_[static_cast<std::size_t>(j)];
       for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
@@ -447,12 +448,8 @@ class CellRows {
         slope_[slots_.transfer()] =
             -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A;
         by_current_V += at.value * transfer_factor_ / std::hypot(1.0, ratio) * per_A;
-        if (structure_.temperature) {
-          slope_[slots_.transfer_energy()] =
-              -at.value * i_0 * ratio / std::hypot(1.0, ratio) * at_.inverse_mol_per_J * per_A;
-        }
-      } else if (structure_.temperature) {
-        slope_[slots_.transfer_energy()] = 0.0;
+        by_transfer_energy_V =
+            -at.value * i_0 * ratio / std::hypot(1.0, ratio) * at_.inverse_mol_per_J * per_A;
       }
     }
     if (structure_.self_heating) {
@@ -490,11 +487,14 @@ class CellRows {
       }
     }
     if (structure_.temperature && x_ != nullptr) {
-      slope_[slots_.series_energy()] = -series.value * series_factor_ * i * at_.inverse_mol_per_J;
+      // Energies that are one add up.
+      for (int k = slots_.diffusion_energy(); k < slots_.hysteresis(); ++k) slope_[k] = 0.0;
+      slope_[slots_.series_energy()] -= series.value * series_factor_ * i * at_.inverse_mol_per_J;
       for (int j = 0; j < structure_.branches; ++j)
-        slope_[slots_.branch_energy(j)] = -branches_[static_cast<std::size_t>(j)].slope_energy;
-      slope_[slots_.diffusion_energy()] =
-          setup_.diffusion ? of_branches.energy + slope_V * point.slopes.energy : 0.0;
+        slope_[slots_.branch_energy(j)] -= branches_[static_cast<std::size_t>(j)].slope_energy;
+      if (structure_.charge_transfer) slope_[slots_.transfer_energy()] += by_transfer_energy_V;
+      if (setup_.diffusion)
+        slope_[slots_.diffusion_energy()] += of_branches.energy + slope_V * point.slopes.energy;
     }
     if (x_ != nullptr) {
       slope_[slots_.beta()] =

@@ -68,13 +68,17 @@ class Quantities {
   [[nodiscard]] bool Follows(int j) const { return solution_.follows[static_cast<std::size_t>(j)]; }
 
   void AddRate(const std::string& rate, double value, double scale = 1.0) {
+    AddRate(rate, rate, value, scale);
+  }
+  // The parameter of this name, which is that rate.
+  void AddRate(const std::string& name, const std::string& rate, double value, double scale) {
     const Eigen::Index at = Searched(rate);
     if (at < 0) return;
     // The offset is the sensor's, and no cell has it.
-    const std::string unit(rate == "i_off" ? "A" : CellParameterUnit(rate));
-    TrustedQuantity q = fit_.Quantity(rate, unit, scale * value);
-    if (rate == "beta") q.upper = 1.0;
-    if (rate == "i_off") q.lower = -std::numeric_limits<double>::infinity();
+    const std::string unit(name == "i_off" ? "A" : CellParameterUnit(name));
+    TrustedQuantity q = fit_.Quantity(name, unit, scale * value);
+    if (name == "beta") q.upper = 1.0;
+    if (name == "i_off") q.lower = -std::numeric_limits<double>::infinity();
     q.combination[at] = scale;
     q.at_bound = AtBound(rate);
     fit_.quantities.push_back(std::move(q));
@@ -87,7 +91,10 @@ class Quantities {
     for (const JointRate& rate : searched_) {
       if (rate.slot < slots.diffusion_energy()) continue;
       // The e-folds of hysteresis are counted over the alpha of the cell.
-      AddRate(rate.name, rate.In(rates), rate.name == "gamma" ? alpha_ratio_ : 1.0);
+      for (const std::string& name :
+           rate.means.empty() ? std::vector<std::string>{rate.name} : rate.means) {
+        AddRate(name, rate.name, rate.In(rates), rate.name == "gamma" ? alpha_ratio_ : 1.0);
+      }
     }
   }
 

@@ -103,6 +103,9 @@ std::string Describe(const JointStructure& s) {
   for (const JointTerm& term : JointTerms()) {
     if (term.present(s)) text += fmt::format(", {}", term.words);
   }
+  if (s.shared_energies == SharedEnergies::kAll) text += ", one activation energy";
+  if (s.shared_energies == SharedEnergies::kAllButSeries)
+    text += ", one activation energy of all but r_s";
   if (s.hysteresis_soc.size() > 1) text += fmt::format(", M at {} nodes", s.hysteresis_soc.size());
   if (s.voltage_soc.size() > kUsualVoltageNodes)
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
@@ -221,6 +224,7 @@ class Choosing {
       TryBranches();
       TryEntropy();
       TryHysteresisNodes();
+      TryShared();
       if (logs_.whole) DropTerms();
       TryVoltageNodes();
     } else {
@@ -347,6 +351,33 @@ class Choosing {
     JointStructure richer = best();
     richer.entropy_soc = Entropies();
     Search(richer);
+  }
+
+  // Energies that the left-out rows cannot tell apart are one: first those that are alike, then all.
+  void TryShared() {
+    if (!best().temperature) return;
+    for (const SharedEnergies which : {SharedEnergies::kAllButSeries, SharedEnergies::kAll}) {
+      JointStructure simpler = best();
+      simpler.shared_energies = which;
+      const bool diffusion = fit_.seen().setup().diffusion;
+      const auto names = SharedEnergyNames(simpler, diffusion);
+      if (names.size() < 2) continue;
+      JointSolution near = choice_.best;
+      double sum = 0.0;
+      for (const std::string& name : names) {
+        const JointRates& r = near.rates;
+        sum += name == "E_d"    ? r.Diffusion()
+               : name == "E_s"  ? r.Series()
+               : name == "E_ct" ? r.Transfer()
+                                : r.Branch(static_cast<std::size_t>(std::stoi(name.substr(2)) - 1));
+      }
+      near.rates.shared_J_per_mol = sum / static_cast<double>(names.size());
+      const LeftOutErrors apart = choice_.errors;
+      const std::size_t shared = Judge(fit_.Search(simpler, rough_, &near));
+      if (shared != taken_ && Complete(choice_.tried[shared].solution, logs_) &&
+          !IsBetter(apart, choice_.tried[shared].errors))
+        Take(shared);
+    }
   }
 
   // The terms first: without them no number of nodes tells a cell that warms from one that does

@@ -172,7 +172,8 @@ void SortBranches(JointSolution& solution) {
 JointRates JointFit::Base(const JointStructure& structure) const {
   JointRates rates;
   rates.time_constant_s.resize(static_cast<std::size_t>(structure.branches));
-  if (structure.temperature) rates.branch_J_per_mol.resize(rates.time_constant_s.size());
+  if (structure.temperature && structure.shared_energies == SharedEnergies::kNone)
+    rates.branch_J_per_mol.resize(rates.time_constant_s.size());
   for (const Rate& rate : AllRates(structure, setup_, scales_)) {
     rate.In(rates) = known_.Fixed(rate.name).value_or(known_.Start(rate.name).value_or(rate.start));
   }

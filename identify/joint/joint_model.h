@@ -53,6 +53,9 @@ struct JointSetup {
   }
 };
 
+/// Which quantities have one activation energy in common.
+enum class SharedEnergies { kNone, kAllButSeries, kAll };
+
 /// Which terms there are.
 struct JointStructure {
   int branches = 1;
@@ -60,7 +63,8 @@ struct JointStructure {
   std::vector<double> voltage_soc = {};     ///< nodes of v_oc; empty: the curve is given
   bool self_heating = false;
   bool charge_transfer = false;
-  bool temperature = false;                 ///< every resistance and beta by an energy of its own
+  bool temperature = false;  ///< every resistance and beta by an energy
+  SharedEnergies shared_energies = SharedEnergies::kNone;
   std::vector<double> entropy_soc = {};     ///< nodes of dv_oc/dT; empty: none
   std::vector<double> hysteresis_soc = {};  ///< nodes of M; one: constant; empty: no hysteresis
   bool current_offset = false;              ///< of the sensor that all logs share
@@ -81,12 +85,24 @@ struct JointRates {
   double series_J_per_mol = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> branch_J_per_mol = {};
   double transfer_J_per_mol = std::numeric_limits<double>::quiet_NaN();
+  /// Of all that have none of their own above.
+  double shared_J_per_mol = std::numeric_limits<double>::quiet_NaN();
   double hysteresis_folds = std::numeric_limits<double>::quiet_NaN();  ///< over JointSetup::alpha_C
   /// What the sensor shows more than flows; NaN: no such term.
   double current_offset_A = std::numeric_limits<double>::quiet_NaN();
   /// Where it is searched: logs that do not start full begin at (1 - initial_soc) of this charge. NaN:
   /// of JointSetup::alpha_C, which is the unit of A unless a shape is held.
   double alpha_C = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] double Diffusion() const { return OwnOrShared(diffusion_J_per_mol); }
+  [[nodiscard]] double Series() const { return OwnOrShared(series_J_per_mol); }
+  [[nodiscard]] double Branch(std::size_t j) const {
+    return branch_J_per_mol.empty() ? shared_J_per_mol : OwnOrShared(branch_J_per_mol[j]);
+  }
+  [[nodiscard]] double Transfer() const { return OwnOrShared(transfer_J_per_mol); }
+  [[nodiscard]] double OwnOrShared(double own_J_per_mol) const {
+    return std::isnan(own_J_per_mol) ? shared_J_per_mol : own_J_per_mol;
+  }
 
   /// The current that flowed where the sensor shows this, and its slope in the offset.
   [[nodiscard]] double Flowing(double shown_A) const {
@@ -114,14 +130,18 @@ struct AtTemperature {
 
 /// Where the slope in each nonlinear parameter stands: beta, tau_1 .. tau_n, tau_h, i_0, E_d, E_s,
 /// E_1 .. E_n, E_ct, gamma, i_off, alpha. There is always a beta; without diffusion its slope is
-/// zero, as is that of E_d.
+/// zero, as is that of E_d. Energies that are one have one slot: the first.
 class RateSlots {
  public:
   explicit RateSlots(const JointStructure& structure)
       : branches_(structure.branches),
         heating_(structure.self_heating ? 1 : 0),
         transfer_(structure.charge_transfer ? 1 : 0),
-        energies_(structure.temperature ? 2 + structure.branches + transfer_ : 0),
+        shared_(structure.shared_energies),
+        energies_(!structure.temperature                     ? 0
+                  : shared_ == SharedEnergies::kNone         ? 2 + structure.branches + transfer_
+                  : shared_ == SharedEnergies::kAllButSeries ? 2
+                                                             : 1),
         hysteresis_(structure.hysteresis_soc.empty() ? 0 : 1),
         offset_(structure.current_offset ? 1 : 0),
         alpha_(structure.free_alpha ? 1 : 0) {}
@@ -131,8 +151,12 @@ class RateSlots {
   [[nodiscard]] int heating() const { return 1 + branches_; }
   [[nodiscard]] int transfer() const { return 1 + branches_ + heating_; }
   [[nodiscard]] int diffusion_energy() const { return transfer() + transfer_; }
-  [[nodiscard]] int series_energy() const { return diffusion_energy() + 1; }
-  [[nodiscard]] int branch_energy(int j) const { return series_energy() + 1 + j; }
+  [[nodiscard]] int series_energy() const {
+    return diffusion_energy() + (shared_ == SharedEnergies::kAll ? 0 : 1);
+  }
+  [[nodiscard]] int branch_energy(int j) const {
+    return shared_ == SharedEnergies::kNone ? series_energy() + 1 + j : diffusion_energy();
+  }
   [[nodiscard]] int transfer_energy() const { return branch_energy(branches_); }
   [[nodiscard]] int hysteresis() const { return diffusion_energy() + energies_; }
   [[nodiscard]] int offset() const { return hysteresis() + hysteresis_; }
@@ -140,7 +164,9 @@ class RateSlots {
   [[nodiscard]] int size() const { return alpha() + alpha_; }
 
  private:
-  int branches_, heating_, transfer_, energies_, hysteresis_, offset_, alpha_;
+  int branches_, heating_, transfer_;
+  SharedEnergies shared_;
+  int energies_, hysteresis_, offset_, alpha_;
 };
 
 /// Where each linear unknown stands. All are in volts: node voltages as they are, resistances

@@ -74,6 +74,7 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
                 {"resistance_nodes", best.structure.nodes()},
                 {"voltage_nodes", best.structure.voltage_soc.size()}};
   AddTerms(best.structure, joint);
+  joint["shared_energies"] = SharedEnergyNames(best.structure, result.setup.diffusion);
   joint.update({{"smoothness", best.smoothness}, {"at_bound", best.at_bound}, {"tried", tried}});
   if (best.structure.current_offset) joint["current_offset_A"] = best.rates.current_offset_A;
   if (const auto& held = result.setup.held)

@@ -122,7 +122,7 @@ SocTrace TraceSoc(const JointLogs& logs,
   ParallelFor(logs.logs.size(), [&](std::size_t l) {
     const JointLog& log = logs.logs[l];
     LogTrace& out = trace.logs[l];
-    const double energy_J_per_mol = rates.diffusion_J_per_mol;
+    const double energy_J_per_mol = rates.Diffusion();
     const bool warm = std::isfinite(energy_J_per_mol) && !log.temperature_K.empty();
     const bool with_alpha = std::isfinite(rates.alpha_C);
     const bool with_offset = std::isfinite(rates.current_offset_A);

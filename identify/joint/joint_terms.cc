@@ -44,6 +44,16 @@ const std::vector<JointTerm>& JointTerms() {
   return kTerms;
 }
 
+std::vector<std::string> SharedEnergyNames(const JointStructure& structure, bool diffusion) {
+  std::vector<std::string> names;
+  if (!structure.temperature || structure.shared_energies == SharedEnergies::kNone) return names;
+  if (diffusion) names.emplace_back("E_d");
+  if (structure.shared_energies == SharedEnergies::kAll) names.emplace_back("E_s");
+  for (int j = 0; j < structure.branches; ++j) names.push_back(fmt::format("E_{}", j + 1));
+  if (structure.charge_transfer) names.emplace_back("E_ct");
+  return names;
+}
+
 std::vector<JointRate> AllRates(const JointStructure& structure,
                                 const JointSetup& setup,
                                 const FitScales& scales) {
@@ -107,7 +117,18 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                        .slot = slot,
                        .start = start});
     };
-    if (setup.diffusion) {
+    const auto shared = SharedEnergyNames(structure, setup.diffusion);
+    const bool own = shared.empty();
+    if (!own) {
+      add(
+          "E",
+          [](JointRates& r, int) { return &r.shared_J_per_mol; },
+          0,
+          slots.diffusion_energy(),
+          kStartOfOthers);
+      rates.back().means = shared;
+    }
+    if (own && setup.diffusion) {
       add(
           "E_d",
           [](JointRates& r, int) { return &r.diffusion_J_per_mol; },
@@ -115,13 +136,15 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
           slots.diffusion_energy(),
           kStartOfOthers);
     }
-    add(
-        "E_s",
-        [](JointRates& r, int) { return &r.series_J_per_mol; },
-        0,
-        slots.series_energy(),
-        kStartOfSeries);
-    for (int j = 0; j < structure.branches; ++j) {
+    if (structure.shared_energies != SharedEnergies::kAll) {
+      add(
+          "E_s",
+          [](JointRates& r, int) { return &r.series_J_per_mol; },
+          0,
+          slots.series_energy(),
+          kStartOfSeries);
+    }
+    for (int j = 0; own && j < structure.branches; ++j) {
       add(
           fmt::format("E_{}", j + 1),
           [](JointRates& r, int at) { return &r.branch_J_per_mol[static_cast<std::size_t>(at)]; },
@@ -129,7 +152,7 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
           slots.branch_energy(j),
           kStartOfOthers);
     }
-    if (structure.charge_transfer) {
+    if (own && structure.charge_transfer) {
       add(
           "E_ct",
           [](JointRates& r, int) { return &r.transfer_J_per_mol; },

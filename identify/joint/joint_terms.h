@@ -37,6 +37,8 @@ struct JointRate {
   double unit = 1.0;
   /// Where a search begins of whose neighbour it is not known; empty: at the start alone.
   std::vector<double> grid = {};
+  /// The parameters of the cell that it is; empty: the one of its name.
+  std::vector<std::string> means = {};
 
   [[nodiscard]] double& In(JointRates& rates) const { return *entry(rates, index); }
   [[nodiscard]] double Coordinate(double value) const {
@@ -48,6 +50,11 @@ struct JointRate {
   /// Slope of the value in the coordinate.
   [[nodiscard]] double Slope(double value) const { return logarithm ? value * unit : unit; }
 };
+
+/// The activation energies that such a structure has, E_d, E_s, E_1 .. E_n, E_ct, and of these the ones
+/// that are one number.
+[[nodiscard]] std::vector<std::string> SharedEnergyNames(const JointStructure& structure,
+                                                         bool diffusion);
 
 /// All of a structure, in the order of RateSlots; of a setup without diffusion neither beta nor E_d.
 [[nodiscard]] std::vector<JointRate> AllRates(const JointStructure& structure,

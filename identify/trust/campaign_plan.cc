@@ -181,7 +181,9 @@ bool OfTemperature(const std::string& name) {
 std::vector<std::string> LeftOutOfCampaign(const Cell& cell, double sampling_s) {
   std::vector<std::string> left_out{
       "the terms and the numbers of nodes and branches are taken as known: `lipoid identify` chooses "
-      "them by left-out rows, and what that choice adds to an interval is not in these"};
+      "them by left-out rows, and what that choice adds to an interval is not in these",
+      "the fit lets every log count the same: one that says little of a parameter can make it a little "
+      "less certain"};
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     if (auto said = TooFastForPlan(cell, j, sampling_s)) left_out.push_back(std::move(*said));
   }

@@ -176,6 +176,7 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
                  "thermal_resistance_K_per_W",
                  "entropy",
                  "reversible_heat",
+                 "shared_energies",
                  "assumed"});
   const auto energy = [](const JsonReader& value) {
     return value.Number(kActivationEnergies_J_per_mol.lo, kActivationEnergies_J_per_mol.hi);
@@ -191,6 +192,10 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
     term.branches_J_per_mol.push_back(energy(branches.Item(j)));
   if (branches.Size() != cell.branches.size())
     branches.Fail(fmt::format("{} energies, one for each branch", cell.branches.size()));
+  // Whoever reads it sees the equal numbers; what it says is for people.
+  if (const auto shared = json.Find("shared_energies")) {
+    for (std::size_t k = 0; k < shared->Size(); ++k) (void)shared->Item(k).Text();
+  }
   if (const auto one = energies.Find("diffusion")) term.diffusion_J_per_mol = energy(*one);
   if (const auto one = energies.Find("charge_transfer"))
     term.charge_transfer_J_per_mol = energy(*one);
@@ -213,6 +218,26 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
   return term;
 }
 
+// Energies that are one number, as an identification leaves them that cannot tell them apart.
+std::vector<std::string> SharedEnergies(const Cell::Temperature& term,
+                                        bool diffusion,
+                                        bool transfer) {
+  std::vector<std::pair<std::string, double>> all;
+  if (diffusion) all.emplace_back("diffusion", term.diffusion_J_per_mol);
+  all.emplace_back("series", term.series_J_per_mol);
+  for (std::size_t j = 0; j < term.branches_J_per_mol.size(); ++j)
+    all.emplace_back(fmt::format("branches[{}]", j), term.branches_J_per_mol[j]);
+  if (transfer) all.emplace_back("charge_transfer", term.charge_transfer_J_per_mol);
+  std::vector<std::string> shared;
+  for (const auto& [name, value] : all) {
+    const double own = value;
+    const auto alike = std::count_if(
+        all.begin(), all.end(), [&](const auto& other) { return other.second == own; });
+    if (alike > 1 && own > 0.0) shared.push_back(name);
+  }
+  return shared;
+}
+
 Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusion, bool transfer) {
   Json energies = {{"series", term.series_J_per_mol}, {"branches", term.branches_J_per_mol}};
   if (diffusion) energies["diffusion"] = term.diffusion_J_per_mol;
@@ -228,6 +253,8 @@ Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusi
         OverSocToJson(term.entropy->soc, "slope_V_per_K", term.entropy->slope_V_per_K);
     if (!term.entropy->reversible_heat) json["reversible_heat"] = false;
   }
+  const auto shared = SharedEnergies(term, diffusion, transfer);
+  if (!assumed && !shared.empty()) json["shared_energies"] = shared;
   if (assumed) json["assumed"] = true;
   return json;
 }

@@ -14,8 +14,9 @@ import pandas as pd
 from lipoid import _core
 from lipoid._cell import Cell
 from lipoid._identify import Progress, Reporter
-from lipoid._keywords import takes
+from lipoid._keywords import takes, whole
 from lipoid._log import Log, read_log
+from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -113,7 +114,11 @@ def endurance(
     """
     one = cell if isinstance(cell, Cell) else Cell.read(cell)
     with Reporter(progress, "endurance") as tell:
-        return Endurance(_core.endurance(one._core, dict(options), seed, threads, tell))
+        return Endurance(
+            _core.endurance(
+                one._core, dict(options), whole("seed", seed), whole("threads", threads), tell
+            )
+        )
 
 
 @dataclass(repr=False)
@@ -183,6 +188,8 @@ def health(
     """
     one = cell if isinstance(cell, Cell) else Cell.read(cell)
     several = [flights] if isinstance(flights, (Log, str, os.PathLike)) else list(flights)
+    if not several:
+        raise OptionError("health: expected at least one flight, found none")
     logs = [log if isinstance(log, Log) else read_log(log) for log in several]
     summary, sentence = _core.health(one._core, [log._core for log in logs], dict(options))
     return Health(sentence, summary)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import pandas as pd
 from lipoid import _core
 from lipoid._keywords import takes
 from lipoid._log import Log, read_log
+from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -27,6 +28,8 @@ def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
     """Make logs of C++ and paths of whatever a person gives for one kind."""
     from lipoid import readers
 
+    if isinstance(given, Iterator):
+        given = list(given)
     if isinstance(given, (str, os.PathLike, Log)) or not isinstance(given, Sequence):
         given = [given]
     logs: list[Any] = []
@@ -36,7 +39,7 @@ def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
         elif not isinstance(one, (str, os.PathLike)):
             logs.append(Log(one)._core)
         elif readers.is_table(one):
-            logs.append(read_log(one, **reading)._core)
+            logs.append(read_log(one, **{"most_rows": _core.most_rows_kept, **reading})._core)
         else:
             logs.append(os.fspath(one))
     return logs
@@ -69,6 +72,10 @@ class Campaign:
     def __init__(
         self, *, reading: ReadingOptions | None = None, **options: Unpack[CampaignOptions]
     ) -> None:
+        if not isinstance(reading, Mapping | None):
+            raise OptionError(
+                f"option reading: expected a dictionary of options of read_log, found {reading!r}"
+            )
         how: dict[str, Any] = dict(reading or {})
         self._reading = how
         given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}

@@ -228,11 +228,14 @@ class Cell:
             raise OptionError("simulate: current_A is missing")
         if initial_voltage_V is not None:
             initial_soc = self._core.soc_at_rest(initial_voltage_V)
+        self._check_soc(initial_soc)
         i = np.ascontiguousarray(current_A, dtype=np.float64)
         t = np.ascontiguousarray(time_s, dtype=np.float64)
         if i.ndim not in (1, 2) or t.shape not in (i.shape, i.shape[-1:]):
             raise OptionError(f"simulate: times {t.shape} do not go with currents {i.shape}")
-        if t.size and not bool(np.all(np.diff(t) > 0.0)):
+        if i.size == 0:
+            raise OptionError("simulate: expected at least one row, found none")
+        if not bool(np.all(np.diff(t) > 0.0)):
             raise OptionError("simulate: expected times that increase")
         if not (np.isfinite(t).all() and np.isfinite(i).all()):
             raise OptionError("simulate: expected finite times and currents")
@@ -261,6 +264,12 @@ class Cell:
         )
         return Simulation(t, i, voltage_V, soc, outside, self, warm)
 
+    @staticmethod
+    def _check_soc(initial_soc: float) -> None:
+        low, high = _core.initial_socs
+        if not low <= initial_soc <= high:  # NaN neither
+            raise OptionError(f"option initial_soc: expected {low} .. {high}, found {initial_soc}")
+
     def band(
         self,
         time_s: Any,
@@ -272,6 +281,7 @@ class Cell:
         initial_soc: float = 1.0,
     ) -> tuple[FloatArray, FloatArray]:
         """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row."""
+        self._check_soc(initial_soc)
         t, i = column(time_s, "time_s"), column(current_A, "current_A")
         return self._core.band(t, i, hold, initial_soc, cells, seed)
 

@@ -16,8 +16,9 @@ import pandas as pd
 from lipoid import _core
 from lipoid._campaign import Campaign
 from lipoid._cell import Cell
-from lipoid._keywords import takes
+from lipoid._keywords import takes, whole
 from lipoid._log import Log, read_log
+from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,7 +168,14 @@ class Identification:
 
 def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:
     """Return a campaign, or read the one of that file."""
-    return campaign if isinstance(campaign, Campaign) else Campaign.read(campaign)
+    if isinstance(campaign, Campaign):
+        return campaign
+    if not isinstance(campaign, (str, os.PathLike)):
+        raise TypeError(
+            "expected a Campaign or the path of a campaign file, found "
+            f"{type(campaign).__name__}; logs make one: lipoid.Campaign(pulses=log, cutoff_V=3.0)"
+        )
+    return Campaign.read(campaign)
 
 
 @takes(_core.describe_identify)
@@ -222,7 +230,7 @@ def identify(
     made = as_campaign(campaign)
     with Reporter(progress, f"identify {made.name}".strip()) as tell:
         core, staged, summary, converged, usable, sentence = _core.identify(
-            made._core, dict(options), seed, threads, tell
+            made._core, dict(options), whole("seed", seed), whole("threads", threads), tell
         )
     for note in summary.get("log_notes", []):
         logger.warning("%s", note)
@@ -271,6 +279,9 @@ def validate(
     soc = initial_soc
     if initial_voltage_V is not None:
         soc = one._core.soc_at_rest(initial_voltage_V)
+    if not several:
+        raise OptionError("validate: expected at least one log, found none")
+    one._check_soc(soc)
     rows = [
         validate_one(one, log if isinstance(log, Log) else read_log(log), soc) for log in several
     ]

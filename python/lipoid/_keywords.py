@@ -5,10 +5,24 @@ from __future__ import annotations
 import inspect
 import textwrap
 from collections.abc import Callable
+from operator import index
 from typing import Any, TypeVar
+
+from lipoid.errors import OptionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Description = dict[str, Any]
+
+
+def whole(name: str, value: Any) -> int:
+    """Return a whole number of at least 0, of whatever type it is, or say that it is none."""
+    try:
+        number = index(value)
+    except TypeError:
+        number = -1
+    if number < 0:
+        raise OptionError(f"option {name}: expected a whole number of at least 0, found {value!r}")
+    return number
 
 
 def _default(option: Description) -> str:
@@ -27,12 +41,12 @@ def _paragraph(option: Description, indent: str) -> str:
     if not option["type"].endswith("None"):
         head += f", default {_default(option)}"
     text = textwrap.fill(
-        words, 96, initial_indent=indent + "    ", subsequent_indent=indent + "    "
+        words, 92, initial_indent=indent + "    ", subsequent_indent=indent + "    "
     )
     return f"{head}\n{text}"
 
 
-def describe(options: list[Description], indent: str = "    ") -> str:
+def describe(options: list[Description], indent: str = "") -> str:
     """Every option as a numpydoc paragraph, groups as dictionaries."""
     parts = []
     for option in options:
@@ -43,7 +57,7 @@ def describe(options: list[Description], indent: str = "    ") -> str:
         head = f"{indent}{option['name']} : dict, optional"
         keys = textwrap.fill(
             f"Keys: {names}.",
-            96,
+            92,
             initial_indent=indent + "    ",
             subsequent_indent=indent + "    ",
         )
@@ -74,8 +88,9 @@ def takes(*described: Callable[[], list[Description]]) -> Callable[[Function], F
         ]
         function.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
         shown = [option for option in options if option["name"] not in named]
-        document = function.__doc__ or ""
-        function.__doc__ = document.replace("    {options}\n", describe(shown) + "\n")
+        # Since Python 3.13 the compiler takes the indent away, as cleandoc does.
+        document = inspect.cleandoc(function.__doc__ or "")
+        function.__doc__ = document.replace("{options}\n", describe(shown) + "\n")
         return function
 
     return decorate

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -33,19 +34,56 @@ def column(values: Any, name: str) -> FloatArray:
     values : array_like
         A NumPy array, a pandas or polars Series, a pyarrow array, a sequence.
     name : str
-        For messages.
+        For messages. Of ``time_s`` also dates and durations are taken, as seconds.
     """
+    if getattr(values, "tz", None) or getattr(getattr(values, "dt", None), "tz", None):
+        values = pd.DatetimeIndex(values).tz_convert(None)  # so that hours keep their length
     if isinstance(values, np.ndarray) or hasattr(values, "__array__"):
         array = np.asarray(values)
     elif hasattr(values, "to_numpy"):
         array = values.to_numpy()
+    elif isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise OptionError(f"{name}: expected a column of numbers, found {values!r}")
     else:
         array = np.asarray(list(values))
     if array.ndim != 1:
         raise OptionError(f"{name}: expected one dimension, found {array.ndim}")
+    if name == "time_s" and array.dtype.kind == "M" and array.size:
+        array = array - array[0]
+    if name == "time_s" and array.dtype.kind == "m":
+        array = array / np.timedelta64(1, "s")
+    if array.dtype.kind == "O" and not any(isinstance(one, (str, bool)) for one in array):
+        with suppress(TypeError, ValueError):
+            array = array.astype(np.float64)  # of decimals; what is missing becomes NaN
     if array.dtype.kind not in "fiu":
-        raise OptionError(f"{name}: expected numbers, found {array.dtype}")
+        what = {"M": "dates", "m": "durations", "b": "truth values", "c": "complex numbers"}
+        texts = array.dtype.kind in "USO"
+        found = "texts or other objects" if texts else what.get(array.dtype.kind, str(array.dtype))
+        raise OptionError(f"{name}: expected numbers, found {found}")
     return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _columns(data: Any) -> dict[str, Any]:
+    """Return the columns of a table by name; of pandas the index, too, where it holds times."""
+    if hasattr(data, "collect"):  # of polars, lazy
+        data = data.collect()
+    names: Any = getattr(data, "column_names", None)  # of Arrow, whose columns are arrays
+    if names is None:
+        names = data.keys() if isinstance(data, Mapping) else getattr(data, "columns", None)
+    if names is None:
+        raise OptionError(
+            "Log: expected a data frame or a dictionary with the columns time_s, current_A and "
+            f"voltage_V, found {type(data).__name__}; arrays are given by name, as time_s=..., and "
+            "files are read by lipoid.read_log"
+        )
+    columns = {str(name): data[name] for name in names}
+    index = getattr(data, "index", None)
+    if "time_s" not in columns and (
+        isinstance(index, (pd.DatetimeIndex, pd.TimedeltaIndex))
+        or (isinstance(index, pd.Index) and index.name == "time_s")
+    ):
+        columns["time_s"] = index
+    return columns
 
 
 @takes(lambda: _core.describe_reading(False))
@@ -55,9 +93,10 @@ class Log:
     Parameters
     ----------
     data : mapping or data frame, optional
-        The columns by name, instead of one by one: a pandas, polars or pyarrow table.
+        The columns by name, instead of one by one: a pandas, polars or pyarrow table. Of pandas
+        an index of dates or durations, or one called ``time_s``, is taken as the time.
     time_s : array_like
-        Times in s, increasing.
+        Times in s, increasing; or dates, or durations.
     current_A : array_like
         Currents in A, of either sign: which sign a discharge has is found from the voltage.
     voltage_V : array_like, optional
@@ -103,26 +142,33 @@ class Log:
             "voltage_V": voltage_V,
             "temperature_degC": temperature_degC,
         }
-        if data is not None:
-            names: Any = getattr(data, "column_names", None)  # of Arrow, whose columns are arrays
-            if names is None:
-                names = data.keys() if isinstance(data, Mapping) else data.columns
-            known = [str(name) for name in names]
-            for key in given:
-                if given[key] is None and key in known:
-                    given[key] = data[key]
+        columns = {} if data is None else _columns(data)
+        for key in given:
+            if given[key] is None:
+                given[key] = columns.get(key)
         for key in ("time_s", "current_A"):
             if given[key] is None:
-                raise OptionError(f"Log: {key} is missing")
+                found = f"; found {', '.join(columns)}" if columns else ""
+                other = (
+                    f"; unknown: {', '.join(unknown)}"
+                    if (unknown := self._unknown(options))
+                    else ""
+                )
+                raise OptionError(f"Log: {key} is missing{found}{other}")
         arrays = {k: None if v is None else column(v, k) for k, v in given.items()}
         self._core = _core.take_log(
             cast(FloatArray, arrays["time_s"]),
             cast(FloatArray, arrays["current_A"]),
             arrays["voltage_V"],
             arrays["temperature_degC"],
-            name,
+            str(name),
             dict(options),
         )
+
+    @staticmethod
+    def _unknown(options: Mapping[str, Any]) -> list[str]:
+        known = [option["name"] for option in _core.describe_reading(False)]
+        return [name for name in options if name not in known]
 
     @classmethod
     def _of(cls, core: CoreLog) -> Log:
@@ -176,6 +222,11 @@ class Log:
         return self._core.sign_reason
 
     @property
+    def rows_of_source(self) -> int:
+        """Rows of the file; more than the rows here where ``most_rows`` had them joined."""
+        return self._core.rows_of_source
+
+    @property
     def warnings(self) -> list[str]:
         """What to look at before believing the log."""
         return cast("list[str]", self._core.reading()["warnings"])
@@ -209,9 +260,14 @@ class Log:
     def __len__(self) -> int:
         return len(self._core)
 
+    def _rows(self) -> str:
+        if self.rows_of_source == len(self):
+            return f"{len(self)} rows"
+        return f"{len(self)} rows that stand for {self.rows_of_source}"
+
     def __repr__(self) -> str:
         hours = float(self.time_s[-1] - self.time_s[0]) / 3600.0
-        text = f"Log({self.file!r}: {len(self)} rows, {hours:.4g} h"
+        text = f"Log({self.file!r}: {self._rows()}, {hours:.4g} h"
         text += f", {self.current_A.min():.4g} to {self.current_A.max():.4g} A"
         if self.voltage_V is not None:
             text += f", {self.voltage_V.min():.4g} to {self.voltage_V.max():.4g} V"
@@ -221,7 +277,7 @@ class Log:
         found = self.inspect()
         rows = [
             ("format", self.format),
-            ("rows", str(len(self))),
+            ("rows", self._rows().removesuffix(" rows")),
             ("duration", f"{found['duration_s'] / 3600.0:.4g} h"),
             ("sign", f"{self.sign}: {self.sign_reason}"),
             ("looks like", f"{found['suggested_kind']}: {found['suggested_kind_reason']}"),
@@ -239,6 +295,9 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
     read by the libraries that the field keeps for them, ``pip install lipoid[readers]``: BioLogic
     .mpr, Neware .nda and .ndax, Excel, MATLAB, Parquet and Feather. Their columns then go through
     the same recognition of names, units and sign.
+
+    Every row is kept unless ``most_rows`` says otherwise. Files that a :class:`Campaign` reads are
+    read as on the command line: there ``most_rows`` has a default, and a longer log is thinned.
 
     Parameters
     ----------

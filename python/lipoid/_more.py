@@ -18,7 +18,7 @@ from lipoid import _core
 from lipoid._campaign import KINDS, Campaign
 from lipoid._cell import Cell
 from lipoid._identify import Identification, Progress, Reporter, as_campaign, identify
-from lipoid._keywords import takes
+from lipoid._keywords import takes, whole
 from lipoid._log import Log
 from lipoid._report import report
 
@@ -130,7 +130,11 @@ def compare(
     """
     made = as_campaign(campaign)
     with Reporter(progress, "compare") as tell:
-        return Comparison(_core.compare(made._core, dict(options), seed, threads, tell))
+        return Comparison(
+            _core.compare(
+                made._core, dict(options), whole("seed", seed), whole("threads", threads), tell
+            )
+        )
 
 
 @takes(_core.describe_study)
@@ -163,7 +167,7 @@ def study(
     """
     made = as_campaign(campaign)
     with Reporter(progress, f"study {what}") as tell:
-        summary = _core.study(what, made._core, dict(options), threads, tell)
+        summary = _core.study(what, made._core, dict(options), whole("threads", threads), tell)
     table = pd.DataFrame(summary.pop("rows"))
     table.attrs.update(summary)
     return table
@@ -242,10 +246,10 @@ def synthesize(
     truth = _core.with_parameters(as_cell(cell)._core, dict(parameters or {}))
     with Reporter(progress, "synthesize") as tell:
         if folder is not None:
-            _core.synthesize(truth, folder, dict(options), seed, tell)
+            _core.synthesize(truth, folder, dict(options), whole("seed", seed), tell)
             return Campaign.read(Path(folder) / "campaign.toml")
         with tempfile.TemporaryDirectory() as own:
-            _core.synthesize(truth, own, dict(options), seed, tell)
+            _core.synthesize(truth, own, dict(options), whole("seed", seed), tell)
             written = Campaign.read(Path(own) / "campaign.toml")
             logs = {kind: written.logs(kind.replace("_", "-")) for kind in KINDS}
     given = {kind: some for kind, some in logs.items() if some}
@@ -358,7 +362,9 @@ def fly(
     """
     core = None if cell is None else as_cell(cell)._core
     with Reporter(progress, f"fly {maneuver}") as tell:
-        summary, data = _core.fly(maneuver, core, dict(options), seed, threads, tell)
+        summary, data = _core.fly(
+            maneuver, core, dict(options), whole("seed", seed), whole("threads", threads), tell
+        )
     return Flight(pd.DataFrame(data), summary)
 
 
@@ -479,6 +485,8 @@ def identify_many(
         In the order of the campaigns.
     """
     given: dict[str, Any] = dict(options)
+    if isinstance(campaigns, (str, os.PathLike)):
+        raise TypeError("identify_many: expected several campaigns; one goes into a list")
     several = list(campaigns)
     results: list[Identification | BaseException] = []
     with Reporter(progress, "identify_many") as tell:

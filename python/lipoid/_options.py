@@ -21,13 +21,15 @@ Logs: TypeAlias = "Sequence[Log | Path] | Log | Path | Mapping[str, Any]"
 class ReadingOptions(TypedDict, total=False):
     """Keyword arguments."""
 
+    columns: Mapping[str, str | int] | None
+    units: str | Sequence[str] | None
     current_sign: str
     hold: Literal["backward", "forward"]
+    battery: int | None
+    most_rows: int | None
     start_s: float
     end_s: float
     lead_resistance_Ohm: float
-    columns: Mapping[str, str] | None
-    units: Sequence[str] | None
     steps: int | Sequence[int] | None
     cycles: int | Sequence[int] | None
     voltage_optional: bool
@@ -127,11 +129,11 @@ class IdentifyOptions(TypedDict, total=False):
     fix: Mapping[str, float] | None
     start: Mapping[str, float] | None
     bounds: Mapping[str, tuple[float, float]] | None
+    reference: Path | Cell | None
+    profile: str | Sequence[str] | None
     discharge_times: IdentifyDischargeTimesGroup
     open_circuit_voltage_fit: IdentifyOpenCircuitVoltageFitGroup
     pulses: IdentifyPulsesGroup
-    reference: Path | Cell | None
-    profile: str | Sequence[str] | None
     solver: IdentifySolverGroup
     joint: IdentifyJointGroup
 
@@ -290,10 +292,9 @@ class CompareBobyqaGroup(TypedDict, total=False):
 class CompareOptions(TypedDict, total=False):
     """Keyword arguments."""
 
-    optimizers: str | Sequence[str] | None
+    optimizers: str | Sequence[str]
     starts: int
     time_constants: bool
-    comparison: CompareComparisonGroup
     alpha_C: float | None
     open_circuit_voltage: Path | Cell | None
     branches: int | None
@@ -301,6 +302,7 @@ class CompareOptions(TypedDict, total=False):
     fix: Mapping[str, float] | None
     start: Mapping[str, float] | None
     bounds: Mapping[str, tuple[float, float]] | None
+    comparison: CompareComparisonGroup
     discharge_times: CompareDischargeTimesGroup
     open_circuit_voltage_fit: CompareOpenCircuitVoltageFitGroup
     pulses: ComparePulsesGroup
@@ -477,12 +479,13 @@ class FlyOptions(TypedDict, total=False):
     gains: Path | None
     compensate: bool
     estimate: bool
-    xi: float
-    initial_soc: float
+    xi: float | None
     duration: float | None
     land_below_V: float
-    log_step_s: float
+    log_step_s: float | None
     waypoints: Path | None
+    ambient_degC: float | None
+    initial_soc: float
     maneuver_options: Mapping[str, Any] | None
     wind: FlyWindGroup
     controller: FlyControllerGroup

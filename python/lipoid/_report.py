@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Protocol
 
 from lipoid import _core
+from lipoid.errors import OptionError
 
 
 class Reportable(Protocol):
@@ -31,4 +32,9 @@ def report(results: Reportable | Iterable[Reportable], file: str | os.PathLike[s
         Where lipoid was built without npm, which fetches what pages are made of.
     """
     several = list(results) if isinstance(results, Iterable) else [results]
+    if not several:
+        raise OptionError("report: expected at least one result, found none")
+    for one in several:
+        if not hasattr(one, "_shown"):
+            raise TypeError(f"report: expected results, found {type(one).__name__}")
     _core.write_report([one._shown() for one in several], file)

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/logs/campaign_request.h"
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "python/src/convert.h"
@@ -66,19 +67,12 @@ struct CampaignKeywords {
   std::vector<std::optional<PythonLog>> logs;
 
   void Declare(Keywords& keywords, const ReadOptions& read) {
-    std::optional<double> capacity_Ah;
+    CampaignRequest request;
     double initial_soc = 1.0;
-    keywords.Text("name", campaign.name, "text", "name of the cell");
-    keywords.Option("capacity-Ah", capacity_Ah, Range{1e-9, 1e9}, "nominal capacity of one cell");
-    keywords.Option("cutoff-V",
-                    campaign.cutoff_V,
-                    Range{0.0, 100.0},
-                    "voltage of one cell that ends a discharge");
-    keywords.Option("series", campaign.series, kPackSizes, "cells in series in the logs");
-    keywords.Option("parallel", campaign.parallel, kPackSizes, "cells in parallel in the logs");
+    keywords.Each(request);
+    request.ApplyTo(campaign);
     keywords.Option(
         "initial-soc", initial_soc, kInitialSocs, "state of charge of the first row of every log");
-    if (capacity_Ah) campaign.capacity_Ah = *capacity_Ah;
     for (const auto& [kind, name] : OptionNames(LogKind{})) {
       const auto listed =
           keywords.Take(PythonName(name), "Logs", fmt::format("logs of the kind {}", name));
@@ -90,9 +84,8 @@ struct CampaignKeywords {
 };
 
 std::shared_ptr<PythonCampaign> Make(const nb::dict& given, const nb::dict& reading) {
-  ReadOptions read;
   Keywords of_reading(reading);
-  DeclareReading(of_reading, read, true);
+  const ReadOptions read = ReadingOf(of_reading, {}, true);
   of_reading.Finish();
   CampaignKeywords made;
   Keywords keywords(given);

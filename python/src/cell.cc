@@ -160,6 +160,7 @@ const Cell* CellBehind(nb::handle argument) {
 }
 
 void AddCells(nb::module_& module) {
+  module.attr("initial_socs") = nb::make_tuple(kInitialSocs.lo, kInitialSocs.hi);
   nb::class_<PythonCell>(module, "Cell")
       .def_prop_ro("name", [](const PythonCell& self) { return self.cell.name; })
       .def_prop_ro("series", [](const PythonCell& self) { return self.cell.series; })

@@ -9,10 +9,12 @@
 
 #include "model/analysis/placed_gains.h"
 #include "model/battery/ranges.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
 #include "model/flight/flight_log.h"
 #include "model/flight/flight_report.h"
+#include "model/flight/fly_request.h"
 #include "model/vehicle/vehicle_file.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -23,45 +25,14 @@ namespace lipoid::python {
 namespace {
 
 struct FlyKeywords {
-  FlightSetup setup;
+  FlyRequest asked;
   ManeuverRequest request;
-  std::string vehicle = "mambo-coupled";
-  std::string gains;
-  std::optional<double> duration_s;
-  double log_step_s = kControlStep_s;
 
   void Declare(Keywords& keywords, const Maneuver* maneuver) {
-    if (const auto file =
-            keywords.Take("vehicle", "Path", "a vehicle file, or the name of a shipped vehicle"))
-      vehicle = PathOf(*file);
-    if (const auto file = keywords.Take(
-            "gains",
-            "Path",
-            "\"unaware\", \"aware\", \"placed\" by the lag of the vehicle's motors, or a gains file"))
-      gains = PathOf(*file);
-    keywords.Flag("compensate",
-                  setup.controller.compensate,
-                  "whether commands use the measured voltage (5.52)");
-    keywords.Flag("estimate",
-                  setup.estimate,
-                  "whether the controller sees noisy sensors through the estimator");
-    keywords.Option(
-        "xi", setup.xi, Range{0.01, 2.0}, "of an ideal source: voltage over the nominal");
+    FlightSetup& setup = asked.setup;
+    keywords.Each(asked);
     keywords.Option(
         "initial-soc", setup.initial_soc, kInitialSocs, "state of charge of the cell at the start");
-    keywords.Option("duration",
-                    duration_s,
-                    Range{kControlStep_s, 1e6},
-                    "duration of the flight, s; by default that of the maneuver");
-    keywords.Option("land-below-V",
-                    setup.land_below_V,
-                    Range{0.0, 1e4},
-                    "land when the battery has been below this voltage for a second, V; 0: never");
-    keywords.Option(
-        "log-step-s", log_step_s, Range{kControlStep_s, 1e4}, "seconds between rows of the data");
-    if (const auto file =
-            keywords.Take("waypoints", "Path", "file of places for the maneuver waypoints"))
-      request.waypoints_file = PathOf(*file);
     if (const auto values = keywords.Take("maneuver_options",
                                           "Mapping[str, Any]",
                                           "options of the maneuver: {\"side_m\": 2.0}")) {
@@ -89,25 +60,33 @@ nb::tuple FlyManeuver(const std::string& name,
                       const nb::object& progress) {
   const Maneuver& maneuver = FindManeuver(name);
   FlyKeywords made;
-  made.vehicle = cell.is_none() ? "mambo-thesis" : "mambo-coupled";
   Keywords keywords(given);
   made.Declare(keywords, &maneuver);
   keywords.Finish();
-  FlightSetup& setup = made.setup;
+  const FlyRequest& asked = made.asked;
+  FlightSetup& setup = made.asked.setup;
   if (!cell.is_none()) setup.cell = nb::cast<const PythonCell&>(cell).cell;
-  setup.vehicle = LoadVehicle(made.vehicle);
-  CheckFlight(setup, maneuver, made.request, made.duration_s.has_value());
-  setup.gains = GainsFor(made.gains, setup.vehicle, "aware", setup.controller.law);
+  if (setup.cell && asked.xi)
+    throw OptionError("option xi is for an ideal source: give cell=None, or leave xi out");
+  if (!setup.cell && setup.ambient_degC)
+    throw OptionError("option ambient_degC is for a cell; an ideal source has none");
+  if (setup.ambient_degC && !setup.cell->temperature)
+    setup.cell = WithTypicalTemperature(*setup.cell);
+  setup.xi = asked.xi.value_or(1.0);
+  made.request.waypoints_file = asked.waypoints.path;
+  setup.vehicle = LoadVehicle(asked.VehicleName());
+  CheckFlight(setup, maneuver, made.request, asked.duration_s.has_value());
+  setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = seed;
   FlightPlan plan = maneuver.plan(made.request);
-  if (made.duration_s) plan.duration_s = *made.duration_s;
+  if (asked.duration_s) plan.duration_s = *asked.duration_s;
 
   std::vector<std::string> names;
   FlightSample::OfRotors(setup.vehicle.rotor_count()).Visit([&](const char* column, double) {
     names.emplace_back(column);
   });
   std::vector<std::vector<double>> columns(names.size());
-  const auto every = std::max(1LL, std::llround(made.log_step_s / kControlStep_s));
+  const auto every = std::max(1LL, std::llround(asked.LogStep_s(plan.duration_s) / kControlStep_s));
   Json summary;
   Work(
       [&](const Tell& tell) {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "identify/joint/held_shape.h"
-#include "identify/stages/open_circuit_voltage_file.h"
+#include "identify/identification.h"
+#include "identify/identify_request.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
@@ -21,38 +21,13 @@
 namespace lipoid::python {
 namespace {
 
-struct IdentifyKeywords {
-  IdentifyOptions options;
-
-  void Declare(Keywords& keywords) {
-    keywords.Option(
-        "method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
-    std::optional<int> branches;
-    DeclareStages(keywords, options.staged, options.given, branches);
-    if (const auto reference = keywords.Take(
-            "reference",
-            "Path | Cell",
-            "the same cell at another age: its v_oc(A), time constants and shapes are "
-            "held, so that a short test gives its capacity, beta and resistances now")) {
-      HeldShape held;
-      if (const Cell* const cell = CellBehind(*reference)) {
-        held.cell = *cell;
-        held.source = held.cell.name;
-      } else {
-        held.source = PathOf(*reference);
-        held.cell = LoadCell(held.source);
-      }
-      held.cell.series = held.cell.parallel = 1;
-      options.given.reference = std::make_shared<const HeldShape>(std::move(held));
-    }
-    keywords.Words("profile",
-                   options.profiled,
-                   "hold each of these at values around its estimate and refit the others");
-    keywords.Group("solver", options.staged.solver);
-    if (branches) options.joint.branches = *branches;
-    keywords.Group("joint", options.joint);
-  }
-};
+IdentifyRequest RequestOf(Keywords& keywords) {
+  IdentifyRequest request;
+  keywords.Each(request);
+  request.EachGroup(keywords.Groups());
+  keywords.Finish();
+  return request;
+}
 
 // The cell, the staged one beside a joint one, and the summary of `lipoid identify`.
 nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
@@ -60,15 +35,11 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                            std::uint64_t seed,
                            int threads,
                            const nb::object& progress) {
-  IdentifyKeywords made;
   Keywords keywords(given);
-  made.Declare(keywords);
-  keywords.Finish();
-  CheckIdentifyOptions(made.options);
+  const IdentifyOptions options = RequestOf(keywords).Resolve();
   const Campaign& described = campaign.campaign();
-  CheckCampaign(
-      described,
-      made.options.given.open_circuit_voltage.has_value() || made.options.given.reference);
+  CheckCampaign(described,
+                options.given.open_circuit_voltage.has_value() || options.given.reference);
   Identification found;
   Json summary;
   Work(
@@ -76,7 +47,7 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
         const auto began = std::chrono::steady_clock::now();
         tell("reading logs", 0.0);
         const std::vector<LoadedLog>& logs = campaign.Logs();
-        found = Identify(described, logs, made.options, [&](std::string_view stage, double part) {
+        found = Identify(described, logs, options, [&](std::string_view stage, double part) {
           tell(stage, 0.1 + 0.85 * part);
         });
         const Json report = IdentificationToJson(found);
@@ -84,7 +55,7 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
         run.command = "lipoid.identify";
         run.seed = seed;
         campaign.AddInputsTo(run);
-        AddRunRecord(found, made.options, report, std::move(run));
+        AddRunRecord(found, options, report, std::move(run));
         summary = {{"cell", CellToJson(found.cell)}};
         summary.update(report);
         summary["campaign"] = CampaignToJson(described, logs);
@@ -120,42 +91,6 @@ nb::object ValidateLog(const PythonCell& cell, const PythonLog& log, double init
 
 }  // namespace
 
-void DeclareStages(Keywords& keywords,
-                   StagedOptions& options,
-                   StagedGiven& given,
-                   std::optional<int>& branches) {
-  keywords.Option(
-      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
-  if (const auto curve =
-          keywords.Take("open_circuit_voltage",
-                        "Path | Cell",
-                        "v_oc(A), instead of finding it: a CSV file with columns soc "
-                        "and voltage_V, a cell file, or a cell")) {
-    if (const Cell* const cell = CellBehind(*curve)) {
-      given.open_circuit_voltage = cell->open_circuit_voltage;
-      given.open_circuit_voltage_source = cell->name;
-    } else {
-      given.open_circuit_voltage_source = PathOf(*curve);
-      given.open_circuit_voltage = ReadOpenCircuitVoltageFile(given.open_circuit_voltage_source);
-    }
-  }
-  keywords.Option(
-      "branches", branches, Range{0, 5}, "resistor-capacitor branches (pulses.branches)");
-  bool no_diffusion = false;
-  keywords.Flag(
-      "no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
-  auto& known = given.parameters;
-  keywords.Numbers(
-      "fix", known.fixed, "hold parameters at these values: beta, r_s, r_1, c_1, tau_1, ...");
-  keywords.Numbers("start", known.start, "values at which the search for parameters begins");
-  keywords.Ranges("bounds", known.bounds, "keep parameters within (low, high)");
-  if (branches) options.pulses.branches = *branches;
-  if (no_diffusion) options.pulses.diffusion = false;
-  keywords.Group("discharge_times", options.discharge_times);
-  keywords.Group("open_circuit_voltage_fit", options.open_circuit_voltage);
-  keywords.Group("pulses", options.pulses);
-}
-
 void AddIdentification(nb::module_& module) {
   module.def("identify",
              &IdentifyCampaign,
@@ -168,17 +103,13 @@ void AddIdentification(nb::module_& module) {
   module.def(
       "check_identify",
       [](const nb::dict& given) {
-        IdentifyKeywords made;
         Keywords keywords(given);
-        made.Declare(keywords);
-        keywords.Finish();
-        CheckIdentifyOptions(made.options);
+        (void)RequestOf(keywords).Resolve();
       },
       nb::arg("options"));
   module.def("describe_identify", [] {
-    IdentifyKeywords made;
     Keywords keywords;
-    made.Declare(keywords);
+    (void)RequestOf(keywords);
     return keywords.Described();
   });
 }

@@ -7,6 +7,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
+#include "python/src/cell.h"
 #include "python/src/convert.h"
 
 namespace lipoid::python {
@@ -107,9 +108,10 @@ std::optional<nb::object> Keywords::Take(std::string_view name,
   return Given(shown);
 }
 
-void Keywords::Numbers(std::string_view name,
-                       std::map<std::string, double>& values,
-                       std::string_view help) {
+void Keywords::OfKind(std::string_view name,
+                      std::map<std::string, double>& values,
+                      const Word&,
+                      std::string_view help) {
   const std::string shown = PythonName(name);
   const auto given = Take(name, "Mapping[str, float]", help);
   if (!given) return;
@@ -122,8 +124,9 @@ void Keywords::Numbers(std::string_view name,
   }
 }
 
-void Keywords::Ranges(std::string_view name,
-                      std::map<std::string, std::pair<double, double>>& values,
+void Keywords::OfKind(std::string_view name,
+                      std::map<std::string, Ends>& values,
+                      const Word&,
                       std::string_view help) {
   const std::string shown = PythonName(name);
   const auto given = Take(name, "Mapping[str, tuple[float, float]]", help);
@@ -141,28 +144,41 @@ void Keywords::Ranges(std::string_view name,
   }
 }
 
-void Keywords::Words(std::string_view name,
-                     std::vector<std::string>& values,
-                     std::string_view help) {
-  const auto given = Take(name, "str | Sequence[str]", help);
-  if (!given) return;
-  if (nb::isinstance<nb::str>(*given)) {
-    values = {nb::cast<std::string>(*given)};
-    return;
-  }
-  values.clear();
-  for (const nb::handle word : *given) values.push_back(TextOf(PythonName(name), word));
-}
-
 void Keywords::OfKind(std::string_view name, InputFile& value, const Word&, std::string_view help) {
   if (const auto file = Take(name, "Path", help)) value.path = PathOf(*file);
+}
+
+void Keywords::OfKind(std::string_view name,
+                      CellSource& value,
+                      const Word&,
+                      std::string_view help) {
+  const auto given = Take(name, "Path | Cell", help);
+  if (!given) return;
+  if (const Cell* const cell = CellBehind(*given)) {
+    value.cell = std::make_shared<const Cell>(*cell);
+  } else {
+    value.path = PathOf(*given);
+  }
 }
 
 void Keywords::OfKind(std::string_view name,
                       std::vector<std::string>& values,
                       const Word&,
                       std::string_view help) {
-  Words(name, values, help);
+  const std::string shown = PythonName(name);
+  const auto given =
+      Take(name, "str | Sequence[str]", help, "", fmt::format("{}", fmt::join(values, ",")));
+  if (!given) return;
+  values.clear();
+  if (nb::isinstance<nb::str>(*given)) {  // as on the command line
+    const nb::object pieces = given->attr("split")(",");
+    for (const nb::handle word : pieces) values.push_back(nb::cast<std::string>(word));
+    return;
+  }
+  if (!nb::hasattr(*given, "__iter__"))
+    throw OptionError(
+        fmt::format("option {}: expected a text or several, found {}", shown, Shown(*given)));
+  for (const nb::handle word : *given) values.push_back(TextOf(shown, word));
 }
 
 void Keywords::OfKind(std::string_view name,
@@ -188,17 +204,17 @@ void Keywords::OfKind(std::string_view name,
 }
 
 void Keywords::OfKind(std::string_view name,
-                      std::map<std::string, double>& values,
+                      std::map<std::string, std::string>& values,
                       const Word&,
                       std::string_view help) {
-  Numbers(name, values, help);
-}
-
-void Keywords::OfKind(std::string_view name,
-                      std::map<std::string, Ends>& values,
-                      const Word&,
-                      std::string_view help) {
-  Ranges(name, values, help);
+  const std::string shown = PythonName(name);
+  const auto given = Take(name, "Mapping[str, str | int]", help);
+  if (!given) return;
+  if (!nb::isinstance<nb::dict>(*given))
+    throw OptionError(
+        fmt::format("option {}: expected {{key: name}}, found {}", shown, Shown(*given)));
+  for (const auto& [key, value] : nb::cast<nb::dict>(*given))
+    values[nb::cast<std::string>(nb::str(key))] = TextOf(shown, value);
 }
 
 void Keywords::Group(std::string_view name,
@@ -238,6 +254,12 @@ void Keywords::Group(std::string_view name,
       throw OptionError(UnknownName("option of " + shown, option, names));
     set(option, TextOf(shown + "." + option, value));
   }
+}
+
+std::string Keywords::GroupName(std::string_view name) const {
+  std::string group = PythonName(name);
+  if (std::find(known_.begin(), known_.end(), group) != known_.end()) group += "_fit";
+  return group;
 }
 
 void Keywords::Finish() const {

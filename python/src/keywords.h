@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/battery/cell_source.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
 
@@ -53,7 +54,10 @@ class Keywords {
               const Valid& valid,
               std::string_view help) {
     Declare(name,
-            {{}, "None", options_internal::DescribeValid<T>(valid), std::string(help)},
+            {{},
+             value ? options_internal::ToText(*value) : "None",
+             options_internal::DescribeValid<T>(valid),
+             std::string(help)},
             TypeOf<T>() + " | None",
             [&](const std::string& shown, const std::string& text) {
               options_internal::FromText(shown, text, valid, value.emplace());
@@ -75,15 +79,6 @@ class Keywords {
                                                std::string_view valid = "",
                                                std::string_view default_text = "");
 
-  /// {"name": value}.
-  void Numbers(std::string_view name, std::map<std::string, double>& values, std::string_view help);
-  /// {"name": (low, high)}.
-  void Ranges(std::string_view name,
-              std::map<std::string, std::pair<double, double>>& values,
-              std::string_view help);
-  /// A word, or a sequence of them.
-  void Words(std::string_view name, std::vector<std::string>& values, std::string_view help);
-
   /// Options of a struct: {"terms": 20}.
   template <class Options>
   void Group(std::string_view name, Options& options) {
@@ -98,13 +93,21 @@ class Keywords {
              const std::function<void(std::string_view, std::string_view)>& set,
              const std::vector<std::string>& types = {});
 
+  /// For EachGroup() of a struct. A group whose name is an option, too, is called NAME_fit.
+  auto Groups() {
+    return [this](std::string_view name, auto& options) { Group(GroupName(name), options); };
+  }
+
   /// Options of a struct, each by itself; model/core/option_kinds.h has what they may be.
   template <class Options>
   void Each(Options& options) {
-    Options::Visit(options,
-                   [&](std::string_view name, auto& member, const auto& valid, const char* help) {
-                     OfKind(name, member, valid, help);
-                   });
+    Options::Visit(options, EachOne());
+  }
+  /// The same for a Visit of another name.
+  auto EachOne() {
+    return [this](std::string_view name, auto& member, const auto& valid, const char* help) {
+      OfKind(name, member, valid, help);
+    };
   }
 
   /// OptionError for what no declaration took.
@@ -114,6 +117,7 @@ class Keywords {
   [[nodiscard]] nb::list Described() const { return described_; }
 
  private:
+  [[nodiscard]] std::string GroupName(std::string_view name) const;
   template <class T, class Valid>
   void OfKind(std::string_view name, T& value, const Valid& valid, std::string_view help) {
     Option(name, value, valid, help);
@@ -122,6 +126,7 @@ class Keywords {
     Text(name, value, word.text, help);
   }
   void OfKind(std::string_view name, InputFile& value, const Word& word, std::string_view help);
+  void OfKind(std::string_view name, CellSource& value, const Word& word, std::string_view help);
   void OfKind(std::string_view name,
               std::vector<std::string>& values,
               const Word& word,
@@ -132,6 +137,10 @@ class Keywords {
               std::string_view help);
   void OfKind(std::string_view name,
               std::map<std::string, double>& values,
+              const Word& word,
+              std::string_view help);
+  void OfKind(std::string_view name,
+              std::map<std::string, std::string>& values,
               const Word& word,
               std::string_view help);
   void OfKind(std::string_view name,

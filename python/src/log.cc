@@ -4,7 +4,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -19,7 +18,7 @@ namespace {
 
 std::vector<int> WholeNumbers(const char* name, const nb::object& given) {
   std::vector<std::string> words;
-  if (nb::isinstance<nb::int_>(given)) {
+  if (nb::isinstance<nb::str>(given) || !nb::hasattr(given, "__iter__")) {
     words.push_back(TextOf(name, given));
   } else {
     for (const nb::handle word : given) words.push_back(TextOf(name, word));
@@ -32,12 +31,13 @@ std::vector<int> WholeNumbers(const char* name, const nb::object& given) {
 
 PythonLog Shared(Log log) { return {std::make_shared<const Log>(std::move(log))}; }
 
+// Arrays are asked for, not a gist: every row is kept unless something else is said.
+ReadingRequest EveryRow() { return {.most_rows = std::nullopt}; }
+
 ReadOptions ReadingOf(const nb::dict& given, bool of_a_file) {
-  ReadOptions options;
   Keywords keywords(given);
-  DeclareReading(keywords, options, of_a_file);
+  ReadOptions options = ReadingOf(keywords, EveryRow(), of_a_file);
   keywords.Finish();
-  options.most_rows = std::numeric_limits<std::size_t>::max();  // arrays are asked for, not a gist
   return options;
 }
 
@@ -113,7 +113,11 @@ nb::tuple State(const PythonLog& self) {
                         options_internal::ToText(self.log->record.hold),
                         report.format,
                         report.current_sign,
-                        report.current_sign_reason);
+                        report.current_sign_reason,
+                        report.thinned ? report.thinned->rows_of_log : 0,
+                        report.thinned ? report.thinned->most_rows : 0,
+                        report.thinned ? report.thinned->group : 1,
+                        report.thinned ? report.thinned->tolerance_A : 0.0);
 }
 
 std::vector<double> Numbers(const nb::object& column) {
@@ -135,13 +139,19 @@ PythonLog FromState(const nb::tuple& state) {
   log.report.current_sign = nb::cast<std::string>(state[7]);
   log.report.current_sign_reason = nb::cast<std::string>(state[8]);
   log.report.rows = log.record.size();
+  if (const auto rows_of_log = nb::cast<std::size_t>(state[9]); rows_of_log > 0) {
+    log.report.thinned = ThinningFacts{.rows_of_log = rows_of_log,
+                                       .rows = log.record.size(),
+                                       .most_rows = nb::cast<std::size_t>(state[10]),
+                                       .group = nb::cast<std::size_t>(state[11]),
+                                       .tolerance_A = nb::cast<double>(state[12])};
+  }
   return Shared(std::move(log));
 }
 
 nb::list Describe(bool of_a_file) {
-  ReadOptions options;
   Keywords keywords;
-  DeclareReading(keywords, options, of_a_file);
+  (void)ReadingOf(keywords, EveryRow(), of_a_file);
   return keywords.Described();
 }
 
@@ -162,15 +172,13 @@ Log PythonLog::Lent() const {
   return lent;
 }
 
-void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file) {
-  keywords.Text("current-sign",
-                options.current_sign,
-                "auto | discharge-positive | discharge-negative",
-                "which sign a discharge has, where it cannot be found from the data");
-  keywords.Option("hold",
-                  options.hold,
-                  Names{},
-                  "whether a row's current holds since the row before or until the next");
+ReadOptions ReadingOf(Keywords& keywords, ReadingRequest request, bool of_a_file) {
+  if (of_a_file) {
+    keywords.Each(request);
+  } else {
+    ReadingRequest::VisitOfColumns(request, keywords.EachOne());
+  }
+  ReadOptions options = request.Resolve();
   keywords.Option(
       "start_s", options.start_s, Range{}, "only rows from this time on; time then starts at 0");
   keywords.Option("end_s", options.end_s, Range{}, "only rows up to this time");
@@ -178,23 +186,7 @@ void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file) {
                   options.lead_resistance_Ohm,
                   Range{},
                   "resistance of leads, whose drop is added to the voltage");
-  if (!of_a_file) return;
-  if (const auto columns = keywords.Take(
-          "columns",
-          "Mapping[str, str]",
-          "names of time_s, current_A, voltage_V, temperature_degC in the header, where they are not "
-          "found")) {
-    if (!nb::isinstance<nb::dict>(*columns))
-      throw OptionError("option columns: expected {\"time_s\": \"name in the header\"}");
-    for (const auto& [key, value] : nb::cast<nb::dict>(*columns))
-      options.columns[nb::cast<std::string>(nb::str(key))] = TextOf("columns", value);
-  }
-  if (const auto units =
-          keywords.Take("units",
-                        "Sequence[str]",
-                        "units of time, current and voltage where the header has none")) {
-    for (const nb::handle unit : *units) options.units.push_back(TextOf("units", unit));
-  }
+  if (!of_a_file) return options;
   if (const auto steps =
           keywords.Take("steps", "int | Sequence[int]", "only rows of these steps of the cycler"))
     options.steps = WholeNumbers("steps", *steps);
@@ -204,6 +196,7 @@ void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file) {
   keywords.Flag("voltage_optional",
                 options.voltage_optional,
                 "whether a log without a voltage is taken too: a current for a simulation");
+  return options;
 }
 
 void AddLogs(nb::module_& module) {
@@ -223,6 +216,11 @@ void AddLogs(nb::module_& module) {
       .def_prop_ro("sign", [](const PythonLog& self) { return self.log->report.current_sign; })
       .def_prop_ro("sign_reason",
                    [](const PythonLog& self) { return self.log->report.current_sign_reason; })
+      .def_prop_ro("rows_of_source",
+                   [](const PythonLog& self) {
+                     const auto& thinned = self.log->report.thinned;
+                     return thinned ? thinned->rows_of_log : self.log->record.size();
+                   })
       .def("reading",
            [](const PythonLog& self) { return ToPython(ReadingToJson(self.log->report)); })
       .def("inspect", &Inspect)
@@ -231,6 +229,7 @@ void AddLogs(nb::module_& module) {
       .def("__setstate__", [](PythonLog& self, const nb::tuple& state) {
         new (&self) PythonLog(FromState(state));
       });
+  module.attr("most_rows_kept") = kMostRowsKept;
   module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
   module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("name"), nb::arg("options"));
   module.def("take_log",

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "identify/logs/log.h"
+#include "identify/logs/reading_request.h"
 #include "python/src/keywords.h"
 
 namespace lipoid::python {
@@ -21,8 +22,9 @@ struct PythonLog {
   [[nodiscard]] Log Lent() const;
 };
 
-/// columns, units, current_sign, hold, steps, cycles, start_s, end_s, lead_resistance_Ohm.
-void DeclareReading(Keywords& keywords, ReadOptions& options, bool of_a_file);
+/// How logs are read: `request`, whose members are the defaults, and beyond what commands take the
+/// keys of a log in a campaign file.
+[[nodiscard]] ReadOptions ReadingOf(Keywords& keywords, ReadingRequest request, bool of_a_file);
 
 void AddLogs(nb::module_& module);
 

@@ -92,7 +92,7 @@ def test_a_health_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
 
 
 def test_a_pack_that_no_log_names_is_asked_for() -> None:
-    with pytest.raises(lipoid.OptionError, match="--series"):
+    with pytest.raises(lipoid.OptionError, match="give series=4"):
         lipoid.health("gifi-600mAh-1", SOLO)
 
 

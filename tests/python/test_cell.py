@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -169,3 +170,20 @@ def test_temperatures_that_do_not_go_with_the_currents() -> None:
         cell.simulate(t, t, temperature_degC=[1.0, 2.0])
     with pytest.raises(lipoid.OptionError, match="not both"):
         cell.simulate(t, t, temperature_degC=t, ambient_degC=3.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"initial_soc": 5.0}, r"option initial_soc: expected -0.5 .. 1.5, found 5.0"),
+        ({"initial_soc": float("nan")}, "option initial_soc: expected -0.5 .. 1.5, found nan"),
+        ({"time_s": [], "current_A": []}, "simulate: expected at least one row"),
+    ],
+)
+def test_what_cannot_be_simulated_is_said(options: dict[str, Any], message: str) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    given: dict[str, Any] = {"time_s": [0.0, 1.0], "current_A": [1.0, 1.0]}
+    with pytest.raises(lipoid.OptionError, match=message):
+        cell.simulate(**(given | options))
+    with pytest.raises(lipoid.OptionError, match="expected at least one log"):
+        lipoid.validate(cell, [])

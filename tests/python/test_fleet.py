@@ -14,11 +14,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pandas as pd
 import pytest
 
 import lipoid
-from conftest import Lipoid
+from conftest import ROOT, Lipoid
 from lipoid.fleet import worker
 from lipoid.fleet.command import main
 from lipoid.fleet.driver import duration, still_the_same
@@ -27,6 +28,7 @@ from lipoid.fleet.worker import Settings, identify_batch
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)}
 STAGED = ("--method", "staged", "--quiet")
 CELLS = 8
+SCHEMA = json.loads((ROOT / "docs/schemas/lipoid-fleet.summary.schema.json").read_text())
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +46,13 @@ def cells(tmp_path_factory: pytest.TempPathFactory) -> Path:
             rates_C="1,2",
         )
     return folder
+
+
+def told_in(summary: Path) -> dict[str, Any]:
+    """Return a summary, which is as docs/schemas says."""
+    told: dict[str, Any] = json.loads(summary.read_text())
+    jsonschema.validate(told, SCHEMA)
+    return told
 
 
 def rows(results: Path) -> dict[str, sqlite3.Row]:
@@ -160,7 +169,7 @@ def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
 
     def run(*more: str) -> tuple[int, int]:
         assert main([*command, *more]) == 0
-        told = json.loads(summary.read_text())
+        told = told_in(summary)
         return told["done"], told["kept"]
 
     assert run() == (4, 0)
@@ -202,8 +211,10 @@ def test_what_is_wrong_with_a_campaign_is_its_row(cells: Path, tmp_path: Path) -
         f"campaign,batch,age\n{good},A,1\nbad.toml,<b>,2\nlacks.toml,,3\nnone.toml,B,\n"
         "folder.toml,B,5\n"
     )
-    results = tmp_path / "results.sqlite"
-    assert main([str(table), "-o", str(results), *STAGED]) == 1
+    results, summary = tmp_path / "results.sqlite", tmp_path / "summary.json"
+    assert main([str(table), "-o", str(results), "--summary", str(summary), *STAGED]) == 1
+    told = told_in(summary)
+    assert (told["done"], told["failures"]) == (1, {"bad-input": told["failed"]})
     found = {Path(key).name: row for key, row in rows(results).items() if "folder" not in key}
     assert found["campaign.toml"]["status"] == "done"
     assert json.loads(found["campaign.toml"]["metadata"]) == {"batch": "A", "age": 1}
@@ -415,6 +426,9 @@ def test_killed_processes_cost_nothing(cells: Path, undisturbed: Path, tmp_path:
         time.sleep(0.3)
     assert process.wait() == 0, process.communicate()
     assert killed == 6
+    told = told_in(tmp_path / "s.json")
+    assert (told["done"], told["failed"]) == (CELLS, 0)
+    assert told["retries"] >= 1
     assert essence(results) == essence(undisturbed)
 
 

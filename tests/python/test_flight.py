@@ -60,7 +60,7 @@ def test_unknown_maneuvers_and_options_name_the_known() -> None:
         lipoid.fly("endurance", cell=None)
     with pytest.raises(lipoid.OptionError, match="simulation"):
         lipoid.fly("hover", substeps=3)  # type: ignore[call-arg]
-    with pytest.raises(lipoid.OptionError, match="--waypoints"):
+    with pytest.raises(lipoid.OptionError, match="waypoints=FILE"):
         lipoid.fly("waypoints")
 
 

@@ -21,7 +21,7 @@ import pandas as pd
 import pytest
 
 import lipoid
-from conftest import Lipoid
+from conftest import ROOT, Lipoid
 
 
 def without_times(json: Any) -> Any:
@@ -137,6 +137,36 @@ def test_wrong_options_say_what_is_right(
 ) -> None:
     with pytest.raises(lipoid.OptionError, match=message):
         lipoid.identify(campaign, **options)
+
+
+@pytest.mark.parametrize("option", ["seed", "threads"])
+@pytest.mark.parametrize("value", [-1, 1.5, "2", None])
+def test_seeds_and_threads_are_whole(campaign: lipoid.Campaign, option: str, value: Any) -> None:
+    message = f"option {option}: expected a whole number of at least 0, found {value!r}"
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.identify(campaign, **{option: value})
+
+
+def test_what_is_no_campaign_is_said() -> None:
+    log = lipoid.read_log(ROOT / "fixtures/flights/sample_log_small.ulg", battery=2)
+    with pytest.raises(TypeError, match=r"found Log; logs make one: lipoid.Campaign\(pulses=log"):
+        lipoid.identify(log)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="one goes into a list"):
+        lipoid.identify_many("campaign.toml")
+    with pytest.raises(lipoid.OptionError, match="option reading: expected a dictionary"):
+        lipoid.Campaign(pulses=log, reading="s,A,V")  # type: ignore[arg-type]
+    with pytest.raises(lipoid.OptionError, match="found int; arrays are given by name"):
+        lipoid.Campaign(pulses=3)  # type: ignore[arg-type]
+    assert len(lipoid.Campaign(pulses=(one for one in [log])).entries) == 1  # type: ignore[arg-type]
+
+
+def test_messages_name_options_as_python_has_them() -> None:
+    with pytest.raises(lipoid.OptionError) as told:
+        lipoid.identify(lipoid.Campaign())
+    assert "--" not in str(told.value)
+    assert "open_circuit_voltage=FILE" in str(told.value)
+    with pytest.raises(lipoid.OptionError, match="option units: expected three"):
+        lipoid.read_log("pulses.csv", units="s,A")
 
 
 def test_numbers_of_numpy_are_options(campaign: lipoid.Campaign) -> None:

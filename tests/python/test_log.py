@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import pickle
 import resource
+from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import lipoid
+from conftest import ROOT
 
 N = 600
 T = np.arange(0.0, N)
@@ -159,3 +162,115 @@ def test_a_missing_file_is_a_load_error() -> None:
     with pytest.raises(lipoid.LoadError, match="found no file of this name") as error:
         lipoid.read_log("nowhere.csv")
     assert error.value.file == "nowhere.csv"
+
+
+def test_times_may_be_dates_or_durations() -> None:
+    dates = pd.date_range(
+        "2026-03-29 00:59", periods=N, freq="s", tz="Europe/Berlin"
+    )  # summer time
+    table = pd.DataFrame({"current_A": I, "voltage_V": V}, index=dates)
+    for log in (
+        lipoid.Log(table),
+        lipoid.Log(table.set_index(pd.to_timedelta(T, unit="s"))),
+        lipoid.Log(table.set_index(pd.Index(T, name="time_s"))),
+        lipoid.Log(time_s=table.index, current_A=I, voltage_V=V),
+        lipoid.Log(time_s=pd.Series(dates), current_A=I, voltage_V=V),
+        lipoid.Log(time_s=dates.tz_localize(None).to_numpy(), current_A=I, voltage_V=V),
+    ):
+        np.testing.assert_allclose(log.time_s, T, rtol=0, atol=1e-9)
+
+
+def test_a_lazy_frame_is_collected() -> None:
+    polars = pytest.importorskip("polars")
+    frame = polars.DataFrame({"time_s": T, "current_A": I, "voltage_V": V})
+    np.testing.assert_array_equal(lipoid.Log(frame.lazy()).current_A, I)
+
+
+COLUMNS: dict[str, Any] = {"time_s": T, "current_A": I, "voltage_V": V}
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_s": 1.0}, "time_s: expected a column of numbers, found 1.0"),
+        ({"time_s": "abc"}, "time_s: expected a column of numbers, found 'abc'"),
+        ({"current_A": ["1"] * N}, "current_A: expected numbers, found texts or other objects"),
+        ({"current_A": I > 0}, "current_A: expected numbers, found truth values"),
+        ({"current_A": np.array(T, dtype="M8[s]")}, "current_A: expected numbers, found dates"),
+        ({"time_s": T.reshape(2, -1)}, "time_s: expected one dimension, found 2"),
+        ({"time_s": None}, "Log: time_s is missing$"),
+        ({"time_s": None, "time": T}, "Log: time_s is missing; unknown: time"),
+        ({"data": np.c_[T, I, V], "time_s": None}, "found ndarray; arrays are given by name"),
+        ({"data": "pulses.csv", "time_s": None}, "files are read by lipoid.read_log"),
+        (
+            {"data": pd.DataFrame({"t": T, "i": I}), "time_s": None},
+            "Log: time_s is missing; found t, i",
+        ),
+    ],
+)
+def test_what_is_no_log_is_said(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.Log(**(COLUMNS | given))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_s": [], "current_A": [], "voltage_V": []}, "expected rows, found empty columns"),
+        ({"time_s": T[::-1]}, "log:2:1: error: expected time to increase, found 598 s after 599 s"),
+        ({"voltage_V": np.where(T == 5, np.nan, V)}, "log:6:1: error: expected a finite number"),
+        ({"current_A": [None, *I[1:]]}, "log:1:1: error: expected a finite number in current_A"),
+        ({"time_s": T[1:]}, "expected columns of equal lengths, found 599 rows of time_s and 600"),
+    ],
+)
+def test_rows_that_are_wrong_are_named(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(lipoid.LoadError, match=message):
+        lipoid.Log(**(COLUMNS | given))
+
+
+def test_numbers_of_other_types_are_numbers() -> None:
+    whole = lipoid.Log(time_s=list(range(N)), current_A=I.astype(int), voltage_V=V.astype("f4"))
+    np.testing.assert_array_equal(whole.time_s, T)
+    decimals = [Decimal(str(one)) for one in V]
+    log = lipoid.Log(time_s=T, current_A=I, voltage_V=decimals)
+    np.testing.assert_array_equal(log.voltage_V, [float(one) for one in decimals])
+
+
+def test_a_long_log_is_thinned_where_that_is_asked_for(lab: Path) -> None:
+    file = lab / "low_rate.csv"
+    every = lipoid.read_log(file)
+    thin = lipoid.read_log(file, most_rows=1024)
+    assert len(every) == every.rows_of_source > 20_000
+    assert thin.rows_of_source == len(every)
+    assert len(thin) <= 1024
+    assert f"{len(thin)} rows that stand for {len(every)}" in repr(thin)
+    assert f"{len(thin)} rows that stand for {len(every)}" in thin._repr_html_()
+    assert "stand for" not in repr(every)
+
+    # No charge is lost: the sum of what each row stands for.
+    def charge_C(log: lipoid.Log) -> float:
+        assert log.hold == "backward"
+        return float(np.sum(log.current_A[1:] * np.diff(log.time_s)))
+
+    assert charge_C(thin) == pytest.approx(charge_C(every), rel=1e-9)
+    again = pickle.loads(pickle.dumps(thin))
+    assert (len(again), again.rows_of_source) == (len(thin), len(every))
+    with pytest.raises(lipoid.OptionError, match="most_rows: expected a whole number, 1024"):
+        lipoid.read_log(file, most_rows=10)
+
+
+def test_files_of_a_campaign_are_bounded_as_on_the_command_line(lab: Path) -> None:
+    file = lab / "low_rate.csv"
+    short = lipoid.Campaign(cutoff_V=3.0, low_rate=file, reading={"most_rows": 1024})
+    assert len(short.logs()[0]) <= 1024
+    # The default, of which no test can have that many rows.
+    assert lipoid._core.most_rows_kept == 1 << 24
+    described = {one["name"]: one for one in lipoid._core.describe_reading(True)}
+    assert described["most_rows"]["default"] == "None"
+
+
+def test_a_battery_of_a_flight_can_be_named() -> None:
+    file = ROOT / "fixtures/flights/sample_log_small.ulg"
+    assert len(lipoid.read_log(file, battery=2)) > 0
+    with pytest.raises(lipoid.LoadError, match="batter"):
+        lipoid.read_log(file, battery=7)

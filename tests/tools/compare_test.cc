@@ -254,7 +254,7 @@ TEST(Compare, RefusesWhatMakesNoSense) {
   } cases[] = {
       {{"--optimizers", "sqp,newton"}, "unknown optimizer 'newton'. Known: interior-point"},
       {{"--optimizers", "sqp,sqp"}, "sqp stands there twice"},
-      {{"--optimizers", ""}, "unknown optimizer ''"},
+      {{"--optimizers", ""}, "option --optimizers: expected NAME,NAME,..., found ''"},
       {{"--starts", "-1"}, "--starts"},
       {{"--set", "scaling=metric"}, "metric"},
       {{"--set", "genetic.population=2"}, "population"},

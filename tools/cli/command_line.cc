@@ -321,21 +321,19 @@ void CommandLine::OfKind(const std::string& name,
 }
 
 void CommandLine::OfKind(const std::string& name,
-                         InputFile& value,
-                         const Word& word,
-                         const char* help) {
-  Input(name, value.path, word.text, help);
-}
-
-void CommandLine::OfKind(const std::string& name,
                          std::vector<std::string>& values,
                          const Word& word,
                          const char* help) {
   auto& option = Declare(name, word.text, fmt::format("{}", fmt::join(values, ",")), help);
-  option.several = true;
-  option.set = [&values, first = true](const std::string&, const std::string& text) mutable {
+  option.several = word.several;
+  option.set = [&values, first = true, expected = word.text](const std::string& shown,
+                                                             const std::string& text) mutable {
     if (std::exchange(first, false)) values.clear();
-    for (std::string& piece : SplitAt(text, ',')) values.push_back(std::move(piece));
+    for (std::string& piece : SplitAt(text, ',')) {
+      if (piece.empty())
+        throw OptionError(fmt::format("option {}: expected {}, found '{}'", shown, expected, text));
+      values.push_back(std::move(piece));
+    }
   };
 }
 
@@ -343,14 +341,17 @@ void CommandLine::OfKind(const std::string& name,
                          std::vector<double>& values,
                          const Range& valid,
                          const char* help) {
-  Declare(name, "LIST", fmt::format("{}", fmt::join(values, ",")), help).set =
-      [&values, valid, name](const std::string&, const std::string& text) {
-        values.clear();
-        for (const std::string& piece : SplitAt(text, ',')) {
-          const std::vector<double> some = ReadRange(name, piece, valid);
-          values.insert(values.end(), some.begin(), some.end());
-        }
-      };
+  Declare(name,
+          "LIST",
+          fmt::format("{}", fmt::join(values, ",")),
+          fmt::format("{}; each {}", help, options_internal::DescribeValid<double>(valid)))
+      .set = [&values, valid, name](const std::string&, const std::string& text) {
+    values.clear();
+    for (const std::string& piece : SplitAt(text, ',')) {
+      const std::vector<double> some = ReadRange(name, piece, valid);
+      values.insert(values.end(), some.begin(), some.end());
+    }
+  };
 }
 
 void CommandLine::OfKind(const std::string& name,
@@ -362,6 +363,20 @@ void CommandLine::OfKind(const std::string& name,
   option.set = [&values](const std::string& shown, const std::string& text) {
     for (const auto& [parameter, value] : ParseAssignments(shown, {text}))
       values[parameter] = value;
+  };
+}
+
+void CommandLine::OfKind(const std::string& name,
+                         std::map<std::string, std::string>& values,
+                         const Word& word,
+                         const char* help) {
+  auto& option = Declare(name, word.text, "", help);
+  option.several = true;
+  option.set = [&values, expected = word.text](const std::string& shown, const std::string& text) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos)
+      throw OptionError(fmt::format("option {}: expected {}, found '{}'", shown, expected, text));
+    values[text.substr(0, equals)] = text.substr(equals + 1);
   };
 }
 

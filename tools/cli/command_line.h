@@ -31,6 +31,7 @@
 
 #include <fmt/format.h>
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -108,10 +109,13 @@ class CommandLine {
               std::optional<T>& value,
               const Valid& valid,
               std::string_view help) {
-    Declare(name, options_internal::DescribeValid<T>(valid), "", help).set =
-        [&value, valid](const std::string& shown, const std::string& text) {
-          options_internal::FromText(shown, text, valid, value.emplace());
-        };
+    Declare(name,
+            options_internal::DescribeValid<T>(valid),
+            value ? options_internal::ToText(*value) : "",
+            help)
+        .set = [&value, valid](const std::string& shown, const std::string& text) {
+      options_internal::FromText(shown, text, valid, value.emplace());
+    };
   }
   /// --name WORD, free text; `word` says in help what is expected: "FILE".
   void Text(std::string_view name,
@@ -303,7 +307,10 @@ class CommandLine {
   }
   void OfKind(const std::string& name, bool& value, const Names&, const char* help);
   void OfKind(const std::string& name, std::string& value, const Word& word, const char* help);
-  void OfKind(const std::string& name, InputFile& value, const Word& word, const char* help);
+  template <std::derived_from<InputFile> File>
+  void OfKind(const std::string& name, File& value, const Word& word, const char* help) {
+    Input(name, value.path, word.text, help);
+  }
   void OfKind(const std::string& name,
               std::vector<std::string>& values,
               const Word& word,
@@ -314,6 +321,10 @@ class CommandLine {
               const char* help);
   void OfKind(const std::string& name,
               std::map<std::string, double>& values,
+              const Word& word,
+              const char* help);
+  void OfKind(const std::string& name,
+              std::map<std::string, std::string>& values,
               const Word& word,
               const char* help);
   void OfKind(const std::string& name,

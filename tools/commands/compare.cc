@@ -11,9 +11,8 @@
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/campaign_options.h"
 #include "tools/commands/log_options.h"
-#include "tools/cli/split.h"
-#include "tools/commands/staged_arguments.h"
 
 namespace lipoid {
 namespace {
@@ -138,9 +137,8 @@ std::string BestText(const Comparison& comparison) {
 
 cli::ExitCode CompareCommand(cli::CommandLine& line) {
   std::vector<std::string> files;
-  StagedArguments staged;
+  CampaignOptions campaign_options;
   ComparisonRequest request;
-  std::string names = fmt::format("{}", fmt::join(ThesisOptimizers(), ","));
   std::string csv;
 
   line.Describe(
@@ -153,24 +151,14 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.Example("lipoid compare campaign.toml --optimizers levenberg-marquardt --set scaling=none");
   line.InputArguments(
       "CAMPAIGN", files, "a campaign file (TOML); none where logs are given by options", 0);
-  line.Text(
-      "optimizers",
-      names,
-      "NAME,NAME,...",
-      "optimizers to compare, or all (`lipoid list optimizers`); by default the thesis' seven");
-  line.Option("starts",
-              request.starts,
-              Range{0, 100000},
-              "number of random starts of each optimizer, besides the one that the logs suggest");
-  line.Flag("time-constants", request.time_constants, "tau_j as unknowns, instead of c_j");
+  line.Each(request);
   line.OutputOption(
       "csv",
       csv,
       "CSV",
       "write one line per optimizer and start: start, seed, cost, time, why it ended");
-  staged.AddTo(line);
-  line.Group("", request.options);
-  staged.AddGroupsTo(line);
+  campaign_options.AddTo(line);
+  request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
   for (const auto& entry : Optimizers()) {
     line.Group(entry.name, entry.options(), [&](std::string_view name, std::string_view text) {
       entry.set(request.settings, name, text);
@@ -179,16 +167,15 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  request.optimizers = FindOptimizers(SplitAt(names, ','));
-  const auto campaigns = staged.Campaigns(line, files);
+  request.Resolve();
+  const auto campaigns =
+      campaign_options.Campaigns(line, files, request.staged.given.open_circuit_voltage);
   if (campaigns.size() > 1) throw OptionError("one campaign at a time");
   const Campaign& campaign = campaigns[0];
-  request.staged = staged.options;
-  request.given = staged.given;
   request.settings.context.seed = line.seed();
   request.settings.context.threads = 0;  // as many as --threads lets run
 
-  CheckCampaign(campaign, staged.given.open_circuit_voltage.has_value());
+  CheckCampaign(campaign, request.staged.given.open_circuit_voltage.has_value());
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
   const ComparisonRunResult result =

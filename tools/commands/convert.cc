@@ -7,10 +7,11 @@
 #include "identify/logs/inspection_report.h"
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
+#include "identify/logs/reading_request.h"
 #include "model/core/errors.h"
+#include "tools/cli/split.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
-#include "tools/cli/split.h"
 
 namespace lipoid {
 namespace {
@@ -80,7 +81,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   std::string file;
   std::string output;
   std::optional<LogFileFormat> given_format;
-  LogOptions log_options;
+  ReadingRequest reading;
   PackOptions pack;
   Selection selection;
   line.Describe(
@@ -94,12 +95,12 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
               "CSV",
               "the file to write; as Battery Data Format where its name ends in .bdf or .bdf.csv");
   line.Option("format", given_format, Names(), "format to write, whatever the name");
-  log_options.AddTo(line);
+  line.Each(reading);
   pack.AddTo(line);
   selection.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  ReadOptions read = log_options.ToReadOptions();
+  ReadOptions read = reading.Resolve();
   selection.ApplyTo(read);
   const bool named_bdf = output.ends_with(".bdf") || output.ends_with(".bdf.csv");
   const LogFileFormat format =

@@ -11,11 +11,11 @@
 #include "model/core/nearest_name.h"
 #include "model/core/run_record.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tools/cli/number_range.h"
+#include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/cli/number_range.h"
 #include "tools/commands/poles_json.h"
-#include "tools/cli/split.h"
 #include "tools/commands/stability_json.h"
 
 namespace lipoid {

@@ -9,6 +9,7 @@
 #include "identify/export/export_report.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
+#include "identify/logs/reading_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
 #include "model/core/atomic_file.h"
@@ -82,7 +83,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   std::string into;
   std::string version;
   PackOptions pack;
-  LogOptions log_options;
+  ReadingRequest reading;
   StartOptions start;
   int branches = 2;
   Precision precision = Precision::kDouble;
@@ -126,7 +127,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
               Range{0.0, 1e6},
               "rms error of one cell, mV, above which a warning is given");
   start.AddTo(line);
-  log_options.AddTo(line);
+  line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const ExportTarget& target = FindExportTarget(target_name);
@@ -191,8 +192,8 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     }
     request.mission = DefaultMission(request.cell);
   } else {
-    ReadMission read = ReadMissionFile(
-        request.cell, mission_file, log_options.ToReadOptions(), start.Soc(request.cell));
+    ReadMission read =
+        ReadMissionFile(request.cell, mission_file, reading.Resolve(), start.Soc(request.cell));
     for (const auto& warning : read.warnings) line.Message("{}: {}", mission_file, warning);
     if (read.rows_beyond_cutoff > 0) {
       line.Message("{}: the cell reaches its cut-off of {:.4g} V; {} of {} rows are left out",

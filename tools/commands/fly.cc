@@ -13,6 +13,7 @@
 #include "model/flight/flight_ensemble.h"
 #include "model/flight/flight_log.h"
 #include "model/flight/flight_report.h"
+#include "model/flight/fly_request.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
@@ -37,10 +38,6 @@ enum class Battery { kCell, kIdeal };
 constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Battery) {
   return {{{Battery::kCell, "cell"}, {Battery::kIdeal, "ideal"}}};
 }
-
-// A log of every control step takes 60 kB a second: of a flight that takes longer, it is thinned.
-constexpr double kLongFlight_s = 600.0;
-constexpr double kLongFlightLogStep_s = 1.0;
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
   cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}},
@@ -99,20 +96,16 @@ void PrintEnsemble(cli::CommandLine& line,
 cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::string maneuver_name;
   std::string cell_name;
-  std::string vehicle_name;
-  std::string gains_name;
   std::string output;
   std::string wind;
   ManeuverRequest request;
   std::map<std::string_view, ManeuverRequest> values;  // of each maneuver
-  FlightSetup setup;
+  FlyRequest asked;
+  FlightSetup& setup = asked.setup;
   StartOptions start;
   PackOptions pack;
   EnsembleOption ensemble;
   std::optional<Battery> battery;
-  std::optional<double> xi;
-  std::optional<double> duration_s;
-  std::optional<double> log_step_s;
 
   std::vector<std::string> names;
   for (const Maneuver& maneuver : Maneuvers()) names.emplace_back(maneuver.name);
@@ -132,65 +125,19 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
              cell_name,
              "CELL",
              "a cell file, or the name of a shipped cell (default gifi-600mAh-1)");
-  line.Option(
-      "xi", xi, Range{0.01, 2.0}, "voltage of the ideal source over the nominal one (default 1)");
-  line.Input("vehicle",
-             vehicle_name,
-             "VEHICLE",
-             "a vehicle file, or the name of a shipped vehicle (default mambo-coupled on a cell, "
-             "mambo-thesis on an ideal source)");
-  line.Input(
-      "gains",
-      gains_name,
-      "GAINS",
-      "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
-      "aware for a Mambo, placed for any other vehicle)");
   line.Text("controller",
             setup.controller.law,
             "NAME",
             "inversion, or another of `lipoid list controllers`");
-  line.Flag("compensate",
-            setup.controller.compensate,
-            "turn commands into duty cycles by the measured voltage of the battery (5.52)");
-  line.Flag("estimate",
-            setup.estimate,
-            "the controller sees noisy sensors through the estimator, not the true state");
-  line.Input("waypoints",
-             request.waypoints_file,
-             "FILE",
-             "file of the places that the maneuver waypoints visits (docs/formats.md)");
+  line.Each(asked);
   line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air along x, y and down, m/s");
   line.Option(
       "gusts",
       setup.wind.gusts_m_per_s,
       Range{0.0, 60.0},
       "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
-  line.Option("duration",
-              duration_s,
-              Range{kControlStep_s, 1e6},
-              "duration of the flight, s; by default that of the maneuver");
-  line.Option("land-below-V",
-              setup.land_below_V,
-              Range{0.0, 1e4},
-              "land when the battery has been below this voltage for a second, V; 0: never");
-  line.Option(
-      "log-step-s",
-      log_step_s,
-      Range{kControlStep_s, 1e4},
-      fmt::format("seconds between rows of the flight log (default {} up to {} s of flight, {} "
-                  "beyond: endurance)",
-                  kControlStep_s,
-                  kLongFlight_s,
-                  kLongFlightLogStep_s));
   start.AddTo(line);
   pack.AddTo(line, "of the battery (default as in the cell file)");
-  line.Option(
-      "ambient-degC",
-      setup.ambient_degC,
-      kTemperatures_degC,
-      "temperature of the air, in degC, from which the battery starts and warms (default the "
-      "reference temperature of the cell; a cell file that knows no temperature gets typical "
-      "energies and heat, and a message says so)");
   ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
   line.OutputOption("output,o",
                     output,
@@ -224,11 +171,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     request.values = own.values;
   }
   const Battery source =
-      battery.value_or(xi && cell_name.empty() ? Battery::kIdeal : Battery::kCell);
+      battery.value_or(asked.xi && cell_name.empty() ? Battery::kIdeal : Battery::kCell);
   if (source == Battery::kIdeal && !cell_name.empty()) {
     throw OptionError("options --battery ideal and --cell: give one of them");
   }
-  if (source == Battery::kCell && xi) {
+  if (source == Battery::kCell && asked.xi) {
     throw OptionError(
         "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
         "leave --xi out");
@@ -255,15 +202,15 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     throw OptionError(
         "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
   }
-  setup.xi = xi.value_or(1.0);
-  if (vehicle_name.empty()) vehicle_name = setup.cell ? "mambo-coupled" : "mambo-thesis";
-  setup.vehicle = LoadVehicle(vehicle_name);
-  CheckFlight(setup, maneuver, request, duration_s.has_value());
-  setup.gains = GainsFor(gains_name, setup.vehicle, "aware", setup.controller.law);
+  setup.xi = asked.xi.value_or(1.0);
+  request.waypoints_file = asked.waypoints.path;
+  setup.vehicle = LoadVehicle(asked.VehicleName());
+  CheckFlight(setup, maneuver, request, asked.duration_s.has_value());
+  setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
   FlightPlan plan = maneuver.plan(request);
-  if (duration_s) plan.duration_s = *duration_s;
+  if (asked.duration_s) plan.duration_s = *asked.duration_s;
 
   EnsembleOption::Drawn drawn;
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
@@ -280,8 +227,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::optional<FlightLogWriter> log;
   std::optional<FlightSeries> series;
   FlightRecorder recorder;
-  const double step_s =
-      log_step_s.value_or(plan.duration_s > kLongFlight_s ? kLongFlightLogStep_s : kControlStep_s);
+  const double step_s = asked.LogStep_s(plan.duration_s);
   if (!output.empty()) log.emplace(output, setup.vehicle.rotor_count());
   if (!line.report_file().empty()) series.emplace(setup.vehicle.rotor_count());
   if (log || series) {
@@ -299,7 +245,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         line.progress().Update(fraction, "flying the cells drawn");
       });
   if (log) log->Commit();
-  if (log && !log_step_s && step_s > kControlStep_s) {
+  if (log && !asked.log_step_s && step_s > kControlStep_s) {
     line.Message("{}: a row each {} s of a long flight; --log-step-s {} writes every control step",
                  output,
                  step_s,

@@ -8,6 +8,7 @@
 
 #include "identify/health/health_report.h"
 #include "identify/logs/read_logs.h"
+#include "identify/logs/reading_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/ranges.h"
 #include "tools/cli/text_table.h"
@@ -47,7 +48,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   std::string cell_name;
   std::vector<std::string> files;
   HealthOptions options;
-  LogOptions log_options;
+  ReadingRequest reading;
   PackOptions pack;
   line.Describe(
       "Says how old a battery pack is from logs of flights on it: its capacity and its resistance "
@@ -74,13 +75,13 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
               Range{1e-4, 0.5},
               "standard deviation of true over shown current, before the flights: 0.06 of a "
               "sensor as it came, 0.01 of a calibrated one");
-  log_options.AddTo(line);
+  line.Each(reading);
   pack.AddTo(line);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Cell cell = LoadCell(cell_name);
-  std::vector<Log> logs = ReadFlights(files, log_options.ToReadOptions());
+  std::vector<Log> logs = ReadFlights(files, reading.Resolve());
   options.series = SeriesOfPack(logs, pack.series);
   options.parallel = pack.parallel.value_or(1);
   for (const Log& log : logs) {

@@ -10,6 +10,7 @@
 #include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
 #include "identify/identification.h"
+#include "identify/identify_request.h"
 #include "identify/logs/campaign.h"
 #include "identify/logs/load_campaign.h"
 #include "model/battery/cell_comparison.h"
@@ -18,14 +19,14 @@
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/run_record.h"
+#include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/campaign_options.h"
 #include "tools/commands/identify_report.h"
 #include "tools/commands/joint_text.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/profile_text.h"
-#include "tools/cli/split.h"
-#include "tools/commands/staged_arguments.h"
 #include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"
 #include "tools/report/identify_series.h"
@@ -84,19 +85,6 @@ std::vector<std::string> InputsOf(const Campaign& campaign, const StagedGiven& g
   }
   if (given.open_circuit_voltage) inputs.push_back(given.open_circuit_voltage_source);
   return inputs;
-}
-
-// "beta,tau_1" or one name per text, each once.
-std::vector<std::string> ProfiledNames(const std::vector<std::string>& texts) {
-  std::vector<std::string> names;
-  for (const std::string& text : texts) {
-    for (const std::string& name : SplitAt(text, ',')) {
-      if (name.empty())
-        throw OptionError(fmt::format("option --profile: expected NAME,..., found '{}'", text));
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-  }
-  return names;
 }
 
 void AddSeries(cli::CommandLine& line,
@@ -176,13 +164,11 @@ class Hashing {
 
 cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   std::vector<std::string> campaign_files;
-  StagedArguments staged;
-  IdentifyOptions options;
+  CampaignOptions campaign_options;
+  IdentifyRequest request;
   std::string output;
   std::string residuals;
   std::string truth_file;
-  std::string reference_file;
-  std::vector<std::string> profile_texts;
   bool verbose = false;
 
   line.Describe(
@@ -202,49 +188,26 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.InputArguments(
       "CAMPAIGN", campaign_files, "campaign files (TOML); none where logs are given by options", 0);
   line.RequiredText("output,o", output, "CELL", "the cell file to write, or a folder for several");
-  line.Option(
-      "method", options.method, Names{}, "all logs at once (joint), or stage by stage (staged)");
-  staged.AddTo(line);
+  campaign_options.AddTo(line);
+  line.Each(request);
   line.OutputOption("residuals",
                     residuals,
                     "CSV",
                     "write measured and fitted voltages of the last fit, row by row");
-  line.Input(
-      "reference",
-      reference_file,
-      "CELL",
-      "the same cell at another age: its v_oc(A), time constants and shapes are held, so that a "
-      "short test gives its capacity, beta and resistances now");
   line.Input("truth", truth_file, "CELL", "compare with this cell: for logs that were synthesized");
-  line.Texts("profile",
-             profile_texts,
-             "NAME,...",
-             "hold each of these at values around its estimate, refit the others, show the errors");
   line.Flag("verbose",
             verbose,
             "print also the structures that were tried, or each stage, and what they found");
   line.ReportOption();
-  staged.AddGroupsTo(line);
-  line.Group("solver", staged.options.solver);
-  line.Group("joint", options.joint);
+  request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
   if (!line.Parse()) return cli::ExitCode::kDone;
+  const IdentifyOptions options = request.Resolve();
   const bool joint = options.method == IdentifyMethod::kJoint;
-  if (joint && line.Given("branches")) options.joint.branches = staged.branches();
-
-  const bool by_options = staged.ByOptions();
+  const bool by_options = campaign_options.ByOptions();
   const bool batch = campaign_files.size() > 1;
   std::vector<LoadError> failed;  // of a batch: the others are identified all the same
-  const std::vector<Campaign> campaigns =
-      staged.Campaigns(line, campaign_files, batch ? &failed : nullptr);
-  options.staged = staged.options;
-  options.given = staged.given;
-  options.profiled = ProfiledNames(profile_texts);
-  if (!reference_file.empty()) {
-    HeldShape held{.source = reference_file, .cell = LoadCell(reference_file)};
-    held.cell.series = held.cell.parallel = 1;
-    options.given.reference = std::make_shared<const HeldShape>(std::move(held));
-  }
-  CheckIdentifyOptions(options);
+  const std::vector<Campaign> campaigns = campaign_options.Campaigns(
+      line, campaign_files, options.given.open_circuit_voltage, batch ? &failed : nullptr);
   if (line.earlier() != nullptr) {
     ShowAgain(line, *line.earlier(), campaigns, options);
     return cli::ExitCode::kDone;
@@ -285,7 +248,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
                   options.given.open_circuit_voltage.has_value() || options.given.reference);
     line.progress().Update(share(0.0), "reading logs");
     const auto logs = LoadLogs(line, campaign, share);
-    Hashing hashing(InputsOf(campaign, staged.given));
+    Hashing hashing(InputsOf(campaign, options.given));
     const StageProgress tell = [&](std::string_view stage, double part) {
       line.progress().Update(share(0.2 + 0.7 * part), stage);
     };

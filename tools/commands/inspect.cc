@@ -10,6 +10,7 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
+#include "identify/logs/reading_request.h"
 #include "identify/logs/thinning.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
@@ -362,7 +363,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   std::vector<std::string> words;
   std::string campaign_file;
   bool all_segments = false;
-  LogOptions log_options;
+  ReadingRequest reading;
   PackOptions pack;
   line.Describe(
       "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
@@ -375,12 +376,12 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
                     "FILE",
                     "write a draft of a campaign of these logs, to be checked before it is used");
   line.Flag("all", all_segments, "print every segment, however many there are");
-  log_options.AddTo(line);
+  line.Each(reading);
   pack.AddTo(line);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  ReadOptions read = log_options.ToReadOptions();
+  ReadOptions read = reading.Resolve();
   read.labels = true;
   const auto named = Expand(words);
   line.AddInputs(named);

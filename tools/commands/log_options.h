@@ -10,24 +10,10 @@
 #include <vector>
 
 #include "identify/logs/load_campaign.h"
-#include "identify/logs/log.h"
+#include "identify/logs/reading_request.h"
 #include "tools/cli/command_line.h"
 
 namespace lipoid {
-
-struct LogOptions {
-  std::vector<std::string> columns;  ///< "time_s=Zeit"
-  std::string units;                 ///< "s,A,V"
-  std::string current_sign;          ///< as typed
-  Hold hold = Hold::kBackward;
-  std::optional<int> battery;
-  int most_rows = static_cast<int>(kMostRowsKept);
-
-  /// Adds --columns, --units, --current-sign, --hold, --battery and --most-rows.
-  void AddTo(cli::CommandLine& line);
-  /// OptionError where they are not right.
-  [[nodiscard]] ReadOptions ToReadOptions() const;
-};
 
 /// How many cells the pack of a log has: --series and --parallel.
 struct PackOptions {

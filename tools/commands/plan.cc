@@ -124,16 +124,15 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
             one.sampling_s,
             TableOfTemperatures(all, k));
       }
-      line.Print("{}: {}\n\n",
-                 one.second == SecondPulses::kNone
-                     ? fmt::format("{} degC", fmt::join(one.ambient_degC, ", "))
-                     : "Added",
-                 one.plan.trust.sentence);
+      const std::string where = one.second == SecondPulses::kNone
+                                    ? fmt::format("{} degC", fmt::join(one.ambient_degC, ", "))
+                                    : "Added";
+      line.Print("{}\n\n", cli::Wrapped(fmt::format("{}: {}", where, one.plan.trust.sentence)));
     }
   } else {
     line.Print("Standard errors that the pulses would give, in % of each parameter\n\n{}\n",
                TableOfExperiments(result));
-    if (all.size() == 1) line.Print("{}\n\n", all[0].plan.trust.sentence);
+    if (all.size() == 1) line.Print("{}\n\n", cli::Wrapped(all[0].plan.trust.sentence));
   }
   line.Print("{}", cli::Bullets("Left out", result.left_out));
   line.summary() = PlanGridToJson(cell, grid, result);

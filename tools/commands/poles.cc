@@ -10,9 +10,9 @@
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tools/cli/number_range.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/cli/number_range.h"
 #include "tools/commands/poles_json.h"
 
 namespace lipoid {

@@ -8,6 +8,7 @@
 
 #include "identify/logs/all_rows.h"
 #include "identify/logs/discharge.h"
+#include "identify/logs/reading_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
@@ -104,7 +105,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   std::string current_file;
   std::string output;
   bool beyond_cutoff = false;
-  LogOptions log_options;
+  ReadingRequest reading;
   PackOptions pack;
   StartOptions start;
   EnsembleOption ensemble;
@@ -129,13 +130,13 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   start.AddTo(line);
   options_of_surroundings.AddTo(line);
   pack.AddTo(line);
-  log_options.AddTo(line);
+  line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell.series, cell.parallel);
   const double initial_soc = start.Soc(cell);
-  auto read = log_options.ToReadOptions();
+  auto read = reading.Resolve();
   read.voltage_optional = true;
   read.progress = [&](double share) { line.progress().Update(share, "reading"); };
   Log log = ReadLog(current_file, read);

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/campaign.h"
-#include "identify/stages/open_circuit_voltage_file.h"
+#include "identify/stages/staged_request.h"
 #include "identify/studies/studies.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
@@ -75,11 +75,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   std::string what;
   std::string campaign_file;
   std::string csv;
-  std::string curve_file;
-  std::optional<int> branches;
-  bool no_diffusion = false;
-  StagedOptions options;
-  StagedGiven given;
+  StagedRequest request;
   std::string known;
   for (const Study& study : kStudies)
     known += fmt::format("{}{}: {}", known.empty() ? "" : "; ", study.name, study.summary);
@@ -89,35 +85,19 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.Argument("WHAT", what, known);
   line.InputArgument("CAMPAIGN", campaign_file, "a campaign file (TOML)");
   line.OutputOption("csv", csv, "FILE", "write the table as CSV, with all digits");
-  line.Option(
-      "alpha-C", given.alpha_C, Range{1e-9, 1e12}, "alpha in coulombs, instead of finding it");
-  line.Input(
-      "open-circuit-voltage",
-      curve_file,
-      "FILE",
-      "v_oc(A), instead of finding it: a CSV with columns soc and voltage_V, or a cell file");
-  line.Option(
-      "branches", branches, Range{0, 5}, "number of branches, in studies of something else");
-  line.Flag("no-diffusion", no_diffusion, "hold beta at infinity: the plain equivalent circuit");
-  line.Group("discharge_times", options.discharge_times);
-  line.Group("open_circuit_voltage", options.open_circuit_voltage);
-  line.Group("pulses", options.pulses);
-  line.Group("solver", options.solver);
+  line.Each(request);
+  request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
+  line.Group("solver", request.options.solver);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const Study& study = FindStudy(what);
-  if (branches) options.pulses.branches = *branches;
-  if (no_diffusion) options.pulses.diffusion = false;
-  if (!curve_file.empty()) {
-    given.open_circuit_voltage = ReadOpenCircuitVoltageFile(curve_file);
-    given.open_circuit_voltage_source = curve_file;
-  }
+  request.Resolve();
   const Campaign campaign = ReadCampaign(campaign_file);
   line.AddInputs(LogFiles({campaign}));
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
-  const StudyInput input{campaign, logs, options, given};
+  const StudyInput input{campaign, logs, request.options, request.given};
   const StudyResult result = study.run(input, [&](std::string_view doing, double share) {
     line.progress().Update(0.1 + 0.9 * share, doing);
   });

@@ -5,6 +5,7 @@
 #include "identify/fit_quality.h"
 #include "identify/logs/all_rows.h"
 #include "identify/logs/load_campaign.h"
+#include "identify/logs/reading_request.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
@@ -20,7 +21,7 @@ namespace lipoid {
 cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::string cell_name;
   std::vector<std::string> files;
-  LogOptions log_options;
+  ReadingRequest reading;
   PackOptions pack;
   StartOptions start;
   SurroundingsOptions surroundings;
@@ -33,7 +34,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.InputArguments("LOG", files, "logs of any known format");
   start.AddTo(line);
   surroundings.AddTo(line);
-  log_options.AddTo(line);
+  line.Each(reading);
   pack.AddTo(line);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
@@ -45,7 +46,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   arguments.validation = files;
   arguments.series = cell.series;
   arguments.parallel = cell.parallel;
-  arguments.read = log_options.ToReadOptions();
+  arguments.read = reading.Resolve();
   Cell one = cell;  // the records come as those of one cell
   one.series = one.parallel = 1;
   Json rows = Json::array();

@@ -267,6 +267,92 @@ TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
   EXPECT_TRUE(said);
 }
 
+// Energies are one where the truth has one, and each is then better known; and stay apart where they
+// are.
+TEST(JointTemperature, EnergiesAreSharedWhereTheLogsCannotTellThemApart) {
+  for (const bool alike : {true, false}) {
+    Cell truth = ColdTruth();
+    if (alike) {
+      Cell::Temperature& term = *truth.temperature;
+      term.series_J_per_mol = term.branches_J_per_mol[0] = term.diffusion_J_per_mol = 35e3;
+    }
+    const auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, 0.0005);
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+    ASSERT_TRUE(result.cell.temperature);
+    const Cell::Temperature& found = *result.cell.temperature;
+    const auto names = SharedEnergyNames(result.choice.best.structure, result.setup.diffusion);
+    const Json file = CellToJson(result.cell)["temperature"];
+    if (!alike) {
+      EXPECT_TRUE(names.empty());
+      EXPECT_FALSE(file.contains("shared_energies"));
+      EXPECT_NE(found.series_J_per_mol, found.diffusion_J_per_mol);
+      continue;
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"E_d", "E_s", "E_1"}));
+    EXPECT_EQ(file["shared_energies"], Json({"diffusion", "series", "branches[0]"}));
+    EXPECT_NO_THROW((void)ParseCell(CellToJson(result.cell).dump(), "cell.json"));
+    EXPECT_EQ(found.series_J_per_mol, found.diffusion_J_per_mol);
+    EXPECT_EQ(found.series_J_per_mol, found.branches_J_per_mol[0]);
+    // The same logs with energies of their own.
+    JointResult apart = result;
+    JointStructure wanted = result.choice.best.structure;
+    wanted.shared_energies = SharedEnergies::kNone;
+    for (const TriedStructure& tried : result.choice.tried) {
+      if (tried.solution.structure == wanted) apart.choice.best = tried.solution;
+    }
+    ASSERT_EQ(apart.choice.best.structure.shared_energies, SharedEnergies::kNone);
+    const TrustReport one = AssessJoint(result);
+    const TrustReport own = AssessJoint(apart);
+    for (const char* name : {"E_d", "E_s", "E_1"}) {
+      const QuantityTrust* shared = FindQuantity(one, name);
+      ASSERT_NE(shared, nullptr) << name;
+      EXPECT_LE(std::abs(shared->estimate - 35e3), 1.5 * Reach95(*shared)) << name;
+      EXPECT_LT(shared->standard_error, FindQuantity(own, name)->standard_error) << name;
+    }
+  }
+}
+
+// The slope in one energy that all share is the sum of the slopes in each.
+TEST(JointTemperature, TheSlopeInASharedEnergyIsTheSumOfThoseInEach) {
+  const JointExample own = Everything();
+  const auto logs = LogsOfChangingTemperature(own.cell, 5.0, 2000);
+  const JointSetup setup = SetupOf(own.cell);
+  const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
+  const JointObservations seen(joint, setup);
+  JointRates rates = own.rates;
+  rates.diffusion_J_per_mol = rates.transfer_J_per_mol = 35e3;
+  rates.branch_J_per_mol = {35e3, 35e3};
+  for (const SharedEnergies which : {SharedEnergies::kAllButSeries, SharedEnergies::kAll}) {
+    const bool all = which == SharedEnergies::kAll;
+    rates.series_J_per_mol = all ? 35e3 : 14e3;
+    JointStructure structure = own.structure;
+    structure.shared_energies = which;
+    JointRates shared;
+    shared.beta_per_sqrt_s = rates.beta_per_sqrt_s;
+    shared.time_constant_s = rates.time_constant_s;
+    shared.charge_transfer_A = rates.charge_transfer_A;
+    shared.shared_J_per_mol = 35e3;
+    if (!all) shared.series_J_per_mol = 14e3;
+    const Eigen::VectorXd x = UnknownsOf(own, joint.typical_A);
+    const auto each = seen.Rows(own.structure, rates, x);
+    const auto one = seen.Rows(structure, shared, x);
+    const RateSlots from(own.structure);
+    const RateSlots to(structure);
+    for (std::size_t l = 0; l < each.size(); ++l) {
+      EXPECT_EQ(one[l].residual_V, each[l].residual_V);
+      Eigen::VectorXd sum = each[l].sensitivity.col(from.diffusion_energy()) +
+                            each[l].sensitivity.col(from.branch_energy(0)) +
+                            each[l].sensitivity.col(from.branch_energy(1)) +
+                            each[l].sensitivity.col(from.transfer_energy());
+      if (all) sum += each[l].sensitivity.col(from.series_energy());
+      const Eigen::VectorXd found = one[l].sensitivity.col(to.diffusion_energy());
+      // Five numbers in another order.
+      EXPECT_LE((found - sum).cwiseAbs().maxCoeff(), 1e-14 * (1.0 + sum.cwiseAbs().maxCoeff()));
+      EXPECT_GT(sum.cwiseAbs().maxCoeff(), 0.0);
+    }
+  }
+}
+
 TEST(JointTemperature, IsRefusedWhereALogHasNone) {
   auto logs = test::SyntheticLogs(test::Truth(), 10.0);
   JointOptions options;

@@ -56,6 +56,29 @@ TEST(JointTerms, EveryRateHasItsSlotOnceInOrder) {
   }
 }
 
+TEST(JointTerms, EnergiesThatAreOneHaveOneRate) {
+  JointStructure structure = WithEveryTerm(true);
+  const std::size_t own = AllRates(structure, ASetup(), kScales).size();
+  for (const SharedEnergies which : {SharedEnergies::kAllButSeries, SharedEnergies::kAll}) {
+    structure.shared_energies = which;
+    const auto rates = AllRates(structure, ASetup(), kScales);
+    const bool all = which == SharedEnergies::kAll;
+    EXPECT_EQ(rates.size(), own - (all ? 4 : 3));
+    ASSERT_EQ(static_cast<int>(rates.size()), RateSlots(structure).size());
+    JointRates numbers;
+    numbers.time_constant_s.resize(2);
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+      EXPECT_EQ(rates[k].slot, static_cast<int>(k)) << rates[k].name;
+      rates[k].In(numbers) = static_cast<double>(k) + 1.0;
+    }
+    EXPECT_EQ(numbers.Branch(1), numbers.Diffusion());
+    EXPECT_EQ(numbers.Transfer(), numbers.Diffusion());
+    EXPECT_EQ(numbers.Series() == numbers.Diffusion(), all);
+  }
+  EXPECT_EQ(SharedEnergyNames(structure, false),
+            (std::vector<std::string>{"E_s", "E_1", "E_2", "E_ct"}));
+}
+
 // What is set by one entry is read by it alone: no two rates share a number.
 TEST(JointTerms, EveryRateHasANumberOfItsOwn) {
   const auto rates = AllRates(WithEveryTerm(true), ASetup(), kScales);

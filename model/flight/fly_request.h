@@ -1,0 +1,87 @@
+#pragma once
+
+/// @file
+/// What a person may ask of a flight, declared once: the options of `lipoid fly` and the keywords of
+/// lipoid.fly(). Tests: tests/tools/fly_test.cc, tests/python/test_options.py.
+
+#include <optional>
+#include <string>
+
+#include "model/battery/ranges.h"
+#include "model/core/option_kinds.h"
+#include "model/core/options.h"
+#include "model/flight/simulator.h"
+
+namespace lipoid {
+
+struct FlyRequest {
+  FlightSetup setup = {};
+  InputFile vehicle = {};
+  InputFile gains = {};
+  InputFile waypoints = {};
+  std::optional<double> xi = {};
+  std::optional<double> duration_s = {};
+  std::optional<double> log_step_s = {};
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("vehicle",
+      self.vehicle,
+      Word{"VEHICLE"},
+      "a vehicle file, or the name of a shipped vehicle; by default mambo-coupled on a cell and "
+      "mambo-thesis on an ideal source");
+    v("gains",
+      self.gains,
+      Word{"GAINS"},
+      "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file; by default "
+      "aware for a Mambo and placed for any other vehicle");
+    v("compensate",
+      self.setup.controller.compensate,
+      Names(),
+      "turn commands into duty cycles by the measured voltage of the battery (5.52)");
+    v("estimate",
+      self.setup.estimate,
+      Names(),
+      "the controller sees noisy sensors through the estimator, not the true state");
+    v("xi",
+      self.xi,
+      Range{0.01, 2.0},
+      "voltage of an ideal source over the nominal one; by default they are the same");
+    v("duration",
+      self.duration_s,
+      Range{kControlStep_s, 1e6},
+      "duration of the flight, s; by default that of the maneuver");
+    v("land_below_V",
+      self.setup.land_below_V,
+      Range{0.0, 1e4},
+      "land when the battery has been below this voltage for a second, V; 0: never");
+    v("log_step_s",
+      self.log_step_s,
+      Range{kControlStep_s, 1e4},
+      "seconds between rows of the flight log; by default every control step, and one second where "
+      "the flight takes longer than ten minutes");
+    v("waypoints",
+      self.waypoints,
+      Word{"FILE"},
+      "file of the places that the maneuver waypoints visits (docs/formats.md)");
+    v("ambient_degC",
+      self.setup.ambient_degC,
+      kTemperatures_degC,
+      "temperature of the air in degC, from which the battery starts and warms; by default the "
+      "reference temperature of the cell");
+  }
+
+  [[nodiscard]] std::string VehicleName() const {
+    if (!vehicle.path.empty()) return vehicle.path;
+    return setup.cell ? "mambo-coupled" : "mambo-thesis";
+  }
+  /// Between rows of the log of a flight that long. One of every control step takes 60 kB a second.
+  [[nodiscard]] double LogStep_s(double duration_s_of_flight) const {
+    constexpr double kLongFlight_s = 600.0;
+    constexpr double kLongFlightLogStep_s = 1.0;
+    return log_step_s.value_or(duration_s_of_flight > kLongFlight_s ? kLongFlightLogStep_s
+                                                                    : kControlStep_s);
+  }
+};
+
+}  // namespace lipoid

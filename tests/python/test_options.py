@@ -1,0 +1,150 @@
+"""Options are those of the command line: names, ranges, defaults and words."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from conftest import ROOT
+from lipoid import _core
+
+Description = dict[str, Any]
+
+# Of each function: its options, the commands that have them, and what one side alone has.
+# Arguments and files that commands write are not options of functions.
+FILES = {"report", "latex", "output", "csv", "residuals", "cell"}
+COMMON = {"summary", "seed", "threads", "quiet", "set", "help"}
+LOGS = {"constant_current", "low_rate", "low_rate_charge", "pulses", "flight", "validation"}
+CAMPAIGN = {*LOGS, "cutoff_V", "capacity_Ah", "name", "series", "parallel"}
+READING = {"columns", "units", "current_sign", "hold", "battery", "most_rows"}
+START = {"initial_soc", "initial_voltage_V"}
+FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[str]]] = {
+    # function: (its options, the command, options of the command alone, of the function alone)
+    "read_log": (
+        lambda: _core.describe_reading(True),
+        "inspect",
+        {"all", "write_campaign", "series", "parallel"},
+        # Keys of a log in a campaign file.
+        {"start_s", "end_s", "lead_resistance_Ohm", "steps", "cycles", "voltage_optional"},
+    ),
+    "Campaign": (
+        _core.describe_campaign,
+        "compare",
+        # Options of compare() and read_log(). The kinds of logs are files there, logs here.
+        {
+            *READING,
+            *START,
+            *LOGS,
+            "scaling",
+            "decades",
+            "target",
+            "optimizers",
+            "starts",
+            "time_constants",
+            "alpha_C",
+        }
+        | {"open_circuit_voltage", "branches", "no_diffusion", "fix", "start", "bounds"},
+        {*LOGS, "initial_soc"},
+    ),
+    "identify": (
+        _core.describe_identify,
+        "identify",
+        {*CAMPAIGN, *READING, *START, "truth", "verbose"},
+        set(),
+    ),
+    "compare": (_core.describe_compare, "compare", {*CAMPAIGN, *READING, *START}, set()),
+    "study": (_core.describe_study, "study", set(), set()),
+    "plan": (_core.describe_plan, "plan", set(), set()),
+    "fly": (
+        _core.describe_fly,
+        "fly",
+        # Keys of the groups here; arguments of fly(); Cell.pack() and Cell.resample().
+        {"battery", "controller", "wind", "gusts", "ensemble", "series", "parallel", *START},
+        {"initial_soc", "maneuver_options", "wind."},
+    ),
+    "synthesize": (
+        _core.describe_synthesize,
+        "synthesize",
+        # Arguments of synthesize(), and Cell.pack().
+        {"protocol", "with", "series", "parallel"},
+        set(),
+    ),
+}
+# Settings of the command that other functions have.
+MANEUVERS = tuple(f"{name}." for name in _core.maneuver_names())
+WITHOUT_SETTINGS = {"Campaign", "read_log"}
+# A group has another name where the plain one is that of an option, or where commands have none.
+GROUPS = {"open_circuit_voltage_fit": "open_circuit_voltage.", "comparison": ""}
+
+
+def help_of(command: str) -> dict[str, str]:
+    """What --help says: of each option, and of each setting, the sentence beside it."""
+    path = os.environ.get("LIPOID_PROGRAM", str(ROOT / "build/dev/tools/lipoid"))
+    if not Path(path).exists():
+        pytest.skip("the program is not built: LIPOID_PROGRAM names it")
+    text = subprocess.run([path, command, "--help"], capture_output=True, text=True, check=True)
+    found: dict[str, str] = {}
+    name = ""
+    for line in text.stdout.splitlines():
+        option = re.fullmatch(r"  (?:-\w, )?(--)?([\w.-]+)(?: \S+)?(?: \.\.\.)?(?:  +(.*))?", line)
+        if option and (option[1] or not option[2].isupper()):  # no argument
+            name = option[2].replace("-", "_") if option[1] else option[2]
+            found[name] = option[3] or ""
+        elif line.startswith(" " * 30) and name:
+            found[name] += " " + line.strip()
+        else:
+            name = ""
+    return {key: value.strip() for key, value in found.items()}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_options_are_those_of_the_command(function: str) -> None:
+    describe, command, of_command, of_function = FUNCTIONS[function]
+    theirs = help_of(command)
+    ours: dict[str, Description] = {}
+    for option in describe():
+        if "options" not in option:
+            ours[option["name"]] = option
+            continue
+        prefix = GROUPS.get(option["name"], option["name"].replace("_", "-") + ".")
+        if not any(key.startswith(prefix) for key in theirs):
+            prefix = option["name"] + "."
+        ours |= {prefix + one["name"]: one for one in option["options"]}
+    expected = {
+        key
+        for key in theirs
+        if key not in FILES | COMMON | of_command
+        and ("." not in key or function not in WITHOUT_SETTINGS)
+        and not key.startswith(MANEUVERS)  # keys of fly(maneuver_options=)
+    }
+    mine = {key for key in ours if not key.startswith("wind.") or "wind." not in of_function}
+    assert mine - of_function == expected
+    for name in sorted(expected):
+        words = ours[name]["help"]
+        assert theirs[name].startswith(words), f"{name}: {words!r} and {theirs[name]!r}"
+        valid = ours[name]["valid"]
+        if " .. " in valid or " | " in valid.removeprefix("true | false"):
+            assert valid in theirs[name], name
+        default = re.search(r"\(default (.*)\)$", theirs[name])
+        if default and ours[name]["default"] != "None":
+            assert default[1].replace(" ", "") == ours[name]["default"].replace(" ", ""), name
+
+
+def test_no_option_is_declared_twice() -> None:
+    """What command line and Python share stands in a Visit, and so in neither of them."""
+    literal = re.compile(r'"((?:[^"\\]|\\.)*)"')
+
+    def sentences(*folders: str) -> set[str]:
+        texts = (p.read_text() for f in folders for p in (ROOT / f).glob("*.cc"))
+        joined = (re.sub(r'"\s*\n\s*"', "", text) for text in texts)
+        return {s for text in joined for s in literal.findall(text) if s.count(" ") >= 3}
+
+    # Of endurance() there and of other commands here.
+    alike = {"a vehicle file, or the name of a shipped vehicle"}
+    assert sentences("python/src") & sentences("tools/commands", "tools/cli") - alike == set()
