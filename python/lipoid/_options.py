@@ -550,4 +550,4 @@ class ExportOptions(TypedDict, total=False):
     initial_soc: float
     target_version: str
     branches: int
-    single_precision: bool
+    precision: Literal["double", "single"]
