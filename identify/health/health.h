@@ -13,7 +13,9 @@
 #include "identify/health/flight_fit.h"
 #include "identify/health/trend.h"
 #include "identify/logs/log.h"
+#include "model/battery/ranges.h"
 #include "model/core/errors.h"
+#include "model/core/options.h"
 
 namespace lipoid {
 
@@ -25,6 +27,26 @@ struct HealthOptions {
   std::optional<double> capacity_Ah;
   std::optional<double> ambient_degC;
   SensorSpread sensors;
+
+  /// Options of `lipoid health` and keywords of lipoid.health().
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("capacity_Ah",
+      self.capacity_Ah,
+      Range{1e-3, 1e5},
+      "capacity of the new pack in Ah; by default that of the cell file times the cells in parallel, "
+      "or, of a shipped cell, what the autopilot was told");
+    v("ambient_degC",
+      self.ambient_degC,
+      kTemperatures_degC,
+      "temperature of the air in degC, from which the pack starts and warms, where a log has no "
+      "temperature");
+    v("current_scale_uncertainty",
+      self.sensors.current_scale,
+      Range{1e-4, 0.5},
+      "standard deviation of true over shown current, before the flights: 0.06 of a sensor as it "
+      "came, 0.01 of a calibrated one");
+  }
 };
 
 struct FlightHealth {

@@ -94,9 +94,9 @@ std::string FileStem(const ExportRequest& request, const std::string& name) {
 }  // namespace
 
 Exported ExportC(const ExportRequest& request) {
-  const std::string version = request.single_precision         ? "float"
-                              : request.target_version.empty() ? "double"
-                                                               : request.target_version;
+  const std::string version = request.precision == ExportPrecision::kSingle ? "float"
+                              : request.target_version.empty()        ? "double"
+                                                                      : request.target_version;
   if (version != "double" && version != "float") {
     throw OptionError(fmt::format("the target c has the versions double and float, found '{}'",
                                   ForeignText(version)));

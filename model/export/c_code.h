@@ -3,7 +3,7 @@
 /// @file
 /// The cell as C: a header and a source for a microcontroller or a game engine, made of the same
 /// law as lipoid's cell (cell_model.h), with a test of its own. Numbers are double, or float where
-/// single_precision or the version "float" asks for it. Tests: tests/model/export/c_code_test.cc.
+/// precision or the version "float" asks for it. Tests: tests/model/export/c_code_test.cc.
 
 #include "model/export/exported.h"
 

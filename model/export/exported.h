@@ -7,12 +7,17 @@
 /// or in identify/export where its numbers are fitted; the registry of all of them is
 /// identify/export/targets.h.
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "model/battery/cell.h"
 #include "model/battery/record_stepper.h"
+#include "model/core/option_kinds.h"
+#include "model/core/options.h"
 
 namespace lipoid {
 
@@ -25,6 +30,12 @@ struct ExportMission {
   double initial_soc = 1.0;
 };
 
+enum class ExportPrecision { kDouble, kSingle };
+
+constexpr std::array<std::pair<ExportPrecision, std::string_view>, 2> OptionNames(ExportPrecision) {
+  return {{{ExportPrecision::kDouble, "double"}, {ExportPrecision::kSingle, "single"}}};
+}
+
 struct ExportRequest {
   Cell cell;           ///< its series and parallel are those of the pack to export
   std::string source;  ///< the cell file or the name of a shipped cell, as typed
@@ -34,9 +45,27 @@ struct ExportRequest {
   std::string name;            ///< identifier for the target's file, [A-Za-z_][A-Za-z0-9_]*
   std::string stem = {};       ///< of -o, for files that name one another; empty: the identifier's
   int branches = 2;            ///< pairs of resistor and capacitor, where the target has any
-  bool single_precision = false;  ///< float in place of double, where the target can be either
-  std::string into_file;          ///< the file that is merged into, for messages; empty: none
-  std::string into_text;          ///< its bytes
+  ExportPrecision precision =
+      ExportPrecision::kDouble;  ///< of numbers, where the target can be either
+  std::string into_file;         ///< the file that is merged into, for messages; empty: none
+  std::string into_text;         ///< its bytes
+
+  /// The options of `lipoid export` and the keywords of lipoid.export().
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("target_version",
+      self.target_version,
+      Word{"VERSION"},
+      "version of the program that reads the file, where names differ: `lipoid list targets`");
+    v("branches",
+      self.branches,
+      Range{1, 2},
+      "number of pairs of resistor and capacitor, for targets that can have more than one");
+    v("precision",
+      self.precision,
+      Names(),
+      "precision of the numbers, for targets that can be either");
+  }
 };
 
 struct ExportedParameter {

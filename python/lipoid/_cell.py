@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 from dataclasses import dataclass, field
 from html import escape
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from lipoid._core import Cell as CoreCell
     from lipoid.interoperability import PybammCell
 
+logger = logging.getLogger("lipoid")
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -248,6 +250,12 @@ class Cell:
                 raise OptionError("simulate: give temperature_degC or ambient_degC, not both")
         if ambient_degC is not None and not -100.0 <= ambient_degC <= 150.0:
             raise OptionError("simulate: expected ambient_degC in degrees Celsius")
+        if ambient_degC is not None and not self._core.knows_temperature:
+            logger.warning(
+                "%s knows no temperature: ambient_degC changes nothing; with typical values it is "
+                "cell.with_typical_temperature()",
+                self.name,
+            )
         voltage_V, soc = np.empty_like(i), np.empty_like(i)
         warm = np.empty_like(i) if self._core.knows_temperature else None
         outside = self._core.simulate(

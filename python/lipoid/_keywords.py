@@ -35,7 +35,9 @@ def _default(option: Description) -> str:
 def _paragraph(option: Description, indent: str) -> str:
     valid = option["valid"]
     numbers = valid if valid and not option["type"].startswith(("Literal", "bool")) else ""
-    words = f"{option['help'][0].upper()}{option['help'][1:]}"
+    words = str(option["help"]).removesuffix("...").rstrip(", ")
+    if "_" not in words.split()[0]:  # no symbol, as v_oc(A)
+        words = words[0].upper() + words[1:]
     words += f" (valid: {numbers})." if numbers and numbers != "text" else "."
     head = f"{indent}{option['name']} : {option['type']}"
     if not option["type"].endswith("None"):

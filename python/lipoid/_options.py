@@ -554,4 +554,4 @@ class ExportOptions(TypedDict, total=False):
     initial_soc: float
     target_version: str
     branches: int
-    single_precision: bool
+    precision: Literal["double", "single"]

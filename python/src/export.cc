@@ -38,15 +38,7 @@ struct ExportKeywords {
     keywords.Option(
         "initial-soc", initial_soc, kInitialSocs, "state of charge at the start of the mission");
     request.mission.initial_soc = initial_soc;
-    keywords.Text("target-version",
-                  request.target_version,
-                  "text",
-                  "version of the program that reads the file, where names differ");
-    keywords.Option(
-        "branches", request.branches, Range{1, 2}, "pairs of resistor and capacitor, at most");
-    keywords.Flag("single-precision",
-                  request.single_precision,
-                  "whether numbers are single, for targets that can be either");
+    keywords.Each(request);
   }
 };
 

@@ -30,18 +30,7 @@ struct HealthKeywords {
                     kPackSizes,
                     "cells in series of the pack; not given: as the logs or the cell say");
     keywords.Option("parallel", options.parallel, kPackSizes, "cells in parallel of the pack");
-    keywords.Option("capacity-Ah",
-                    options.capacity_Ah,
-                    Range{1e-3, 1e5},
-                    "capacity of the new pack; not given: that of the cell times parallel");
-    keywords.Option("ambient-degC",
-                    options.ambient_degC,
-                    kTemperatures_degC,
-                    "temperature of the air, where a log has no temperature");
-    keywords.Option("current-scale-uncertainty",
-                    options.sensors.current_scale,
-                    Range{1e-4, 0.5},
-                    "standard deviation of true over shown current, before the flights");
+    keywords.Each(options);
   }
 };
 

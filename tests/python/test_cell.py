@@ -187,3 +187,12 @@ def test_what_cannot_be_simulated_is_said(options: dict[str, Any], message: str)
         cell.simulate(**(given | options))
     with pytest.raises(lipoid.OptionError, match="expected at least one log"):
         lipoid.validate(cell, [])
+
+
+def test_a_cell_that_knows_no_temperature_says_so(caplog: pytest.LogCaptureFixture) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    cell.simulate(T, I, ambient_degC=-10.0)
+    assert "gifi-600mAh-1 knows no temperature: ambient_degC changes nothing" in caplog.text
+    caplog.clear()
+    cell.with_typical_temperature().simulate(T, I, ambient_degC=-10.0)
+    assert caplog.text == ""

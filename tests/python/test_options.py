@@ -68,6 +68,19 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
         {"battery", "controller", "wind", "gusts", "ensemble", "series", "parallel", *START},
         {"initial_soc", "maneuver_options", "wind."},
     ),
+    "export": (
+        _core.describe_export,
+        "export",
+        # Arguments of export(), Cell.pack(), and a Log as the mission.
+        {*READING, *START, "to", "mission", "into", "error_limit_mV", "series", "parallel"},
+        {"mission", "initial_soc"},
+    ),
+    "health": (
+        _core.describe_health,
+        "health",
+        {*READING, "series", "parallel"},
+        {"series", "parallel"},  # more words there, of several commands here
+    ),
     "synthesize": (
         _core.describe_synthesize,
         "synthesize",

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -14,6 +16,7 @@
 #include "model/core/nearest_name.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/throws.h"
 #include "tools/cli/run.h"
 #include "tools/cli/text_table.h"
 
@@ -22,6 +25,98 @@ namespace {
 
 using test::ReadJson;
 using test::TestFolder;
+
+// One of each kind of option_kinds.h.
+struct EveryKind {
+  bool flag = false;
+  std::optional<int> count = 3;
+  std::vector<double> times_s = {1.0, 2.0};
+  std::map<std::string, double> fixed = {};
+  std::map<std::string, Ends> bounds = {};
+  std::map<std::string, std::string> columns = {};
+  std::vector<std::string> words = {"a", "b"};
+  InputFile file = {};
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("flag", self.flag, Names(), "a flag");
+    v("count_it", self.count, Range{0, 5}, "a count");
+    v("times_s", self.times_s, Range{0.0, 100.0}, "times, s");
+    v("fix", self.fixed, Word{"NAME=VALUE"}, "values");
+    v("bounds", self.bounds, Word{"NAME=LOW,HIGH"}, "intervals");
+    v("columns", self.columns, Word{"KEY=NAME"}, "names");
+    v("words", self.words, Word{"NAME,..."}, "words");
+    v("file", self.file, Word{"FILE"}, "a file");
+  }
+};
+
+EveryKind Read(std::vector<std::string> arguments, std::vector<std::string>* inputs = nullptr) {
+  const Command command{"kinds", "", nullptr};
+  CommandLine line(command, std::move(arguments));
+  EveryKind options;
+  line.Each(options);
+  EXPECT_TRUE(line.Parse());
+  if (inputs != nullptr) *inputs = line.inputs();
+  return options;
+}
+
+TEST(Each, ReadsEveryKindOfOption) {
+  std::vector<std::string> inputs;
+  const EveryKind read = Read({"--flag",
+                               "--count-it",
+                               "4",
+                               "--times-s",
+                               "5,10:10:30",
+                               "--fix",
+                               "beta=0.2,r_s=0.1",
+                               "tau_1=3",
+                               "--bounds",
+                               "beta=0.1,0.5",
+                               "--columns",
+                               "time_s=Zeit, in s",
+                               "--words",
+                               "c,d",
+                               "--file",
+                               "in.json"},
+                              &inputs);
+  EXPECT_TRUE(read.flag);
+  EXPECT_EQ(read.count, 4);
+  EXPECT_EQ(read.times_s, (std::vector<double>{5.0, 10.0, 20.0, 30.0}));
+  EXPECT_EQ(read.fixed,
+            (std::map<std::string, double>{{"beta", 0.2}, {"r_s", 0.1}, {"tau_1", 3.0}}));
+  EXPECT_EQ(read.bounds, (std::map<std::string, Ends>{{"beta", {0.1, 0.5}}}));
+  EXPECT_EQ(read.columns, (std::map<std::string, std::string>{{"time_s", "Zeit, in s"}}));
+  EXPECT_EQ(read.words, (std::vector<std::string>{"c", "d"}));
+  EXPECT_EQ(read.file.path, "in.json");
+  EXPECT_EQ(inputs, std::vector<std::string>{"in.json"});  // no output may be that
+}
+
+TEST(Each, KeepsDefaultsAndTakesSettingsToo) {
+  const EveryKind kept = Read({});
+  EXPECT_EQ(kept.count, 3);
+  EXPECT_EQ(kept.times_s, (std::vector<double>{1.0, 2.0}));
+  EXPECT_EQ(kept.words, (std::vector<std::string>{"a", "b"}));
+  const EveryKind set = Read({"--set", "flag=true", "--set", "count_it=0", "--set", "times_s=7"});
+  EXPECT_TRUE(set.flag);
+  EXPECT_EQ(set.count, 0);
+  EXPECT_EQ(set.times_s, std::vector<double>{7.0});
+  EXPECT_FALSE(Read({"--set", "flag=false"}).flag);
+}
+
+TEST(Each, RefusesWhatIsNotOfItsKind) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"--count-it", "6"}, "option --count-it: expected a whole number, 0 .. 5, found '6'"},
+      {{"--times-s", "1,101"}, "option --times-s: expected 0 .. 100, found '101'"},
+      {{"--times-s", ""}, "option --times-s: expected 0 .. 100, found ''"},
+      {{"--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
+      {{"--bounds", "beta=1"}, "option --bounds: expected NAME=LOW,HIGH, found 'beta=1'"},
+      {{"--columns", "Zeit"}, "option --columns: expected KEY=NAME, found 'Zeit'"},
+      {{"--words", "a,"}, "option --words: expected NAME,..., found 'a,'"},
+      {{"--set", "flag=perhaps"}, "option flag: expected true or false, found 'perhaps'"}};
+  for (const auto& [arguments, message] : cases)
+    EXPECT_EQ(test::MessageOf<OptionError>([&, &given = arguments] { (void)Read(given); }),
+              message);
+}
 
 TEST(TextTable, PutsNumbersRightAndWordsLeftAndCountsLettersNotBytes) {
   TextTable table({{"log", Align::kLeft}, {"mean / %"}});

@@ -24,12 +24,6 @@
 namespace lipoid {
 namespace {
 
-enum class Precision { kDouble, kSingle };
-
-constexpr std::array<std::pair<Precision, std::string_view>, 2> OptionNames(Precision) {
-  return {{{Precision::kDouble, "double"}, {Precision::kSingle, "single"}}};
-}
-
 std::string TargetHelp() {
   std::vector<std::string> rows;
   for (const auto& target : ExportTargets())
@@ -81,12 +75,10 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   std::string output;
   std::string mission_file;
   std::string into;
-  std::string version;
   PackOptions pack;
   ReadingRequest reading;
   StartOptions start;
-  int branches = 2;
-  Precision precision = Precision::kDouble;
+  ExportRequest request;
   double limit_mV = 30.0;
   line.Describe(
       "Writes the cell as the battery of another program, with the numbers that this program's own "
@@ -107,17 +99,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
              "time_s,power_W, or a flight of lipoid; default: two levels of current with rests");
   line.Option("series", pack.series, kPackSizes, "cells in series of the pack to export");
   line.Option("parallel", pack.parallel, kPackSizes, "cells in parallel of the pack to export");
-  line.Text(
-      "target-version",
-      version,
-      "VERSION",
-      "version of the program that reads the file, where names differ: `lipoid list targets`");
-  line.Option("branches",
-              branches,
-              Range{1, 2},
-              "number of pairs of resistor and capacitor, for targets that can have more than one");
-  line.Option(
-      "precision", precision, Names(), "precision of the numbers, for targets that can be either");
+  line.Each(request);
   line.Input("into",
              into,
              "FILE",
@@ -141,7 +123,6 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   }
   line.AddOutputs("-o", outputs);
 
-  ExportRequest request;
   const std::string text = CellText(cell_name);
   request.cell = ParseCell(text, cell_name);
   pack.ApplyTo(request.cell.series, request.cell.parallel);
@@ -162,11 +143,8 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   }
   request.source = cell_name;
   request.sha256 = Sha256OfBytes(text);
-  request.target_version = version;
   request.name = IdentifierOf(request.cell.name);
   request.stem = std::filesystem::path(output).stem().string();
-  request.branches = branches;
-  request.single_precision = precision == Precision::kSingle;
   if (!into.empty()) {
     request.into_file = into;
     request.into_text = ReadTextFile(into);

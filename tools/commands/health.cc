@@ -59,22 +59,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   line.InputArguments("FLIGHT", files, "logs of flights on one pack, the oldest first");
   line.RequiredInput(
       "cell", cell_name, "REFERENCE", "the cell when new: a cell file, or a shipped cell's name");
-  line.Option(
-      "capacity-Ah",
-      options.capacity_Ah,
-      Range{1e-3, 1e5},
-      "capacity of the new pack in Ah; by default that of the cell file times --parallel, or, "
-      "of a shipped cell, what the autopilot was told");
-  line.Option("ambient-degC",
-              options.ambient_degC,
-              kTemperatures_degC,
-              "temperature of the air in degC, from which the pack starts and warms, where a log "
-              "has no temperature");
-  line.Option("current-scale-uncertainty",
-              options.sensors.current_scale,
-              Range{1e-4, 0.5},
-              "standard deviation of true over shown current, before the flights: 0.06 of a "
-              "sensor as it came, 0.01 of a calibrated one");
+  line.Each(options);
   line.Each(reading);
   pack.AddTo(line);
   line.ReportOption();
