@@ -41,15 +41,10 @@ class Quantities {
       AddRate("i_0", solution_.rates.charge_transfer_A);
     }
     AddOtherRates();
-    AddHysteresis();
-    if (!solution_.structure.self_heating) return;
-    const double per_A3 = std::pow(typical_A_, -3.0);
-    const double x = solution_.x[layout_.heating()];
-    TrustedQuantity q = fit_.Quantity("rho_h", "Ohm/A^2", x * per_A3);
-    q.combination[fit_.Linear(layout_.heating())] = per_A3;
-    q.at_bound = Active(layout_.heating());
-    fit_.quantities.push_back(std::move(q));
-    AddRate("tau_h", solution_.rates.heating_time_constant_s);
+    for (const JointTable& table : OtherTables(solution_.structure, typical_A_)) {
+      if (!table.name.empty()) AddOther(table);
+    }
+    if (solution_.structure.self_heating) AddRate("tau_h", solution_.rates.heating_time_constant_s);
   }
 
  private:
@@ -98,27 +93,27 @@ class Quantities {
     }
   }
 
-  void AddHysteresis() {
-    const auto& nodes = solution_.structure.hysteresis_soc;
-    if (nodes.empty()) return;
+  void AddOther(const JointTable& table) {
     const auto add = [&](std::string name, const NodeShare& at) {
-      const int k = layout_.hysteresis() + at.lower;
-      TrustedQuantity q = fit_.Quantity(std::move(name), "V", solution_.x[k] * (1.0 - at.share));
-      q.combination[fit_.Linear(k)] = 1.0 - at.share;
+      const int k = table.first + at.lower;
+      TrustedQuantity q = fit_.Quantity(
+          std::move(name), table.unit, solution_.x[k] * (1.0 - at.share) * table.scale);
+      q.combination[fit_.Linear(k)] = (1.0 - at.share) * table.scale;
       q.at_bound = Active(k);
       if (at.share > 0.0) {
-        q.value += solution_.x[k + 1] * at.share;
-        q.combination[fit_.Linear(k + 1)] = at.share;
+        q.value += solution_.x[k + 1] * at.share * table.scale;
+        q.combination[fit_.Linear(k + 1)] = at.share * table.scale;
         q.at_bound = q.at_bound && Active(k + 1);
       }
       fit_.quantities.push_back(std::move(q));
     };
-    if (nodes.size() == 1) return add("M", {});
+    const auto& nodes = table.soc;
+    if (nodes.size() == 1) return add(table.name, {});
     NodeFinder find(nodes);
     for (const double soc : {0.2, 0.5, 0.8}) {
       const double on_axis = 1.0 - (1.0 - soc) * alpha_ratio_;
       if (on_axis >= nodes.front() && on_axis <= nodes.back())
-        add(fmt::format("M({:.1f})", soc), find(on_axis));
+        add(fmt::format("{}({:.1f})", table.name, soc), find(on_axis));
     }
   }
 

@@ -242,10 +242,10 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
     auto block = penalty.block(layout.table(t), layout.table(t), layout.nodes(), layout.nodes());
     block = (ratio.asDiagonal() * block * ratio.asDiagonal()).eval();
   }
-  bend(layout.entropy(), layout.entropies());
-  slope(layout.entropy(), layout.entropies(), 0.01 * second);
-  bend(layout.hysteresis(), layout.hystereses());
-  slope(layout.hysteresis(), layout.hystereses(), 0.01 * second);
+  for (const JointTable& table : OtherTables(structure, scales_.typical_A)) {
+    bend(table.first, static_cast<int>(table.soc.size()));
+    slope(table.first, static_cast<int>(table.soc.size()), 0.01 * second);
+  }
   return penalty;
 }
 

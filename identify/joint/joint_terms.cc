@@ -44,6 +44,19 @@ const std::vector<JointTerm>& JointTerms() {
   return kTerms;
 }
 
+std::vector<JointTable> OtherTables(const JointStructure& structure, double typical_A) {
+  const JointLayout layout(structure);
+  std::vector<JointTable> tables;
+  if (!structure.entropy_soc.empty())
+    tables.push_back({"", "V/K", layout.entropy(), structure.entropy_soc, 1.0 / kEntropyScale_K});
+  if (!structure.hysteresis_soc.empty())
+    tables.push_back({"M", "V", layout.hysteresis(), structure.hysteresis_soc, 1.0});
+  if (structure.self_heating) {
+    tables.push_back({"rho_h", "Ohm/A^2", layout.heating(), {0.5}, std::pow(typical_A, -3.0)});
+  }
+  return tables;
+}
+
 std::vector<std::string> SharedEnergyNames(const JointStructure& structure, bool diffusion) {
   std::vector<std::string> names;
   if (!structure.temperature || structure.shared_energies == SharedEnergies::kNone) return names;

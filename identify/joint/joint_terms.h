@@ -51,6 +51,18 @@ struct JointRate {
   [[nodiscard]] double Slope(double value) const { return logarithm ? value * unit : unit; }
 };
 
+/// Linear unknowns beside v_oc and the resistances: one number, or one for each node over the state of
+/// charge. They are smoothed and reported as they stand here.
+struct JointTable {
+  std::string name;  ///< of the cell's parameter; empty: not reported
+  std::string unit;
+  int first = 0;            ///< in JointLayout
+  std::vector<double> soc;  ///< nodes; one: a number
+  double scale = 1.0;       ///< the parameter for each volt of an unknown
+};
+[[nodiscard]] std::vector<JointTable> OtherTables(const JointStructure& structure,
+                                                  double typical_A);
+
 /// The activation energies that such a structure has, E_d, E_s, E_1 .. E_n, E_ct, and of these the ones
 /// that are one number.
 [[nodiscard]] std::vector<std::string> SharedEnergyNames(const JointStructure& structure,

@@ -90,6 +90,23 @@ TEST(JointTerms, EveryRateHasANumberOfItsOwn) {
     EXPECT_EQ(rates[k].In(all), static_cast<double>(k)) << rates[k].name;
 }
 
+TEST(JointTerms, OtherTablesFollowTheLayout) {
+  JointStructure structure = WithEveryTerm(false);
+  const JointLayout layout(structure);
+  const auto tables = OtherTables(structure, 2.0);
+  ASSERT_EQ(tables.size(), 3U);
+  EXPECT_EQ(tables[0].first, layout.entropy());
+  EXPECT_TRUE(tables[0].name.empty());
+  EXPECT_EQ(tables[1].first, layout.hysteresis());
+  EXPECT_EQ(tables[2].first, layout.heating());
+  EXPECT_EQ(tables[2].scale, 0.125);
+  for (const JointTable& table : tables) {
+    EXPECT_LE(table.first + static_cast<int>(table.soc.size()), layout.size()) << table.name;
+    EXPECT_TRUE(table.name.empty() || CellParameterUnit(table.name) == table.unit) << table.name;
+  }
+  EXPECT_TRUE(OtherTables(JointStructure(), 2.0).empty());
+}
+
 TEST(JointTerms, CoordinatesAndValuesAreInverse) {
   for (const JointRate& rate : AllRates(WithEveryTerm(true), ASetup(), kScales)) {
     const double value = 0.3 * rate.lower + 0.7 * rate.upper;
