@@ -55,11 +55,11 @@ function temperaturesOf(row) {
   return `${at} °C and ${row.second_pulses === "one" ? "one pulse" : "pulses"} at ${significant(row.second_degC)} °C`;
 }
 
-function planTable(rows, names, varied) {
+function planTable(rows, names, varied, warms) {
   return table(
     [
-      ...(rows.some((row) => temperaturesOf(row) !== "") ? [{ title: "temperatures", of: temperaturesOf, class: "name" }] : []),
-      ...(varied.length > 0 ? varied : VARIED).map(({ key, label }) => ({ title: label, of: (row) => row[key] })),
+      ...(warms ? [{ title: "temperatures", of: temperaturesOf, class: "name" }] : []),
+      ...(varied.length > 0 || warms ? varied : VARIED).map(({ key, label }) => ({ title: label, of: (row) => row[key] })),
       { title: "duration", of: (row) => duration(row.duration_s), by: (row) => row.duration_s, class: "number" },
       { title: "rows", of: (row) => row.rows },
       ...names.map((name) => ({ title: `${name} / %`, of: (row) => percentOf(row, name), digits: 3 })),
@@ -77,9 +77,10 @@ export const plan = {
     const rows = listOf(summary.rows);
     const names = [...new Set(rows.flatMap((row) => listOf(row.parameters).map(({ name }) => name)))];
     const noise = summary.noise ?? {};
+    const warms = rows.some((row) => temperaturesOf(row) !== "");
     const varied = VARIED.map((each) => ({ ...each, values: distinct(rows.map((row) => row[each.key])) })).filter(({ values }) => values.length > 1);
     return [
-      rows.length === 1 || rows.some((row) => temperaturesOf(row) !== "")
+      rows.length === 1 || warms
         ? rows.slice(0, MOST_SENTENCES).map((row) => element("p", { class: "sentence" }, `${temperaturesOf(row) && `${temperaturesOf(row)}: `}${row.sentence}`)) : null,
       facts([
         ["Cell", summary.cell],
@@ -89,9 +90,9 @@ export const plan = {
           .map(({ key, title, unit }) => [title, `${significant(rows[0]?.[key])} ${unit}`]),
         ["Slow errors", isNumber(noise.coloured_V) ? `${significant(1e3 * noise.coloured_V)} mV over ${duration(noise.correlation_s)}` : null],
       ]),
-      planTable(rows, names, varied),
+      planTable(rows, names, varied, warms),
       varied.map((each) => against(each, rows, names, varied.filter(({ key }) => key !== each.key))),
-      varied.length === 0
+      varied.length === 0 && !warms
         ? note("One experiment has no curve: give lists, as in `lipoid plan CELL --pulse-s 10,30,60 --rest-s 600,1770 --rate-C 1,2`.")
         : null,
       listOf(summary.left_out).length > 0
