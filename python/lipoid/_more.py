@@ -182,7 +182,9 @@ def plan(
 ) -> pd.DataFrame:
     """Predict the standard errors that a pulse experiment would give, before the lab is booked.
 
-    Lists are combined with one another, one row each.
+    Lists are combined with one another, one row each. Of a cell that knows temperature, or with
+    ``ambient_degC``, the whole protocol is planned, with activation energies and heat balance, and
+    two more rows say what a second temperature would add: the same pulses there, or one.
 
     Parameters
     ----------

@@ -334,11 +334,21 @@ def test_study_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path
         lipoid.study("term", lab / "campaign.toml")
 
 
-def test_plan_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
-    theirs = program(
-        "plan", "gifi-600mAh-1", "--pulse-s", "10,30", "--rest-s", "600", folder=tmp_path
-    )
-    ours = lipoid.plan("gifi-600mAh-1", pulse_s=[10, 30], rest_s=600)
+@pytest.mark.parametrize(
+    ("words", "options"),
+    [
+        ("--pulse-s 10,30 --rest-s 600", {"pulse_s": [10, 30], "rest_s": 600}),
+        (
+            "--sampling-s 10 --ambient-degC 25 --second-degC 0",
+            {"sampling_s": 10, "ambient_degC": 25, "second_degC": 0},
+        ),
+    ],
+)
+def test_plan_is_that_of_the_program(
+    words: str, options: dict[str, Any], program: Lipoid, tmp_path: Path
+) -> None:
+    theirs = program("plan", "gifi-600mAh-1", *words.split(), folder=tmp_path)
+    ours = lipoid.plan("gifi-600mAh-1", **options)
     for row, other in zip(ours.to_dict("records"), theirs["rows"], strict=True):
         assert row["duration_s"] == other["duration_s"]
         for one in other["parameters"]:
