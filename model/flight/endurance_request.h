@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "model/core/option_kinds.h"
+#include "model/core/options.h"
 #include "model/flight/endurance.h"
 #include "model/statistics/uncertain.h"
 #include "model/vehicle/level_flight.h"
@@ -63,6 +65,39 @@ struct EnduranceRequest {
 
   /// Whether there is anything to draw.
   [[nodiscard]] bool uncertain() const;
+};
+
+/// What is asked beside the quantities and the groups, declared once: options of `lipoid endurance` and
+/// keywords of lipoid.endurance(). tests/python/test_options.py holds one against the other.
+struct EnduranceChoices {
+  InputFile vehicle = {};
+  std::optional<double> capacity_Ah = {};
+  bool once = false;
+  InputFile gains = {};
+  int ensemble = kUsualEnsemble;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("vehicle",
+      self.vehicle,
+      Word{"VEHICLE"},
+      "a vehicle file, or the name of a shipped vehicle; not needed where the mission is a power");
+    v("capacity_Ah",
+      self.capacity_Ah,
+      Range{1e-3, 1e5},
+      "nominal capacity of a cell of the pack, where it is a larger or a smaller one of the kind in "
+      "the cell file: its charge, resistances and heat go with the size");
+    v("once", self.once, Names(), "fly the mission of a file once instead of again and again");
+    v("gains",
+      self.gains,
+      Word{"GAINS"},
+      "for waypoints: unaware, aware, placed, or a gains file; by default aware for a Mambo and "
+      "placed for any other vehicle");
+    v("ensemble",
+      self.ensemble,
+      Range{0, 100000},
+      "flights with values drawn from all uncertainties, for the intervals; 0: none");
+  }
 };
 
 /// A quantity of a request that may be uncertain and over which a table may be asked for.

@@ -515,12 +515,14 @@ class EnduranceOptions(TypedDict, total=False):
     """Keyword arguments."""
 
     vehicle: Path | None
+    capacity_Ah: float | None
+    once: bool
+    gains: Path | None
+    ensemble: int
     series: int | None
     parallel: int | None
-    capacity_Ah: float | None
     mission: Literal["hover", "cruise"]
     power: tuple[Any, Any] | None
-    once: bool
     airspeed_m_per_s: float | tuple[float, float] | None
     ambient_degC: float | tuple[float, float] | None
     health: float | tuple[float, float] | None
@@ -530,9 +532,7 @@ class EnduranceOptions(TypedDict, total=False):
     resistance_factor: float | tuple[float, float] | None
     cruise_speed: Literal["best-range", "best-endurance"]
     waypoints: Path | None
-    gains: Path | None
     initial_soc: float
-    ensemble: int
     flight: EnduranceFlightGroup
     air: EnduranceAirGroup
 

@@ -46,24 +46,16 @@ std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& vari
 
 struct EnduranceKeywords {
   EnduranceRequest request;
-  std::optional<std::string> vehicle;
+  EnduranceChoices setup;
   std::optional<int> series;
   std::optional<int> parallel;
   std::optional<std::string> waypoints;
-  std::string gains;
-  std::optional<double> capacity_Ah;
-  bool once = false;
 
   void Declare(Keywords& keywords) {
-    if (const auto file =
-            keywords.Take("vehicle", "Path", "a vehicle file, or the name of a shipped vehicle"))
-      vehicle = PathOf(*file);
+    keywords.Each(setup);
+    request.ensemble = setup.ensemble;
     keywords.Option("series", series, kPackSizes, "cells in series of the pack");
     keywords.Option("parallel", parallel, kPackSizes, "cells in parallel of the pack");
-    keywords.Option("capacity-Ah",
-                    capacity_Ah,
-                    Range{1e-3, 1e5},
-                    "nominal capacity, where the cells are larger or smaller ones of the kind");
     Mission mission = Mission::kHover;
     keywords.Option("mission", mission, Names{}, "level flight at a place, or at a speed");
     request.cruise = mission == Mission::kCruise;
@@ -73,7 +65,6 @@ struct EnduranceKeywords {
                                          "that the battery gives since the time before")) {
       TakePower(*power);
     }
-    keywords.Flag("once", once, "fly a mission once instead of again and again");
     for (const EnduranceVariable& variable : EnduranceVariables()) {
       if (const auto value = Value(keywords, variable)) {
         variable.of(request) = {variable.unit * value->value,
@@ -87,14 +78,7 @@ struct EnduranceKeywords {
     if (const auto file =
             keywords.Take("waypoints", "Path", "a file of waypoints, which is flown instead"))
       waypoints = PathOf(*file);
-    if (const auto file =
-            keywords.Take("gains", "Path", "of the controller that flies waypoints, as of fly"))
-      gains = PathOf(*file);
     keywords.Option("initial-soc", request.initial_soc, kInitialSocs, "where the battery starts");
-    keywords.Option("ensemble",
-                    request.ensemble,
-                    Range{0, 100000},
-                    "flights with values drawn from all uncertainties, for the intervals");
     keywords.Group("flight", request.options);
     keywords.Group("air", request.air);
   }
@@ -130,23 +114,29 @@ nb::object Endurance(const PythonCell& cell,
   request.cell = cell.cell;
   if (made.series) request.cell.series = *made.series;
   if (made.parallel) request.cell.parallel = *made.parallel;
-  if (made.capacity_Ah) request.size_factor = *made.capacity_Ah / request.cell.capacity_Ah;
+  if (made.setup.capacity_Ah)
+    request.size_factor = *made.setup.capacity_Ah / request.cell.capacity_Ah;
   if (request.ambient_degC && !request.cell.temperature)
     request.cell = WithTypicalTemperature(request.cell);
-  if (request.power.has_value() == made.vehicle.has_value())
+  const EnduranceChoices& setup = made.setup;
+  const bool flies = !setup.vehicle.path.empty();
+  if (request.power.has_value() == flies)
     throw OptionError("expected option vehicle or option power, and not both");
-  if (made.waypoints && (!made.vehicle || !request.payload_kg.known() || request.airspeed_m_per_s))
+  if (made.waypoints && (!flies || !request.payload_kg.known() || request.airspeed_m_per_s))
     throw OptionError(
         "option waypoints: expected a vehicle, a payload that is known, and no airspeed_m_per_s");
-  if (made.vehicle) request.vehicle = LoadVehicle(*made.vehicle);
+  if (setup.once && !request.power && !made.waypoints)
+    throw OptionError(
+        "option once is for missions of a power or of waypoints; level flight has no end");
+  if (flies) request.vehicle = LoadVehicle(setup.vehicle.path);
   request.seed = seed;
   Json summary;
   Work(
       [&](const Tell& tell) {
         if (made.waypoints)
-          request.power =
-              FlyRoute(request, GainsFor(made.gains, request.vehicle, "aware"), *made.waypoints);
-        if (request.power) request.power->repeats = !made.once;
+          request.power = FlyRoute(
+              request, GainsFor(setup.gains.path, request.vehicle, "aware"), *made.waypoints);
+        if (request.power) request.power->repeats = !setup.once;
         const EnduranceAnswer answer =
             FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });
         summary = EnduranceToJson(request, answer);

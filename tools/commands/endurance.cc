@@ -234,15 +234,12 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
 cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   EnduranceRequest request;
   StartOptions start;
-  std::string vehicle_name;
+  EnduranceChoices setup;
   std::string cell_name;
   std::string mission = "hover";
-  std::string gains;
   std::string over_text;
   std::vector<std::string> quantities(EnduranceVariables().size());
-  bool once = false;
   PackOptions pack;
-  std::optional<double> capacity_Ah;
 
   line.Describe(
       "Says how long a vehicle flies on a pack, what it uses and at which voltage it has to land, "
@@ -256,31 +253,14 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Example(
       "lipoid endurance --vehicle mambo-physical --cell gifi-600mAh-1 --over payload-g=0:2:10");
   line.Example("lipoid endurance --cell cell.json --series 4 --mission power=flight.csv");
-  line.Input(
-      "vehicle",
-      vehicle_name,
-      "VEHICLE",
-      "a vehicle file, or the name of a shipped vehicle; not needed with --mission power=FILE");
+  line.Each(setup);
   line.RequiredInput("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
   pack.AddTo(line, "of the pack (default as in the cell file)");
-  line.Option(
-      "capacity-Ah",
-      capacity_Ah,
-      Range{1e-3, 1e5},
-      "nominal capacity of a cell of the pack, where it is a larger or a smaller one of the "
-      "kind in the cell file: its charge, resistances and heat go with the size");
   line.Text("mission",
             mission,
             "M",
             "hover; cruise; waypoints=FILE, a route as of `lipoid fly waypoints`; or power=FILE, a "
             "CSV of time_s,power_W or any log with voltage and current");
-  line.Flag("once", once, "fly the mission of a file once instead of again and again");
-  line.Input(
-      "gains",
-      gains,
-      "GAINS",
-      "for waypoints: unaware, aware, placed, or a gains file (default aware for a Mambo, placed for "
-      "any other vehicle)");
   for (std::size_t k = 0; k < quantities.size(); ++k) {
     const EnduranceVariable& variable = EnduranceVariables()[k];
     const bool airspeed = variable.name == "airspeed-m-per-s";
@@ -296,10 +276,6 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             "NAME=FIRST:STEP:LAST",
             "a table over one of the quantities above, such as payload-g=0:100:500");
   start.AddTo(line);
-  line.Option("ensemble",
-              request.ensemble,
-              Range{0, 100000},
-              "flights with values drawn from all uncertainties, for the intervals; 0: none");
   line.Group("", request.options);
   line.Group("air", request.air);
   line.ReportOption();
@@ -307,7 +283,9 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
 
   request.cell = LoadCell(cell_name);
   pack.ApplyTo(request.cell.series, request.cell.parallel);
-  if (capacity_Ah) request.size_factor = *capacity_Ah / request.cell.capacity_Ah;
+  const std::string& vehicle_name = setup.vehicle.path;
+  request.ensemble = setup.ensemble;
+  if (setup.capacity_Ah) request.size_factor = *setup.capacity_Ah / request.cell.capacity_Ah;
   request.initial_soc = start.Soc(request.cell);
   request.initial_voltage_V = start.initial_voltage_V;
   request.cruise = mission == "cruise";
@@ -328,15 +306,15 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   } else if (vehicle_name.empty()) {
     throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
   }
-  SetMission(line, mission, gains, request);
+  SetMission(line, mission, setup.gains.path, request);
   if (request.power) {
-    request.power->repeats = !once;
+    request.power->repeats = !setup.once;
     if (over && (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s"))
       throw OptionError(
           fmt::format("option --over: {} is for hover and cruise, not for the mission "
                       "of a file",
                       over->variable->name));
-  } else if (once) {
+  } else if (setup.once) {
     throw OptionError("option --once is for missions of a file; level flight has no end");
   }
 
