@@ -68,6 +68,8 @@ def test_an_endurance_needs_a_vehicle_or_a_power() -> None:
         lipoid.endurance("gifi-600mAh-1")
     with pytest.raises(lipoid.OptionError, match="standard error"):
         lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", health=(1.0, 2.0, 3.0))  # type: ignore[arg-type]
+    with pytest.raises(lipoid.OptionError, match="level flight has no end"):
+        lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", once=True)
     with pytest.raises(lipoid.OptionError, match="rising times"):
         lipoid.endurance("gifi-600mAh-1", power=([0.0, 0.0], [1.0, 1.0]))
 
