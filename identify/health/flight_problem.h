@@ -28,7 +28,7 @@ struct SensorSpread {
 
 /// Degrees of freedom of what a flight says: its errors are weighed by noise that is itself
 /// estimated, from few independent slow errors.
-constexpr double kFlightFreedom = 12.0;
+inline constexpr double kFlightFreedom = 12.0;
 
 /// Whether a flight begins with a rest that is long enough to leave nothing of an earlier current.
 [[nodiscard]] bool StartsAtRest(const Record& record);

@@ -5,7 +5,7 @@
 /// knows temperature, or where an ambient temperature is given, an experiment is the whole protocol of
 /// synthesis/protocols.h (campaign_plan.h), and each is followed by what a second temperature would
 /// add to it; else the pulses alone (experiment_plan.h).
-/// Tests: tests/tools/plan_test.cc, tests/python/test_planning.py.
+/// Tests: tests/tools/plan_test.cc, tests/python/test_identify.py.
 
 #include <functional>
 #include <string>

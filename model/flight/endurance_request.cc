@@ -199,6 +199,19 @@ const EnduranceVariable& FindEnduranceVariable(std::string_view name) {
   throw OptionError(UnknownName("quantity", name, known));
 }
 
+void EnduranceChoices::ApplyTo(EnduranceRequest& request) const {
+  request.ensemble = ensemble;
+  if (capacity_Ah) request.size_factor = *capacity_Ah / request.cell.capacity_Ah;
+}
+
+void EnduranceChoices::SetRepeats(EnduranceRequest& request) const {
+  if (request.power) {
+    request.power->repeats = !once;
+  } else if (once) {
+    throw OptionError("option --once is for missions of a file; level flight has no end");
+  }
+}
+
 bool EnduranceRequest::uncertain() const {
   return cell.uncertainty.has_value() || !payload_kg.known() || !health.known() ||
          !resistance_factor.known() || !power_factor.known() || !reserve.known() ||

@@ -98,6 +98,12 @@ struct EnduranceChoices {
       Range{0, 100000},
       "flights with values drawn from all uncertainties, for the intervals; 0: none");
   }
+
+  /// Size and ensemble into the request, whose cell is there.
+  void ApplyTo(EnduranceRequest& request) const;
+  /// Whether its mission is flown again, once that is there. OptionError where --once is asked of level
+  /// flight.
+  void SetRepeats(EnduranceRequest& request) const;
 };
 
 /// A quantity of a request that may be uncertain and over which a table may be asked for.

@@ -46,14 +46,13 @@ std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& vari
 
 struct EnduranceKeywords {
   EnduranceRequest request;
-  EnduranceChoices setup;
+  EnduranceChoices choices;
   std::optional<int> series;
   std::optional<int> parallel;
   std::optional<std::string> waypoints;
 
   void Declare(Keywords& keywords) {
-    keywords.Each(setup);
-    request.ensemble = setup.ensemble;
+    keywords.Each(choices);
     keywords.Option("series", series, kPackSizes, "cells in series of the pack");
     keywords.Option("parallel", parallel, kPackSizes, "cells in parallel of the pack");
     Mission mission = Mission::kHover;
@@ -114,29 +113,25 @@ nb::object Endurance(const PythonCell& cell,
   request.cell = cell.cell;
   if (made.series) request.cell.series = *made.series;
   if (made.parallel) request.cell.parallel = *made.parallel;
-  if (made.setup.capacity_Ah)
-    request.size_factor = *made.setup.capacity_Ah / request.cell.capacity_Ah;
+  const EnduranceChoices& choices = made.choices;
+  choices.ApplyTo(request);
   if (request.ambient_degC && !request.cell.temperature)
     request.cell = WithTypicalTemperature(request.cell);
-  const EnduranceChoices& setup = made.setup;
-  const bool flies = !setup.vehicle.path.empty();
+  const bool flies = !choices.vehicle.path.empty();
   if (request.power.has_value() == flies)
     throw OptionError("expected option vehicle or option power, and not both");
   if (made.waypoints && (!flies || !request.payload_kg.known() || request.airspeed_m_per_s))
     throw OptionError(
         "option waypoints: expected a vehicle, a payload that is known, and no airspeed_m_per_s");
-  if (setup.once && !request.power && !made.waypoints)
-    throw OptionError(
-        "option once is for missions of a power or of waypoints; level flight has no end");
-  if (flies) request.vehicle = LoadVehicle(setup.vehicle.path);
+  if (flies) request.vehicle = LoadVehicle(choices.vehicle.path);
   request.seed = seed;
   Json summary;
   Work(
       [&](const Tell& tell) {
         if (made.waypoints)
           request.power = FlyRoute(
-              request, GainsFor(setup.gains.path, request.vehicle, "aware"), *made.waypoints);
-        if (request.power) request.power->repeats = !setup.once;
+              request, GainsFor(choices.gains.path, request.vehicle, "aware"), *made.waypoints);
+        choices.SetRepeats(request);
         const EnduranceAnswer answer =
             FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });
         summary = EnduranceToJson(request, answer);

@@ -24,6 +24,17 @@ inline Cell Truth() {
   return cell;
 }
 
+/// The same with activation energies and a heat balance.
+inline Cell ColdTruth() {
+  Cell cell = Truth();
+  Cell::Temperature& term = cell.temperature.emplace();
+  term.series_J_per_mol = 18e3;
+  term.branches_J_per_mol = {45e3};
+  term.diffusion_J_per_mol = 30e3;
+  term.heat = HeatBalance<double>{15.0, 20.0};
+  return cell;
+}
+
 /// A log of the cell under a current that is a function of time, to cut-off, sampled every dt_s;
 /// voltages carry white noise.
 template <class Current>

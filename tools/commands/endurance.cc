@@ -234,7 +234,7 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
 cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   EnduranceRequest request;
   StartOptions start;
-  EnduranceChoices setup;
+  EnduranceChoices choices;
   std::string cell_name;
   std::string mission = "hover";
   std::string over_text;
@@ -253,7 +253,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Example(
       "lipoid endurance --vehicle mambo-physical --cell gifi-600mAh-1 --over payload-g=0:2:10");
   line.Example("lipoid endurance --cell cell.json --series 4 --mission power=flight.csv");
-  line.Each(setup);
+  line.Each(choices);
   line.RequiredInput("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
   pack.AddTo(line, "of the pack (default as in the cell file)");
   line.Text("mission",
@@ -283,9 +283,8 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
 
   request.cell = LoadCell(cell_name);
   pack.ApplyTo(request.cell.series, request.cell.parallel);
-  const std::string& vehicle_name = setup.vehicle.path;
-  request.ensemble = setup.ensemble;
-  if (setup.capacity_Ah) request.size_factor = *setup.capacity_Ah / request.cell.capacity_Ah;
+  const std::string& vehicle_name = choices.vehicle.path;
+  choices.ApplyTo(request);
   request.initial_soc = start.Soc(request.cell);
   request.initial_voltage_V = start.initial_voltage_V;
   request.cruise = mission == "cruise";
@@ -306,16 +305,14 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   } else if (vehicle_name.empty()) {
     throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
   }
-  SetMission(line, mission, setup.gains.path, request);
-  if (request.power) {
-    request.power->repeats = !setup.once;
-    if (over && (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s"))
-      throw OptionError(
-          fmt::format("option --over: {} is for hover and cruise, not for the mission "
-                      "of a file",
-                      over->variable->name));
-  } else if (setup.once) {
-    throw OptionError("option --once is for missions of a file; level flight has no end");
+  SetMission(line, mission, choices.gains.path, request);
+  choices.SetRepeats(request);
+  if (request.power && over &&
+      (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s")) {
+    throw OptionError(
+        fmt::format("option --over: {} is for hover and cruise, not for the mission "
+                    "of a file",
+                    over->variable->name));
   }
 
   const EnduranceAnswer answer = FindEndurance(

@@ -149,16 +149,7 @@ TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
   }
 }
 
-// A cell whose resistances are numbers, and a lab with a climate chamber.
-Cell ColdTruth() {
-  Cell cell = test::Truth();
-  Cell::Temperature& term = cell.temperature.emplace();
-  term.series_J_per_mol = 18e3;
-  term.branches_J_per_mol = {45e3};
-  term.diffusion_J_per_mol = 30e3;
-  term.heat = HeatBalance<double>{15.0, 20.0};
-  return cell;
-}
+using test::ColdTruth;
 
 std::vector<LoadedLog> ClimateChamber(const Cell& truth,
                                       const std::vector<double>& ambients_degC,

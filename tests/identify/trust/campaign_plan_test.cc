@@ -19,13 +19,8 @@ namespace {
 
 // A branch that rows every 10 s see, three energies, and a cell that warms by some degrees.
 Cell ColdCell() {
-  Cell cell = test::Truth();
+  Cell cell = test::ColdTruth();
   cell.series_resistance_Ohm = 0.08;
-  Cell::Temperature& term = cell.temperature.emplace();
-  term.series_J_per_mol = 18e3;
-  term.branches_J_per_mol = {45e3};
-  term.diffusion_J_per_mol = 30e3;
-  term.heat = HeatBalance<double>{15.0, 20.0};
   return cell;
 }
 
