@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "model/core/foreign_text.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -84,20 +85,29 @@ std::vector<std::string> EndingsOfNoLogs() {
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
   const auto no_logs = EndingsOfNoLogs();
   std::vector<std::string> files;
+  std::vector<std::string> folders;
   std::error_code trouble;
   for (fs::directory_iterator each(folder, trouble), end; !trouble && each != end;
        each.increment(trouble)) {
     const std::string name = each->path().filename().string();
     const std::string extension = each->path().extension().string();
     const bool no_log = std::find(no_logs.begin(), no_logs.end(), extension) != no_logs.end();
-    if (std::error_code none; each->is_regular_file(none) && name[0] != '.' && !no_log)
-      files.push_back(each->path().string());
+    std::error_code none;
+    if (name[0] == '.') continue;
+    if (each->is_directory(none)) folders.push_back(name);
+    if (each->is_regular_file(none) && !no_log) files.push_back(each->path().string());
   }
   if (trouble)
-    throw LoadError({.file = folder},
+    throw LoadError(NoFile(folder),
                     fmt::format("expected a folder of logs, found {}", trouble.message()));
-  if (files.empty())
-    throw LoadError({.file = folder}, "expected a folder of logs, found none in it");
+  if (files.empty()) {
+    std::sort(folders.begin(), folders.end());
+    const std::string found =
+        folders.empty() ? "none in it"
+                        : fmt::format("none in it; there are folders within, name one of them: {}",
+                                      ForeignText(fmt::format("{}", fmt::join(folders, ", "))));
+    throw LoadError(NoFile(folder), "expected a folder of logs, found " + found);
+  }
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "tests/support/load_error.h"
@@ -247,9 +248,16 @@ TEST(FilesOfFolder, LeavesOutWhatIsNoLog) {
             (std::vector{folder + "/a.txt", folder + "/b.csv", folder + "/c.041"}));
   const auto none = test::FreshFolder("files_of_folder/none");
   EXPECT_EQ(test::LoadErrorOf([&] { (void)FilesOfFolder(none); }),
-            none + ":1:1: error: expected a folder of logs, found none in it");
+            none + ": error: expected a folder of logs, found none in it");
+  std::filesystem::create_directory(none + "/b");
+  std::filesystem::create_directory(none + "/a");
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { (void)FilesOfFolder(none); }),
+      none +
+          ": error: expected a folder of logs, found none in it; there are folders within, name one of them: "
+          "a, b");
   EXPECT_EQ(test::LoadErrorOf([&] { (void)FilesOfFolder("no/folder"); }),
-            "no/folder:1:1: error: expected a folder of logs, found No such file or directory");
+            "no/folder: error: expected a folder of logs, found No such file or directory");
 }
 
 }  // namespace
