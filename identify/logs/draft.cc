@@ -29,6 +29,8 @@ constexpr double kIronPhosphateRest_V = 3.45;
 // A draft takes no cut-off below the first, and writes the second in its place.
 constexpr double kLowestCutoff_V = 1.5;
 constexpr double kTypicalCutoff_V = 3.0;
+// No cell is empty above it, whatever its chemistry.
+constexpr double kNotEmpty_V = 3.7;
 
 double RoundToDigits(double value, int digits) {
   if (!(value > 0.0) || !std::isnormal(value)) return 0.0;
@@ -246,13 +248,18 @@ class Drafting {
   void FindCapacityAndCutoff() {
     const Inspection* slowest = nullptr;
     for (const Candidate& each : all_) {
-      if (!each.inspection->discharge) continue;
+      if (!each.inspection->discharge || each.inspection->discharge->end_voltage_V > kNotEmpty_V)
+        continue;
       if (slowest == nullptr ||
           each.inspection->discharge->current_A < slowest->discharge->current_A)
         slowest = each.inspection;
     }
     if (slowest != nullptr)
       draft_.campaign.capacity_Ah = RoundToDigits(slowest->discharge->charge_C / 3600.0, 3);
+    else if (!all_.empty())
+      draft_.remarks.emplace_back(
+          "No log discharges the cell from full to empty: look its capacity up and give it as "
+          "capacity_Ah.");
     const std::vector<Candidate>& discharges = fast_.empty() ? slow_ : fast_;
     if (discharges.empty()) return;
     double cutoff_V = FindCutoff(discharges);

@@ -187,6 +187,15 @@ TEST(Draft, KnowsAPackByItsVoltage) {
   EXPECT_EQ(DraftCampaign(files, "pack", "campaign.toml", {.series = 1}).campaign.series, 1);
 }
 
+// A pulse near full says nothing of the capacity, and a charge of 8 mAh beside 3 A is no draft to begin with.
+TEST(Draft, LeavesOutACapacityThatNoLogShows) {
+  const auto draft = DraftCampaign(
+      {Inspected("pulse.csv", Falling(4.2, 3.0, 10.0, 4.1))}, "cell", "campaign.toml");
+  EXPECT_EQ(draft.campaign.capacity_Ah, 0.0);
+  EXPECT_EQ(DraftToToml(draft).find("\ncapacity_Ah"), std::string::npos);
+  EXPECT_NE(DraftToToml(draft).find("give it as capacity_Ah"), std::string::npos);
+}
+
 TEST(Draft, CutsAFileIntoItsTests) {
   Record record = RecordOfSteps({{60.0, 0.0}, {3600.0, 2.0}, {60.0, 0.0}, {3600.0, -2.0}});
   const Record second = RecordOfSteps({{60.0, 0.0}, {1800.0, 4.0}});
