@@ -98,16 +98,16 @@ class Keywords {
     return [this](std::string_view name, auto& options) { Group(GroupName(name), options); };
   }
 
-  /// Options of a struct, each by itself; model/core/option_kinds.h has what they may be.
-  template <class Options>
-  void Each(Options& options) {
-    Options::Visit(options, EachOne());
-  }
-  /// The same for a Visit of another name.
+  /// For a Visit: each option by itself; model/core/option_kinds.h has what they may be.
   auto EachOne() {
     return [this](std::string_view name, auto& member, const auto& valid, const char* help) {
       OfKind(name, member, valid, help);
     };
+  }
+  /// Options of a struct, each by itself.
+  template <class Options>
+  void Each(Options& options) {
+    Options::Visit(options, EachOne());
   }
 
   /// OptionError for what no declaration took.
