@@ -10,9 +10,10 @@ import sqlite3
 import subprocess
 import sys
 import time
+import types
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import jsonschema
 import pandas as pd
@@ -22,7 +23,9 @@ import lipoid
 from conftest import ROOT, Lipoid
 from lipoid.fleet import worker
 from lipoid.fleet.command import main
-from lipoid.fleet.driver import duration, still_the_same
+from lipoid.fleet.driver import Progress, Run, Signals, duration, still_the_same
+from lipoid.fleet.errors import Stopped
+from lipoid.fleet.results import Results
 from lipoid.fleet.worker import Settings, identify_batch
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)}
@@ -463,6 +466,20 @@ def test_a_signal_stops_and_the_same_command_goes_on(
     assert all(rows(results)[key]["finished"] == row["finished"] for key, row in kept.items())
 
 
+def test_a_scheduler_that_goes_while_it_is_asked_is_said() -> None:
+    class Client:  # of dask, whose connection has just been closed
+        status = "closed"
+        scheduler = types.SimpleNamespace(address="tcp://nowhere:1")
+
+        def nthreads(self) -> dict[str, int]:
+            raise ConnectionResetError("Connection reset by peer")
+
+    results = cast(Results, None)  # of no campaign
+    run = Run(Client(), results, [], Settings(options={}), Progress(0, shown=False))
+    with pytest.raises(Stopped, match="the scheduler at tcp://nowhere:1 is gone"):
+        run.go(Signals())
+
+
 def test_nothing_listens_on_this_machine(cells: Path, tmp_path: Path) -> None:
     import psutil
 
@@ -545,8 +562,6 @@ def test_parquet_has_all_of_it(cells: Path, undisturbed: Path, tmp_path: Path) -
 
 def made_up(file: Path, count: int = 400) -> None:
     """Write results that are known: one stands out, r_s grows with age, alpha differs by batch."""
-    from lipoid.fleet.results import Results
-
     rng = __import__("numpy").random.default_rng(0)
     with Results(file, "{}") as results:
         made = []

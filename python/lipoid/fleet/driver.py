@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import contextlib
 import hashlib
 import json
 import os
@@ -228,7 +229,8 @@ class Run:
         """How many tasks may be out; workers come and go."""
         now_s = time.monotonic()
         if now_s - self.threads_at_s > 2.0:
-            self.threads = sum(self.client.nthreads().values())
+            with contextlib.suppress(OSError):  # the scheduler is gone: _look_after() says so
+                self.threads = sum(self.client.nthreads().values())
             self.threads_at_s = now_s
         return AHEAD * max(self.threads, 1)
 
