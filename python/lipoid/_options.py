@@ -53,7 +53,7 @@ class CampaignOptions(TypedDict, total=False):
     cutoff_V: float | None
     series: int
     parallel: int
-    initial_soc: float
+    initial_soc: float | None
     constant_current: Logs | None
     low_rate: Logs | None
     low_rate_charge: Logs | None
@@ -390,6 +390,8 @@ class PlanOptions(TypedDict, total=False):
 class SynthesizeOptions(TypedDict, total=False):
     """Keyword arguments."""
 
+    series: int | None
+    parallel: int | None
     rates_C: str
     low_rate_h: float
     ambient_degC: str
@@ -485,7 +487,10 @@ class FlyOptions(TypedDict, total=False):
     log_step_s: float | None
     waypoints: Path | None
     ambient_degC: float | None
-    initial_soc: float
+    series: int | None
+    parallel: int | None
+    initial_soc: float | None
+    initial_voltage_V: float | None
     maneuver_options: Mapping[str, Any] | None
     wind: FlyWindGroup
     controller: FlyControllerGroup
@@ -532,7 +537,8 @@ class EnduranceOptions(TypedDict, total=False):
     resistance_factor: float | tuple[float, float] | None
     cruise_speed: Literal["best-range", "best-endurance"]
     waypoints: Path | None
-    initial_soc: float
+    initial_soc: float | None
+    initial_voltage_V: float | None
     flight: EnduranceFlightGroup
     air: EnduranceAirGroup
 
@@ -541,7 +547,7 @@ class HealthOptions(TypedDict, total=False):
     """Keyword arguments."""
 
     series: int | None
-    parallel: int
+    parallel: int | None
     capacity_Ah: float | None
     ambient_degC: float | None
     current_scale_uncertainty: float
@@ -551,7 +557,10 @@ class ExportOptions(TypedDict, total=False):
     """Keyword arguments."""
 
     mission: Log | None
-    initial_soc: float
+    series: int | None
+    parallel: int | None
+    initial_soc: float | None
+    initial_voltage_V: float | None
     target_version: str
     branches: int
     precision: Literal["double", "single"]

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "identify/logs/campaign_request.h"
-#include "model/battery/ranges.h"
+#include "identify/pack_request.h"
 #include "model/core/errors.h"
 #include "python/src/convert.h"
 
@@ -68,11 +68,11 @@ struct CampaignKeywords {
 
   void Declare(Keywords& keywords, const ReadOptions& read) {
     CampaignRequest request;
-    double initial_soc = 1.0;
+    StartRequest start;
     keywords.Each(request);
     request.ApplyTo(campaign);
-    keywords.Option(
-        "initial-soc", initial_soc, kInitialSocs, "state of charge of the first row of every log");
+    StartRequest::VisitOfSoc(start, keywords.EachOne());
+    const double initial_soc = start.initial_soc.value_or(1.0);
     for (const auto& [kind, name] : OptionNames(LogKind{})) {
       const auto listed =
           keywords.Take(PythonName(name), "Logs", fmt::format("logs of the kind {}", name));

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
-#include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
@@ -47,14 +47,13 @@ std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& vari
 struct EnduranceKeywords {
   EnduranceRequest request;
   EnduranceChoices choices;
-  std::optional<int> series;
-  std::optional<int> parallel;
+  PackRequest pack;
+  StartRequest start;
   std::optional<std::string> waypoints;
 
   void Declare(Keywords& keywords) {
     keywords.Each(choices);
-    keywords.Option("series", series, kPackSizes, "cells in series of the pack");
-    keywords.Option("parallel", parallel, kPackSizes, "cells in parallel of the pack");
+    keywords.Each(pack);
     Mission mission = Mission::kHover;
     keywords.Option("mission", mission, Names{}, "level flight at a place, or at a speed");
     request.cruise = mission == Mission::kCruise;
@@ -77,7 +76,7 @@ struct EnduranceKeywords {
     if (const auto file =
             keywords.Take("waypoints", "Path", "a file of waypoints, which is flown instead"))
       waypoints = PathOf(*file);
-    keywords.Option("initial-soc", request.initial_soc, kInitialSocs, "where the battery starts");
+    keywords.Each(start);
     keywords.Group("flight", request.options);
     keywords.Group("air", request.air);
   }
@@ -111,8 +110,9 @@ nb::object Endurance(const PythonCell& cell,
   keywords.Finish();
   EnduranceRequest& request = made.request;
   request.cell = cell.cell;
-  if (made.series) request.cell.series = *made.series;
-  if (made.parallel) request.cell.parallel = *made.parallel;
+  made.pack.ApplyTo(request.cell);
+  request.initial_soc = made.start.Soc(request.cell);
+  request.initial_voltage_V = made.start.initial_voltage_V;
   const EnduranceChoices& choices = made.choices;
   choices.ApplyTo(request);
   if (request.ambient_degC && !request.cell.temperature)

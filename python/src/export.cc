@@ -9,8 +9,8 @@
 #include "identify/export/export_report.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
@@ -26,6 +26,8 @@ namespace {
 
 struct ExportKeywords {
   ExportRequest request;
+  PackRequest pack;
+  StartRequest start;
   std::optional<nb::object> mission;
 
   void Declare(Keywords& keywords) {
@@ -34,10 +36,8 @@ struct ExportKeywords {
                       "Log",
                       "what the numbers are fitted and compared over; not given: two levels of "
                       "current with rests");
-    double initial_soc = 1.0;
-    keywords.Option(
-        "initial-soc", initial_soc, kInitialSocs, "state of charge at the start of the mission");
-    request.mission.initial_soc = initial_soc;
+    keywords.Each(pack);
+    keywords.Each(start);
     keywords.Each(request);
   }
 };
@@ -54,14 +54,16 @@ nb::object ExportCell(const PythonCell& cell,
   ExportRequest& request = made.request;
   const std::string path = PathOf(output);
   request.cell = cell.cell;
+  made.pack.ApplyTo(request.cell);
   request.source = cell.cell.name;
   request.sha256 = Sha256OfBytes(JsonText(CellToJson(cell.cell)));
   request.name = IdentifierOf(cell.cell.name);
   request.stem = std::filesystem::path(path).stem().string();
-  const double initial_soc = request.mission.initial_soc;
   if (made.mission) {
     const Log log = nb::cast<const PythonLog&>(*made.mission).Lent();
-    request.mission = MissionOf(log.record, log.record.file, initial_soc);
+    request.mission = MissionOf(log.record, log.record.file, made.start.Soc(request.cell));
+  } else if (made.start.given()) {
+    throw OptionError("the mission made here starts full: give a mission, or no start");
   } else if (DefaultCurrent_A(request.cell) > 0.0) {
     request.mission = DefaultMission(request.cell);
   } else {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
-#include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
@@ -27,12 +27,14 @@ namespace {
 struct FlyKeywords {
   FlyRequest asked;
   ManeuverRequest request;
+  PackRequest pack;
+  StartRequest start;
 
   void Declare(Keywords& keywords, const Maneuver* maneuver) {
     FlightSetup& setup = asked.setup;
     keywords.Each(asked);
-    keywords.Option(
-        "initial-soc", setup.initial_soc, kInitialSocs, "state of charge of the cell at the start");
+    keywords.Each(pack);
+    keywords.Each(start);
     if (const auto values = keywords.Take("maneuver_options",
                                           "Mapping[str, Any]",
                                           "options of the maneuver: {\"side_m\": 2.0}")) {
@@ -65,7 +67,15 @@ nb::tuple FlyManeuver(const std::string& name,
   keywords.Finish();
   const FlyRequest& asked = made.asked;
   FlightSetup& setup = made.asked.setup;
-  if (!cell.is_none()) setup.cell = nb::cast<const PythonCell&>(cell).cell;
+  if (!cell.is_none()) {
+    setup.cell = nb::cast<const PythonCell&>(cell).cell;
+    made.pack.ApplyTo(*setup.cell);
+    setup.initial_soc = made.start.Soc(*setup.cell);
+  } else if (made.pack.given() || made.start.given()) {
+    throw OptionError(
+        "options series, parallel, initial_soc and initial_voltage_V are for a cell; an ideal source "
+        "has xi");
+  }
   if (setup.cell && asked.xi)
     throw OptionError("option xi is for an ideal source: give cell=None, or leave xi out");
   if (!setup.cell && setup.ambient_degC)

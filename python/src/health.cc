@@ -4,12 +4,11 @@
 #include <nanobind/stl/vector.h>
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "identify/health/health.h"
 #include "identify/health/health_report.h"
-#include "model/battery/ranges.h"
+#include "identify/pack_request.h"
 #include "model/core/errors.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -22,14 +21,10 @@ namespace {
 
 struct HealthKeywords {
   HealthOptions options;
-  std::optional<int> series;
+  LoggedPackRequest pack;
 
   void Declare(Keywords& keywords) {
-    keywords.Option("series",
-                    series,
-                    kPackSizes,
-                    "cells in series of the pack; not given: as the logs or the cell say");
-    keywords.Option("parallel", options.parallel, kPackSizes, "cells in parallel of the pack");
+    keywords.Each(pack);
     keywords.Each(options);
   }
 };
@@ -44,7 +39,8 @@ nb::tuple Health(const PythonCell& cell,
   keywords.Finish();
   std::vector<Log> logs;
   for (const PythonLog* flight : flights) logs.push_back(flight->Lent());
-  made.options.series = SeriesOfPack(logs, made.series);
+  made.options.series = SeriesOfPack(logs, made.pack.series);
+  made.options.parallel = made.pack.parallel.value_or(1);
   Json summary;
   std::string sentence;
   Work([&](const Tell&) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/pack_request.h"
 #include "identify/synthesis/synthesize.h"
 #include "identify/trust/plan_grid.h"
 #include "model/battery/cell_parameters.h"
@@ -42,10 +43,13 @@ void SynthesizeLogs(const PythonCell& truth,
                     std::uint64_t seed,
                     const nb::object& progress) {
   SynthesisOptions options;
+  PackRequest pack;
   Keywords keywords(given);
+  keywords.Each(pack);
   keywords.Each(options);
   keywords.Finish();
   Cell cell = truth.cell;
+  pack.ApplyTo(cell);
   cell.uncertainty.reset();  // it is the truth now
   if (!options.ambient_degC.empty() && !cell.temperature) cell = WithTypicalTemperature(cell);
   RunRecord run;
@@ -90,6 +94,8 @@ void AddPlanning(nb::module_& module) {
   module.def("describe_synthesize", [] {
     Keywords keywords;
     SynthesisOptions options;
+    PackRequest pack;
+    keywords.Each(pack);
     keywords.Each(options);
     return keywords.Described();
   });

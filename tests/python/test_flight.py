@@ -44,6 +44,36 @@ def test_a_flight_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
     assert "outcome" in flight._repr_html_()
 
 
+def test_pack_and_start_are_options_as_of_the_program(program: Lipoid, tmp_path: Path) -> None:
+    """A pack of two in parallel, which rested at 3.9 V."""
+    theirs = program(
+        "fly",
+        "hover",
+        "--cell",
+        "gifi-600mAh-1",
+        "--duration",
+        5,
+        "--parallel",
+        2,
+        "--initial-voltage-V",
+        3.9,
+        "-o",
+        "flight.csv",
+        folder=tmp_path,
+    )
+    asked = {"duration": 5.0, "parallel": 2, "initial_voltage_V": 3.9}
+    flight = lipoid.fly("hover", cell="gifi-600mAh-1", **asked)  # type: ignore[arg-type]
+    for key in ("charge_C", "final_voltage_V", "final_soc"):
+        assert flight.summary[key] == theirs[key], key
+    for wrong in ({"series": 2}, {"initial_soc": 0.5}):
+        with pytest.raises(lipoid.OptionError, match="are for a cell; an ideal source has xi"):
+            lipoid.fly("hover", cell=None, **wrong)
+    with pytest.raises(lipoid.OptionError, match="initial_soc and initial_voltage_V: give one"):
+        lipoid.fly("hover", initial_soc=0.5, initial_voltage_V=3.9)
+    with pytest.raises(lipoid.OptionError, match="starts full: give a mission, or no start"):
+        lipoid.export("gifi-600mAh-1", "thevenin", tmp_path / "c.yaml", initial_soc=0.5)
+
+
 def test_a_flight_is_a_log_of_its_cell() -> None:
     flight = lipoid.fly("hover", cell="gifi-600mAh-1", duration=5.0)
     log = flight.log()

@@ -39,8 +39,8 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
         # Options of compare() and read_log(). The kinds of logs are files there, logs here.
         {
             *READING,
-            *START,
             *LOGS,
+            "initial_voltage_V",
             "scaling",
             "decades",
             "target",
@@ -50,7 +50,7 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
             "alpha_C",
         }
         | {"open_circuit_voltage", "branches", "no_diffusion", "fix", "start", "bounds"},
-        {*LOGS, "initial_soc"},
+        LOGS,
     ),
     "identify": (
         _core.describe_identify,
@@ -64,35 +64,35 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
     "fly": (
         _core.describe_fly,
         "fly",
-        # Keys of the groups here; arguments of fly(); Cell.pack() and Cell.resample().
-        {"battery", "controller", "wind", "gusts", "ensemble", "series", "parallel", *START},
-        {"initial_soc", "maneuver_options", "wind."},
+        # Keys of the groups here; arguments of fly(); Cell.resample().
+        {"battery", "controller", "wind", "gusts", "ensemble"},
+        {"maneuver_options", "wind."},
     ),
     "export": (
         _core.describe_export,
         "export",
-        # Arguments of export(), Cell.pack(), and a Log as the mission.
-        {*READING, *START, "to", "mission", "into", "error_limit_mV", "series", "parallel"},
-        {"mission", "initial_soc"},
+        # Arguments of export(), and a Log as the mission.
+        {*READING, "to", "mission", "into", "error_limit_mV"},
+        {"mission"},
     ),
     "endurance": (
         _core.describe_endurance,
         "endurance",
         # Arguments of endurance(); the quantities' words go on there.
-        {*START, "over", "mission", "series", "parallel"},
-        {"initial_soc", "mission", "power", "waypoints", "cruise_speed", "series", "parallel"},
+        {"over", "mission"},
+        {"mission", "power", "waypoints", "cruise_speed"},
     ),
     "health": (
         _core.describe_health,
         "health",
-        {*READING, "series", "parallel"},
-        {"series", "parallel"},  # more words there, of several commands here
+        READING,
+        set(),
     ),
     "synthesize": (
         _core.describe_synthesize,
         "synthesize",
-        # Arguments of synthesize(), and Cell.pack().
-        {"protocol", "with", "series", "parallel"},
+        # Arguments of synthesize().
+        {"protocol", "with"},
         set(),
     ),
 }

@@ -9,7 +9,7 @@ namespace lipoid {
 namespace {
 
 // The rest voltage before the first row tells where the logs start, once v_oc(A) is known.
-double InitialSoc(const StartOptions& start,
+double InitialSoc(const StartRequest& start,
                   const CampaignArguments& typed,
                   const std::optional<OpenCircuitVoltage>& curve) {
   if (start.initial_voltage_V && !curve) {
@@ -40,7 +40,7 @@ void CampaignOptions::AddTo(cli::CommandLine& line) {
   line.Inputs("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
   line.Each(request_);
   line.Each(reading_);
-  start_options_.AddTo(line);
+  line.Each(start_);
 }
 
 bool CampaignOptions::ByOptions() const {
@@ -82,7 +82,7 @@ std::vector<Campaign> CampaignOptions::Campaigns(cli::CommandLine& line,
   typed_.read = reading_.Resolve();
   std::vector<Campaign> campaigns;
   if (by_options) {
-    typed_.initial_soc = InitialSoc(start_options_, typed_, curve);
+    typed_.initial_soc = InitialSoc(start_, typed_, curve);
     campaigns.push_back(CampaignFromArguments(typed_));
   } else {
     for (const auto& file : files) {

@@ -11,10 +11,10 @@
 #include "identify/logs/campaign.h"
 #include "identify/logs/campaign_request.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "model/battery/open_circuit_voltage.h"
 #include "model/core/errors.h"
 #include "tools/cli/command_line.h"
-#include "tools/commands/start_options.h"
 
 namespace lipoid {
 
@@ -37,7 +37,7 @@ class CampaignOptions {
  private:
   CampaignArguments typed_;
   ReadingRequest reading_;
-  StartOptions start_options_;
+  StartRequest start_;
   CampaignRequest request_;
 };
 

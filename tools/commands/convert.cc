@@ -8,10 +8,10 @@
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "model/core/errors.h"
 #include "tools/cli/split.h"
 #include "tools/commands.h"
-#include "tools/commands/log_options.h"
 
 namespace lipoid {
 namespace {
@@ -82,7 +82,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   std::string output;
   std::optional<LogFileFormat> given_format;
   ReadingRequest reading;
-  PackOptions pack;
+  LoggedPackRequest pack;
   Selection selection;
   line.Describe(
       "Reads a log of any known format (`lipoid list formats`) and writes time, current and "
@@ -96,7 +96,7 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
               "the file to write; as Battery Data Format where its name ends in .bdf or .bdf.csv");
   line.Option("format", given_format, Names(), "format to write, whatever the name");
   line.Each(reading);
-  pack.AddTo(line);
+  line.Each(pack);
   selection.AddTo(line);
   if (!line.Parse()) return cli::ExitCode::kDone;
 

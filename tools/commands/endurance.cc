@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/export/mission.h"
+#include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
@@ -18,8 +18,6 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
-#include "tools/commands/log_options.h"
-#include "tools/commands/start_options.h"
 #include "tools/commands/uncertain_option.h"
 
 namespace lipoid {
@@ -233,13 +231,13 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
 
 cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   EnduranceRequest request;
-  StartOptions start;
+  StartRequest start;
   EnduranceChoices choices;
   std::string cell_name;
   std::string mission = "hover";
   std::string over_text;
   std::vector<std::string> quantities(EnduranceVariables().size());
-  PackOptions pack;
+  PackRequest pack;
 
   line.Describe(
       "Says how long a vehicle flies on a pack, what it uses and at which voltage it has to land, "
@@ -255,7 +253,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.Example("lipoid endurance --cell cell.json --series 4 --mission power=flight.csv");
   line.Each(choices);
   line.RequiredInput("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
-  pack.AddTo(line, "of the pack (default as in the cell file)");
+  line.Each(pack);
   line.Text("mission",
             mission,
             "M",
@@ -275,14 +273,14 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             over_text,
             "NAME=FIRST:STEP:LAST",
             "a table over one of the quantities above, such as payload-g=0:100:500");
-  start.AddTo(line);
+  line.Each(start);
   line.Group("", request.options);
   line.Group("air", request.air);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   request.cell = LoadCell(cell_name);
-  pack.ApplyTo(request.cell.series, request.cell.parallel);
+  pack.ApplyTo(request.cell);
   const std::string& vehicle_name = choices.vehicle.path;
   choices.ApplyTo(request);
   request.initial_soc = start.Soc(request.cell);

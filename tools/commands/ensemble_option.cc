@@ -17,7 +17,7 @@ void EnsembleOption::AddTo(cli::CommandLine& line, std::string_view what_is_show
 EnsembleOption::Drawn EnsembleOption::Draw(cli::CommandLine& line,
                                            const Cell& cell,
                                            const std::string& cell_file,
-                                           const StartOptions& start) const {
+                                           const StartRequest& start) const {
   if (!cell.uncertainty) {
     throw LoadError({cell_file},
                     "expected the key 'uncertainty' for --ensemble, found none: identify the cell "

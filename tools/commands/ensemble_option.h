@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "identify/pack_request.h"
 #include "model/battery/cell_ensemble.h"
 #include "tools/cli/command_line.h"
-#include "tools/commands/start_options.h"
 
 namespace lipoid {
 
@@ -30,7 +30,7 @@ struct EnsembleOption {
   [[nodiscard]] Drawn Draw(cli::CommandLine& line,
                            const Cell& cell,
                            const std::string& cell_file,
-                           const StartOptions& start) const;
+                           const StartRequest& start) const;
 };
 
 }  // namespace lipoid

@@ -10,16 +10,14 @@
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/provenance.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/log_options.h"
-#include "tools/commands/start_options.h"
 
 namespace lipoid {
 namespace {
@@ -75,9 +73,9 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   std::string output;
   std::string mission_file;
   std::string into;
-  PackOptions pack;
+  PackRequest pack;
   ReadingRequest reading;
-  StartOptions start;
+  StartRequest start;
   ExportRequest request;
   double limit_mV = 30.0;
   line.Describe(
@@ -97,8 +95,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
              "LOG",
              "what the numbers are fitted and compared over: a log as simulate reads it, "
              "time_s,power_W, or a flight of lipoid; default: two levels of current with rests");
-  line.Option("series", pack.series, kPackSizes, "cells in series of the pack to export");
-  line.Option("parallel", pack.parallel, kPackSizes, "cells in parallel of the pack to export");
+  line.Each(pack);
   line.Each(request);
   line.Input("into",
              into,
@@ -108,7 +105,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
               limit_mV,
               Range{0.0, 1e6},
               "rms error of one cell, mV, above which a warning is given");
-  start.AddTo(line);
+  line.Each(start);
   line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
@@ -125,7 +122,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
 
   const std::string text = CellText(cell_name);
   request.cell = ParseCell(text, cell_name);
-  pack.ApplyTo(request.cell.series, request.cell.parallel);
+  pack.ApplyTo(request.cell);
   if (request.cell.temperature) {
     line.Message(
         "{} knows temperature, and no target does: what is exported is the cell at its reference of "
@@ -157,7 +154,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
                                 request.cell.open_circuit_voltage(1.0)));
   }
   if (mission_file.empty()) {
-    if (start.initial_soc || start.initial_voltage_V) {
+    if (start.given()) {
       throw OptionError(
           "options --initial-soc and --initial-voltage-V are of a --mission: the default one "
           "starts full");

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
@@ -21,9 +21,7 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
-#include "tools/commands/log_options.h"
 #include "tools/commands/stability_json.h"
-#include "tools/commands/start_options.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
 
@@ -102,8 +100,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::map<std::string_view, ManeuverRequest> values;  // of each maneuver
   FlyRequest asked;
   FlightSetup& setup = asked.setup;
-  StartOptions start;
-  PackOptions pack;
+  StartRequest start;
+  PackRequest pack;
   EnsembleOption ensemble;
   std::optional<Battery> battery;
 
@@ -136,8 +134,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
       setup.wind.gusts_m_per_s,
       Range{0.0, 60.0},
       "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
-  start.AddTo(line);
-  pack.AddTo(line, "of the battery (default as in the cell file)");
+  line.Each(start);
+  line.Each(pack);
   ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
   line.OutputOption("output,o",
                     output,
@@ -180,12 +178,12 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         "option --xi is for an ideal source: a cell has its own voltage. Give --battery ideal, or "
         "leave --xi out");
   }
-  if (source == Battery::kIdeal && (pack.series || pack.parallel)) {
+  if (source == Battery::kIdeal && pack.given()) {
     throw OptionError(
         "options --series and --parallel are for cells; an ideal source has the nominal voltage of "
         "the vehicle times --xi");
   }
-  if (source == Battery::kIdeal && (start.initial_soc || start.initial_voltage_V)) {
+  if (source == Battery::kIdeal && start.given()) {
     throw OptionError(
         "options --initial-soc and --initial-voltage-V are for a cell; an ideal source has --xi");
   }
@@ -195,7 +193,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (source == Battery::kCell) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(cell_name);
-    pack.ApplyTo(setup.cell->series, setup.cell->parallel);
+    pack.ApplyTo(*setup.cell);
     setup.initial_soc = start.Soc(*setup.cell);
     if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
   } else if (setup.ambient_degC) {

@@ -9,11 +9,10 @@
 #include "identify/health/health_report.h"
 #include "identify/logs/read_logs.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/log_options.h"
 
 namespace lipoid {
 namespace {
@@ -49,7 +48,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   std::vector<std::string> files;
   HealthOptions options;
   ReadingRequest reading;
-  PackOptions pack;
+  LoggedPackRequest pack;
   line.Describe(
       "Says how old a battery pack is from logs of flights on it: its capacity and its resistance "
       "now, and its state of charge at start and end, each with a 95 % interval, per flight and as "
@@ -61,7 +60,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
       "cell", cell_name, "REFERENCE", "the cell when new: a cell file, or a shipped cell's name");
   line.Each(options);
   line.Each(reading);
-  pack.AddTo(line);
+  line.Each(pack);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 

@@ -12,12 +12,12 @@
 #include "identify/logs/inspection_report.h"
 #include "identify/logs/reading_request.h"
 #include "identify/logs/thinning.h"
+#include "identify/pack_request.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/log_options.h"
 #include "tools/report/log_series.h"
 
 namespace lipoid {
@@ -364,7 +364,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
   std::string campaign_file;
   bool all_segments = false;
   ReadingRequest reading;
-  PackOptions pack;
+  LoggedPackRequest pack;
   line.Describe(
       "Says what is in logs: format, sampling, sign, what was dropped, segments of rest and load, "
       "and the kind of test that each looks like.",
@@ -377,7 +377,7 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
                     "write a draft of a campaign of these logs, to be checked before it is used");
   line.Flag("all", all_segments, "print every segment, however many there are");
   line.Each(reading);
-  pack.AddTo(line);
+  line.Each(pack);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 

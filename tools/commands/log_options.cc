@@ -1,12 +1,8 @@
 #include "tools/commands/log_options.h"
 
-#include <fmt/format.h>
-
 #include <atomic>
 #include <cstddef>
 #include <nlohmann/json.hpp>
-
-#include "model/battery/ranges.h"
 
 namespace lipoid {
 
@@ -16,16 +12,6 @@ namespace {
 constexpr double kShareOfReading = 0.2;
 
 }  // namespace
-
-void PackOptions::AddTo(cli::CommandLine& line, std::string_view of) {
-  line.Option("series", series, kPackSizes, fmt::format("cells in series {}", of));
-  line.Option("parallel", parallel, kPackSizes, fmt::format("cells in parallel {}", of));
-}
-
-void PackOptions::ApplyTo(int& series_of, int& parallel_of) const {
-  if (series) series_of = *series;
-  if (parallel) parallel_of = *parallel;
-}
 
 std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns) {
   std::vector<std::string> files;

@@ -4,26 +4,13 @@
 /// The options that say how logs are read, common to the commands that read them.
 
 #include <functional>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "identify/logs/load_campaign.h"
-#include "identify/logs/reading_request.h"
 #include "tools/cli/command_line.h"
 
 namespace lipoid {
-
-/// How many cells the pack of a log has: --series and --parallel.
-struct PackOptions {
-  std::optional<int> series;
-  std::optional<int> parallel;
-
-  void AddTo(cli::CommandLine& line, std::string_view of = "in the logs");
-  /// Where one was given, it takes the place of what stands there.
-  void ApplyTo(int& series_of, int& parallel_of) const;
-};
 
 /// The files of all their logs.
 [[nodiscard]] std::vector<std::string> LogFiles(const std::vector<Campaign>& campaigns);

@@ -9,6 +9,7 @@
 #include "identify/logs/all_rows.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
@@ -16,8 +17,6 @@
 #include "model/core/errors.h"
 #include "tools/commands.h"
 #include "tools/commands/ensemble_option.h"
-#include "tools/commands/log_options.h"
-#include "tools/commands/start_options.h"
 #include "tools/commands/surroundings_options.h"
 
 namespace lipoid {
@@ -106,8 +105,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   std::string output;
   bool beyond_cutoff = false;
   ReadingRequest reading;
-  PackOptions pack;
-  StartOptions start;
+  LoggedPackRequest pack;
+  StartRequest start;
   EnsembleOption ensemble;
   SurroundingsOptions options_of_surroundings;
   line.Describe(
@@ -127,14 +126,14 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   line.Flag("beyond-cutoff",
             beyond_cutoff,
             "write all rows, also those below the cell's cut-off, where no cell would go on");
-  start.AddTo(line);
+  line.Each(start);
   options_of_surroundings.AddTo(line);
-  pack.AddTo(line);
+  line.Each(pack);
   line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
-  pack.ApplyTo(cell.series, cell.parallel);
+  pack.ApplyTo(cell);
   const double initial_soc = start.Soc(cell);
   auto read = reading.Resolve();
   read.voltage_optional = true;

@@ -4,8 +4,8 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/flight/ardupilot_json.h"
 #include "model/flight/coupling.h"
@@ -14,7 +14,6 @@
 #include "tools/cli/run.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
-#include "tools/commands/start_options.h"
 #include "tools/commands/udp_server.h"
 #include "tools/commands/wind_option.h"
 
@@ -107,13 +106,12 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   std::string address = "127.0.0.1";
   std::string wind;
   int port = kArduPilotPort;
-  std::optional<int> series;
-  std::optional<int> parallel;
+  PackRequest pack;
   std::optional<double> duration_s;
   std::optional<int> packets;
   std::optional<double> idle_s;
   LiveSetup setup;
-  StartOptions start;
+  StartRequest start;
   line.Describe(
       "Flies the vehicle and its battery as the physics behind an autopilot, through ArduPilot's "
       "JSON interface (UDP, in lock step): pulse widths in; inertial sensors, position, attitude, "
@@ -123,9 +121,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
       "lipoid sitl --cell gifi-600mAh-1 --vehicle mambo-coupled");
   line.Example("sim_vehicle.py -v ArduCopter --model JSON:127.0.0.1   # in another terminal");
   line.Input("cell", cell_name, "CELL", "a cell file, or the name of a shipped cell");
-  line.Option("series", series, kPackSizes, "cells in series, instead of what the cell file says");
-  line.Option(
-      "parallel", parallel, kPackSizes, "cells in parallel, instead of what the cell file says");
+  line.Each(pack);
   line.Input("vehicle",
              vehicle_name,
              "VEHICLE",
@@ -143,12 +139,11 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   line.Option("duration", duration_s, Range{1e-6, 1e9}, "end after so many simulated seconds");
   line.Option("packets", packets, Range{1, 2'000'000'000}, "end after so many packets");
   line.Option("idle-s", idle_s, Range{0.001, 1e6}, "end when no packet came for so many seconds");
-  start.AddTo(line);
+  line.Each(start);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   setup.cell = LoadCell(cell_name);
-  if (series) setup.cell.series = *series;
-  if (parallel) setup.cell.parallel = *parallel;
+  pack.ApplyTo(setup.cell);
   setup.initial_soc = start.Soc(setup.cell);
   setup.vehicle = ForArduCopter(LoadVehicle(vehicle_name));
   setup.seed = line.seed();

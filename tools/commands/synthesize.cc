@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
-#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/cli/assignments.h"
 #include "tools/commands.h"
@@ -29,8 +29,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   std::string folder;
   std::string protocol = std::string(kProtocols[0].name);
   std::vector<std::string> changes;
-  std::optional<int> series;
-  std::optional<int> parallel;
+  PackRequest pack;
   SynthesisOptions options;
   line.Describe(
       "Writes the logs that a lab would record from a known cell: one CSV per test, a campaign "
@@ -52,9 +51,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
       "NAME=VALUE",
       "change parameters of the cell: alpha, beta, r_s, r_1, c_1, tau_1, ..., tau_h and rho_h "
       "(self-heating), i_0 and r_ct (charge transfer)");
-  line.Option("series", series, kPackSizes, "cells in series, instead of what the cell file says");
-  line.Option(
-      "parallel", parallel, kPackSizes, "cells in parallel, instead of what the cell file says");
+  line.Each(pack);
   line.Each(options);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
@@ -64,8 +61,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   if (const auto missing = MissingCellParameter(cell)) {
     throw OptionError("option --with: " + *missing);
   }
-  if (series) cell.series = *series;
-  if (parallel) cell.parallel = *parallel;
+  pack.ApplyTo(cell);
   cell.uncertainty.reset();  // it is the truth now
   if (!options.ambient_degC.empty()) cell = KnowingTemperature(line, cell, cell_name);
   std::vector<std::string> outputs;

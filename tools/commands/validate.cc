@@ -6,13 +6,13 @@
 #include "identify/logs/all_rows.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/logs/reading_request.h"
+#include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
-#include "tools/commands/start_options.h"
 #include "tools/commands/surroundings_options.h"
 #include "tools/report/log_series.h"
 
@@ -22,8 +22,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::string cell_name;
   std::vector<std::string> files;
   ReadingRequest reading;
-  PackOptions pack;
-  StartOptions start;
+  LoggedPackRequest pack;
+  StartRequest start;
   SurroundingsOptions surroundings;
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
@@ -32,15 +32,15 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       "lipoid validate cell.json pulses.csv flight.csv");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");
-  start.AddTo(line);
+  line.Each(start);
   surroundings.AddTo(line);
   line.Each(reading);
-  pack.AddTo(line);
+  line.Each(pack);
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
-  pack.ApplyTo(cell.series, cell.parallel);
+  pack.ApplyTo(cell);
   const double initial_soc = start.Soc(cell);
   CampaignArguments arguments;
   arguments.validation = files;
