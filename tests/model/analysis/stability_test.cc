@@ -78,7 +78,7 @@ TEST(Stability, SaysHowTheLoopsSwingInFlight) {
   constexpr double kSwing = 3e-3;
   const auto expect = [&](std::string_view loop, const FlightSetup& setup, const Swing& swing) {
     SCOPED_TRACE(std::string(loop));
-    const auto& said = Of(Check(setup.vehicle, setup.gains, setup.xi), loop);
+    const LoopStability said = Of(Check(setup.vehicle, setup.gains, setup.xi), loop);
     EXPECT_NEAR(swing.frequency_rad_per_s, said.frequency_rad_per_s, kSwing);
     EXPECT_NEAR(swing.growth_per_s, -said.damping * said.frequency_rad_per_s, kSwing);
   };
