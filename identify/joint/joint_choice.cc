@@ -14,6 +14,10 @@ namespace {
 constexpr double kGain = 0.03;
 constexpr double kBetterFit = 0.05;
 constexpr double kAtTheNoise = 1.1;
+// What no cycler resolves, and no term is worth: logs of a simulation have no noise.
+constexpr double kFinest_V = 1e-5;
+// Of r_s: a branch below it may be none. Others are plainly there, and a fit without them costs its time for nothing.
+constexpr double kSlight = 0.05;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
 // Of the ratio to a shape that is held: little more than a factor is left. A short test cannot choose it:
@@ -28,7 +32,7 @@ constexpr int kManyNodes = 34;
 // own: the richer structure is asked for where it predicts them better by more than chance. Pieces
 // share what disturbed their log with their neighbours, and the thresholds above decide.
 bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
-  if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
+  if (simple.fitted_V <= std::max(kAtTheNoise * logs.noise_mean_V, kFinest_V)) return false;
   if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
   if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
   return rich.expected_V < simple.expected_V &&
@@ -293,6 +297,26 @@ class Choosing {
     return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
   }
 
+  // The simpler structure is taken where the richer one is not better, or holds a part that is zero.
+  void Simplify(const JointStructure& simpler, const JointSolution* near = nullptr) {
+    const LeftOutErrors richer = choice_.errors;
+    const bool complete = Complete(choice_.best, logs_);
+    const std::size_t k =
+        Judge(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best));
+    if (k != taken_ && Complete(choice_.tried[k].solution, logs_) &&
+        !(complete && IsBetter(richer, choice_.tried[k].errors)))
+      Take(k);
+  }
+
+  // Of the only branch, over r_s.
+  [[nodiscard]] double BranchShare() const {
+    const JointLayout layout(best());
+    const auto table = [&](int t) {
+      return choice_.best.x.segment(layout.table(t), layout.nodes()).sum();
+    };
+    return table(1) / std::max(table(0), 1e-12);
+  }
+
   [[nodiscard]] const HeldShape* Held() const { return fit_.seen().setup().held.get(); }
   // The nodes of M.
   [[nodiscard]] std::vector<double> MemoryNodes() const {
@@ -372,11 +396,7 @@ class Choosing {
                                 : r.Branch(static_cast<std::size_t>(std::stoi(name.substr(2)) - 1));
       }
       near.rates.shared_J_per_mol = sum / static_cast<double>(names.size());
-      const LeftOutErrors apart = choice_.errors;
-      const std::size_t shared = Judge(fit_.Search(simpler, rough_, &near));
-      if (shared != taken_ && Complete(choice_.tried[shared].solution, logs_) &&
-          !IsBetter(apart, choice_.tried[shared].errors))
-        Take(shared);
+      Simplify(simpler, &near);
     }
   }
 
@@ -415,6 +435,13 @@ class Choosing {
   }
 
   void TryBranches() {
+    // Every fit began with one branch, which may have found nothing.
+    if (options_.branches < 0 && best().branches == 1 && BranchShare() < kSlight) {
+      JointStructure simpler = best();
+      simpler.branches = 0;
+      Simplify(simpler);
+      if (best().branches == 0) return;
+    }
     // Cold slows what a warm cell does at once, so that more of it is seen.
     const int most = options_.most_branches + (best().temperature ? 1 : 0);
     while (options_.branches < 0 && best().branches < most) {
@@ -433,9 +460,7 @@ class Choosing {
       if (!(best().*term) || wish != Presence::kAuto) continue;
       JointStructure simpler = best();
       simpler.*term = false;
-      const LeftOutErrors with = choice_.errors;
-      const std::size_t without = Search(simpler);
-      if (!IsBetter(with, choice_.tried[without].errors)) Take(without);
+      Simplify(simpler);
     }
   }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "model/core/foreign_text.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -28,6 +29,8 @@ constexpr double kIronPhosphateRest_V = 3.45;
 // A draft takes no cut-off below the first, and writes the second in its place.
 constexpr double kLowestCutoff_V = 1.5;
 constexpr double kTypicalCutoff_V = 3.0;
+// No cell is empty above it, whatever its chemistry.
+constexpr double kNotEmpty_V = 3.7;
 
 double RoundToDigits(double value, int digits) {
   if (!(value > 0.0) || !std::isnormal(value)) return 0.0;
@@ -84,20 +87,29 @@ std::vector<std::string> EndingsOfNoLogs() {
 std::vector<std::string> FilesOfFolder(const std::string& folder) {
   const auto no_logs = EndingsOfNoLogs();
   std::vector<std::string> files;
+  std::vector<std::string> folders;
   std::error_code trouble;
   for (fs::directory_iterator each(folder, trouble), end; !trouble && each != end;
        each.increment(trouble)) {
     const std::string name = each->path().filename().string();
     const std::string extension = each->path().extension().string();
     const bool no_log = std::find(no_logs.begin(), no_logs.end(), extension) != no_logs.end();
-    if (std::error_code none; each->is_regular_file(none) && name[0] != '.' && !no_log)
-      files.push_back(each->path().string());
+    std::error_code none;
+    if (name[0] == '.') continue;
+    if (each->is_directory(none)) folders.push_back(name);
+    if (each->is_regular_file(none) && !no_log) files.push_back(each->path().string());
   }
   if (trouble)
-    throw LoadError({.file = folder},
+    throw LoadError(NoFile(folder),
                     fmt::format("expected a folder of logs, found {}", trouble.message()));
-  if (files.empty())
-    throw LoadError({.file = folder}, "expected a folder of logs, found none in it");
+  if (files.empty()) {
+    std::sort(folders.begin(), folders.end());
+    const std::string found =
+        folders.empty() ? "none in it"
+                        : fmt::format("none in it; there are folders within, name one of them: {}",
+                                      ForeignText(fmt::format("{}", fmt::join(folders, ", "))));
+    throw LoadError(NoFile(folder), "expected a folder of logs, found " + found);
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -236,13 +248,18 @@ class Drafting {
   void FindCapacityAndCutoff() {
     const Inspection* slowest = nullptr;
     for (const Candidate& each : all_) {
-      if (!each.inspection->discharge) continue;
+      if (!each.inspection->discharge || each.inspection->discharge->end_voltage_V > kNotEmpty_V)
+        continue;
       if (slowest == nullptr ||
           each.inspection->discharge->current_A < slowest->discharge->current_A)
         slowest = each.inspection;
     }
     if (slowest != nullptr)
       draft_.campaign.capacity_Ah = RoundToDigits(slowest->discharge->charge_C / 3600.0, 3);
+    else if (!all_.empty())
+      draft_.remarks.emplace_back(
+          "No log discharges the cell from full to empty: look its capacity up and give it as "
+          "capacity_Ah.");
     const std::vector<Candidate>& discharges = fast_.empty() ? slow_ : fast_;
     if (discharges.empty()) return;
     double cutoff_V = FindCutoff(discharges);

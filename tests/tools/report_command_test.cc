@@ -198,6 +198,10 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
   };
   ExpectRefused(
       refused("{\"schema\": \"lipoid.cell/1\"}\n"),
+      "c.json: error: expected the results of a command, found a cell file; what made it writes a page, too: "
+      "lipoid identify CAMPAIGN --report PAGE");
+  ExpectRefused(
+      refused("{\"schema\": [1]}\n"),
       "c.json:1:1: error: /: expected what `lipoid COMMAND --summary` writes, an object with "
       "the key 'command', found an object");
   ExpectRefused(
@@ -206,10 +210,11 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
       "the key 'command', found a list of 2");
   ExpectRefused(refused("{\"command\": 7}\n"),
                 "c.json:1:13: error: /command: expected a text, found 7");
-  ExpectRefused(refused("{\"command\": \"convert\"}\n"),
-                "c.json:1:13: error: /command: expected one of the commands whose results can be "
-                "shown (compare, design, endurance, fly, health, identify, inspect, plan, poles, study, validate), "
-                "found \"convert\"");
+  ExpectRefused(
+      refused("{\"command\": \"convert\"}\n"),
+      "c.json:1:13: error: /command: expected one of the commands whose results can be "
+      "shown (compare, design, endurance, fly, health, identify, inspect, plan, poles, study, validate), "
+      "found \"convert\"");
   ExpectRefused(
       refused("{\"command\": \"validate\"}\n"),
       "c.json:1:1: error: /: expected an object with the key 'exit_code', found an object");

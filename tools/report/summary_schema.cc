@@ -105,6 +105,12 @@ Json ReadSummary(const std::string& file) {
   const std::string text = ReadTextFile(file);
   Json summary = ParseJson(text, file);
   const JsonReader reader(summary, file, text);
+  if (summary.is_object() && summary.value("schema", Json()) == "lipoid.cell/1") {
+    throw LoadError(
+        NoFile(file),
+        "expected the results of a command, found a cell file; what made it writes a page, too: "
+        "lipoid identify CAMPAIGN --report PAGE");
+  }
   if (!summary.is_object() || !summary.contains("command"))
     reader.Fail("what `lipoid COMMAND --summary` writes, an object with the key 'command'");
   const auto command = reader.At("command");

@@ -96,9 +96,10 @@ TEST(GainDesign, CostIsTheIntegralOfTheSquaredError) {
     task.vehicle = design.vehicle;
     task.xi = xi;
     task.plan = DesignPlan(design);
-    RunAltitudeLoop(task, SampledCommands(task.plan), gains, [&](std::size_t, double e) {
-      expected += weight * e * e * kControlStep_s;
-    });
+    RunAltitudeLoop(
+        task, SampledCommands(task.plan), gains, [&, weight = weight](std::size_t, double e) {
+          expected += weight * e * e * kControlStep_s;
+        });
   }
   EXPECT_NEAR(problem.CostOf(gains), expected, 1e-14 * expected);
   EXPECT_GT(expected, 1e-4);
@@ -290,7 +291,7 @@ TEST(GainDesign, OfSixAndEightRotorsKeepsItsPromiseInFlight) {
       setup.controller = design.controller;
       setup.controller.pwm = Pwm::kContinuous;
       setup.simulation.ground = false;
-      (void)Fly(setup, DesignPlan(design), [&](const FlightSample& s) {
+      (void)Fly(setup, DesignPlan(design), [&, weight = weight](const FlightSample& s) {
         const double error = s.angle_references_rad[1] - s.angles_rad[1];
         flown += weight * error * error * kControlStep_s;
       });

@@ -60,6 +60,21 @@ TEST(JointChoice, TakesTablesWhereResistancesRiseTowardsEmpty) {
   }
 }
 
+// Every fit begins with one branch; a cell that has none shall not be told that it was not found. Not told by --branches,
+// that is: who asks for one gets one.
+TEST(JointChoice, FindsThatThereIsNoBranch) {
+  Cell truth = Truth();
+  truth.branches.clear();
+  for (const double noise_V : {0.0, kNoise_V}) {
+    const auto logs = test::SyntheticLogs(truth, 5.0, noise_V);
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+    EXPECT_TRUE(result.cell.branches.empty()) << noise_V;
+    EXPECT_NEAR(result.cell.series_resistance_Ohm(0.5), truth.series_resistance_Ohm(0.5), 2e-4);
+    EXPECT_EQ(IdentifyJoint(test::CampaignOf(logs), logs, {}, {.branches = 1}).cell.branches.size(),
+              1);
+  }
+}
+
 TEST(JointChoice, FindsSelfHeating) {
   Cell truth = Truth();
   truth.self_heating =

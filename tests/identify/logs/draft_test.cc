@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "tests/support/load_error.h"
@@ -186,6 +187,15 @@ TEST(Draft, KnowsAPackByItsVoltage) {
   EXPECT_EQ(DraftCampaign(files, "pack", "campaign.toml", {.series = 1}).campaign.series, 1);
 }
 
+// A pulse near full says nothing of the capacity, and a charge of 8 mAh beside 3 A is no draft to begin with.
+TEST(Draft, LeavesOutACapacityThatNoLogShows) {
+  const auto draft = DraftCampaign(
+      {Inspected("pulse.csv", Falling(4.2, 3.0, 10.0, 4.1))}, "cell", "campaign.toml");
+  EXPECT_EQ(draft.campaign.capacity_Ah, 0.0);
+  EXPECT_EQ(DraftToToml(draft).find("\ncapacity_Ah"), std::string::npos);
+  EXPECT_NE(DraftToToml(draft).find("give it as capacity_Ah"), std::string::npos);
+}
+
 TEST(Draft, CutsAFileIntoItsTests) {
   Record record = RecordOfSteps({{60.0, 0.0}, {3600.0, 2.0}, {60.0, 0.0}, {3600.0, -2.0}});
   const Record second = RecordOfSteps({{60.0, 0.0}, {1800.0, 4.0}});
@@ -247,9 +257,16 @@ TEST(FilesOfFolder, LeavesOutWhatIsNoLog) {
             (std::vector{folder + "/a.txt", folder + "/b.csv", folder + "/c.041"}));
   const auto none = test::FreshFolder("files_of_folder/none");
   EXPECT_EQ(test::LoadErrorOf([&] { (void)FilesOfFolder(none); }),
-            none + ":1:1: error: expected a folder of logs, found none in it");
+            none + ": error: expected a folder of logs, found none in it");
+  std::filesystem::create_directory(none + "/b");
+  std::filesystem::create_directory(none + "/a");
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { (void)FilesOfFolder(none); }),
+      none +
+          ": error: expected a folder of logs, found none in it; there are folders within, name one of them: "
+          "a, b");
   EXPECT_EQ(test::LoadErrorOf([&] { (void)FilesOfFolder("no/folder"); }),
-            "no/folder:1:1: error: expected a folder of logs, found No such file or directory");
+            "no/folder: error: expected a folder of logs, found No such file or directory");
 }
 
 }  // namespace

@@ -129,7 +129,8 @@ TEST(LoadCampaign, ReadsThoseBesideTheProject) {
 
 TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
   const auto folder = test::FreshFolder("load_campaign/capacity");
-  Write(folder + "/a.csv", "time_s,current_A,voltage_V\n0,0,4.2\n1200,2,4.0\n2400,2,3.5\n3600,2,3\n");
+  Write(folder + "/a.csv",
+        "time_s,current_A,voltage_V\n0,0,4.2\n1200,2,4.0\n2400,2,3.5\n3600,2,3\n");
   const auto complaint = [&](const std::string& capacity_Ah, const std::string& kind) {
     Write(folder + "/c.toml",
           "[cell]\ncapacity_Ah = " + capacity_Ah + "\n[[log]]\nkind = '" + kind +
@@ -137,14 +138,24 @@ TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
     return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
   };
   EXPECT_EQ(complaint("2000", "constant-current"),
-            folder + "/c.toml:1:1: error: capacity_Ah: expected logs that move the charge of a cell "
-                     "of 2000 Ah, found 2 Ah at most; is the capacity in mAh, or are times in "
-                     "minutes or currents in another unit than their headers say?");
+            folder +
+                "/c.toml:1:1: error: capacity_Ah: expected logs that move the charge of a cell "
+                "of 2000 Ah, found 2 Ah at most; is the capacity in mAh, or are times in "
+                "minutes or currents in another unit than their headers say?");
   EXPECT_EQ(complaint("2.1", "constant-current"), "no error");
   // Pulses need not empty the cell, and validation logs prove nothing.
   EXPECT_EQ(complaint("20.0", "pulses"), "no error");
   EXPECT_NE(complaint("2000.0", "pulses"), "no error");
   EXPECT_EQ(complaint("2000.0", "validation"), "no error");
+}
+
+// A published test of a cell of 3 Ah: pulses that move 0.6 to 0.9 % of its charge.
+TEST(LoadCampaign, PulsesMayMoveLittle) {
+  const auto folder = test::FreshFolder("load_campaign/little");
+  Write(folder + "/c.toml",
+        "[cell]\ncapacity_Ah = 3\n[[log]]\nkind = 'pulses'\nunits = ['s', 'A', 'V']\nfile = '" +
+            test::LabDataPath("samsung_30t_hppc/multipulse.csv") + "'\n");
+  EXPECT_EQ(LoadCampaign(ReadCampaign(folder + "/c.toml")).size(), 1U);
 }
 
 TEST(LoadCampaign, WarningsOfALogAreNotes) {

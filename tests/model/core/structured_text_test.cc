@@ -64,7 +64,7 @@ TEST(StructuredText, TheFilesThatBrokeAnEarlierReaderAreRefused) {
 
 TEST(StructuredText, DepthIsLimitedAndTheLimitIsReached) {
   for (const auto& [open, close] : {std::pair("[", "]"), std::pair("{\"a\":", "}")}) {
-    const auto nested = [&](std::size_t depth) {
+    const auto nested = [open = open, close = close](std::size_t depth) {
       return Repeated(open, depth) + "1" + Repeated(close, depth);
     };
     EXPECT_EQ(JsonRefusal(nested(structured_text::kMostDepth)), kReads);
