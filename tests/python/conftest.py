@@ -18,6 +18,8 @@ matplotlib.use("Agg")
 
 ROOT = Path(__file__).resolve().parents[2]
 Lipoid = Callable[..., dict[str, Any]]
+# Of the program, which is not built for the sanitizer that tools/thread-check --python preloads.
+PLAIN = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
 
 
 @pytest.fixture(scope="session")
@@ -61,7 +63,7 @@ def program() -> Lipoid:
     def run(*arguments: object, folder: Path) -> dict[str, Any]:
         summary = folder / "summary.json"
         command = [path, *map(str, arguments), "--summary", str(summary), "--quiet"]
-        subprocess.run(command, cwd=folder, check=False, capture_output=True)
+        subprocess.run(command, cwd=folder, env=PLAIN, check=False, capture_output=True)
         read: dict[str, Any] = json.loads(summary.read_text())
         return read
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from conftest import ROOT
+from conftest import PLAIN, ROOT
 from lipoid import _core
 
 Description = dict[str, Any]
@@ -108,7 +108,9 @@ def help_of(command: str) -> dict[str, str]:
     path = os.environ.get("LIPOID_PROGRAM", str(ROOT / "build/dev/tools/lipoid"))
     if not Path(path).exists():
         pytest.skip("the program is not built: LIPOID_PROGRAM names it")
-    text = subprocess.run([path, command, "--help"], capture_output=True, text=True, check=True)
+    text = subprocess.run(
+        [path, command, "--help"], env=PLAIN, capture_output=True, text=True, check=True
+    )
     found: dict[str, str] = {}
     name = ""
     for line in text.stdout.splitlines():
