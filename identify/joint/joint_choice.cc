@@ -14,9 +14,10 @@ namespace {
 constexpr double kGain = 0.03;
 constexpr double kBetterFit = 0.05;
 constexpr double kAtTheNoise = 1.1;
-// What no cycler resolves, and no term is worth: logs of a simulation have no noise.
+// No cycler resolves less, and no term is asked for by less: the logs of a simulation have no noise.
 constexpr double kFinest_V = 1e-5;
-// Of r_s: a branch below it may be none. Others are plainly there, and a fit without them costs its time for nothing.
+// A branch whose resistance is below this share of r_s may be none. Others are plainly there, and a fit
+// without them would cost its time for nothing.
 constexpr double kSlight = 0.05;
 
 const std::vector<double> kSmoothness{1e-4, 1e-3, 1e-2, 1e-1};
@@ -308,7 +309,7 @@ class Choosing {
       Take(k);
   }
 
-  // Of the only branch, over r_s.
+  // The resistance of the only branch over r_s.
   [[nodiscard]] double BranchShare() const {
     const JointLayout layout(best());
     const auto table = [&](int t) {

@@ -20,7 +20,8 @@ namespace lipoid {
 namespace {
 
 // A full discharge may hold less than its nominal capacity, in the cold or at a high rate, but not
-// this much less. Pulses that are published as a test of a cell move 0.6 % of it (Samsung INR21700-30T).
+// this much less. The pulses of a published test (Samsung INR21700-30T) move 0.6 % of the cell's
+// charge: the limit for other logs is half of that.
 constexpr double kLeastOfFullDischarge = 0.2;
 constexpr double kLeastOfAnyLog = 0.003;
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "tools/report/summary_schemas.h"  // written by the build
@@ -105,7 +106,7 @@ Json ReadSummary(const std::string& file) {
   const std::string text = ReadTextFile(file);
   Json summary = ParseJson(text, file);
   const JsonReader reader(summary, file, text);
-  if (summary.is_object() && summary.value("schema", Json()) == "lipoid.cell/1") {
+  if (summary.is_object() && summary.value("schema", Json()) == kCellSchema) {
     throw LoadError(
         NoFile(file),
         "expected the results of a command, found a cell file; what made it writes a page, too: "

@@ -60,8 +60,8 @@ TEST(JointChoice, TakesTablesWhereResistancesRiseTowardsEmpty) {
   }
 }
 
-// Every fit begins with one branch; a cell that has none shall not be told that it was not found. Not told by --branches,
-// that is: who asks for one gets one.
+// Every fit begins with one branch, and a cell that has none is found to have none. Who asks for one
+// branch (--branches 1) gets one.
 TEST(JointChoice, FindsThatThereIsNoBranch) {
   Cell truth = Truth();
   truth.branches.clear();

@@ -187,7 +187,7 @@ TEST(Draft, KnowsAPackByItsVoltage) {
   EXPECT_EQ(DraftCampaign(files, "pack", "campaign.toml", {.series = 1}).campaign.series, 1);
 }
 
-// A pulse near full says nothing of the capacity, and a charge of 8 mAh beside 3 A is no draft to begin with.
+// A pulse near full moves 8 mAh of a cell of some ampere hours: its charge is no capacity.
 TEST(Draft, LeavesOutACapacityThatNoLogShows) {
   const auto draft = DraftCampaign(
       {Inspected("pulse.csv", Falling(4.2, 3.0, 10.0, 4.1))}, "cell", "campaign.toml");

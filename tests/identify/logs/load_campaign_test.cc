@@ -149,7 +149,7 @@ TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
   EXPECT_EQ(complaint("2000.0", "validation"), "no error");
 }
 
-// A published test of a cell of 3 Ah: pulses that move 0.6 to 0.9 % of its charge.
+// A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.
 TEST(LoadCampaign, PulsesMayMoveLittle) {
   const auto folder = test::FreshFolder("load_campaign/little");
   Write(folder + "/c.toml",
