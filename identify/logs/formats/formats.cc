@@ -291,6 +291,31 @@ std::string Listed(const std::vector<HeaderName>& names) {
           found));
 }
 
+// "V" of "[V]" and of "(V)".
+std::string_view WithoutBrackets(std::string_view text) {
+  text = Trimmed(text);
+  const bool within = text.size() >= 2 && ((text.front() == '[' && text.back() == ']') ||
+                                           (text.front() == '(' && text.back() == ')'));
+  return within ? Trimmed(text.substr(1, text.size() - 2)) : text;
+}
+
+// Whether a line below the header holds units: texts in brackets, or texts without a digit of which
+// some are known units.
+bool AreUnits(std::span<const TextCell> cells) {
+  bool any = false;
+  for (const TextCell& cell : cells) {
+    const std::string_view unit = WithoutBrackets(cell.text);
+    const bool in_brackets = unit.size() < Trimmed(cell.text).size();
+    if (!in_brackets && unit.find_first_of("0123456789") != std::string_view::npos) return false;
+    any = any || in_brackets;
+    for (const Quantity quantity :
+         {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage, Quantity::kTemperature}) {
+      any = any || (!unit.empty() && FindUnit(quantity, unit));
+    }
+  }
+  return any;
+}
+
 // Resolves the columns of a header, one quantity at a time.
 class Planner {
  public:
@@ -341,16 +366,10 @@ class Planner {
         header_.implied ? header_.line - 1 : header_.line;  // index of the line to look at
     if (first_line_ < lines_.size()) {
       const auto cells = CellsOf(lines_[first_line_].text, header_.delimiter);
-      bool any = false;
-      const bool all_units = std::all_of(cells.begin(), cells.end(), [&](const TextCell& cell) {
-        any = any || !cell.text.empty();
-        return cell.text.empty() || (cell.text.front() == '[' && cell.text.back() == ']');
-      });
-      if (any && all_units) {
+      if (AreUnits(cells)) {
         for (std::size_t k = 0; k < std::min(cells.size(), header_.names.size()); ++k) {
-          const std::string_view text = cells[k].text;
-          if (text.size() > 2)
-            header_.names[k].unit = LowerCase(Trimmed(text.substr(1, text.size() - 2)));
+          const std::string_view unit = WithoutBrackets(cells[k].text);
+          if (!unit.empty()) header_.names[k].unit = LowerCase(unit);
         }
         ++first_line_;
       }

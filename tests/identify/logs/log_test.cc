@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ostream>
 
@@ -71,6 +72,36 @@ TEST(PlainCsv, UnitsAreConverted) {
   EXPECT_EQ(Read("time_min,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(),
             240.0);
   EXPECT_EQ(Read("time_ms,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(), 0.004);
+}
+
+TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {
+  for (const char* header : {"Time,Current,Voltage\ns,mA,mV\n",
+                             "Time;Current;Voltage\n[s];[mA];[mV]\n",
+                             "Time\tCurrent\tVoltage\tNote\n(s)\t(mA)\t(mV)\t-\n",
+                             "\"t\",\"I\",\"U\"\r\n\"sec\",\"mA\",\"mV\"\r\n"}) {
+    SCOPED_TRACE(header);
+    std::string text = header;
+    const bool semicolons = text.find(';') != std::string::npos;
+    const bool tabs = text.find('\t') != std::string::npos;
+    std::string rows = "0,0,4100\n1,0,4100\n2,2000,4000\n3,2000,3990\n4,2000,3970\n";
+    if (tabs) rows = "0,0,4100,\n1,0,4100,\n2,2000,4000,\n3,2000,3990,\n4,2000,3970,\n";
+    if (semicolons) std::replace(rows.begin(), rows.end(), ',', ';');
+    if (tabs) std::replace(rows.begin(), rows.end(), ',', '\t');
+    text += rows;
+    const Log log = Read(text);
+    EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
+    EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
+  }
+  // A line of words among which is no unit is neither such a line nor a row.
+  EXPECT_EQ(
+      Refusal("Time,Current,Voltage\none,two,three\n" + std::string(kRows)),
+      "F:1:1: error: expected a header that states the unit of the time (s, ms, min, h), found "
+      "'Time'; add it there or say `units` (--units s,A,V)");
+  // Units of the user's that contradict the line are refused, as those of a header are.
+  EXPECT_EQ(
+      Refusal("Time,Current,Voltage\ns,mA,mV\n" + std::string(kRows), {.units = {"s", "A", "V"}}),
+      "F:1:6: error: expected a column in a as the option units says, found 'Current'");
 }
 
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
