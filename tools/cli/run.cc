@@ -28,6 +28,10 @@
 #include "tools/cli/progress.h"
 #include "tools/cli/text_table.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace lipoid::cli {
 namespace {
 
@@ -323,6 +327,17 @@ void CleanUpWhenEnded() {
     // is half-written stays under its hidden name.
     pthread_sigmask(SIG_UNBLOCK, &ending, nullptr);
   }
+}
+
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kBlock_bytes = 32 << 20;  // glibc takes no more
+  constexpr int kKept_bytes = 128 << 20;
+  constexpr int kAtOnce_bytes = 16 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kBlock_bytes);
+  ::mallopt(M_TRIM_THRESHOLD, kKept_bytes);
+  ::mallopt(M_TOP_PAD, kAtOnce_bytes);
+#endif
 }
 
 int OnLargeStack(const std::function<int()>& task) {

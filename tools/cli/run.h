@@ -26,6 +26,11 @@ inline constexpr std::string_view kExitCodes =
 /// -s`) leaves the first thread. Where no further thread may be started, on that of the caller.
 [[nodiscard]] int OnLargeStack(const std::function<int()>& task);
 
+/// From now on memory that was freed stays with the process, up to some 100 MB a thread, and blocks of up to 32 MB do not
+/// go back one by one: fits free and take the same blocks thousands of times, and the kernel would clear
+/// each anew. Where the C library is not glibc nothing happens.
+void KeepFreedMemory();
+
 /// From now on the process, when it is interrupted or told to end, first removes what it has
 /// half-written. Call it before other threads start.
 void CleanUpWhenEnded();
