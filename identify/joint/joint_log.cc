@@ -39,11 +39,13 @@ std::vector<std::size_t> PulseStarts(const std::vector<Segment>& segments) {
 }
 
 // Second differences of evenly spaced rows see the noise of a voltage and nothing of its slope; the
-// median does not see edges.
+// median does not see edges. A long log is looked at here and there: 1e5 rows give the median to 0.3 %.
 double VoltageNoise(const Record& record) {
   constexpr double kEven = 1e-3;
+  constexpr std::size_t kEnoughRows = std::size_t{1} << 17;
+  const std::size_t stride = record.size() / kEnoughRows + 1;
   std::vector<double> bends;
-  for (std::size_t k = 1; k + 1 < record.size(); ++k) {
+  for (std::size_t k = 1; k + 1 < record.size(); k += stride) {
     const double before_s = record.time_s[k] - record.time_s[k - 1];
     const double after_s = record.time_s[k + 1] - record.time_s[k];
     if (std::abs(after_s - before_s) > kEven * before_s) continue;

@@ -150,8 +150,10 @@ std::string ProgramHelp(std::span<const Command> commands) {
       "Usage: lipoid COMMAND [arguments] [options]\n\n"
       "Identifies lithium-polymer cells from lab logs, and flies the result.\n\n"
       "Commands:\n";
+  std::size_t width = 0;
+  for (const auto& command : commands) width = std::max(width, command.name.size());
   for (const auto& command : commands)
-    text += fmt::format("  {:<12} {}\n", command.name, command.summary);
+    text += fmt::format("  {:<{}}  {}\n", command.name, width, command.summary);
   text +=
       "\nlipoid COMMAND --help explains a command; lipoid --version (-V) says which lipoid this is.\n"
       "lipoid --manual prints the manual page, lipoid --completion SHELL what bash, zsh or fish need\n"
