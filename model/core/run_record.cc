@@ -1,6 +1,7 @@
 #include "model/core/run_record.h"
 
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <cerrno>
@@ -19,6 +20,13 @@ class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
     EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+  // OpenSSL keeps a state per thread, which a thread of a pool that outlives main() never gives back.
+  ~Sha256() {
+    context_.reset();
+    OPENSSL_thread_stop();
   }
   void Update(const void* bytes, std::size_t size) {
     EVP_DigestUpdate(context_.get(), bytes, size);

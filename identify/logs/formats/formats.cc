@@ -445,7 +445,7 @@ class Planner {
       if (stated && !stated->SameScale(*given)) {
         Fail(name.column,
              fmt::format("expected a column in {} as the option units says, found '{}'",
-                         given->name,
+                         options_.units[static_cast<std::size_t>(quantity)],
                          name.text));
       }
       return given;

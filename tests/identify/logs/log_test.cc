@@ -101,7 +101,7 @@ TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {
   // Units of the user's that contradict the line are refused, as those of a header are.
   EXPECT_EQ(
       Refusal("Time,Current,Voltage\ns,mA,mV\n" + std::string(kRows), {.units = {"s", "A", "V"}}),
-      "F:1:6: error: expected a column in a as the option units says, found 'Current'");
+      "F:1:6: error: expected a column in A as the option units says, found 'Current'");
 }
 
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
@@ -270,7 +270,7 @@ const Wrong kWrong[] = {
      "F:1:8: error: expected a unit of current (A, mA) in 'current_V', found 'v'"},
     {"units contradict",
      kHeader + kRows,
-     "F:1:8: error: expected a column in ma as the option units says, found 'current_A'",
+     "F:1:8: error: expected a column in mA as the option units says, found 'current_A'",
      {.units = {"s", "mA", "V"}}},
     {"two currents",
      "time_s,current_A,I (mA),voltage_V\n1,2,3,4\n",

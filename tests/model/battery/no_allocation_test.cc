@@ -17,16 +17,9 @@
 #include "model/vehicle/sensors.h"
 #include "model/vehicle/vehicle_file.h"
 #include "model/vehicle/wind.h"
+#include "tests/support/sanitized.h"
 
 // A sanitizer brings operators of its own, which must not be replaced.
-#if defined(__SANITIZE_ADDRESS__)
-#define LIPOID_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define LIPOID_SANITIZED 1
-#endif
-#endif
-
 #ifdef LIPOID_SANITIZED
 
 TEST(NoAllocation, IsCountedInOtherBuilds) {
