@@ -162,6 +162,30 @@ TEST(TextTable, BreaksHeadersAndWordsWhereAScreenEnds) {
   EXPECT_NE(shown[shown.size() - 2].find("/ %"), std::string::npos) << wrapped;
 }
 
+TEST(TextTable, LeavesOutTheFolderThatFilesHaveInCommonWhereAScreenEnds) {
+  const std::string folder = "../a/folder/of/so/many/names/that/a/screen/is/too/narrow/for/them";
+  const auto shown = [](const std::vector<std::string>& files, const std::string& word) {
+    TextTable table({{"log", Align::kFile}, {"mean / %"}, {"why", Align::kLeft}});
+    for (const auto& file : files) table.Row({"   " + file, "0.1", word});
+    return table.Text();
+  };
+  EXPECT_EQ(
+      shown({folder + "/t25/pulse.csv", folder + "/t2/cc.csv"}, "here are thirty letters or more"),
+      "log               mean / %  why\n"
+      "   t25/pulse.csv       0.1  here are thirty letters or more\n"
+      "   t2/cc.csv           0.1  here are thirty letters or more\n");
+  // Where there is room, or no folder in common, names stay as they are.
+  EXPECT_NE(shown({folder + "/t25/pulse.csv"}, "here").find(folder), std::string::npos);
+  const auto apart = shown({folder + "/pulse.csv", "/b"}, "here are thirty letters or more");
+  EXPECT_NE(apart.find(folder + "/pulse.csv"), std::string::npos) << apart;
+  // An indent does not push the numbers of its row to the right.
+  const auto column = [&](const std::string& name) {
+    const auto row = apart.find(name);
+    return apart.find("0.1", row) - apart.rfind('\n', row);
+  };
+  EXPECT_EQ(column("   .."), column("   /b")) << apart;
+}
+
 TEST(TextTable, IsATableForLatexWithNothingThatLatexReadsAsACommand) {
   TextTable table({{"log", Align::kLeft}, {"cost / V²"}}, "Errors in %.");
   table.Row({"a_b&c#1$", "0.22"});

@@ -28,20 +28,25 @@ std::size_t EndOfWord(const std::string& text, std::size_t from) {
   return to == from + 1 && text[from] == '/' ? std::min(text.find(' ', to + 1), text.size()) : to;
 }
 
+std::size_t Indent(const std::string& text) {
+  return std::min(text.find_first_not_of(' '), text.size());
+}
+
+// With the indent, which each of its lines has.
 std::size_t LongestWord(const std::string& text) {
   std::size_t longest = 0;
-  for (std::size_t from = 0; from < text.size();) {
+  for (std::size_t from = Indent(text); from < text.size();) {
     const auto to = EndOfWord(text, from);
     longest = std::max(longest, Letters(text.substr(from, to - from)));
     from = to + 1;
   }
-  return longest;
+  return Indent(text) + longest;
 }
 
 // The text in lines of at most so many letters, if its words let it; it keeps its indent.
 std::vector<std::string> LinesOf(const std::string& text, std::size_t width) {
   if (Letters(text) <= width) return {text};
-  const auto indent = std::min(text.find_first_not_of(' '), text.size());
+  const auto indent = Indent(text);
   std::vector<std::string> lines{std::string(indent, ' ')};
   for (std::size_t from = indent; from < text.size();) {
     const auto to = EndOfWord(text, from);
@@ -56,6 +61,20 @@ std::vector<std::string> LinesOf(const std::string& text, std::size_t width) {
     from = to + 1;
   }
   return lines;
+}
+
+// Takes the folder that all names in a column have in common away; "   a/b" keeps its indent.
+void TakeCommonFolder(std::vector<std::vector<std::string>>& rows, std::size_t column) {
+  std::string common;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::string& name = rows[r][column];
+    const auto same = std::mismatch(common.begin(), common.end(), name.begin(), name.end());
+    common = r == 0 ? name : std::string(common.begin(), same.first);
+  }
+  const auto stroke = common.rfind('/');
+  if (stroke == common.npos) return;
+  const auto indent = Indent(common);
+  for (auto& row : rows) row[column].erase(indent, stroke + 1 - indent);
 }
 
 thread_local TablesForPaper* for_paper = nullptr;
@@ -76,31 +95,43 @@ void TextTable::Row(std::vector<std::string> cells) {
 
 std::string TextTable::Text() const {
   if (for_paper != nullptr && !caption_.empty()) for_paper->latex_ += "\n" + Latex();
+  auto rows = rows_;
   // What a column wants, and what it needs at least: whole numbers, and words that may stand below
   // one another.
   std::vector<std::size_t> width;
   std::vector<std::size_t> least;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const bool words = columns_[c].align == Align::kLeft;
-    width.push_back(Letters(columns_[c].header));
-    least.push_back(LongestWord(columns_[c].header));
-    for (const auto& row : rows_) {
-      width[c] = std::max(width[c], Letters(row[c]));
-      least[c] = std::max(least[c], words ? LongestWord(row[c]) : Letters(row[c]));
+  const auto measure = [&] {
+    width.clear();
+    least.clear();
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const bool words = columns_[c].align != Align::kRight;
+      width.push_back(Letters(columns_[c].header));
+      least.push_back(LongestWord(columns_[c].header));
+      for (const auto& row : rows) {
+        width[c] = std::max(width[c], Letters(row[c]));
+        least[c] = std::max(least[c], words ? LongestWord(row[c]) : Letters(row[c]));
+      }
+      if (words) least[c] = std::max(least[c], std::min(width[c], kLeastOfWords));
     }
-    if (words) least[c] = std::max(least[c], std::min(width[c], kLeastOfWords));
-  }
-  // The widest words give way first, down to lines that read well, then the headers of numbers.
+  };
   const auto total = [&] {
     return std::accumulate(width.begin(), width.end(), 2 * (width.size() - 1));
   };
-  for (const auto& [align, comfortable] : {std::pair{Align::kLeft, kComfortable},
-                                           std::pair{Align::kRight, std::size_t{0}},
-                                           std::pair{Align::kLeft, std::size_t{0}}}) {
+  measure();
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].align != Align::kFile || total() <= kColumns) continue;
+    TakeCommonFolder(rows, c);
+    measure();
+  }
+  // The widest words give way first, down to lines that read well, then the headers of numbers.
+  for (const auto& [words, comfortable] : {std::pair{true, kComfortable},
+                                           std::pair{false, std::size_t{0}},
+                                           std::pair{true, std::size_t{0}}}) {
     while (total() > kColumns) {
       std::size_t widest = columns_.size();
       for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (columns_[c].align == align && width[c] > std::max(least[c], comfortable) &&
+        if ((columns_[c].align != Align::kRight) == words &&
+            width[c] > std::max(least[c], comfortable) &&
             (widest == columns_.size() || width[c] > width[widest]))
           widest = c;
       }
@@ -134,7 +165,7 @@ std::string TextTable::Text() const {
   std::vector<std::string> headers;
   for (const auto& column : columns_) headers.push_back(column.header);
   add(headers, true);
-  for (const auto& row : rows_) add(row, false);
+  for (const auto& row : rows) add(row, false);
   return text;
 }
 

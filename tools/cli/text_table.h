@@ -2,8 +2,8 @@
 
 /// @file
 /// Tables for people: numbers to the right, words to the left, units in the header. A table that
-/// is wider than a screen of 100 columns breaks the headers of its numbers, then its words, at
-/// blanks.
+/// is wider than a screen of 100 columns leaves out the folder that its files have in common, then
+/// breaks the headers of its numbers and its words at blanks.
 ///
 ///   TextTable table({{"log", kLeft}, {"mean / %"}});
 ///   table.Row({"cc_1C.csv", Significant(0.2234)});
@@ -16,7 +16,8 @@
 
 namespace lipoid::cli {
 
-enum class Align { kRight, kLeft };
+/// kFile: names of files, to the left.
+enum class Align { kRight, kLeft, kFile };
 
 class TextTable {
  public:

@@ -98,7 +98,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                                         "--capacity-Ah for narrower intervals.\n",
                                         report.reference)));
   }
-  cli::TextTable table({{"flight", cli::Align::kLeft},
+  cli::TextTable table({{"flight", cli::Align::kFile},
                         {"SOC from"},
                         {"to"},
                         {"capacity / Ah"},

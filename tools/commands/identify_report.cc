@@ -46,7 +46,7 @@ std::string DischargeTimesText(const StagedResult& result) {
                         Significant(stage.beta_lower_bound_per_sqrt_s, 3));
   }
   TextTable table(
-      {{"   log", Align::kLeft}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}},
+      {{"   log", Align::kFile}, {"current_A"}, {"measured_s"}, {"predicted_s"}, {"error_%"}},
       "Discharge times, measured and predicted.");
   for (const auto& row : stage.rows) {
     table.Row({"   " + row.file,
@@ -158,7 +158,7 @@ std::string PulsesText(const StagedResult& result) {
 std::string ValidationText(const std::vector<LogErrors>& logs) {
   if (logs.empty()) return "";
   TextTable table(
-      {{"validation", Align::kLeft}, {"mean_%"}, {"max_%"}, {"rmse_mV"}, {"mean_% above 10 % SOC"}},
+      {{"validation", Align::kFile}, {"mean_%"}, {"max_%"}, {"rmse_mV"}, {"mean_% above 10 % SOC"}},
       "How well the cell predicts logs that it was not made from.");
   for (const auto& log : logs) {
     table.Row({"   " + log.file,
@@ -172,7 +172,7 @@ std::string ValidationText(const std::vector<LogErrors>& logs) {
 
 std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs) {
   if (logs.empty()) return "";
-  TextTable table({{"constant current", Align::kLeft},
+  TextTable table({{"constant current", Align::kFile},
                    {"current_A"},
                    {"measured_s"},
                    {"predicted_s"},

@@ -235,7 +235,7 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
 }
 
 void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& files) {
-  cli::TextTable table({{"log", Align::kLeft},
+  cli::TextTable table({{"log", Align::kFile},
                         {"format", Align::kLeft},
                         {"rows"},
                         {"duration"},

@@ -86,7 +86,7 @@ std::string FoundText(const JointResult& result) {
 }
 
 std::string ErrorsText(const JointResult& result) {
-  TextTable table({{"errors over all rows", Align::kLeft},
+  TextTable table({{"errors over all rows", Align::kFile},
                    {"mean_%"},
                    {"max_%"},
                    {"rmse_mV"},

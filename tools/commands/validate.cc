@@ -50,7 +50,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   Cell one = cell;  // the records come as those of one cell
   one.series = one.parallel = 1;
   Json rows = Json::array();
-  cli::TextTable table({{"log", cli::Align::kLeft},
+  cli::TextTable table({{"log", cli::Align::kFile},
                         {"rows"},
                         {"mean / %"},
                         {"max / %"},
