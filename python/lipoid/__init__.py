@@ -4,27 +4,17 @@ Discharge current is positive, every name carries its unit, a state of charge is
 """
 
 from lipoid import _core
-from lipoid._aloft import Endurance, Health, endurance, health
 from lipoid._campaign import Campaign
 from lipoid._cell import Cell, Simulation, cells
-from lipoid._identify import Identification, identify, validate
+from lipoid._comparison import Comparison, compare, optimizers, study
+from lipoid._endurance import Endurance, endurance
+from lipoid._export import export, targets
+from lipoid._flight import Flight, fly, maneuvers, vehicles
+from lipoid._health import Health, health
+from lipoid._identification import Identification, identify, validate
 from lipoid._log import Log, read_log
-from lipoid._more import (
-    Comparison,
-    Fleet,
-    Flight,
-    compare,
-    export,
-    fly,
-    identify_many,
-    maneuvers,
-    optimizers,
-    plan,
-    study,
-    synthesize,
-    targets,
-    vehicles,
-)
+from lipoid._many import Fleet, identify_many
+from lipoid._planning import plan, synthesize
 from lipoid._report import report
 from lipoid.errors import Diagnostic, LoadError, OptionError, PreconditionError
 

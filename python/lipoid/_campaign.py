@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from lipoid import _core
+from lipoid import _core, interoperability
+from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes
 from lipoid._log import Log, read_log
 from lipoid.errors import OptionError
@@ -17,9 +18,9 @@ from lipoid.errors import OptionError
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from lipoid._cell import Cell
     from lipoid._core import Campaign as CoreCampaign
-    from lipoid._options import CampaignOptions, ReadingOptions
+    from lipoid._options import CampaignOptions
+    from lipoid._reading_options import ReadingOptions
 
 KINDS = ("constant_current", "low_rate", "low_rate_charge", "pulses", "flight", "validation")
 
@@ -141,11 +142,37 @@ class Campaign:
         """Read the logs, of one kind or all of them, as those of one cell."""
         return [Log._of(log) for of, log, _ in self._core.logs() if kind is None or of == kind]
 
-    def to_pybop(self, cell: Cell | str, **options: Any) -> Any:
-        """Make a PyBOP problem of the pulses; see :func:`lipoid.interoperability.to_pybop`."""
-        from lipoid.interoperability import to_pybop
+    def to_pybop(
+        self,
+        cell: Cell | str,
+        *,
+        free: tuple[str, ...] = ("R0 [Ohm]", "R1 [Ohm]"),
+        log: Log | None = None,
+        spread: float = 0.5,
+    ) -> Any:
+        """Make a PyBOP problem: the pulses, PyBaMM's Thevenin model, a sum of squares.
 
-        return to_pybop(self, cell, **options)
+        Parameters
+        ----------
+        cell : Cell or name
+            Where the search begins, and what is held: v_oc(A), capacity, diffusion.
+        free : tuple of str
+            PyBaMM's names of the parameters that PyBOP shall find; they must be constants.
+        log : Log, optional
+            What is fitted instead of the first pulse log.
+        spread : float
+            Standard deviation of PyBOP's prior, as a share of the value.
+
+        Returns
+        -------
+        pybop.Problem
+            To be minimised by any of PyBOP's optimisers.
+        """
+        some = [log] if log is not None else self.logs("pulses")
+        if not some:
+            raise OptionError("to_pybop: expected a campaign with pulses, found none")
+        one = as_cell(cell).pack(1, 1)
+        return interoperability.to_pybop(one._core, some[0]._core, free, spread)
 
     def to_toml(self) -> str:
         """Return the campaign as the text of a campaign file."""
@@ -179,3 +206,15 @@ class Campaign:
 def _remade(given: dict[str, Any], reading: Any) -> Campaign:
     """Make a campaign in another process."""
     return Campaign(reading=reading, **given)
+
+
+def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:
+    """Return a campaign, or read the one of that file."""
+    if isinstance(campaign, Campaign):
+        return campaign
+    if not isinstance(campaign, (str, os.PathLike)):
+        raise TypeError(
+            "expected a Campaign or the path of a campaign file, found "
+            f"{type(campaign).__name__}; logs make one: lipoid.Campaign(pulses=log, cutoff_V=3.0)"
+        )
+    return Campaign.read(campaign)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from lipoid import _core
+from lipoid import _core, interoperability, plots
 from lipoid._log import Log, column
 from lipoid.errors import OptionError
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from lipoid._core import Cell as CoreCell
-    from lipoid.interoperability import PybammCell
 
 logger = logging.getLogger("lipoid")
 FloatArray = npt.NDArray[np.float64]
@@ -77,9 +77,7 @@ class Simulation:
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw voltage and state of charge over time; return the axes."""
-        from lipoid import plots
-
-        return plots.simulation(self, axes)
+        return plots.simulation(self.time_s, self.voltage_V, self.soc, self.cell.name, axes)
 
     def __repr__(self) -> str:
         shape = " x ".join(str(n) for n in self.voltage_V.shape)
@@ -305,23 +303,41 @@ class Cell:
         """
         return [Cell._of(one) for one in self._core.resample(count, seed)]
 
-    def to_pybamm(self, *, initial_soc: float = 1.0) -> PybammCell:
-        """Make PyBaMM's Thevenin model with diffusion element, and its parameter values."""
-        from lipoid.interoperability import to_pybamm
+    def to_pybamm(self, *, initial_soc: float = 1.0) -> interoperability.PybammCell:
+        """Make PyBaMM's Thevenin model with diffusion element, and its parameter values.
 
-        return to_pybamm(self, initial_soc=initial_soc)
+        Parameters
+        ----------
+        initial_soc : float
+            State of charge at the start. Of a pack PyBaMM gets one cell.
+        """
+        return interoperability.to_pybamm(self._core, initial_soc)
 
     def to_thevenin(self, *, branches: int = 2, mission: Log | None = None) -> Any:
-        """Make a ``thevenin.Simulation`` with the circuit that follows the cell best."""
-        from lipoid.interoperability import to_thevenin
+        """Make a ``thevenin.Simulation`` with the circuit that follows the cell best.
 
-        return to_thevenin(self, branches=branches, mission=mission)
+        Parameters
+        ----------
+        branches : int
+            Pairs of resistor and capacitor, 1 or 2. Of a pack thevenin gets one cell.
+        mission : Log, optional
+            What the circuit is fitted over; not given: two levels of current with rests.
+        """
+        over = None if mission is None else mission._core
+        return interoperability.to_thevenin(self._core, branches, over)
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw v_oc and the resistances over the state of charge; return the axes."""
-        from lipoid import plots
+        soc = np.linspace(0.0, 1.0, 501)
+        drawn = self.open_circuit_voltage(soc)
+        return plots.cell(soc, drawn, self._resistances(), self.name, axes)
 
-        return plots.cell(self, axes)
+    def _resistances(self) -> list[tuple[str, plots.Resistance]]:
+        data = self.to_dict()
+        named = [("r_s", data["series_resistance_Ohm"])]
+        return named + [
+            (f"r_{k}", one["resistance_Ohm"]) for k, one in enumerate(data["branches"], 1)
+        ]
 
     def __getstate__(self) -> str:
         return self._core.to_json()
@@ -352,12 +368,8 @@ class Cell:
         if data.get("diffusion"):
             rows.append(("alpha", f"{data['diffusion']['alpha_C']:.5g} C"))
             rows.append(("beta", f"{data['diffusion']['beta_per_sqrt_s']:.4g} s<sup>-1/2</sup>"))
-        named = [("r_s", data["series_resistance_Ohm"])]
-        named += [
-            (f"r_{k}", branch["resistance_Ohm"]) for k, branch in enumerate(data["branches"], 1)
-        ]
-        for name, value in named:
-            if isinstance(value, dict):
+        for name, value in self._resistances():
+            if isinstance(value, Mapping):
                 values = value["resistance_Ohm"]
                 text = f"{1e3 * min(values):.4g} to {1e3 * max(values):.4g} mOhm over soc"
             else:
@@ -365,6 +377,11 @@ class Cell:
             rows.append((name, text))
         body = "".join(f"<tr><th>{a}</th><td>{b}</td></tr>" for a, b in rows)
         return f"<b>{escape(self.name)}</b><table>{body}</table>"
+
+
+def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
+    """Return a cell, or read the one of that name or file."""
+    return cell if isinstance(cell, Cell) else Cell.read(cell)
 
 
 def cells() -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from lipoid import _core
+from lipoid import _core, plots
 from lipoid._keywords import takes
 from lipoid.errors import OptionError
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from lipoid._core import Log as CoreLog
-    from lipoid._options import ColumnOptions, ReadingOptions
+    from lipoid._reading_options import ColumnOptions, ReadingOptions
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -253,9 +253,7 @@ class Log:
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw current and voltage over time; return the axes."""
-        from lipoid import plots
-
-        return plots.log(self, axes)
+        return plots.log(self.time_s, self.current_A, self.voltage_V, self.file, axes)
 
     def __len__(self) -> int:
         return len(self._core)
@@ -320,3 +318,13 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
     if (table := readers.table_of(file)) is not None:
         return Log._of(_core.read_log_text(table, os.fspath(file), dict(options)))
     return Log._of(_core.read_log(file, dict(options)))
+
+
+def as_logs(
+    what: str, logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]]
+) -> list[Log]:
+    """Return one log or several, reading those that are paths; `what` needs at least one."""
+    several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
+    if not several:
+        raise OptionError(f"{what}: expected at least one log, found none")
+    return [log if isinstance(log, Log) else read_log(log) for log in several]

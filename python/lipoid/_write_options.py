@@ -1,16 +1,23 @@
-"""Write lipoid/_options.py: the types of all options, from what C++ says of them.
+"""Write the types of all options, from what C++ says of them.
 
-``python -m lipoid._write_options`` prints it; a test holds the committed file to that.
+``python -m lipoid._write_options`` writes ``_reading_options.py`` and ``_options.py`` beside this
+file; a test holds the committed files to that. They are two because a log needs the first, and the
+second needs logs and cells.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 from lipoid import _core
 from lipoid._keywords import Description
 
-FUNCTIONS = {
+READING = {
     "ReadingOptions": lambda: _core.describe_reading(True),
     "ColumnOptions": lambda: _core.describe_reading(False),
+}
+FUNCTIONS = {
     "CampaignOptions": _core.describe_campaign,
     "IdentifyOptions": _core.describe_identify,
     "CompareOptions": _core.describe_compare,
@@ -23,10 +30,25 @@ FUNCTIONS = {
     "ExportOptions": _core.describe_export,
 }
 
-HEAD = '''"""The options of every function, as types.
-
+MADE = """\
 Made by ``python -m lipoid._write_options`` from the one declaration that the command line and the
-docstrings are made from, too: do not edit.
+docstrings are made from, too: do not edit."""
+
+READING_HEAD = f'''"""The options of reading logs, as types.
+
+{MADE}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypedDict
+
+'''
+
+HEAD = f'''"""The options of every function but those that read logs, as types.
+
+{MADE}
 """
 
 from __future__ import annotations
@@ -60,10 +82,9 @@ def _fields(options: list[Description], function: str) -> list[str]:
     return lines
 
 
-def text() -> str:
-    """Return the whole file."""
-    parts = [HEAD]
-    for function, describe in FUNCTIONS.items():
+def _text(head: str, functions: dict[str, Callable[[], list[Description]]]) -> str:
+    parts = [head]
+    for function, describe in functions.items():
         options = describe()
         for option in options:
             if "options" in option:
@@ -77,5 +98,15 @@ def text() -> str:
     return "\n".join(parts).rstrip() + "\n"
 
 
+def files() -> dict[Path, str]:
+    """Return what each file has to hold."""
+    folder = Path(__file__).resolve().parent
+    return {
+        folder / "_reading_options.py": _text(READING_HEAD, READING),
+        folder / "_options.py": _text(HEAD, FUNCTIONS),
+    }
+
+
 if __name__ == "__main__":
-    print(text(), end="")
+    for path, text in files().items():
+        path.write_text(text, encoding="utf-8")

@@ -17,13 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lipoid._campaign import Campaign
-from lipoid._more import as_cell, export
+from lipoid import _core
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
-    from lipoid._cell import Cell
-    from lipoid._log import Log
+    from lipoid._core import Cell, Log
 
 
 def _load(name: str, file: Path) -> ModuleType:
@@ -59,85 +57,37 @@ class PybammCell:
     summary: dict[str, Any]
 
 
-def to_pybamm(cell: Cell, *, initial_soc: float = 1.0) -> PybammCell:
-    """Make PyBaMM's model and parameter values of a cell.
-
-    Parameters
-    ----------
-    cell : Cell
-        The cell, or a pack of which PyBaMM gets one cell.
-    initial_soc : float
-        State of charge at the start.
-    """
+def to_pybamm(cell: Cell, initial_soc: float) -> PybammCell:
+    """Make PyBaMM's model and parameter values of a cell; of a pack, those of one cell."""
     import pybamm
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell_in_pybamm.py"
-        summary = export(cell, "pybamm", file)
+        summary = _core.export(cell, "pybamm", file, {})
         module = _load("cell_in_pybamm", file)
     values = pybamm.ParameterValues(module.get_parameter_values())
     values["Initial SoC"] = initial_soc
     return PybammCell(module.make_model(), values, module.var_pts(), module.run, summary)
 
 
-def to_thevenin(cell: Cell, *, branches: int = 2, mission: Log | None = None) -> Any:
-    """Make a ``thevenin.Simulation`` of a cell, with the circuit that follows it best.
-
-    Parameters
-    ----------
-    cell : Cell
-        The cell, or a pack of which thevenin gets one cell.
-    branches : int
-        Pairs of resistor and capacitor, 1 or 2.
-    mission : Log, optional
-        What the circuit is fitted over; not given: two levels of current with rests.
-    """
+def to_thevenin(cell: Cell, branches: int, mission: Log | None) -> Any:
+    """Make a ``thevenin.Simulation`` of a cell; of a pack, that of one cell."""
     import thevenin
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell.yaml"
-        export(cell, "thevenin", file, branches=branches, mission=mission)
+        _core.export(cell, "thevenin", file, {"branches": branches, "mission": mission})
         return thevenin.Simulation(str(file))
 
 
-def to_pybop(
-    campaign: Campaign,
-    cell: Cell | str,
-    *,
-    free: tuple[str, ...] = ("R0 [Ohm]", "R1 [Ohm]"),
-    log: Log | None = None,
-    spread: float = 0.5,
-) -> Any:
-    """Make a PyBOP problem of a campaign: its pulses, PyBaMM's Thevenin model, a sum of squares.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Whose first pulse log is fitted, unless `log` says another.
-    cell : Cell or name
-        Where the search begins, and what is held: v_oc(A), capacity, diffusion.
-    free : tuple of str
-        PyBaMM's names of the parameters that PyBOP shall find; they must be constants.
-    log : Log, optional
-        Another log.
-    spread : float
-        Standard deviation of PyBOP's prior, as a share of the value.
-
-    Returns
-    -------
-    pybop.Problem
-        To be minimised by any of PyBOP's optimisers.
-    """
+def to_pybop(cell: Cell, log: Log, free: tuple[str, ...], spread: float) -> Any:
+    """Make a PyBOP problem: a log, PyBaMM's Thevenin model of the cell, a sum of squares."""
     import pybamm
     import pybop
 
-    some = [log] if log is not None else campaign.logs("pulses")
-    if not some:
-        raise OptionError("to_pybop: expected a campaign with pulses, found none")
-    of = some[0]
-    if of.voltage_V is None:
+    if log.voltage_V is None:
         raise OptionError("to_pybop: expected a log with voltages")
-    made = to_pybamm(as_cell(cell).pack(1, 1))
+    made = to_pybamm(cell, initial_soc=1.0)
     values = made.parameter_values
     for name in free:
         start = values[name]
@@ -149,9 +99,9 @@ def to_pybop(
         values[name] = pybop.Parameter(distribution=prior, initial_value=start)
     data = pybop.Dataset(
         {
-            "Time [s]": np.array(of.time_s),
-            "Current [A]": np.array(of.current_A),
-            "Voltage [V]": np.array(of.voltage_V),
+            "Time [s]": np.array(log.time_s),
+            "Current [A]": np.array(log.current_A),
+            "Voltage [V]": np.array(log.voltage_V),
         }
     )
     simulator = pybop.pybamm.Simulator(

@@ -1,21 +1,22 @@
-"""Plots by matplotlib; each returns the axes that it drew on."""
+"""Plots by matplotlib; each draws plain columns and returns the axes that it drew on."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
-    from lipoid._cell import Cell, Simulation
-    from lipoid._identify import Identification
-    from lipoid._log import Log
-    from lipoid._more import Comparison, Flight
+FloatArray = npt.NDArray[np.float64]
+# A number, or a table over the state of charge: {"soc": [...], "resistance_Ohm": [...]}.
+Resistance = float | Mapping[str, Any]
 
 _MOST_POINTS = 20_000
 
@@ -46,43 +47,43 @@ def _thin(*columns: Any) -> list[Any]:
     return [column[::step] for column in columns]
 
 
-def log(of: Log, axes: Any = None) -> list[Axes]:
-    """Draw current and voltage over time."""
-    both = of.voltage_V is not None
-    drawn = _axes(axes, 1 + both)
-    t, i = _thin(of.time_s, of.current_A)
-    if of.voltage_V is not None:
-        drawn[0].plot(t, _thin(of.voltage_V)[0], linewidth=0.8)
+def log(
+    time_s: FloatArray,
+    current_A: FloatArray,
+    voltage_V: FloatArray | None,
+    title: str,
+    axes: Any = None,
+) -> list[Axes]:
+    """Draw current, and voltage where it was measured, over time."""
+    drawn = _axes(axes, 1 if voltage_V is None else 2)
+    t, i = _thin(time_s, current_A)
+    if voltage_V is not None:
+        drawn[0].plot(t, _thin(voltage_V)[0], linewidth=0.8)
         drawn[0].set_ylabel("voltage / V")
     drawn[-1].plot(t, i, linewidth=0.8)
     drawn[-1].set(xlabel="time / s", ylabel="current / A")
-    drawn[0].set_title(of.file)
+    drawn[0].set_title(title)
     return drawn
 
 
-def simulation(of: Simulation, axes: Any = None) -> list[Axes]:
-    """Draw voltage and state of charge over time."""
+def simulation(
+    time_s: FloatArray, voltage_V: FloatArray, soc: FloatArray, title: str, axes: Any = None
+) -> list[Axes]:
+    """Draw voltage and state of charge over time, of one current or of several."""
     drawn = _axes(axes, 2)
-    for k, voltage_V in enumerate(np.atleast_2d(of.voltage_V)):
-        time_s = np.atleast_2d(of.time_s)[k if of.time_s.ndim == 2 else 0]
-        t, v, a = _thin(time_s, voltage_V, np.atleast_2d(of.soc)[k])
+    for k, one_V in enumerate(np.atleast_2d(voltage_V)):
+        one_s = np.atleast_2d(time_s)[k if time_s.ndim == 2 else 0]
+        t, v, a = _thin(one_s, one_V, np.atleast_2d(soc)[k])
         drawn[0].plot(t, v, linewidth=0.8)
         drawn[1].plot(t, a, linewidth=0.8)
-    drawn[0].set(ylabel="voltage / V", title=of.cell.name)
+    drawn[0].set(ylabel="voltage / V", title=title)
     drawn[1].set(xlabel="time / s", ylabel="state of charge")
     return drawn
 
 
-def _resistances(of: Cell) -> list[tuple[str, Any]]:
-    data = of.to_dict()
-    named = [("r_s", data["series_resistance_Ohm"])]
-    named += [(f"r_{k}", one["resistance_Ohm"]) for k, one in enumerate(data["branches"], 1)]
-    return named
-
-
-def _draw_resistances(of: Cell, axis: Axes) -> None:
-    for name, value in _resistances(of):
-        if isinstance(value, dict):
+def _draw_resistances(named: Iterable[tuple[str, Resistance]], axis: Axes) -> None:
+    for name, value in named:
+        if isinstance(value, Mapping):
             axis.plot(value["soc"], 1e3 * np.asarray(value["resistance_Ohm"]), "o-", label=name)
         else:
             axis.axhline(1e3 * value, label=name, linestyle="--")
@@ -91,75 +92,92 @@ def _draw_resistances(of: Cell, axis: Axes) -> None:
     axis.legend()
 
 
-def cell(of: Cell, axes: Any = None) -> list[Axes]:
+def cell(
+    soc: FloatArray,
+    open_circuit_V: FloatArray,
+    resistances: Iterable[tuple[str, Resistance]],
+    title: str,
+    axes: Any = None,
+) -> list[Axes]:
     """Draw v_oc and the resistances over the state of charge."""
     drawn = _axes(axes, 2)
-    soc = np.linspace(0.0, 1.0, 501)
-    drawn[0].plot(soc, of.open_circuit_voltage(soc))
-    drawn[0].set(ylabel="open-circuit voltage / V", title=of.name)
-    _draw_resistances(of, drawn[1])
+    drawn[0].plot(soc, open_circuit_V)
+    drawn[0].set(ylabel="open-circuit voltage / V", title=title)
+    _draw_resistances(resistances, drawn[1])
     return drawn
 
 
-def _fit(of: Identification, axes: Any) -> list[Axes]:
+class Predicted(NamedTuple):
+    """A log that took part in a fit, and what the fitted cell predicts for it."""
+
+    kind: str
+    time_s: FloatArray
+    measured_V: FloatArray
+    predicted_V: FloatArray
+    soc: FloatArray
+
+
+def fit(logs: Iterable[Predicted], title: str, axes: Any = None) -> list[Axes]:
+    """Draw measured and predicted voltage and their difference, one log after the other."""
     drawn = _axes(axes, 2)
-    one = of.cell.pack(1, 1)
     offset_h = 0.0
-    for kind, core, start in of.campaign._core.logs():
-        if kind == "validation" or core.voltage_V is None:
-            continue
-        predicted = one.simulate(
-            core.time_s, core.current_A, hold=core.hold, initial_soc=start
-        ).voltage_V
-        t, v, p = _thin(core.time_s, core.voltage_V, predicted)
+    for one in logs:
+        t, v, p = _thin(one.time_s, one.measured_V, one.predicted_V)
         hours = offset_h + t / 3600.0
         first = offset_h == 0.0
         drawn[0].plot(hours, v, "k", linewidth=1.2, label="measured" if first else None)
         drawn[0].plot(hours, p, "C1", linewidth=0.7, label="predicted" if first else None)
-        drawn[1].plot(hours, 1e3 * (v - p), linewidth=0.6, label=kind)
+        drawn[1].plot(hours, 1e3 * (v - p), linewidth=0.6, label=one.kind)
         offset_h = float(hours[-1]) + 0.2
-    drawn[0].set(ylabel="voltage / V", title=of.sentence)
+    drawn[0].set(ylabel="voltage / V", title=title)
     drawn[0].title.set_wrap(True)
     drawn[0].legend()
     drawn[1].set(xlabel="time, one log after the other / h", ylabel="residual / mV")
     return drawn
 
 
-def _open_circuit_voltage(of: Identification, axes: Any) -> list[Axes]:
+def open_circuit_voltage(
+    logs: Iterable[Predicted],
+    soc: FloatArray,
+    open_circuit_V: FloatArray,
+    title: str,
+    axes: Any = None,
+) -> list[Axes]:
+    """Draw v_oc(A) over the rows of the low-rate logs among `logs`."""
     drawn = _axes(axes, 1)
-    one = of.cell.pack(1, 1)
-    for kind, core, start in of.campaign._core.logs():
-        if kind != "low-rate" or core.voltage_V is None:
+    for one in logs:
+        if one.kind != "low-rate":
             continue
-        flown = one.simulate(core.time_s, core.current_A, hold=core.hold, initial_soc=start)
-        a, v = _thin(flown.soc, core.voltage_V)
+        a, v = _thin(one.soc, one.measured_V)
         drawn[0].plot(a, v, ".", markersize=2, color="0.6", label="rows of the low-rate log")
-    soc = np.linspace(0.0, 1.0, 501)
-    drawn[0].plot(soc, one.open_circuit_voltage(soc), "C0", label="v_oc(A)")
-    drawn[0].set(xlabel="state of charge", ylabel="voltage / V", title=of.cell.name)
+    drawn[0].plot(soc, open_circuit_V, "C0", label="v_oc(A)")
+    drawn[0].set(xlabel="state of charge", ylabel="voltage / V", title=title)
     drawn[0].legend()
     return drawn
 
 
-def _resistances_with_intervals(of: Identification, axes: Any) -> list[Axes]:
+def resistances(
+    values: Iterable[tuple[str, Resistance]], intervals: pd.DataFrame, title: str, axes: Any = None
+) -> list[Axes]:
+    """Draw the resistances over the state of charge, with the columns low_95 and high_95."""
     drawn = _axes(axes, 1)
-    _draw_resistances(of.cell, drawn[0])
-    named = {name: value for name, value in _resistances(of.cell)}
-    for name, low, high in of.parameters[["low_95", "high_95"]].itertuples():
+    named = dict(values)
+    _draw_resistances(named.items(), drawn[0])
+    for name, low, high in intervals[["low_95", "high_95"]].itertuples():
         base, _, place = str(name).partition("@")
         value = named.get(base)
         if value is None or not (np.isfinite(low) and np.isfinite(high)):
             continue
-        if isinstance(value, dict) and place:
+        if isinstance(value, Mapping) and place:
             drawn[0].plot([float(place)] * 2, [1e3 * low, 1e3 * high], color="0.4", linewidth=1.0)
-        elif not isinstance(value, dict):
+        elif not isinstance(value, Mapping):
             drawn[0].axhspan(1e3 * low, 1e3 * high, alpha=0.2)
-    drawn[0].set_title(of.cell.name)
+    drawn[0].set_title(title)
     return drawn
 
 
-def _correlation(of: Identification, axes: Any) -> list[Axes]:
-    uncertainty = of.cell.to_dict().get("uncertainty")
+def correlation(uncertainty: Mapping[str, Any] | None, axes: Any = None) -> list[Axes]:
+    """Draw the correlation matrix of the estimates: key `uncertainty` of a cell file."""
     if not uncertainty:
         raise OptionError("this cell has no covariance to draw")
     names = uncertainty["parameters"]
@@ -174,12 +192,12 @@ def _correlation(of: Identification, axes: Any) -> list[Axes]:
     return drawn
 
 
-def _profile(of: Identification, axes: Any) -> list[Axes]:
-    profiles = of.summary.get("profiles")
-    if not profiles:
+def profiles(found: Sequence[Mapping[str, Any]] | None, axes: Any = None) -> list[Axes]:
+    """Draw the rmse over each profiled parameter: key `profiles` of a summary."""
+    if not found:
         raise OptionError('no profile was asked for: identify(..., profile=["beta"])')
-    drawn = _axes(axes, len(profiles), share=False)
-    for axis, one in zip(drawn, profiles, strict=True):
+    drawn = _axes(axes, len(found), share=False)
+    for axis, one in zip(drawn, found, strict=True):
         points = one["points"]
         key = next(name for name in points[0] if name == "value" or name.startswith("value"))
         values = [point[key] for point in points]
@@ -188,24 +206,9 @@ def _profile(of: Identification, axes: Any) -> list[Axes]:
     return drawn
 
 
-def identification(of: Identification, what: str = "fit", axes: Any = None) -> list[Axes]:
-    """Draw a result; see :meth:`Identification.plot`."""
-    drawings = {
-        "fit": _fit,
-        "open_circuit_voltage": _open_circuit_voltage,
-        "resistances": _resistances_with_intervals,
-        "correlation": _correlation,
-        "profile": _profile,
-    }
-    if what not in drawings:
-        raise OptionError(f"plot: expected one of {', '.join(drawings)}, found '{what}'")
-    return drawings[what](of, axes)
-
-
-def comparison(of: Comparison, axes: Any = None) -> list[Axes]:
+def comparison(table: pd.DataFrame, axes: Any = None) -> list[Axes]:
     """Draw the error over the time of each optimizer."""
     drawn = _axes(axes, 1)
-    table = of.results
     drawn[0].loglog(table["wall_s"], 1e3 * table["rmse_V"], "o")
     for name, wall_s, rmse_V in table[["wall_s", "rmse_V"]].itertuples():
         drawn[0].annotate(str(name), (wall_s, 1e3 * rmse_V), fontsize=8)
@@ -213,10 +216,10 @@ def comparison(of: Comparison, axes: Any = None) -> list[Axes]:
     return drawn
 
 
-def flight(of: Flight, axes: Any = None) -> list[Axes]:
+def flight(data: pd.DataFrame, title: str, axes: Any = None) -> list[Axes]:
     """Draw altitude, angles, voltage and current over time."""
     drawn = _axes(axes, 4)
-    data = of.data.iloc[:: max(1, len(of.data) // _MOST_POINTS)]
+    data = data.iloc[:: max(1, len(data) // _MOST_POINTS)]
     t = data["time_s"]
 
     def draw(axis: Axes, names: Sequence[str], scale: float, label: str) -> None:
@@ -231,5 +234,5 @@ def flight(of: Flight, axes: Any = None) -> list[Axes]:
     draw(drawn[2], ["battery_V"], 1.0, "voltage / V")
     draw(drawn[3], ["battery_A"], 1.0, "current / A")
     drawn[3].set_xlabel("time / s")
-    drawn[0].set_title(repr(of)[7:-1], fontsize=9)
+    drawn[0].set_title(title, fontsize=9)
     return drawn

@@ -17,7 +17,7 @@ import time
 from typing import Any
 
 import lipoid
-from lipoid._more import identify_or_error
+from lipoid._many import identify_or_error
 from lipoid.fleet.results import Row
 
 # What differs from run to run, or says by which program and from where: no part of the result.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from lipoid import _core
-from lipoid._campaign import Campaign
-from lipoid._cell import Cell
+from lipoid import _core, plots
+from lipoid._campaign import Campaign, as_campaign
+from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes, whole
-from lipoid._log import Log, read_log
+from lipoid._log import Log, as_logs
+from lipoid._progress import Progress, Reporter
+from lipoid._report import report
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -27,43 +29,6 @@ if TYPE_CHECKING:
     from lipoid._options import IdentifyOptions
 
 logger = logging.getLogger("lipoid")
-Progress = bool | Callable[[float, str], None]
-
-
-class Reporter:
-    """Hands progress on: to tqdm where it is installed, to a function, to the log."""
-
-    def __init__(self, progress: Progress, what: str) -> None:
-        self.callback: Callable[[float, str], None] | None = None
-        self.bar: Any = None
-        if callable(progress):
-            self.callback = progress
-        elif progress:
-            try:
-                from tqdm.auto import tqdm
-            except ImportError:
-                self.callback = lambda share, stage: logger.info(
-                    "%s: %s, %.0f %%", what, stage, 100.0 * share
-                )
-            else:
-                self.bar = tqdm(
-                    total=100,
-                    desc=what,
-                    bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed} {postfix}",
-                )
-                self.callback = self._draw
-
-    def _draw(self, share: float, stage: str) -> None:
-        self.bar.set_postfix_str(stage, refresh=False)
-        self.bar.n = round(100.0 * share)
-        self.bar.refresh()
-
-    def __enter__(self) -> Callable[[float, str], None] | None:
-        return self.callback
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.close()
 
 
 @dataclass(repr=False)
@@ -138,14 +103,35 @@ class Identification:
         axes : matplotlib axes, optional
             Where to draw.
         """
-        from lipoid import plots
+        drawings = {
+            "fit": lambda: plots.fit(self._predicted(), self.sentence, axes),
+            "open_circuit_voltage": lambda: self._plot_open_circuit_voltage(axes),
+            "resistances": lambda: plots.resistances(
+                self.cell._resistances(), self.parameters, self.cell.name, axes
+            ),
+            "correlation": lambda: plots.correlation(self.cell.to_dict().get("uncertainty"), axes),
+            "profile": lambda: plots.profiles(self.summary.get("profiles"), axes),
+        }
+        if what not in drawings:
+            raise OptionError(f"plot: expected one of {', '.join(drawings)}, found '{what}'")
+        return drawings[what]()
 
-        return plots.identification(self, what, axes)
+    def _plot_open_circuit_voltage(self, axes: Any) -> list[Axes]:
+        soc = np.linspace(0.0, 1.0, 501)
+        curve_V = self.cell.pack(1, 1).open_circuit_voltage(soc)
+        return plots.open_circuit_voltage(self._predicted(), soc, curve_V, self.cell.name, axes)
+
+    def _predicted(self) -> Iterator[plots.Predicted]:
+        """Of each log with voltages that took part: what was measured, what the cell predicts."""
+        one = self.cell.pack(1, 1)
+        for kind, log, start in self.campaign._core.logs():
+            if kind == "validation" or log.voltage_V is None:
+                continue
+            made = one.simulate(log.time_s, log.current_A, hold=log.hold, initial_soc=start)
+            yield plots.Predicted(kind, log.time_s, log.voltage_V, made.voltage_V, made.soc)
 
     def report(self, file: str | os.PathLike[str]) -> None:
         """Write it as one page with plots, for any browser, as ``--report`` does."""
-        from lipoid._report import report
-
         report(self, file)
 
     def _shown(self) -> Any:
@@ -164,18 +150,6 @@ class Identification:
         table = self.parameters.to_html(float_format=lambda x: f"{x:.5g}")
         note = "" if self.converged else "<p><b>not converged</b></p>"
         return f"<b>{escape(self.cell.name)}</b><p>{escape(self.sentence)}</p>{note}{table}"
-
-
-def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:
-    """Return a campaign, or read the one of that file."""
-    if isinstance(campaign, Campaign):
-        return campaign
-    if not isinstance(campaign, (str, os.PathLike)):
-        raise TypeError(
-            "expected a Campaign or the path of a campaign file, found "
-            f"{type(campaign).__name__}; logs make one: lipoid.Campaign(pulses=log, cutoff_V=3.0)"
-        )
-    return Campaign.read(campaign)
 
 
 @takes(_core.describe_identify)
@@ -274,15 +248,9 @@ def validate(
         One row per log: file, mean_error_percent, max_error_percent, rmse_V, and the same of rows
         above 10 % state of charge.
     """
-    one = cell if isinstance(cell, Cell) else Cell.read(cell)
-    several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
+    one = as_cell(cell)
     soc = initial_soc
     if initial_voltage_V is not None:
         soc = one._core.soc_at_rest(initial_voltage_V)
-    if not several:
-        raise OptionError("validate: expected at least one log, found none")
     one._check_soc(soc)
-    rows = [
-        validate_one(one, log if isinstance(log, Log) else read_log(log), soc) for log in several
-    ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame([validate_one(one, log, soc) for log in as_logs("validate", logs)])

@@ -1,0 +1,156 @@
+"""Optimizers on the same problem, and a stage of the identification done in several ways."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from lipoid import _core, plots
+from lipoid._campaign import Campaign, as_campaign
+from lipoid._keywords import takes, whole
+from lipoid._progress import Progress, Reporter
+from lipoid._report import report
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from typing_extensions import Unpack
+
+    from lipoid._options import CompareOptions, StudyOptions
+
+
+@dataclass(repr=False)
+class Comparison:
+    """Optimizers on the same problem.
+
+    Attributes
+    ----------
+    summary : dict
+        What ``lipoid compare --summary`` writes (docs/formats.md).
+    """
+
+    summary: dict[str, Any]
+
+    @property
+    def results(self) -> pd.DataFrame:
+        """One row per optimizer: errors, time, evaluations, successes, why it ended."""
+        rows = [
+            {key: value for key, value in one.items() if not isinstance(value, (dict, list))}
+            for one in self.summary["results"]
+        ]
+        return pd.DataFrame(rows).set_index("optimizer")
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """What each optimizer found, one row each."""
+        rows = {}
+        for one in self.summary["results"]:
+            flat: dict[str, float] = {}
+            for key, value in one["parameters"].items():
+                if isinstance(value, list):
+                    for k, branch in enumerate(value, 1):
+                        flat |= {f"{name}_{k}": number for name, number in branch.items()}
+                else:
+                    flat[key] = value
+            rows[one["optimizer"]] = flat
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+    def plot(self, axes: Any = None) -> list[Axes]:
+        """Draw error over time, one point per optimizer; return the axes."""
+        return plots.comparison(self.results, axes)
+
+    def report(self, file: str | os.PathLike[str]) -> None:
+        """Write it as one page with plots, for any browser, as ``--report`` does."""
+        report(self, file)
+
+    def _shown(self) -> Any:
+        return _core.shown_summary(json.dumps({"command": "compare", **self.summary}))
+
+    def __repr__(self) -> str:
+        best = self.summary["best"]["optimizer"]
+        return f"Comparison({len(self.results)} optimizers, best {best!r})"
+
+    def _repr_html_(self) -> str:
+        html: str = self.results.to_html(float_format=lambda x: f"{x:.5g}")
+        return html
+
+
+@takes(_core.describe_compare)
+def compare(
+    campaign: Campaign | str | os.PathLike[str],
+    *,
+    seed: int = 0,
+    threads: int = 0,
+    progress: Progress = False,
+    **options: Unpack[CompareOptions],
+) -> Comparison:
+    """Run optimizers on the same logs, from the same start, with the same objective.
+
+    Parameters
+    ----------
+    campaign : Campaign or path
+        The logs.
+    seed : int
+        Of random starts and of optimizers that draw.
+    threads : int
+        Cores to use; 0: all.
+    progress : bool or callable
+        As in :func:`identify`.
+    {options}
+
+    Returns
+    -------
+    Comparison
+        With the table ``results``.
+    """
+    made = as_campaign(campaign)
+    with Reporter(progress, "compare") as tell:
+        return Comparison(
+            _core.compare(
+                made._core, dict(options), whole("seed", seed), whole("threads", threads), tell
+            )
+        )
+
+
+@takes(_core.describe_study)
+def study(
+    what: str,
+    campaign: Campaign | str | os.PathLike[str],
+    *,
+    threads: int = 0,
+    progress: Progress = False,
+    **options: Unpack[StudyOptions],
+) -> pd.DataFrame:
+    """Do one stage of the identification in several ways.
+
+    Parameters
+    ----------
+    what : {"branches", "ocv", "terms"}
+        What is varied.
+    campaign : Campaign or path
+        The logs.
+    threads : int
+        Cores to use; 0: all.
+    progress : bool or callable
+        As in :func:`identify`.
+    {options}
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per way; ``attrs`` has what holds for all rows.
+    """
+    made = as_campaign(campaign)
+    with Reporter(progress, f"study {what}") as tell:
+        summary = _core.study(what, made._core, dict(options), whole("threads", threads), tell)
+    table = pd.DataFrame(summary.pop("rows"))
+    table.attrs.update(summary)
+    return table
+
+
+def optimizers() -> list[str]:
+    """Names of the optimizers that :func:`compare` knows."""
+    return _core.optimizer_names()

@@ -1,0 +1,51 @@
+"""A cell as the battery of another program."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from lipoid import _core
+from lipoid._cell import Cell, as_cell
+from lipoid._keywords import takes
+from lipoid._log import Log
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from lipoid._options import ExportOptions
+
+
+@takes(_core.describe_export)
+def export(
+    cell: Cell | str | os.PathLike[str],
+    target: str,
+    output: str | os.PathLike[str],
+    **options: Unpack[ExportOptions],
+) -> dict[str, Any]:
+    """Write a cell as the battery of another program, and say how far that is from the cell.
+
+    Parameters
+    ----------
+    cell : Cell, path or name of a shipped cell
+        The cell, or the pack (:meth:`Cell.pack`).
+    target : str
+        The program; :func:`targets` has their names.
+    output : path
+        The first file; others stand beside it with its stem.
+    {options}
+
+    Returns
+    -------
+    dict
+        What ``lipoid export --summary`` writes (docs/formats.md).
+    """
+    given: dict[str, Any] = dict(options)
+    if isinstance(given.get("mission"), Log):
+        given["mission"] = given["mission"]._core
+    return _core.export(as_cell(cell)._core, target, output, given)
+
+
+def targets() -> list[str]:
+    """Names of the programs that :func:`export` writes for."""
+    return _core.target_names()

@@ -1,0 +1,139 @@
+"""A vehicle that flies a maneuver on a cell."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from lipoid import _core, plots
+from lipoid._cell import Cell, as_cell
+from lipoid._keywords import takes, whole
+from lipoid._log import Log
+from lipoid._progress import Progress, Reporter
+from lipoid._report import report
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from typing_extensions import Unpack
+
+    from lipoid._options import FlyOptions
+
+
+@dataclass(repr=False)
+class Flight:
+    """A flight of a vehicle on a cell.
+
+    Attributes
+    ----------
+    data : pandas.DataFrame
+        State, references, motors and battery over time, as ``lipoid fly -o`` writes them.
+    summary : dict
+        What ``lipoid fly --summary`` writes (docs/formats.md).
+    """
+
+    data: pd.DataFrame
+    summary: dict[str, Any]
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "completed", "crashed" or "battery-empty"."""
+        return str(self.summary["outcome"])
+
+    def log(self) -> Log:
+        """Return current and voltage of the battery as a log."""
+        return Log(
+            time_s=self.data["time_s"].to_numpy(),
+            current_A=self.data["battery_A"].to_numpy(),
+            voltage_V=self.data["battery_V"].to_numpy(),
+            name=str(self.summary["maneuver"]),
+            current_sign="discharge-positive",
+            hold="forward",
+        )
+
+    def plot(self, axes: Any = None) -> list[Axes]:
+        """Draw altitude, angles and battery over time; return the axes."""
+        return plots.flight(self.data, repr(self)[7:-1], axes)
+
+    def report(self, file: str | os.PathLike[str]) -> None:
+        """Write it as one page with plots, for any browser, as ``--report`` does."""
+        report(self, file)
+
+    def _shown(self) -> Any:
+        columns = {str(name): self.data[name].to_numpy(dtype=float) for name in self.data}
+        return _core.shown_flight(json.dumps({"command": "fly", **self.summary}), columns)
+
+    def __repr__(self) -> str:
+        s = self.summary
+        text = f"Flight({s['maneuver']!r} of {s['vehicle']!r} on {s['battery']!r}: {s['outcome']}"
+        text += f" after {s['simulated_s']:.4g} s, {s['minimum_voltage_V']:.4g} V at the lowest)"
+        return text
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (key, f"{value:.5g}" if isinstance(value, float) else str(value))
+            for key, value in self.summary.items()
+            if isinstance(value, (str, int, float)) and key != "wall_s"
+        ]
+        body = "".join(f"<tr><th>{escape(a)}</th><td>{escape(b)}</td></tr>" for a, b in rows)
+        return f"<table>{body}</table>"
+
+
+@takes(_core.describe_fly)
+def fly(
+    maneuver: str,
+    *,
+    cell: Cell | str | os.PathLike[str] | None = "gifi-600mAh-1",
+    seed: int = 0,
+    threads: int = 0,
+    progress: Progress = False,
+    **options: Unpack[FlyOptions],
+) -> Flight:
+    """Fly a maneuver: rigid body, motors, battery and flight controller, coupled.
+
+    Parameters
+    ----------
+    maneuver : {"hover", "altitude-steps", "attitude-doublets", "square", "endurance", "waypoints"}
+        What to fly.
+    cell : Cell, path, name of a shipped cell, or None
+        The battery; None: an ideal source of ``xi`` times the nominal voltage.
+    seed : int
+        Of gusts and of the noise of sensors.
+    threads : int
+        Cores to use; 0: all.
+    progress : bool or callable
+        As in :func:`identify`.
+    {options}
+
+    Returns
+    -------
+    Flight
+        Also where the vehicle crashed or the battery ran empty: see ``outcome``.
+
+    Examples
+    --------
+    >>> import lipoid
+    >>> flight = lipoid.fly("hover", cell="gifi-600mAh-1", duration=2.0)
+    >>> flight.outcome
+    'completed'
+    """
+    core = None if cell is None else as_cell(cell)._core
+    with Reporter(progress, f"fly {maneuver}") as tell:
+        summary, data = _core.fly(
+            maneuver, core, dict(options), whole("seed", seed), whole("threads", threads), tell
+        )
+    return Flight(pd.DataFrame(data), summary)
+
+
+def maneuvers() -> list[str]:
+    """Names of the maneuvers that :func:`fly` knows."""
+    return _core.maneuver_names()
+
+
+def vehicles() -> list[str]:
+    """Names of the vehicles that are shipped."""
+    return _core.vehicle_names()

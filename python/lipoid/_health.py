@@ -1,0 +1,94 @@
+"""How old a pack is, by flights on it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lipoid import _core
+from lipoid._cell import Cell, as_cell
+from lipoid._keywords import takes
+from lipoid._log import Log, as_logs
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from lipoid._options import HealthOptions
+
+
+@dataclass(repr=False)
+class Health:
+    """How old a pack is.
+
+    Attributes
+    ----------
+    sentence : str
+        The trend over the flights, else what the last one says.
+    summary : dict
+        What ``lipoid health --summary`` writes (docs/flight-logs.md).
+    """
+
+    sentence: str
+    summary: dict[str, Any]
+
+    @property
+    def flights(self) -> pd.DataFrame:
+        """One row per flight; intervals in columns that end with low_95 and high_95."""
+        rows = []
+        for one in self.summary["flights"]:
+            row: dict[str, Any] = {}
+            for key, value in one.items():
+                if key.endswith("interval_95"):
+                    name = key.removesuffix("interval_95")
+                    low, high = value if value is not None else (np.nan, np.nan)
+                    row |= {f"{name}low_95": low, f"{name}high_95": high}
+                elif not isinstance(value, (dict, list)):
+                    row[key] = np.nan if value is None else value
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    def __repr__(self) -> str:
+        return f"Health({len(self.summary['flights'])} flights: {self.sentence})"
+
+    def _repr_html_(self) -> str:
+        html: str = self.flights.to_html(float_format=lambda x: f"{x:.5g}")
+        return f"<p>{escape(self.sentence)}</p>{html}"
+
+
+@takes(_core.describe_health)
+def health(
+    cell: Cell | str | os.PathLike[str],
+    flights: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]],
+    **options: Unpack[HealthOptions],
+) -> Health:
+    """Say how old a pack is from logs of flights on it.
+
+    Parameters
+    ----------
+    cell : Cell, path or name of a shipped cell
+        The cell when it was new.
+    flights : Log or path, or several
+        Logs of flights on one pack, the oldest first.
+    {options}
+
+    Returns
+    -------
+    Health
+        With a table ``flights``.
+
+    Raises
+    ------
+    LoadError
+        Where no flight is long and busy enough to tell anything.
+    """
+    logs = as_logs("health", flights)
+    summary, sentence = _core.health(
+        as_cell(cell)._core, [log._core for log in logs], dict(options)
+    )
+    return Health(sentence, summary)
