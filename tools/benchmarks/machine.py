@@ -39,8 +39,9 @@ def versions_of_peers():
 def describe(build):
     """`build` is the folder that lipoid was built in."""
     compiler = first_match(build / "CMakeCache.txt", r"CMAKE_CXX_COMPILER:\w+=(.*)")
+    kind = first_match(build / "CMakeCache.txt", r"CMAKE_BUILD_TYPE:\w+=(.*)")
     flags = [first_match(build / "CMakeCache.txt", rf"{name}:\w+=(.*)")
-             for name in ("CMAKE_CXX_FLAGS", "CMAKE_CXX_FLAGS_RELEASE")]
+             for name in ("CMAKE_CXX_FLAGS", f"CMAKE_CXX_FLAGS_{(kind or 'Release').upper()}")]
     memory_kB = first_match("/proc/meminfo", r"MemTotal:\s+(\d+) kB")
     return {
         "processor": first_match("/proc/cpuinfo", r"model name\s*:\s*(.*)") or platform.machine(),
