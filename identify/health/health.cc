@@ -155,8 +155,8 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   } else if (std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity) {
     // What was believed of the capacity and what the flight says exclude one another.
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
-        "the flight asks for {:.2g} times the capacity of the new pack, which is {:.3g} Ah; give the "
-        "right one (--capacity-Ah)",
+        "the flight fits a pack of {:.2g} times the capacity of the new one, which is {:.3g} Ah; give "
+        "the right capacity (--capacity-Ah)",
         std::exp(x[U::kCapacity]),
         reference.cell.alpha_C() / 3600.0));
   } else {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/core/errors.h"
+#include "model/core/parallel.h"
 
 namespace lipoid {
 namespace {
@@ -274,8 +275,8 @@ class Choosing {
     return Better(rich, simple, logs_);
   }
 
-  // A structure tried, and taken where it is better than what was taken before.
-  std::size_t Judge(JointSolution solution) {
+  // How well a solution's structure predicts held-out rows.
+  [[nodiscard]] TriedStructure Assess(JointSolution solution) const {
     TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
     row.errors.smoothness = rough_;
     if (compare_) {
@@ -287,6 +288,10 @@ class Choosing {
                    options_.smoothness > 0.0 || Held() != nullptr ? std::vector<double>{rough_}
                                                                   : kSmoothness);
     }
+    return row;
+  }
+  // A structure tried is taken where it is better than what was taken before.
+  std::size_t Judge(TriedStructure row) {
     const bool taking = choice_.tried.empty() ||
                         (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
     choice_.tried.push_back(std::move(row));
@@ -294,16 +299,25 @@ class Choosing {
     Tell(0.1 * static_cast<double>(choice_.tried.size()));
     return choice_.tried.size() - 1;
   }
-  std::size_t Search(const JointStructure& structure) {
-    return Judge(fit_.Search(structure, rough_, choice_.tried.empty() ? nullptr : &choice_.best));
+  // Structures that do not wait for one another: searched side by side, near what was taken before
+  // all of them, and judged in their order.
+  std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures) {
+    const JointSolution* near = choice_.tried.empty() ? nullptr : &choice_.best;
+    std::vector<TriedStructure> rows(structures.size());
+    ParallelFor(rows.size(),
+                [&](std::size_t k) { rows[k] = Assess(fit_.Search(structures[k], rough_, near)); });
+    std::vector<std::size_t> tried;
+    for (TriedStructure& row : rows) tried.push_back(Judge(std::move(row)));
+    return tried;
   }
+  std::size_t Search(const JointStructure& structure) { return SearchEach({structure}).front(); }
 
   // The simpler structure is taken where the richer one is not better, or holds a part that is zero.
   void Simplify(const JointStructure& simpler, const JointSolution* near = nullptr) {
     const LeftOutErrors richer = choice_.errors;
     const bool complete = Complete(choice_.best, logs_);
     const std::size_t k =
-        Judge(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best));
+        Judge(Assess(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best)));
     if (k != taken_ && Complete(choice_.tried[k].solution, logs_) &&
         !(complete && IsBetter(richer, choice_.tried[k].errors)))
       Take(k);
@@ -350,15 +364,16 @@ class Choosing {
                          Charges(logs_, fit_.seen().setup().alpha_C);
     const bool charge =
         options_.current_offset == Presence::kAuto && !structure.current_offset && BothWays(logs_);
+    std::vector<JointStructure> richer;
     for (const int which : {1, 2, 3}) {
       const bool with_voltage = (which & 1) != 0;
       const bool with_charge = (which & 2) != 0;
       if ((with_voltage && !voltage) || (with_charge && !charge)) continue;
-      JointStructure richer = structure;
-      if (with_voltage) richer.hysteresis_soc = {0.5};
-      if (with_charge) richer.current_offset = true;
-      Search(richer);
+      richer.push_back(structure);
+      if (with_voltage) richer.back().hysteresis_soc = {0.5};
+      if (with_charge) richer.back().current_offset = true;
     }
+    SearchEach(richer);
     structure.hysteresis_soc = best().hysteresis_soc;
     structure.current_offset = best().current_offset;
   }
@@ -407,29 +422,30 @@ class Choosing {
     const bool free_heating = options_.self_heating == Presence::kAuto && !structure.temperature;
     const bool free_transfer = options_.charge_transfer == Presence::kAuto;
     const LeftOutErrors plain = choice_.errors;  // with temperature, where that was taken
-    bool both = free_heating && free_transfer;
+    std::vector<JointStructure> richer;
     for (const bool heating : {false, true}) {
       if (!(heating ? free_heating : free_transfer)) continue;
-      JointStructure richer = structure;
-      (heating ? richer.self_heating : richer.charge_transfer) = true;
-      both = IsBetter(choice_.tried[Search(richer)].errors, plain) && both;
+      richer.push_back(structure);
+      (heating ? richer.back().self_heating : richer.back().charge_transfer) = true;
     }
-    if (!both) return;
+    const std::vector<std::size_t> tried = SearchEach(richer);
+    const bool both_helped = std::all_of(tried.begin(), tried.end(), [&](std::size_t k) {
+      return IsBetter(choice_.tried[k].errors, plain);
+    });
+    if (!free_heating || !free_transfer || !both_helped) return;
     structure.self_heating = structure.charge_transfer = true;
     Search(structure);
   }
 
   void TryNodes() {
     const std::size_t middle = taken_;
-    const JointStructure base = best();
-    std::vector<std::size_t> by_nodes;
-    for (const int nodes : {1, kFewNodes, kManyNodes}) {
-      JointStructure other = base;
-      other.resistance_soc = Nodes(nodes);
-      by_nodes.push_back(nodes == base.nodes() ? middle : Search(other));
-    }
-    std::size_t best = by_nodes.front();
-    for (const std::size_t k : by_nodes) {
+    JointStructure fewest = best();
+    JointStructure most = best();
+    fewest.resistance_soc = Nodes(1);
+    most.resistance_soc = Nodes(kManyNodes);
+    const std::vector<std::size_t> tried = SearchEach({fewest, most});
+    std::size_t best = tried[0];
+    for (const std::size_t k : {tried[0], middle, tried[1]}) {
       if (IsBetter(choice_.tried[k].errors, choice_.tried[best].errors)) best = k;
     }
     Take(best);
@@ -473,7 +489,7 @@ class Choosing {
     JointSolution solution = fit_.Solve(finer, choice_.best.rates, rough_);
     solution.termination = choice_.best.termination;
     solution.message = choice_.best.message;
-    Judge(std::move(solution));
+    Judge(Assess(std::move(solution)));
   }
 
   // The last polish follows the fit. Where held-out rows are predicted worse for it, it followed

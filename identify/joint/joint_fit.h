@@ -8,7 +8,7 @@
 ///   with  resistances >= 0, v_oc not falling with A
 ///
 /// A capacitance that is given or bounded holds r_j = tau_j/c_j: a bound that moves with tau_j.
-/// /// D takes second differences along the nodes, and a tenth of the first ones for resistances; of
+/// D takes second differences along the nodes, and a tenth of the first ones for resistances; of
 /// v_oc it takes them from the reference curve. lambda, the smoothness, only decides where the data
 /// do not. Tests: tests/identify/joint/joint_fit_test.cc.
 

@@ -43,10 +43,12 @@ void CheckOptions(const ReadOptions& options) {
   }
   for (std::size_t k = 0; k < options.units.size(); ++k) {
     if (FindUnit(kOrder[k], options.units[k])) continue;
-    throw OptionError(fmt::format("units: expected a unit of {} ({}), found '{}'",
-                                  Name(kOrder[k]),
-                                  UsualUnits(kOrder[k]),
-                                  options.units[k]));
+    throw OptionError(
+        fmt::format("units: expected a unit of {} ({}), found '{}'; the order is time, current, "
+                    "voltage, as in s,A,V",
+                    Name(kOrder[k]),
+                    UsualUnits(kOrder[k]),
+                    options.units[k]));
   }
   const auto& sign = options.current_sign;
   if (!sign.empty() && sign != "auto" && sign != "discharge-positive" &&

@@ -13,7 +13,7 @@
 namespace lipoid {
 
 inline constexpr Study kStudies[] = {
-    {"branches", "0 to 5 branches: time, errors, and how many the pulses ask for", &StudyBranches},
+    {"branches", "0 to 5 branches: time, errors, and how many are recommended", &StudyBranches},
     {"ocv", "forms of v_oc(A): errors in the fit and on held-out rows", &StudyOcv},
     {"terms", "diffusion modes, with and without the tail", &StudyTerms},
 };

@@ -34,8 +34,12 @@ double ParseDouble(std::string_view name, std::string_view text, const Range& ra
   const bool whole = error == std::errc{} && end == text.data() + text.size();
   // A range without an end means any number, and infinity is none.
   if (!whole || !std::isfinite(value) || !range.Contains(value)) {
-    throw OptionError(
-        fmt::format("option {}: expected {}, found '{}'", name, FormatRange(range, false), text));
+    const std::string valid = FormatRange(range, false);
+    throw OptionError(fmt::format("option {}: expected {}{}, found '{}'",
+                                  name,
+                                  whole || valid == "a number" ? "" : "a number, ",
+                                  valid,
+                                  text));
   }
   return value;
 }
@@ -63,13 +67,12 @@ bool ParseBool(std::string_view name, std::string_view text) {
 void ThrowUnknownChoice(std::string_view name,
                         std::string_view text,
                         const std::vector<std::string>& choices) {
-  throw OptionError(
-      fmt::format("option {}: expected one of {}, found '{}'{}{}",
-                  name,
-                  Join(choices),
-                  text,
-                  Nearest(text, choices).empty() ? "" : ".",
-                  DidYouMean(text, choices)));
+  throw OptionError(fmt::format("option {}: expected one of {}, found '{}'{}{}",
+                                name,
+                                Join(choices),
+                                text,
+                                Nearest(text, choices).empty() ? "" : ".",
+                                DidYouMean(text, choices)));
 }
 
 void ThrowUnknownOption(std::string_view name, const std::vector<std::string>& known) {

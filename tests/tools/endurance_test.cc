@@ -248,7 +248,7 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
        "option --once is for missions of a file; level flight has no end"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
-       "option --health: expected 0.01 .. 2, found 'two'"},
+       "option --health: expected a number, 0.01 .. 2, found 'two'"},
       {{"endurance",
         "--cell",
         kCell,

@@ -1,10 +1,16 @@
 #include "tools/cli/command_description.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <string_view>
 
 namespace lipoid::cli {
+
+std::string DescribedOption::Shown() const {
+  return letter == '\0' ? "--" + name : fmt::format("-{}, --{}", letter, name);
+}
 
 bool DescribedOption::TakesFile() const {
   // CELL, GAINS and VEHICLE may be names too.
@@ -22,16 +28,6 @@ std::vector<std::string> DescribedOption::Choices() const {
     from = to + 3;
   }
   return choices;
-}
-
-std::vector<CommandDescription> DescribeCommands(std::span<const Command> commands) {
-  std::vector<CommandDescription> all;
-  for (const auto& command : commands) {
-    CommandLine line(command, {"--help"});
-    static_cast<void>(command.run(line));
-    all.push_back(line.Description());
-  }
-  return all;
 }
 
 }  // namespace lipoid::cli

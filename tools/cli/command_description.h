@@ -4,11 +4,8 @@
 /// What a command declared of itself, as data: the manual page and the completions of shells are
 /// made from it, so that they hold every command and option. Tests: tests/tools/cli_test.cc.
 
-#include <span>
 #include <string>
 #include <vector>
-
-#include "tools/cli/command_line.h"
 
 namespace lipoid::cli {
 
@@ -22,6 +19,8 @@ struct DescribedOption {
   bool required = false;
   bool common = false;  ///< to all commands
 
+  /// "-o, --output".
+  [[nodiscard]] std::string Shown() const;
   [[nodiscard]] bool TakesFile() const;
   /// "staged", "joint" of "staged | joint"; none where the value is no choice.
   [[nodiscard]] std::vector<std::string> Choices() const;
@@ -49,8 +48,5 @@ struct CommandDescription {
   std::vector<DescribedOption> options;
   std::vector<Setting> settings;
 };
-
-/// Asks every command of the table: each is run as far as its own --help.
-[[nodiscard]] std::vector<CommandDescription> DescribeCommands(std::span<const Command> commands);
 
 }  // namespace lipoid::cli

@@ -1,26 +1,22 @@
 #include "tools/cli/command_line.h"
 
 #include <fmt/ranges.h>
-#include <sys/stat.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <boost/program_options.hpp>
 #include <charconv>
 #include <cstdio>
-#include <filesystem>
 #include <future>
 #include <system_error>
 #include <thread>
 
-#include "identify/logs/csv/cells.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
 #include "model/core/run_record.h"
 #include "tools/cli/assignments.h"
-#include "tools/cli/command_description.h"
+#include "tools/cli/help_text.h"
 #include "tools/cli/number_range.h"
 #include "tools/cli/split.h"
 #include "tools/cli/text_table.h"
@@ -40,52 +36,6 @@ std::uint64_t ParseSeed(const std::string& shown, const std::string& text) {
         fmt::format("option {}: expected a whole number of at least 0, found '{}'", shown, text));
   }
   return seed;
-}
-
-// Two paths lead to one place where they compare equal: links and relative paths are followed. A
-// file that is not there yet is its folder and its name, without regard to case, which a disk may
-// ignore.
-struct Place {
-  dev_t device = 0;
-  ino_t file = 0;
-  std::string name;
-
-  friend bool operator==(const Place&, const Place&) = default;
-};
-
-Place PlaceOf(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, ""};
-  std::error_code none;
-  const std::filesystem::path file =
-      std::filesystem::weakly_canonical(std::filesystem::absolute(BehindLinks(path), none), none);
-  if (none) return {0, 0, path};
-  const std::string folder = file.parent_path().string();
-  if (::stat(folder.c_str(), &status) != 0) return {0, 0, LowerCase(file.string())};
-  return {status.st_dev, status.st_ino, LowerCase(file.filename().string())};
-}
-
-// Pipes, terminals and /dev/null hold nothing that could be lost.
-bool IsSpecial(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
-}
-
-bool IsFile(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
-}
-
-// "  --name VALUE    help", the help wrapped beside it.
-void AddHelpLine(std::string& text, const std::string& left, const std::string& help) {
-  constexpr std::size_t kColumn = 30;
-  text += "  " + left;
-  if (left.size() + 4 > kColumn) {
-    text += '\n' + std::string(kColumn, ' ');
-  } else {
-    text += std::string(kColumn - 2 - left.size(), ' ');
-  }
-  text += Wrapped(help, kColumn) + '\n';
 }
 
 // How many of the threads that there are cores for may be started: `ulimit -u` or a container may
@@ -133,45 +83,29 @@ CommandLine::CommandLine(const Command& command, std::vector<std::string> argume
 
 CommandLine::~CommandLine() = default;
 
-namespace {
-
-// As one types it: what does not fit into a line goes on, before an option, behind a backslash.
-std::string InLines(std::string_view command) {
-  constexpr std::size_t kMost = 95;  // of 100, with the indent and the backslash
-  std::string text;
-  std::size_t used = 0;
-  while (!command.empty()) {
-    const std::size_t end = std::min(command.find(" -", 1), command.size());
-    if (used > 0 && used + end > kMost) {
-      text += " \\\n     ";
-      used = 5;
-    }
-    text += command.substr(0, end);
-    used += end;
-    command.remove_prefix(end);
-  }
-  return text;
-}
-
-}  // namespace
-
 void CommandLine::Describe(std::string_view what, std::string_view example) {
   what_ = what;
   Example(example);
 }
 
 void CommandLine::Argument(std::string_view name, std::string& value, std::string_view help) {
-  positionals_.push_back({.name = std::string(name), .help = std::string(help), .one = &value});
+  Positional& argument = positionals_.emplace_back();
+  argument.name = name;
+  argument.help = help;
+  argument.one = &value;
 }
 
 void CommandLine::Arguments(std::string_view name,
                             std::vector<std::string>& values,
                             std::string_view help,
                             std::size_t at_least) {
-  positionals_.push_back({.name = std::string(name),
-                          .help = std::string(help),
-                          .rest = &values,
-                          .at_least = at_least});
+  Positional& argument = positionals_.emplace_back();
+  argument.name = name;
+  argument.help = help;
+  argument.several = true;
+  argument.required = at_least > 0;
+  argument.rest = &values;
+  argument.at_least = at_least;
 }
 
 void CommandLine::InputArgument(std::string_view name, std::string& value, std::string_view help) {
@@ -211,7 +145,7 @@ void CommandLine::Input(std::string_view name,
   Declare(name, word, value, help).set = [this, &value](const std::string&,
                                                         const std::string& text) {
     value = text;
-    input_paths_.push_back(text);
+    files_.AddInput(text);
   };
 }
 
@@ -231,7 +165,7 @@ void CommandLine::Inputs(std::string_view name,
   option.several = true;
   option.set = [this, &values](const std::string&, const std::string& text) {
     values.push_back(text);
-    input_paths_.push_back(text);
+    files_.AddInput(text);
   };
 }
 
@@ -272,11 +206,10 @@ void CommandLine::OutputOption(std::string_view name,
                                std::string_view word,
                                std::string_view help) {
   auto& option = Declare(name, word, "", help);
-  option.output = true;
   option.set = [this, &value, &option](const std::string&, const std::string& text) {
     if (earlier_ != nullptr) return;
     value = OutputPath(text);
-    output_files_.push_back({option.Shown(), value});
+    files_.AddOutput(option.Shown(), value);
   };
 }
 
@@ -288,7 +221,7 @@ CommandLine::Declared& CommandLine::Declare(std::string_view name,
   const auto comma = name.find(',');
   option->name = name.substr(0, comma);
   if (comma != std::string_view::npos) option->letter = name[comma + 1];
-  option->word = word;
+  option->value = word;
   option->default_text = default_text;
   option->help = help;
   options_.push_back(std::move(option));
@@ -391,16 +324,12 @@ void CommandLine::OfKind(const std::string& name,
   };
 }
 
-std::string CommandLine::Declared::Shown() const {
-  return letter == '\0' ? "--" + name : fmt::format("-{}, --{}", letter, name);
-}
-
 bool CommandLine::Parse() {
   po::options_description all;
   for (const auto& option : options_) {
     const auto name =
         option->letter == '\0' ? option->name : fmt::format("{},{}", option->name, option->letter);
-    if (option->word.empty()) {
+    if (option->value.empty()) {
       all.add_options()(name.c_str(), "");
     } else if (option->several) {
       all.add_options()(name.c_str(), po::value<std::vector<std::string>>()->multitoken());
@@ -433,18 +362,18 @@ bool CommandLine::Parse() {
     }
     for (auto& option : options_) {
       if (key != option->name && key != fmt::format("-{}", option->letter)) continue;
-      const bool repeatable = option->several || option->word.empty() || option->name == "set";
+      const bool repeatable = option->several || option->value.empty() || option->name == "set";
       if (option->given && !repeatable) {
         throw OptionError(fmt::format("option --{} is given twice; give it once", option->name));
       }
       option->given = true;
       const std::string shown = "--" + option->name;
-      if (option->word.empty()) option->set(shown, "");
+      if (option->value.empty()) option->set(shown, "");
       for (const auto& value : values) option->set(shown, value);
     }
   }
   if (help_) {
-    output_ = Help();
+    output_ = HelpText(Description());
     return false;
   }
   for (const auto& assignment : assignments_) SetOne(assignment);
@@ -452,19 +381,19 @@ bool CommandLine::Parse() {
   for (const auto& option : options_) {
     if (option->required && !option->given) {
       throw OptionError(
-          fmt::format("option {} {} is missing: {}", option->Shown(), option->word, option->help));
+          fmt::format("option {} {} is missing: {}", option->Shown(), option->value, option->help));
     }
   }
   if (earlier_ != nullptr) {
     summary_file_.clear();
     report_file_ = "-";
     quiet_ = true;
-    CheckInputsOfReplay();
+    files_.CheckInputsOf(*earlier_);
   }
-  if (!summary_file_.empty()) output_files_.push_back({"--summary", OutputPath(summary_file_)});
-  CheckOutputs();
+  if (!summary_file_.empty()) files_.AddOutput("--summary", OutputPath(summary_file_));
+  files_.CheckNothingIsLost();
   if (!report_file_.empty()) RequireReport();
-  for (const OutputFile& output : output_files_) CheckWritable(output.path);
+  files_.CheckOutputsAreWritable();
   const int allowed = ThreadsAllowed();
   if (allowed < static_cast<int>(std::thread::hardware_concurrency())) {
     // Never lifted, not even at the end: then the pool would start the threads that it lacked.
@@ -515,9 +444,7 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
       next = words.size();
     }
     if (positional.input) {
-      input_paths_.insert(input_paths_.end(),
-                          words.begin() + static_cast<std::ptrdiff_t>(first),
-                          words.begin() + static_cast<std::ptrdiff_t>(next));
+      for (std::size_t k = first; k < next; ++k) files_.AddInput(words[k]);
     }
   }
   if (next < words.size()) {
@@ -525,83 +452,21 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
   }
 }
 
-void CommandLine::CheckOutputs() const {
-  std::vector<std::pair<Place, const OutputFile*>> outputs;
-  // What the shell made of standard output is an output as well.
-  const OutputFile standard_output{"standard output", "/dev/stdout"};
-  if (IsFile(standard_output.path)) {
-    outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
-  }
-  for (const OutputFile& output : output_files_) {
-    if (output.path != standard_output.path && !IsSpecial(output.path))
-      outputs.emplace_back(PlaceOf(output.path), &output);
-  }
-  for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const auto& [place, output] = outputs[k];
-    for (std::size_t other = 0; other < k; ++other) {
-      if (!(outputs[other].first == place)) continue;
-      throw OptionError(fmt::format("options {} and {}: '{}' is named twice; name two files",
-                                    outputs[other].second->shown,
-                                    output->shown,
-                                    output->path));
-    }
-  }
-  if (outputs.empty()) return;
-  for (const std::string& input : input_paths_) {
-    if (!IsFile(input)) continue;
-    const Place read = PlaceOf(input);
-    for (const auto& [place, output] : outputs) {
-      if (!(place == read)) continue;
-      throw OptionError(
-          output == &standard_output
-              ? fmt::format("standard output is '{}', which is also an input; name another file",
-                            input)
-              : fmt::format("option {}: '{}' is also an input; name another file",
-                            output->shown,
-                            output->path));
-    }
-  }
-}
-
-void CommandLine::CheckInputsOfReplay() const {
-  if (earlier_ == nullptr) return;
-  const Json& known = earlier_->at("run").at("inputs");
-  for (const std::string& input : input_paths_) {
-    std::error_code none;
-    // The name of something shipped, or a folder, whose files are inputs of their own.
-    if (!std::filesystem::exists(input, none) || std::filesystem::is_directory(input, none))
-      continue;
-    if (std::none_of(
-            known.begin(), known.end(), [&](const Json& one) { return one.at("file") == input; })) {
-      throw OptionError(fmt::format("'{}' is not among the inputs that the summary names", input));
-    }
-  }
-}
-
 void CommandLine::AddInputs(const std::vector<std::string>& paths) {
-  input_paths_.insert(input_paths_.end(), paths.begin(), paths.end());
-  CheckInputsOfReplay();
-  CheckOutputs();
+  for (const std::string& path : paths) files_.AddInput(path);
+  if (earlier_ != nullptr) files_.CheckInputsOf(*earlier_);
+  files_.CheckNothingIsLost();
 }
 
 void CommandLine::AddOutputs(std::string_view shown, const std::vector<std::string>& paths) {
-  if (earlier_ != nullptr) return;
-  for (const std::string& path : paths) output_files_.push_back({std::string(shown), path});
-  CheckOutputs();
-  for (const std::string& path : paths) {
-    std::error_code none;
-    const auto folder = std::filesystem::absolute(path, none).parent_path();
-    if (std::filesystem::exists(folder, none)) CheckWritable(path);  // or it is made later
-  }
+  if (earlier_ == nullptr) files_.AddOutputs(shown, paths);
 }
 
 void CommandLine::CommitOutputs() {
   if (earlier_ != nullptr) return;
-  const std::size_t said = files_.replaced_one_name_of().size();
-  files_.Commit();
-  for (std::size_t k = said; k < files_.replaced_one_name_of().size(); ++k) {
+  for (const std::string& name : files_.Commit()) {
     Message("'{}' had other names (hard links): they keep the old file, this name has the new one",
-            files_.replaced_one_name_of()[k]);
+            name);
   }
 }
 
@@ -614,31 +479,12 @@ std::string CommandLine::CommandText() const {
   return text;
 }
 
-void CommandLine::AddHashes(const std::vector<std::string>& files,
-                            const std::vector<std::string>& sha256) {
-  for (std::size_t k = 0; k < files.size(); ++k) sha256_[files[k]] = sha256[k];
-}
-
 Json CommandLine::RunJson() const {
-  std::vector<std::string> files;
-  for (const std::string& input : input_paths_) {
-    std::error_code none;
-    const bool twice = std::find(files.begin(), files.end(), input) != files.end();
-    if (!twice && std::filesystem::is_regular_file(input, none)) files.push_back(input);
-  }
-  std::vector<std::string> sha256(files.size());
-  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t k) {
-    const auto known = sha256_.find(files[k]);
-    sha256[k] = known != sha256_.end() ? known->second : Sha256OfFile(files[k]);
-  });
-  Json inputs = Json::array();
-  for (std::size_t k = 0; k < files.size(); ++k)
-    inputs.push_back({{"file", files[k]}, {"sha256", sha256[k]}});
   return {{"arguments", arguments_},
           {"seed", seed_},
           {"version", Version()},
           {"commit", GitCommit()},
-          {"inputs", std::move(inputs)}};
+          {"inputs", files_.InputsToJson()}};
 }
 
 bool CommandLine::Given(std::string_view name) const {
@@ -657,59 +503,6 @@ void CommandLine::WriteMessage(std::string text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
-std::string CommandLine::Help() const {
-  std::string usage = fmt::format("lipoid {}", command_.name);
-  for (const auto& positional : positionals_) {
-    usage +=
-        positional.at_least == 0 ? fmt::format(" [{}]", positional.name) : " " + positional.name;
-    if (positional.rest != nullptr) usage += "...";
-  }
-  for (const auto& option : options_) {
-    if (!option->required) continue;
-    usage += option->letter == '\0' ? fmt::format(" --{} {}", option->name, option->word)
-                                    : fmt::format(" -{} {}", option->letter, option->word);
-  }
-  std::string text = fmt::format("Usage: {} [options]\n\n{}\n", usage, Wrapped(what_));
-  text += examples_.size() > 1 ? "\nExamples:\n" : "\nExample:\n";
-  for (const auto& example : examples_) text += "  " + InLines(example) + "\n";
-
-  if (!positionals_.empty()) {
-    text += "\nArguments:\n";
-    for (const auto& positional : positionals_) AddHelpLine(text, positional.name, positional.help);
-  }
-  const auto add_options = [&](std::string_view title, bool common) {
-    bool first = true;
-    for (const auto& option : options_) {
-      if (option->common != common) continue;
-      if (first) text += fmt::format("\n{}:\n", title);
-      first = false;
-      // A short word stands beside the name; a list of choices or a range beside the help.
-      const bool short_word = option->word.find(' ') == std::string::npos;
-      std::string left = option->Shown();
-      std::string help = option->help;
-      if (!option->word.empty()) left += " " + (short_word ? option->word : "VALUE");
-      if (option->several) left += " ...";
-      if (!short_word) help += "; " + option->word;
-      if (!option->default_text.empty()) help += fmt::format(" (default {})", option->default_text);
-      AddHelpLine(text, left, help);
-    }
-  };
-  add_options("Options", false);
-  add_options("Common options", true);
-  bool first = true;
-  for (const auto& group : groups_) {
-    if (first) text += "\nOptions for --set OPTION=VALUE:\n";
-    first = false;
-    for (const auto& option : group.options) {
-      AddHelpLine(
-          text,
-          group.FullName(option),
-          fmt::format("{}; {} (default {})", option.help, option.valid, option.default_text));
-    }
-  }
-  return text;
-}
-
 CommandDescription CommandLine::Description() const {
   CommandDescription description{.name = std::string(command_.name),
                                  .summary = std::string(command_.summary),
@@ -718,22 +511,8 @@ CommandDescription CommandLine::Description() const {
                                  .arguments = {},
                                  .options = {},
                                  .settings = {}};
-  for (const auto& positional : positionals_) {
-    description.arguments.push_back({.name = positional.name,
-                                     .help = positional.help,
-                                     .several = positional.rest != nullptr,
-                                     .required = positional.at_least > 0});
-  }
-  for (const auto& option : options_) {
-    description.options.push_back({.name = option->name,
-                                   .letter = option->letter,
-                                   .value = option->word,
-                                   .default_text = option->default_text,
-                                   .help = option->help,
-                                   .several = option->several,
-                                   .required = option->required,
-                                   .common = option->common});
-  }
+  for (const auto& positional : positionals_) description.arguments.push_back(positional);
+  for (const auto& option : options_) description.options.push_back(*option);
   for (const auto& group : groups_) {
     for (const auto& option : group.options) {
       description.settings.push_back({.name = group.FullName(option),
@@ -745,15 +524,14 @@ CommandDescription CommandLine::Description() const {
   return description;
 }
 
-void CheckWritable(const std::string& file) {
-  struct stat status {};
-  const bool exists = ::stat(file.c_str(), &status) == 0;
-  const bool special = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
-  if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
+std::vector<CommandDescription> DescribeCommands(std::span<const Command> commands) {
+  std::vector<CommandDescription> all;
+  for (const auto& command : commands) {
+    CommandLine line(command, {"--help"});
+    static_cast<void>(command.run(line));
+    all.push_back(line.Description());
+  }
+  return all;
 }
-
-bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(a) == PlaceOf(b); }
-
-std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }
 
 }  // namespace lipoid::cli

@@ -20,10 +20,7 @@
 ///
 /// Nothing is lost: every file that is read is declared as an input, every file that is written as
 /// an output; those that show only when a campaign or a folder was read are added by AddInputs()
-/// and AddOutputs(), before anything is computed. An output that is the same file as an input or as
-/// another output, whatever path leads there, is an OptionError, and nothing was touched. What a
-/// command writes appears when it is done, all of it or nothing (FileSet in
-/// model/core/atomic_file.h).
+/// and AddOutputs(), before anything is computed. What that is good for stands in run_files.h.
 ///
 /// Wrong input is thrown as LoadError, wrong options as OptionError; Run() turns them into exit
 /// codes and messages. Common to all commands: --summary, --seed, --threads, --quiet, --set,
@@ -38,16 +35,18 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
+#include "tools/cli/command_description.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/run_files.h"
 #include "tools/report/report.h"
 
 namespace lipoid::cli {
@@ -61,7 +60,6 @@ enum class ExitCode {
 };
 
 class CommandLine;
-struct CommandDescription;
 
 struct Command {
   std::string_view name;
@@ -218,7 +216,7 @@ class CommandLine {
   /// where one is an input or another output, or cannot be written.
   void AddOutputs(std::string_view shown, const std::vector<std::string>& paths);
   /// All that is read so far.
-  [[nodiscard]] const std::vector<std::string>& inputs() const { return input_paths_; }
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return files_.inputs(); }
   /// What was written so far appears now and not at the end: for a command whose later files do not
   /// belong to the earlier ones. Says where a file had other names (hard links).
   void CommitOutputs();
@@ -232,7 +230,9 @@ class CommandLine {
   /// Whether ReportOption() was called.
   [[nodiscard]] bool can_report() const { return can_report_; }
   /// SHA-256 of inputs that the command knows anyway, in their order: they are not read again.
-  void AddHashes(const std::vector<std::string>& files, const std::vector<std::string>& sha256);
+  void AddHashes(const std::vector<std::string>& files, const std::vector<std::string>& sha256) {
+    files_.AddHashes(files, sha256);
+  }
 
   /// Where --report asks for a page: "" where it does not, and no series need be made.
   [[nodiscard]] const std::string& report_file() const { return report_file_; }
@@ -257,33 +257,16 @@ class CommandLine {
   [[nodiscard]] Progress& progress() { return *progress_; }
 
  private:
-  struct Declared {
-    std::string name;  // without dashes
-    char letter = '\0';
-    std::string word;  // what stands for the value in help; empty: takes none
-    std::string default_text;
-    std::string help;
-    bool several = false;
-    bool required = false;
-    bool output = false;  // a file to be written
-    bool common = false;
+  struct Declared : DescribedOption {
     bool by_set = false;  // for --set, too
     bool given = false;
     std::function<void(const std::string& shown, const std::string& text)> set;
-
-    [[nodiscard]] std::string Shown() const;
   };
-  struct Positional {
-    std::string name;
-    std::string help;
+  struct Positional : CommandDescription::Argument {
     std::string* one = nullptr;
     std::vector<std::string>* rest = nullptr;
     std::size_t at_least = 1;
     bool input = false;
-  };
-  struct OutputFile {
-    std::string shown;  // the option
-    std::string path;
   };
   struct OptionGroup {
     std::string prefix;
@@ -333,10 +316,7 @@ class CommandLine {
               const char* help);
   void SetOne(const std::string& assignment);
   void AssignArguments(const std::vector<std::string>& words);
-  void CheckOutputs() const;
-  void CheckInputsOfReplay() const;
   void WriteMessage(std::string text);
-  [[nodiscard]] std::string Help() const;
 
   const Command& command_;
   std::vector<std::string> arguments_;
@@ -351,7 +331,6 @@ class CommandLine {
   std::string latex_file_;
   bool can_report_ = false;
   const Json* earlier_ = nullptr;
-  std::map<std::string, std::string> sha256_;
   std::vector<Series> report_series_;
   std::uint64_t seed_ = 0;
   int threads_ = 0;
@@ -359,9 +338,7 @@ class CommandLine {
   bool help_ = false;
   bool parsed_ = false;
   std::vector<std::string> assignments_;
-  std::vector<std::string> input_paths_;
-  std::vector<OutputFile> output_files_;
-  FileSet files_;
+  RunFiles files_;
 
   Json summary_ = Json::object();
   std::string output_;
@@ -370,15 +347,7 @@ class CommandLine {
   std::unique_ptr<Threads> threads_limit_;
 };
 
-/// OptionError unless the file can be written: its folder is there and takes files. Leaves no
-/// trace.
-void CheckWritable(const std::string& file);
-
-/// Whether both paths lead to one file, which may not be there yet: links and relative paths are
-/// followed, and names that differ only in case are one, as they are on many disks.
-[[nodiscard]] bool LeadToOneFile(const std::string& a, const std::string& b);
-
-/// "-" means standard output.
-[[nodiscard]] std::string OutputPath(const std::string& text);
+/// Asks every command of the table: each is run as far as its own --help.
+[[nodiscard]] std::vector<CommandDescription> DescribeCommands(std::span<const Command> commands);
 
 }  // namespace lipoid::cli

@@ -1,6 +1,5 @@
 #include "tools/commands/udp_server.h"
 
-#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 
@@ -10,7 +9,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
 
-#include "model/core/errors.h"
+#include "tools/cli/listening.h"
 
 namespace lipoid {
 
@@ -29,23 +28,12 @@ struct UdpServer::Network {
 
 UdpServer::UdpServer(const std::string& address, std::uint16_t port)
     : network_(std::make_unique<Network>()) {
-  boost::system::error_code error;
-  const auto host = asio::ip::make_address(address, error);
-  if (error) {
-    throw OptionError(fmt::format(
-        "option --address: expected an address such as 127.0.0.1 or ::1, found '{}'", address));
-  }
-  udp::socket& socket = network_->socket;
-  const udp::endpoint endpoint(host, port);
-  socket.open(endpoint.protocol(), error);
-  if (!error) socket.bind(endpoint, error);
-  if (error) {
-    throw OptionError(
-        fmt::format("cannot listen at {} port {}: {}. Give another --port or --address",
-                    address,
-                    port,
-                    error.message()));
-  }
+  cli::ListenAt<udp>(network_->socket,
+                     address,
+                     port,
+                     [](udp::socket& socket, const udp::endpoint& endpoint, auto& error) {
+                       socket.bind(endpoint, error);
+                     });
 }
 
 UdpServer::~UdpServer() = default;

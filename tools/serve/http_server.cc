@@ -14,7 +14,7 @@
 #include <limits>
 
 #include "identify/logs/csv/cells.h"
-#include "model/core/errors.h"
+#include "tools/cli/listening.h"
 
 namespace lipoid {
 namespace {
@@ -300,25 +300,12 @@ struct HttpServer::Network {
 HttpServer::HttpServer(const std::string& address, std::uint16_t port, const Limits& limits)
     : network_(std::make_unique<Network>()) {
   network_->limits = limits;
-  Error error;
-  const auto host = asio::ip::make_address(address, error);
-  if (error) {
-    throw OptionError(fmt::format(
-        "option --address: expected an address such as 127.0.0.1 or ::1, found '{}'", address));
-  }
-  tcp::acceptor& acceptor = network_->acceptor;
-  const tcp::endpoint endpoint(host, port);
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) {
-    throw OptionError(
-        fmt::format("cannot listen at {} port {}: {}. Give another --port or --address",
-                    address,
-                    port,
-                    error.message()));
-  }
+  const auto listen = [](tcp::acceptor& acceptor, const tcp::endpoint& endpoint, Error& error) {
+    acceptor.set_option(asio::socket_base::reuse_address(true), error);
+    if (!error) acceptor.bind(endpoint, error);
+    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  };
+  cli::ListenAt<tcp>(network_->acceptor, address, port, listen);
 }
 
 HttpServer::~HttpServer() = default;

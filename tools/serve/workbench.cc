@@ -6,15 +6,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "tools/serve/child.h"
 #include "tools/serve/safe_name.h"
@@ -27,7 +24,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSummary = "inspect.json";
 // What results need beside the logs.
 constexpr std::uint64_t kSpareBytes = 64 << 20;
-constexpr std::size_t kMostBytesOfName = 200;
 constexpr std::size_t kMostBytesOfMessage = 8000;
 
 template <class E>
@@ -52,42 +48,6 @@ std::optional<LogKind> KindNamed(std::string_view text) {
 }
 
 std::string Megabytes(std::uint64_t bytes) { return fmt::format("{} MB", bytes / 1'000'000); }
-
-Json NullOr(const auto& value) { return value ? Json(*value) : Json(nullptr); }
-
-std::string TextOf(const Json& value, const std::string& what) {
-  if (!value.is_string() || value.get_ref<const std::string&>().size() > kMostBytesOfName)
-    throw HttpError(400,
-                    fmt::format("{}: expected at most {} bytes of text", what, kMostBytesOfName));
-  auto text = value.get<std::string>();
-  if (text.find('\0') != text.npos) throw HttpError(400, fmt::format("{}: expected text", what));
-  return text;
-}
-
-std::optional<double> NumberOf(const Json& value, double lo, double hi, const std::string& what) {
-  if (value.is_null()) return std::nullopt;
-  const double number = value.is_number() ? value.get<double>() : std::nan("");
-  if (!(number >= lo && number <= hi))
-    throw HttpError(400, fmt::format("{}: expected a number from {} to {}", what, lo, hi));
-  return number;
-}
-
-std::optional<int> CountOf(const Json& value, const std::string& what) {
-  const auto number =
-      NumberOf(value, static_cast<double>(kPackSizes.lo), static_cast<double>(kPackSizes.hi), what);
-  if (!number) return std::nullopt;
-  if (*number != std::floor(*number))
-    throw HttpError(400, fmt::format("{}: expected a whole number", what));
-  return static_cast<int>(*number);
-}
-
-void OnlyKeys(const Json& object, std::initializer_list<std::string_view> known) {
-  if (!object.is_object()) throw HttpError(400, "expected a JSON object");
-  for (const auto& [key, value] : object.items()) {
-    if (std::find(known.begin(), known.end(), key) == known.end())
-      throw HttpError(400, "a change has a key that is not known");
-  }
-}
 
 // What the page shows of files[] of the summary: segments are counted, not listed.
 Json Shortened(Json inspection) {
@@ -127,46 +87,6 @@ void WriteText(const std::string& file, const std::string& text) {
   stream << text;
   stream.close();
   if (!stream) DiskFull();
-}
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t from = 0; from <= text.size();) {
-    const auto to = std::min(text.find(',', from), text.size());
-    parts.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return parts;
-}
-
-// The options of `lipoid inspect` and `validate` that say how a log is read.
-std::vector<std::string> ReadingArguments(const Json& reading) {
-  std::vector<std::string> arguments;
-  for (const Json& column : reading.value("columns", Json::array()))
-    arguments.push_back("--columns=" + column.get<std::string>());
-  for (const auto& [key, option] :
-       {std::pair("units", "--units="), {"current_sign", "--current-sign="}, {"hold", "--hold="}}) {
-    if (const auto value = reading.value(key, ""); !value.empty())
-      arguments.push_back(option + value);
-  }
-  return arguments;
-}
-
-// The same for a campaign.
-ReadOptions ReadingOptions(const Json& reading) {
-  ReadOptions read;
-  for (const Json& column : reading.value("columns", Json::array())) {
-    const auto text = column.get<std::string>();
-    const auto equals = std::min(text.find('='), text.size());
-    read.columns[text.substr(0, equals)] = text.substr(std::min(equals + 1, text.size()));
-  }
-  if (const auto units = reading.value("units", ""); !units.empty())
-    read.units = SplitAtCommas(units);
-  read.current_sign = reading.value("current_sign", "");
-  for (const auto& [hold, name] : OptionNames(Hold{})) {
-    if (name == reading.value("hold", "")) read.hold = hold;
-  }
-  return read;
 }
 
 }  // namespace
@@ -340,39 +260,14 @@ void Workbench::Change(const Json& change) {
   {
     const std::lock_guard lock(mutex_);
     if (change.contains("cell")) {
-      const Json& cell = change["cell"];
-      OnlyKeys(cell, {"name", "capacity_Ah", "cutoff_V", "series", "parallel"});
-      CellData changed = cell_;
-      if (cell.contains("name")) {
-        const Json& name = cell["name"];
-        changed.name = name.is_null() ? std::nullopt : std::optional(TextOf(name, "name"));
-      }
-      if (cell.contains("capacity_Ah"))
-        changed.capacity_Ah = NumberOf(cell["capacity_Ah"], 1e-9, 1e6, "capacity in Ah");
-      if (cell.contains("cutoff_V"))
-        changed.cutoff_V = NumberOf(cell["cutoff_V"], 0.5, 6.0, "cut-off in V");
-      if (cell.contains("series")) changed.series = CountOf(cell["series"], "cells in series");
-      if (cell.contains("parallel"))
-        changed.parallel = CountOf(cell["parallel"], "cells in parallel");
+      CellSettings changed = cell_;
+      changed.Change(change["cell"]);
       // The draft divides by the pack.
       if (changed.series != cell_.series || changed.parallel != cell_.parallel) InspectAgain();
       cell_ = std::move(changed);
     }
     if (change.contains("reading")) {
-      const Json& reading = change["reading"];
-      OnlyKeys(reading, {"columns", "units", "current_sign", "hold"});
-      Json changed = reading_;
-      for (const auto& [key, value] : reading.items()) {
-        if (key != "columns") {
-          changed[key] = value.is_null() ? "" : TextOf(value, key);
-          continue;
-        }
-        if (!value.is_array() || value.size() > 4)
-          throw HttpError(400, "columns: expected a list of at most 4");
-        changed[key] = Json::array();
-        for (const Json& column : value) changed[key].push_back(TextOf(column, key));
-      }
-      reading_ = std::move(changed);
+      reading_.Change(change["reading"]);
       InspectAgain();
     }
     if (change.contains("kinds")) {
@@ -404,7 +299,7 @@ std::vector<std::string> Workbench::InspectArguments(const std::vector<int>& ids
   arguments.push_back(fmt::format("--summary=../{}", kSummary));
   if (cell_.series) arguments.push_back(fmt::format("--series={}", *cell_.series));
   if (cell_.parallel) arguments.push_back(fmt::format("--parallel={}", *cell_.parallel));
-  for (std::string& argument : ReadingArguments(reading_)) arguments.push_back(std::move(argument));
+  for (std::string& argument : reading_.Arguments()) arguments.push_back(std::move(argument));
   return arguments;
 }
 
@@ -539,7 +434,7 @@ void Workbench::MakeRows(const Json& draft) {
       row.key = parts.empty() ? fmt::format("{}", id) : fmt::format("{}.{}", id, k + 1);
       row.file = id;
       row.log.file = file.name;
-      row.log.read = ReadingOptions(reading_);
+      row.log.read = reading_.Options();
       if (!parts.empty()) {
         row.log.read.start_s = parts[k].at("start_s").get<double>();
         row.log.read.end_s = parts[k].at("end_s").get<double>();
@@ -644,7 +539,7 @@ int Workbench::Start(const Json& asked) {
         plan.files.push_back(id);
         plan.arguments.push_back(files_.at(id).name);
       }
-      for (std::string& argument : ReadingArguments(reading_))
+      for (std::string& argument : reading_.Arguments())
         plan.arguments.push_back(std::move(argument));
       plan.about["logs"] = plan.files.size();
     }
@@ -710,14 +605,9 @@ Json Workbench::State() const {
           {"files", std::move(files)},
           {"inspecting", inspecting_ || inspect_again_},
           {"rows", std::move(rows)},
-          {"cell",
-           {{"name", NullOr(cell_.name)},
-            {"capacity_Ah", NullOr(cell_.capacity_Ah)},
-            {"cutoff_V", NullOr(cell_.cutoff_V)},
-            {"series", NullOr(cell_.series)},
-            {"parallel", NullOr(cell_.parallel)}}},
+          {"cell", cell_.ToJson()},
           {"drafted", drafted_},
-          {"reading", reading_},
+          {"reading", reading_.ToJson()},
           {"problems", std::move(problem)},
           {"jobs", jobs_->ToJson()}};
 }

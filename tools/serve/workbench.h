@@ -27,6 +27,7 @@
 #include "tools/serve/http_server.h"
 #include "tools/serve/job_queue.h"
 #include "tools/serve/job_request.h"
+#include "tools/serve/settings.h"
 
 namespace lipoid {
 
@@ -97,14 +98,6 @@ class Workbench {
     std::vector<std::string> remarks;
     std::string left_out;
   };
-  struct CellData {
-    std::optional<std::string> name;
-    std::optional<double> capacity_Ah;
-    std::optional<double> cutoff_V;
-    std::optional<int> series;
-    std::optional<int> parallel;
-  };
-
   void Changed() { ++version_; }
   /// HttpError where an upload of so many bytes is too large, by itself or with the others.
   void CheckSize(std::uint64_t bytes) const;
@@ -129,10 +122,10 @@ class Workbench {
   std::map<int, File> files_;
   int last_file_ = 0;
   int last_upload_ = 0;
-  int uploads_ = 0;                           // that are coming in
-  std::uint64_t coming_bytes_ = 0;            // of these
-  CellData cell_;                             // as a person says
-  Json reading_ = Json::object();             // as a person says
+  int uploads_ = 0;                 // that are coming in
+  std::uint64_t coming_bytes_ = 0;  // of these
+  CellSettings cell_;
+  ReadingSettings reading_;
   std::map<std::string, std::string> kinds_;  // by key: a kind, or "" to leave it out
   Json drafted_ = Json::object();             // what inspect drafts of the cell
   std::vector<Row> rows_;

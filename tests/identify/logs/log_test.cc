@@ -430,7 +430,8 @@ TEST(ReadOptions, AreChecked) {
   EXPECT_EQ(complaint({.units = {"s", "A"}}),
             "units: expected three, of time, current and voltage (s,A,V), found 2");
   EXPECT_EQ(complaint({.units = {"s", "A", "kg"}}),
-            "units: expected a unit of voltage (V, mV), found 'kg'");
+            "units: expected a unit of voltage (V, mV), found 'kg'; the order is time, current, "
+            "voltage, as in s,A,V");
   EXPECT_EQ(complaint({.current_sign = "+"}),
             "current_sign: expected auto, discharge-positive or discharge-negative, found '+'");
   EXPECT_EQ(complaint({.start_s = 2, .end_s = 1}),

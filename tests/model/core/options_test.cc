@@ -76,12 +76,15 @@ TEST(Options, RefusalsNameTheOptionTheTextAndWhatIsValid) {
             "option any: expected a whole number, found '9999999999'");
   EXPECT_EQ(Refusal("tolerance", "-1"), "option tolerance: expected 0 .. 1, found '-1'");
   EXPECT_EQ(Refusal("tolerance", "nan"), "option tolerance: expected 0 .. 1, found 'nan'");
-  EXPECT_EQ(Refusal("tolerance", "0.5x"), "option tolerance: expected 0 .. 1, found '0.5x'");
-  EXPECT_EQ(Refusal("tolerance", "0,5"), "option tolerance: expected 0 .. 1, found '0,5'");
+  EXPECT_EQ(Refusal("tolerance", "0.5x"),
+            "option tolerance: expected a number, 0 .. 1, found '0.5x'");
+  EXPECT_EQ(Refusal("tolerance", "0,5"),
+            "option tolerance: expected a number, 0 .. 1, found '0,5'");
   EXPECT_EQ(Refusal("least", "0.2"), "option least: expected at least 0.25, found '0.2'");
   EXPECT_EQ(Refusal("colour", "green"), "option colour: expected one of red, blue, found 'green'");
-  EXPECT_EQ(Refusal("term", "3"),
-            "unknown option 'term'. Did you mean 'terms'? Known: tail, terms, any, tolerance, least, label, colour");
+  EXPECT_EQ(
+      Refusal("term", "3"),
+      "unknown option 'term'. Did you mean 'terms'? Known: tail, terms, any, tolerance, least, label, colour");
 }
 
 TEST(Options, RefusedTextChangesNothing) {

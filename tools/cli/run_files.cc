@@ -1,0 +1,163 @@
+#include "tools/cli/run_files.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "identify/logs/csv/cells.h"
+#include "model/core/errors.h"
+#include "model/core/run_record.h"
+
+namespace lipoid::cli {
+namespace {
+
+// Two paths lead to one place where they compare equal: links and relative paths are followed. A
+// file that is not there yet is its folder and its name, without regard to case, which a disk may
+// ignore.
+struct Place {
+  dev_t device = 0;
+  ino_t file = 0;
+  std::string name;
+
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+Place PlaceOf(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, ""};
+  std::error_code none;
+  const std::filesystem::path file =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(BehindLinks(path), none), none);
+  if (none) return {0, 0, path};
+  const std::string folder = file.parent_path().string();
+  if (::stat(folder.c_str(), &status) != 0) return {0, 0, LowerCase(file.string())};
+  return {status.st_dev, status.st_ino, LowerCase(file.filename().string())};
+}
+
+// Pipes, terminals and /dev/null hold nothing that could be lost.
+bool IsSpecial(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+bool IsFile(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+}  // namespace
+
+void RunFiles::CheckNothingIsLost() const {
+  std::vector<std::pair<Place, const Output*>> outputs;
+  // What the shell made of standard output is an output as well.
+  const Output standard_output{"standard output", "/dev/stdout"};
+  if (IsFile(standard_output.path)) {
+    outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
+  }
+  for (const Output& output : outputs_) {
+    if (output.path != standard_output.path && !IsSpecial(output.path))
+      outputs.emplace_back(PlaceOf(output.path), &output);
+  }
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const auto& [place, output] = outputs[k];
+    for (std::size_t other = 0; other < k; ++other) {
+      if (!(outputs[other].first == place)) continue;
+      throw OptionError(fmt::format("options {} and {}: '{}' is named twice; name two files",
+                                    outputs[other].second->shown,
+                                    output->shown,
+                                    output->path));
+    }
+  }
+  if (outputs.empty()) return;
+  for (const std::string& input : inputs_) {
+    if (!IsFile(input)) continue;
+    const Place read = PlaceOf(input);
+    for (const auto& [place, output] : outputs) {
+      if (!(place == read)) continue;
+      throw OptionError(
+          output == &standard_output
+              ? fmt::format("standard output is '{}', which is also an input; name another file",
+                            input)
+              : fmt::format("option {}: '{}' is also an input; name another file",
+                            output->shown,
+                            output->path));
+    }
+  }
+}
+
+void RunFiles::CheckInputsOf(const Json& summary) const {
+  const Json& known = summary.at("run").at("inputs");
+  for (const std::string& input : inputs_) {
+    std::error_code none;
+    // The name of something shipped, or a folder, whose files are inputs of their own.
+    if (!std::filesystem::exists(input, none) || std::filesystem::is_directory(input, none))
+      continue;
+    if (std::none_of(
+            known.begin(), known.end(), [&](const Json& one) { return one.at("file") == input; })) {
+      throw OptionError(fmt::format("'{}' is not among the inputs that the summary names", input));
+    }
+  }
+}
+
+void RunFiles::AddOutputs(std::string_view shown, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) AddOutput(shown, path);
+  CheckNothingIsLost();
+  for (const std::string& path : paths) {
+    std::error_code none;
+    const auto folder = std::filesystem::absolute(path, none).parent_path();
+    if (std::filesystem::exists(folder, none)) CheckWritable(path);  // or it is made later
+  }
+}
+
+void RunFiles::CheckOutputsAreWritable() const {
+  for (const Output& output : outputs_) CheckWritable(output.path);
+}
+
+void RunFiles::AddHashes(const std::vector<std::string>& files,
+                         const std::vector<std::string>& sha256) {
+  for (std::size_t k = 0; k < files.size(); ++k) sha256_[files[k]] = sha256[k];
+}
+
+Json RunFiles::InputsToJson() const {
+  std::vector<std::string> files;
+  for (const std::string& input : inputs_) {
+    std::error_code none;
+    const bool twice = std::find(files.begin(), files.end(), input) != files.end();
+    if (!twice && std::filesystem::is_regular_file(input, none)) files.push_back(input);
+  }
+  std::vector<std::string> sha256(files.size());
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t k) {
+    const auto known = sha256_.find(files[k]);
+    sha256[k] = known != sha256_.end() ? known->second : Sha256OfFile(files[k]);
+  });
+  Json inputs = Json::array();
+  for (std::size_t k = 0; k < files.size(); ++k)
+    inputs.push_back({{"file", files[k]}, {"sha256", sha256[k]}});
+  return inputs;
+}
+
+std::vector<std::string> RunFiles::Commit() {
+  const auto& all = written_.replaced_one_name_of();
+  const auto said = static_cast<std::ptrdiff_t>(all.size());
+  written_.Commit();
+  return {all.begin() + said, all.end()};
+}
+
+void CheckWritable(const std::string& file) {
+  struct stat status {};
+  const bool exists = ::stat(file.c_str(), &status) == 0;
+  const bool special = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
+}
+
+bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(a) == PlaceOf(b); }
+
+std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }
+
+}  // namespace lipoid::cli
