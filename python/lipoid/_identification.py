@@ -81,13 +81,11 @@ class Identification:
     @property
     def logs(self) -> pd.DataFrame:
         """Errors of the prediction of each log that took part, over all of its rows."""
-        fitted = self.campaign._core.logs()
         one = self.cell.pack(1, 1)
-        kinds = {"validation"}
         rows = [
             {"kind": kind, **validate_one(one, Log._of(log), start)}
-            for kind, log, start in fitted
-            if kind not in kinds
+            for kind, log, start in self.campaign._core.logs()
+            if kind != "validation"
         ]
         return pd.DataFrame(rows)
 
@@ -119,13 +117,14 @@ class Identification:
     def _plot_open_circuit_voltage(self, axes: Any) -> list[Axes]:
         soc = np.linspace(0.0, 1.0, 501)
         curve_V = self.cell.pack(1, 1).open_circuit_voltage(soc)
-        return plots.open_circuit_voltage(self._predicted(), soc, curve_V, self.cell.name, axes)
+        slow = self._predicted("low-rate")
+        return plots.open_circuit_voltage(slow, soc, curve_V, self.cell.name, axes)
 
-    def _predicted(self) -> Iterator[plots.Predicted]:
+    def _predicted(self, only: str | None = None) -> Iterator[plots.Predicted]:
         """Of each log with voltages that took part: what was measured, what the cell predicts."""
         one = self.cell.pack(1, 1)
         for kind, log, start in self.campaign._core.logs():
-            if kind == "validation" or log.voltage_V is None:
+            if kind == "validation" or only not in (None, kind) or log.voltage_V is None:
                 continue
             made = one.simulate(log.time_s, log.current_A, hold=log.hold, initial_soc=start)
             yield plots.Predicted(kind, log.time_s, log.voltage_V, made.voltage_V, made.soc)
@@ -164,7 +163,7 @@ def identify(
     """Find the parameters of a cell from its logs.
 
     The joint method, the default, is one fit of all logs, with resistances over the state of charge
-    where the data ask for them. The staged method is that of the thesis.
+    where these predict held-out rows better. The staged method is that of the thesis.
 
     Parameters
     ----------

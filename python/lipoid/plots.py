@@ -137,17 +137,15 @@ def fit(logs: Iterable[Predicted], title: str, axes: Any = None) -> list[Axes]:
 
 
 def open_circuit_voltage(
-    logs: Iterable[Predicted],
+    low_rate: Iterable[Predicted],
     soc: FloatArray,
     open_circuit_V: FloatArray,
     title: str,
     axes: Any = None,
 ) -> list[Axes]:
-    """Draw v_oc(A) over the rows of the low-rate logs among `logs`."""
+    """Draw v_oc(A) over the rows of low-rate logs."""
     drawn = _axes(axes, 1)
-    for one in logs:
-        if one.kind != "low-rate":
-            continue
+    for one in low_rate:
         a, v = _thin(one.soc, one.measured_V)
         drawn[0].plot(a, v, ".", markersize=2, color="0.6", label="rows of the low-rate log")
     drawn[0].plot(soc, open_circuit_V, "C0", label="v_oc(A)")
