@@ -299,8 +299,8 @@ class Choosing {
     Tell(0.1 * static_cast<double>(choice_.tried.size()));
     return choice_.tried.size() - 1;
   }
-  // Structures that do not wait for one another: searched side by side, near what was taken before
-  // all of them, and judged in their order.
+  // Structures that do not wait for one another are searched side by side, each near what was taken
+  // before all of them, and judged in their order.
   std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures) {
     const JointSolution* near = choice_.tried.empty() ? nullptr : &choice_.best;
     std::vector<TriedStructure> rows(structures.size());

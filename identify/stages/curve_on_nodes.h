@@ -1,8 +1,9 @@
 #pragma once
 
 /// @file
-/// A curve v_oc(A) of straight lines between nodes: where the nodes stand, and the values there by least
-/// squares over rows. Nodes stand densely where the curve falls fast, for they share out its length.
+/// A curve v_oc(A) on nodes: where the nodes stand, and the values there by least squares over rows,
+/// with straight lines between. Nodes stand densely where the curve falls fast, for they share out
+/// its length.
 /// Tests: tests/identify/stages/open_circuit_voltage_fit_test.cc.
 
 #include <cstddef>
@@ -26,15 +27,15 @@ struct NodeSums {
   [[nodiscard]] std::vector<double> Solve() const;
 };
 
-/// Nodes with the sums of every row and of those to be held out: either fit follows from them. Without
-/// nodes a curve joins its rows, which is right for few.
+/// Nodes with the sums of every row and of those to be held out: either fit follows from them.
+/// Without nodes a curve joins its rows, which is right for few.
 struct NodeTask {
   std::vector<double> nodes;
   NodeSums all{0};
   NodeSums left_out{0};
 };
 
-/// With so many nodes, or fewer where rows stand together.
+/// With `count` nodes, or fewer where rows stand together; `judged` are the rows to be held out.
 [[nodiscard]] NodeTask MakeNodeTask(const CurveRows& rows, int count, const Share& judged);
 
 struct CurveNodes {
@@ -42,8 +43,8 @@ struct CurveNodes {
   std::vector<double> voltage_V;
 };
 
-/// By the rows shown: all of them, or those that the task was not to hold out. Where rows are too few for
-/// four nodes, they are joined.
+/// By the rows that are shown, all or those that the task does not hold out. They are joined where
+/// they are too few for four nodes.
 [[nodiscard]] CurveNodes FitOnNodes(const NodeTask& task,
                                     const CurveRows& rows,
                                     const Share& shown);

@@ -12,7 +12,7 @@ import pandas as pd
 from lipoid import _core, interoperability
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes
-from lipoid._log import Log, read_log
+from lipoid._log import Log, core_of, read_log
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -168,11 +168,14 @@ class Campaign:
         pybop.Problem
             To be minimised by any of PyBOP's optimisers.
         """
-        some = [log] if log is not None else self.logs("pulses")
-        if not some:
-            raise OptionError("to_pybop: expected a campaign with pulses, found none")
+        fitted = core_of("log", log)
+        if fitted is None:
+            pulses = self.logs("pulses")
+            if not pulses:
+                raise OptionError("to_pybop: expected a campaign with pulses, found none")
+            fitted = pulses[0]._core
         one = as_cell(cell).pack(1, 1)
-        return interoperability.to_pybop(one._core, some[0]._core, free, spread)
+        return interoperability.to_pybop(one._core, fitted, free, spread)
 
     def to_toml(self) -> str:
         """Return the campaign as the text of a campaign file."""

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, interoperability, plots
-from lipoid._log import Log, column
+from lipoid._log import Log, column, core_of
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -323,7 +323,7 @@ class Cell:
         mission : Log, optional
             What the circuit is fitted over; not given: two levels of current with rests.
         """
-        over = None if mission is None else mission._core
+        over = core_of("mission", mission)
         return interoperability.to_thevenin(self._core, branches, over)
 
     def plot(self, axes: Any = None) -> list[Axes]:

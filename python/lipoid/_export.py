@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from lipoid import _core
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes
-from lipoid._log import Log
+from lipoid._log import core_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -41,8 +41,8 @@ def export(
         What ``lipoid export --summary`` writes (docs/formats.md).
     """
     given: dict[str, Any] = dict(options)
-    if isinstance(given.get("mission"), Log):
-        given["mission"] = given["mission"]._core
+    if "mission" in given:
+        given["mission"] = core_of("mission", given["mission"])
     return _core.export(as_cell(cell)._core, target, output, given)
 
 

@@ -87,7 +87,7 @@ def health(
     LoadError
         Where no flight is long and busy enough to tell anything.
     """
-    logs = as_logs("health", flights)
+    logs = as_logs(flights, "health: expected at least one flight")
     summary, sentence = _core.health(
         as_cell(cell)._core, [log._core for log in logs], dict(options)
     )

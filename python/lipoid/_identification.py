@@ -252,4 +252,5 @@ def validate(
     if initial_voltage_V is not None:
         soc = one._core.soc_at_rest(initial_voltage_V)
     one._check_soc(soc)
-    return pd.DataFrame([validate_one(one, log, soc) for log in as_logs("validate", logs)])
+    several = as_logs(logs, "validate: expected at least one log")
+    return pd.DataFrame([validate_one(one, log, soc) for log in several])

@@ -321,10 +321,19 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
 
 
 def as_logs(
-    what: str, logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]]
+    logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]], wanted: str
 ) -> list[Log]:
-    """Return one log or several, reading those that are paths; `what` needs at least one."""
+    """Return one log or several, reading those that are paths; none is not what was `wanted`."""
     several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
     if not several:
-        raise OptionError(f"{what}: expected at least one log, found none")
+        raise OptionError(f"{wanted}, found none")
     return [log if isinstance(log, Log) else read_log(log) for log in several]
+
+
+def core_of(option: str, log: Log | None) -> CoreLog | None:
+    """Return what C++ takes for a log that may be given as this option."""
+    if log is None:
+        return None
+    if not isinstance(log, Log):
+        raise OptionError(f"option {option}: expected a Log, found {type(log).__name__}")
+    return log._core

@@ -1,7 +1,8 @@
 """Cells and campaigns in other programs: PyBaMM, thevenin, PyBOP.
 
 The numbers and their stated error are those of ``lipoid export``; here the other program's own
-objects are made of them.
+objects are made of them, for :meth:`Cell.to_pybamm`, :meth:`Cell.to_thevenin` and
+:meth:`Campaign.to_pybop`.
 """
 
 from __future__ import annotations

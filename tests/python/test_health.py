@@ -31,6 +31,13 @@ def test_a_health_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
     assert made.sentence in repr(made)
 
 
+def test_a_health_needs_a_flight() -> None:
+    with pytest.raises(
+        lipoid.OptionError, match="health: expected at least one flight, found none"
+    ):
+        lipoid.health("gifi-600mAh-1", [])
+
+
 def test_a_pack_that_no_log_names_is_asked_for() -> None:
     with pytest.raises(lipoid.OptionError, match="give series=4"):
         lipoid.health("gifi-600mAh-1", SOLO)

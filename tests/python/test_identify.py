@@ -292,6 +292,31 @@ def test_plots_return_their_axes(result: lipoid.Identification, what: str, count
     pyplot.close("all")
 
 
+def test_plots_draw_what_the_result_says(result: lipoid.Identification) -> None:
+    from matplotlib import pyplot
+
+    measured, residual = result.plot("fit")
+    rms_V = [1e-3 * np.sqrt(np.mean(np.square(line.get_ydata()))) for line in residual.lines]
+    # All rows but of the low-rate log, of which every second is drawn: half of 40,000 rows of white
+    # noise have its rms to 0.5 %.
+    exact = (result.logs["kind"] != "low-rate").to_numpy()
+    wanted_V = result.logs["rmse_V"].to_numpy()
+    np.testing.assert_allclose(np.asarray(rms_V)[exact], wanted_V[exact], rtol=1e-9)
+    np.testing.assert_allclose(rms_V, wanted_V, rtol=0.02)
+    assert len(measured.lines) == 2 * len(result.logs)
+    (curve,) = result.plot("open_circuit_voltage")
+    *rows, drawn = curve.lines
+    assert len(rows) == list(result.logs["kind"]).count("low-rate")
+    soc = np.asarray(drawn.get_xdata())
+    assert np.array_equal(drawn.get_ydata(), result.cell.pack(1, 1).open_circuit_voltage(soc))
+    (resistances,) = result.plot("resistances")
+    legend = resistances.get_legend()
+    assert legend is not None
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names[0] == "r_s" and len(names) == 1 + len(result.cell.to_dict()["branches"])
+    pyplot.close("all")
+
+
 def test_an_unknown_plot_names_the_known(result: lipoid.Identification) -> None:
     with pytest.raises(lipoid.OptionError, match="correlation"):
         result.plot("pie")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -24,6 +27,18 @@ def test_pybamm_has_the_same_voltage() -> None:
     theirs = made.run(T, I)
     tenth_of_a_millivolt = 1e-4
     assert np.abs(ours - theirs)[1:].max() < tenth_of_a_millivolt
+
+
+def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
+    no_log: Any = "mission.csv"
+    message = "option mission: expected a Log, found str"
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.export("gifi-600mAh-1", "thevenin", tmp_path / "cell.yaml", mission=no_log)
+    with pytest.raises(lipoid.OptionError, match=message):
+        constant_cell().to_thevenin(mission=no_log)
+    campaign = lipoid.synthesize("gifi-600mAh-1", sampling_s=10.0)
+    with pytest.raises(lipoid.OptionError, match="option log: expected a Log, found str"):
+        campaign.to_pybop("gifi-600mAh-1", log=no_log)
 
 
 def test_thevenin_takes_the_cell() -> None:

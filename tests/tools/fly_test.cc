@@ -196,8 +196,9 @@ TEST(Fly, SaysWhatDoesNotGoTogether) {
             "2 lipoid fly: error: option --wind: expected a number, -60 .. 60, found 'strong'\n");
   EXPECT_EQ(error({"hover", "--set", "square.side_m=2"}),
             "2 lipoid fly: error: option --set square.side_m: the maneuver is hover\n");
-  EXPECT_NE(error({"square", "--set", "square.side_m=wide"}).find("expected a number, 0.01 .. 10000"),
-            std::string::npos);
+  EXPECT_NE(
+      error({"square", "--set", "square.side_m=wide"}).find("expected a number, 0.01 .. 10000"),
+      std::string::npos);
   EXPECT_NE(error({"loop"}).find("unknown maneuver 'loop'"), std::string::npos);
   EXPECT_EQ(error({"hover", "--cell", "none.json"}).substr(0, 2), "3 ");
   EXPECT_EQ(error({"hover", "--initial-soc", "-0.1"}).substr(0, 2), "2 ");

@@ -20,7 +20,8 @@
 ///
 /// Nothing is lost: every file that is read is declared as an input, every file that is written as
 /// an output; those that show only when a campaign or a folder was read are added by AddInputs()
-/// and AddOutputs(), before anything is computed. What that is good for stands in run_files.h.
+/// and AddOutputs(), before anything is computed. run_files.h says how an
+/// output is kept from replacing an input.
 ///
 /// Wrong input is thrown as LoadError, wrong options as OptionError; Run() turns them into exit
 /// codes and messages. Common to all commands: --summary, --seed, --threads, --quiet, --set,

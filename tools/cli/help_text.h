@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// `lipoid COMMAND --help`, from what the command declared of itself. Tests: tests/tools/cli_test.cc.
+/// `lipoid COMMAND --help`, from what the command declared of itself.
+/// Tests: tests/tools/cli_test.cc.
 
 #include <string>
 

@@ -15,8 +15,8 @@
 
 namespace lipoid::cli {
 
-/// Opens `socket` of a protocol at `address` and `port` by `bind(socket, endpoint, error)`, which goes
-/// on after the opening. Throws OptionError where the address is none, or nobody may listen there.
+/// Opens `socket`, and binds it to `address` and `port` by `bind(socket, endpoint, error)`, which does
+/// what else the protocol needs. OptionError where the address is none, or nobody may listen there.
 template <class Protocol, class Socket, class Bind>
 void ListenAt(Socket& socket, const std::string& address, std::uint16_t port, Bind&& bind) {
   boost::system::error_code error;

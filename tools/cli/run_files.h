@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// The files of one run of a command: which it reads, and which it writes. Nothing is lost: an output
-/// that is the same file as an input or as another output, whatever path leads there, is refused
-/// before anything is touched, and outputs appear together or not at all (FileSet in
+/// The files of one run of a command: which it reads, and which it writes. Nothing is lost: an
+/// output that is the same file as an input or as another output, whatever path leads there, is
+/// refused before anything is touched, and outputs appear together or not at all (FileSet in
 /// model/core/atomic_file.h). Tests: tests/tools/nothing_lost_test.cc.
 
 #include <map>
@@ -26,8 +26,8 @@ class RunFiles {
   }
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
 
-  /// The same of several, when the command runs: OptionError where one is lost (below), or cannot be
-  /// written to a folder that is there.
+  /// Several of them that show only while the command runs, checked at once: OptionError where one is
+  /// an input or another output, or cannot be written. A folder that is not there may be made later.
   void AddOutputs(std::string_view shown, const std::vector<std::string>& paths);
 
   /// OptionError where an output is an input or another output.
@@ -42,8 +42,8 @@ class RunFiles {
   /// The inputs that are files, each once, with their SHA-256: `inputs` of a run record.
   [[nodiscard]] Json InputsToJson() const;
 
-  /// What was written so far appears. Returns the names that were one of several of their file (hard
-  /// links): the others keep the old file.
+  /// What was written so far appears. Returns the names that were one of several of their file
+  /// (hard links): the others keep the old file.
   [[nodiscard]] std::vector<std::string> Commit();
 
  private:

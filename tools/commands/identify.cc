@@ -174,8 +174,8 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.Describe(
       "Finds the parameters of a lithium-polymer cell from its lab logs and writes a cell file. The "
       "joint method, the default, is one fit of all logs, with resistances over the state of charge "
-      "where these predict held-out rows better. The staged method is that of the thesis: discharge times give "
-      "alpha and beta, a low-rate discharge gives v_oc(A), and pulses give beta again with r_s and "
+      "where these predict held-out rows better. The staged method is that of the thesis: discharge "
+      "times give alpha and beta, a low-rate discharge gives v_oc(A), and pulses give beta again with r_s and "
       "the branches. Where a kind of log is missing, the report says what was done instead. The "
       "first line says how well the cell predicts its own logs; a cell that does not describe them "
       "ends with exit code 1. Several campaigns give one cell file each, in a folder, and a table "

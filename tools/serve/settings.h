@@ -1,9 +1,9 @@
 #pragma once
 
 /// @file
-/// What a person sets on the page: the data of the cell, and how its logs are read. A change comes as
-/// JSON, in which each key may be missing and null is as lipoid finds it; what is wrong in it is an
-/// HttpError, and nothing was changed. Tests: tests/tools/serve_test.py.
+/// What a person sets on the page: the data of the cell, and how its logs are read. A change comes
+/// as JSON, in which each key may be missing and null is as lipoid finds it. A change that is wrong
+/// is an HttpError, and changes nothing. Tests: tests/tools/serve_test.py.
 
 #include <initializer_list>
 #include <nlohmann/json.hpp>

@@ -260,11 +260,10 @@ void Workbench::Change(const Json& change) {
   {
     const std::lock_guard lock(mutex_);
     if (change.contains("cell")) {
-      CellSettings changed = cell_;
-      changed.Change(change["cell"]);
+      const CellSettings before = cell_;
+      cell_.Change(change["cell"]);
       // The draft divides by the pack.
-      if (changed.series != cell_.series || changed.parallel != cell_.parallel) InspectAgain();
-      cell_ = std::move(changed);
+      if (cell_.series != before.series || cell_.parallel != before.parallel) InspectAgain();
     }
     if (change.contains("reading")) {
       reading_.Change(change["reading"]);

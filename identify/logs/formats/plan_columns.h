@@ -2,7 +2,8 @@
 
 /// @file
 /// From a header to the columns that are read: which holds a quantity, in which unit, and how its
-/// cells are written. Tests: tests/identify/logs/formats/formats_test.cc, tests/identify/logs/log_test.cc.
+/// cells are written.
+/// Tests: tests/identify/logs/formats/formats_test.cc, tests/identify/logs/log_test.cc.
 
 #include <array>
 #include <cstddef>
@@ -38,8 +39,8 @@ struct LogPlan {
   }
 };
 
-/// Resolves the columns and units of a header by it and the first rows below it, and leaves the source
-/// at the first line to read. LoadError with a position and advice where that cannot be done.
+/// Resolves columns and units by the header and the first rows below it, and leaves the source at
+/// the first line to read. LoadError with a position and advice where that cannot be done.
 [[nodiscard]] LogPlan PlanColumns(TextSource& source,
                                   const ReadOptions& options,
                                   FoundHeader header,
