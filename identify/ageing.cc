@@ -4,15 +4,13 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Estimate {
   double value = kNaN;

@@ -20,6 +20,7 @@
 #include "model/core/foreign_text.h"
 #include "model/core/json.h"
 #include "model/core/nearest_name.h"
+#include "model/core/special_values.h"
 #include "model/core/structured_text.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/cell_tables.h"
@@ -27,7 +28,6 @@
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = std::numeric_limits<double>::min();
 
 // A cell without diffusion whose whole drop is filtered by one time constant.

@@ -8,6 +8,7 @@
 #include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/optimizers.h"
 #include "model/core/errors.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -54,8 +55,7 @@ class ProjectionProblem : public LeastSquaresProblem {
       padded.topRows(rows) = all;
       all = std::move(padded);
     }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
-    return qr.matrixQR().topRows(n + 1).triangularView<Eigen::Upper>();
+    return TriangularFactor(all);
   }
 
   [[nodiscard]] Eigen::VectorXd Scaled(const std::vector<double>& values) const {

@@ -13,6 +13,7 @@
 #include "identify/optimizers/optimizers.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -172,7 +173,7 @@ FlightFit FitFlight(const ReferenceCell& reference,
       Eigen::MatrixXd normal = columns.leftCols(n).transpose() * columns.leftCols(n);
       normal.diagonal().array() += 1.0;
       const Eigen::VectorXd score = columns.leftCols(n).transpose() * columns.col(n) + scaled;
-      const double cost = columns.col(n).squaredNorm() - score.dot(normal.llt().solve(score)) +
+      const double cost = columns.col(n).squaredNorm() - score.dot(SolvePositive(normal, score)) +
                           lag_s * lag_s / (sensors.lag_s * sensors.lag_s);
       if (cost < best) {
         best = cost;
@@ -202,7 +203,7 @@ FlightFit FitFlight(const ReferenceCell& reference,
   Eigen::MatrixXd normal = columns.transpose() * columns;
   normal.diagonal().head(n).array() += 1.0;
   normal(n, n) += 1.0 / (sensors.lag_s * sensors.lag_s);
-  const Eigen::MatrixXd covariance = normal.llt().solve(Eigen::MatrixXd::Identity(n + 1, n + 1));
+  const Eigen::MatrixXd covariance = InverseOfPositive(normal);
   fit.unknowns = problem.Natural(scaled).head(p);
   fit.prior_deviation = problem.deviation.head(p);
   fit.covariance = problem.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *

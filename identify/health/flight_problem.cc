@@ -7,6 +7,7 @@
 
 #include "identify/logs/segments.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -144,8 +145,7 @@ Eigen::MatrixXd FlightProblem::Factor(const Eigen::VectorXd& scaled, bool jacobi
     last(size(), 0) = all.col(size()).norm();
     return last;
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
-  return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+  return TriangularFactor(all);
 }
 
 }  // namespace lipoid

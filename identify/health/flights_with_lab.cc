@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
 #include "model/core/parallel.h"
+#include "model/statistics/factorizations.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
@@ -127,10 +127,8 @@ class AllFlights final : public LeastSquaresProblem {
         of[f] = Eigen::MatrixXd::Zero(own, own);
         of[f](0, own - 1) = columns.col(own - 1).norm();
       } else {
-        const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-        const Eigen::Index rows = std::min(columns.rows(), own);
         of[f] = Eigen::MatrixXd::Zero(own, own);
-        of[f].topRows(rows) = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+        of[f].topRows(std::min(columns.rows(), own)) = TriangularFactor(columns);
       }
     });
     const Eigen::Index n = size();
@@ -149,8 +147,7 @@ class AllFlights final : public LeastSquaresProblem {
       last(n, 0) = all.col(n).norm();
       return last;
     }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(all);
-    return qr.matrixQR().topRows(n + 1).triangularView<Eigen::Upper>();
+    return TriangularFactor(all);
   }
 
   // Of all parameters and, after them, of the lag of each flight.
@@ -176,7 +173,7 @@ class AllFlights final : public LeastSquaresProblem {
       const double lag_s = SensorSpread().lag_s;
       normal(place[own], place[own]) += 1.0 / (lag_s * lag_s);
     }
-    return normal.llt().solve(Eigen::MatrixXd::Identity(n + flights, n + flights));
+    return InverseOfPositive(normal);
   }
 
  private:
@@ -251,11 +248,11 @@ void AddErrors(const FlightSamples& samples,
 // How far the coordinates are from those of the lab, over how far they may be, in the directions of which the
 // flights speak.
 void Measure(FlightsWithLab& found, double freedom) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(found.coordinate_covariance);
-  for (Eigen::Index e = 0; e < solver.eigenvalues().size(); ++e) {
-    const double told = 1.0 - solver.eigenvalues()[e];
+  const SymmetricEigen eigen = EigenOfSymmetric(found.coordinate_covariance);
+  for (Eigen::Index e = 0; e < eigen.values.size(); ++e) {
+    const double told = 1.0 - eigen.values[e];
     if (told < kSpoken) continue;
-    const double along = solver.eigenvectors().col(e).dot(found.coordinates);
+    const double along = eigen.vectors.col(e).dot(found.coordinates);
     found.distance += along * along / told;
     ++found.directions;
   }

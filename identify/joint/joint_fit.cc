@@ -12,12 +12,13 @@
 #include "identify/optimizers/nlopt_methods.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 #include "model/core/stop.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A branch without resistance follows the current at once: so does one of a nanosecond.
 constexpr double kInstant_s = 1e-9;
 // A step of the current shows r_s and what the branches and the charge transfer add within one row.
@@ -108,20 +109,19 @@ class RatesProblem : public LeastSquaresProblem {
     for (int k = 0; k < p; ++k) scale[k] = rates_[k].Slope(rates_[k].In(rates));
     const Eigen::MatrixXd square = scale.asDiagonal() * slopes.square * scale.asDiagonal();
     const Eigen::VectorXd right = scale.cwiseProduct(slopes.with_residual);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(square);
-    const double least = 1e-14 * std::max(eigen.eigenvalues()[p - 1], 0.0);
+    const SymmetricEigen eigen = EigenOfSymmetric(square);
+    const double least = 1e-14 * std::max(eigen.values[p - 1], 0.0);
     double rest = cost;
     for (int k = 0; k < p; ++k) {
-      const double value = eigen.eigenvalues()[k];
+      const double value = eigen.values[k];
       if (!(value > least)) continue;
       const double root = std::sqrt(value);
-      factor.row(k).head(p) = root * eigen.eigenvectors().col(k).transpose();
-      factor(k, p) = eigen.eigenvectors().col(k).dot(right) / root;
+      factor.row(k).head(p) = root * eigen.vectors.col(k).transpose();
+      factor(k, p) = eigen.vectors.col(k).dot(right) / root;
       rest -= factor(k, p) * factor(k, p);
     }
     factor(p, p) = std::sqrt(std::max(rest, 0.0));
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(factor);
-    return qr.matrixQR().triangularView<Eigen::Upper>();
+    return TriangularFactor(factor);
   }
   [[nodiscard]] const JointSolution& best() const { return best_; }
   [[nodiscard]] const std::vector<JointFit::Rate>& rates() const { return rates_; }
@@ -385,11 +385,10 @@ JointSolution JointFit::Solve(const JointStructure& structure,
     if (!solution.active[k]) free.push_back(static_cast<int>(k));
   }
   const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
-  const Eigen::LLT<Eigen::MatrixXd> llt(
-      information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free).eval());
+  const Eigen::MatrixXd part =
+      information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
   slopes->square = sums.of_rates(searched, searched);
-  // Eigen looks at the first entry of what it solves for, which is none where nothing is searched.
-  if (across.size() > 0) slopes->square -= across.transpose() * llt.solve(across);
+  slopes->square -= across.transpose() * SolvePositive(part, across);
   slopes->with_residual = -sums.with_residual(searched);
   return solution;
 }
@@ -408,7 +407,7 @@ void JointFit::Refine(const JointLayout& layout,
       information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
   Eigen::VectorXd step = Eigen::VectorXd::Zero(layout.size());
   const Eigen::VectorXd right = sums.right(free);
-  step(free) = part.llt().solve(right).eval();
+  step(free) = SolvePositive(part, right);
   const double gain = step.dot(sums.right);
   if (!(gain >= 0.0)) return;
   solution.x += step;

@@ -13,11 +13,10 @@
 #include "identify/validation.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // v_oc(A) over the axis of another alpha.
 OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, double to_C) {

@@ -9,11 +9,10 @@
 
 #include "identify/fit/cell_of_solution.h"
 #include "model/battery/cell_parameters.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The branch whose time constant is nearest to one of another solution; -1: there is none.
 int BranchNear(const JointSolution& solution, double tau_s) {

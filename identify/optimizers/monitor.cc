@@ -8,15 +8,11 @@
 #include <utility>
 
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 #include "model/core/stop.h"
 
 namespace lipoid {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 Monitor::Monitor(const OptimizationProblem& problem, const Eigen::VectorXd& start)
     : problem_(problem),

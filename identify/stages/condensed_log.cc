@@ -1,6 +1,5 @@
 #include "identify/stages/condensed_log.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -49,14 +49,13 @@ BlockShape MakeBlockShape(std::vector<double> offset_s, int nodes) {
     jacobi(m + 1, m) = jacobi(m, m + 1) = next.norm();
     shape.basis.col(m + 1) = next / next.norm();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(jacobi);
-  shape.node_s = solver.eigenvalues().array() * half + middle;
-  shape.weight = static_cast<double>(rows) * solver.eigenvectors().row(0).array().square();
+  const SymmetricEigen eigen = EigenOfSymmetric(jacobi);
+  shape.node_s = eigen.values.array() * half + middle;
+  shape.weight = static_cast<double>(rows) * eigen.vectors.row(0).array().square();
   shape.at_nodes.resize(n, n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    const double q0 = solver.eigenvectors()(0, j);
-    shape.at_nodes.col(j) =
-        solver.eigenvectors().col(j) / (q0 * std::sqrt(static_cast<double>(rows)));
+    const double q0 = eigen.vectors(0, j);
+    shape.at_nodes.col(j) = eigen.vectors.col(j) / (q0 * std::sqrt(static_cast<double>(rows)));
   }
   shape.offset_s = std::move(offset_s);
   return shape;

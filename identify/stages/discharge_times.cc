@@ -11,12 +11,11 @@
 #include "model/battery/discharge_time.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // What both forms report: the optimum and how sharp it is.
 struct Estimate {

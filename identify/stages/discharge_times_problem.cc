@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/battery/discharge_time.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -103,8 +104,7 @@ Eigen::MatrixXd DischargeTimesProblem::Factor(const Eigen::VectorXd& x, bool) co
     if (!given_alpha_C_) rows(k, 1) = -w * time.per_alpha_s_per_C * alpha_C;  // -dL/dlog(alpha)
     rows(k, size()) = w * (d.time_s - time.time_s);
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
-  return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+  return TriangularFactor(rows);
 }
 
 }  // namespace lipoid

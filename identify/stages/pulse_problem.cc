@@ -7,13 +7,14 @@
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
 
 using Kind = PulseVariable::Kind;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is then three years
 constexpr double kLargestBeta = 1.0;
 // A branch of r_j = 0 follows the current at once: so does one of a nanosecond.
@@ -245,8 +246,7 @@ Eigen::MatrixXd PulseProblem::Factor(const Eigen::VectorXd& x, bool jacobian) co
   }
   kept.col(size()) = all.rightCols(1);
   if (!kept.allFinite()) return Eigen::MatrixXd::Constant(size() + 1, size() + 1, kNaN);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept);
-  return qr.matrixQR().topRows(size() + 1).triangularView<Eigen::Upper>();
+  return TriangularFactor(kept);
 }
 
 }  // namespace lipoid

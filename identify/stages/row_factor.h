@@ -5,7 +5,9 @@
 /// products, without ever forming them. Memory does not grow with the rows. Tests:
 /// tests/identify/stages/row_factor_test.cc.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 
@@ -35,15 +37,13 @@ class RowFactor {
   // Householder QR of [R; new rows]: R becomes the factor of all rows so far.
   void Reduce() {
     if (filled_ == columns_) return;
-    qr_.compute(block_.topRows(filled_));
-    block_.topRows(columns_) = qr_.matrixQR().topRows(columns_).triangularView<Eigen::Upper>();
+    block_.topRows(columns_) = TriangularFactor(block_.topRows(filled_));
     filled_ = columns_;
   }
 
   int columns_;
   Eigen::Index filled_;  // rows of block_ in use; the first columns_ hold R
   Eigen::MatrixXd block_;
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
 };
 
 }  // namespace lipoid

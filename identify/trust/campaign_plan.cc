@@ -3,18 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "identify/joint/joint_trust.h"
 #include "model/battery/at_temperature.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A thermometer has thousands of rows.
 constexpr double kManyFreedoms = 1e4;
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -24,8 +24,7 @@ double SignedRanks(std::vector<double> differences) {
   double squares = 0.0;
   for (std::size_t first = 0; first < differences.size();) {
     std::size_t end = first;
-    while (end < differences.size() &&
-           std::abs(differences[end]) == std::abs(differences[first])) {
+    while (end < differences.size() && std::abs(differences[end]) == std::abs(differences[first])) {
       ++end;
     }
     const double rank = 0.5 * static_cast<double>(first + 1 + end);
@@ -45,7 +44,6 @@ PairedGain CompareErrors(const std::vector<double>& simple,
                          const std::vector<double>& weight) {
   Require(simple.size() == rich.size() && rich.size() == weight.size(),
           "errors of the same units, and their weights");
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double total = 0.0;
   double difference = 0.0;
   int units = 0;
@@ -60,7 +58,8 @@ PairedGain CompareErrors(const std::vector<double>& simple,
     differences.push_back((simple[u] - rich[u]) / weight[u]);
   }
   if (units == 0) return {.standard_error = kInfinity};
-  PairedGain paired{.gain = difference / total, .standard_error = kInfinity,
+  PairedGain paired{.gain = difference / total,
+                    .standard_error = kInfinity,
                     .ranks = SignedRanks(std::move(differences))};
   if (units < 2) return paired;
   double squares = 0.0;

@@ -9,15 +9,15 @@
 #include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 #include "model/core/stop.h"
+#include "model/statistics/factorizations.h"
 #include "model/statistics/order_statistics.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // A vector has a part in a direction if that is more than this share of it.
 constexpr double kHasPart = 1e-4;
 // Series that tell what the fit leaves of a component of the noise.
@@ -40,14 +40,13 @@ class Information {
     for (Eigen::Index k = 0; k < n; ++k)
       unit_[k] = diagonal[k] > 0.0 ? 1.0 / std::sqrt(diagonal[k]) : 0.0;
     if (n == 0) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit_.asDiagonal() * matrix *
-                                                               unit_.asDiagonal());
-    const Eigen::VectorXd& values = eigen.eigenvalues();
+    const SymmetricEigen eigen = EigenOfSymmetric(unit_.asDiagonal() * matrix * unit_.asDiagonal());
+    const Eigen::VectorXd& values = eigen.values;
     const double least = kNoInformation * std::max(values[n - 1], 0.0);
     Eigen::Index empty = 0;
     while (empty < n && !(values[empty] > least)) ++empty;
-    nothing_ = eigen.eigenvectors().leftCols(empty);
-    const Eigen::MatrixXd known = unit_.asDiagonal() * eigen.eigenvectors().rightCols(n - empty);
+    nothing_ = eigen.vectors.leftCols(empty);
+    const Eigen::MatrixXd known = unit_.asDiagonal() * eigen.vectors.rightCols(n - empty);
     inverse_ = known * values.tail(n - empty).cwiseInverse().asDiagonal() * known.transpose();
   }
 
@@ -133,9 +132,9 @@ void EndRounding(Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd own = per_unit.asDiagonal() * covariance * per_unit.asDiagonal();
   const auto one = Eigen::MatrixXd::Identity(own.rows(), own.cols());
   if ((own + kCovarianceRounding * one).llt().info() == Eigen::Success) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
-  const Eigen::MatrixXd root = unit.asDiagonal() * eigen.eigenvectors() *
-                               eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen = EigenOfSymmetric(own);
+  const Eigen::MatrixXd root =
+      unit.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
   covariance = root * root.transpose();
 }
 
@@ -247,9 +246,7 @@ class Assessment {
     const Eigen::MatrixXd moves = c.transpose() * (c * c.transpose()).ldlt().solve(per_size);
     Eigen::MatrixXd d = moves;
     if (n < Size(free_)) {
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(orthogonal);
-      const Eigen::MatrixXd basis =
-          qr.householderQ() * Eigen::MatrixXd::Identity(Size(free_), Size(free_));
+      const Eigen::MatrixXd basis = OrthogonalBasis(orthogonal);
       const Eigen::MatrixXd others = basis.rightCols(Size(free_) - n);
       const Eigen::MatrixXd scaled = unit.asDiagonal() * h * unit.asDiagonal();
       const Eigen::MatrixXd coupling = others.transpose() * scaled;
@@ -576,15 +573,15 @@ class Assessment {
     for (Eigen::Index k = 0; k < n; ++k)
       scale[k] =
           Scale(quantities_[static_cast<std::size_t>(primary_[static_cast<std::size_t>(k)])]);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information_ *
-                                                               scale.asDiagonal());
+    const SymmetricEigen eigen =
+        EigenOfSymmetric(scale.asDiagonal() * information_ * scale.asDiagonal());
     for (Eigen::Index k = 0; k < n; ++k) {
       CarriedCombination combination;
       combination.singular_value_V =
-          std::sqrt(std::max(0.0, eigen.eigenvalues()[k]) / std::max(weight_, 1e-300));
+          std::sqrt(std::max(0.0, eigen.values[k]) / std::max(weight_, 1e-300));
       combination.weights.assign(quantities_.size(), 0.0);
       // The largest weight is positive.
-      Eigen::VectorXd weights = eigen.eigenvectors().col(k);
+      Eigen::VectorXd weights = eigen.vectors.col(k);
       Eigen::Index largest = 0;
       weights.cwiseAbs().maxCoeff(&largest);
       if (weights[largest] < 0.0) weights = -weights;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <unsupported/Eigen/Polynomials>
 
+#include "model/core/special_values.h"
 #include "model/vehicle/battery_supply.h"
 
 namespace lipoid {
@@ -16,8 +17,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Polynomial = Eigen::VectorXd;  // coefficients by rising powers of s
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Polynomial Make(std::initializer_list<double> coefficients) {
   Polynomial p(Eigen::Index(coefficients.size()));

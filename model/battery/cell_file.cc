@@ -16,6 +16,7 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -24,7 +25,6 @@ int Within(const JsonReader& json, const Range& range) {
   return json.Integer(static_cast<int>(range.lo), static_cast<int>(range.hi));
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = std::numeric_limits<double>::min();  // of what must be above 0
 
 std::string MethodName(OcvMethod method) {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -71,7 +72,6 @@ void FollowCapacitance(Cell::Branch& branch) {
     branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kResistance = "a resistance of at least 0 Ohm";
 constexpr std::string_view kTimeConstant = "a time constant above 0 s";
 constexpr std::string_view kEnergy = "an activation energy from 0 to 200000 J/mol";

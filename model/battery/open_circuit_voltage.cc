@@ -3,14 +3,12 @@
 #include <math.h>  // boost 1.74's pchip.hpp calls isnan without std:: (NOLINT: the C header is meant)
 
 #include <boost/math/interpolators/pchip.hpp>
-#include <limits>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void RequireNodes(const std::vector<double>& soc,
                   const std::vector<double>& voltage_V,

@@ -7,6 +7,7 @@
 
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -31,11 +32,11 @@ struct Eigensystem {
       : unit(covariance.diagonal().cwiseSqrt()) {
     const Eigen::VectorXd per_unit =
         (unit.array() > 0.0).select(unit.cwiseInverse(), 0.0 * unit).eval();
-    solver.compute(per_unit.asDiagonal() * covariance * per_unit.asDiagonal());
+    eigen = EigenOfSymmetric(per_unit.asDiagonal() * covariance * per_unit.asDiagonal());
   }
 
   Eigen::VectorXd unit;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  SymmetricEigen eigen;
 };
 
 // The kind of a parameter, or of the resistance that a node belongs to; null for a node of v_oc.
@@ -73,10 +74,9 @@ UncertainCell::UncertainCell(const Cell& cell) : base_(cell) {
     covariance_.row(k) /= *value;
     covariance_.col(k) /= *value;
   }
-  const Eigensystem eigen(covariance_);
-  factor_ = eigen.unit.asDiagonal() * eigen.solver.eigenvectors() *
-            eigen.solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  variances_ = eigen.solver.eigenvalues().cwiseMax(0.0);
+  const auto [unit, eigen] = Eigensystem(covariance_);
+  factor_ = unit.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  variances_ = eigen.values.cwiseMax(0.0);
   FindRange();
 }
 
@@ -282,7 +282,7 @@ Cell::Uncertainty UncertaintyAmong(const Cell& cell,
 
 double LeastEigenvalue(const std::vector<std::vector<double>>& covariance) {
   if (covariance.empty()) return 0.0;
-  return Eigensystem(AsMatrix(covariance)).solver.eigenvalues()[0];
+  return Eigensystem(AsMatrix(covariance)).eigen.values[0];
 }
 
 }  // namespace lipoid

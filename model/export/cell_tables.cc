@@ -14,6 +14,7 @@
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/nearest_name.h"
+#include "model/core/special_values.h"
 #include "model/core/structured_text.h"
 #include "model/export/curve_nodes.h"
 #include "model/export/export_error.h"
@@ -22,7 +23,6 @@
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = std::numeric_limits<double>::min();
 constexpr int kMostBranches = 20;
 

@@ -26,7 +26,10 @@ inline constexpr double kCurveTolerance_V = 1e-5;
 
 /// The same with a node `beyond` before the first and after the last one, on the end slopes: for
 /// programs that hold the end value instead.
-inline constexpr double kBeyondCurve = 0.5;
+inline constexpr double kBeyondCurve = 0.5;  // in states of charge
 [[nodiscard]] CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve);
+
+/// How far the first and last line of a table go on where the iterations of a solver may go far.
+inline constexpr double kFarBeyondCurve = 10.0;
 
 }  // namespace lipoid

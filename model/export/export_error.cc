@@ -1,15 +1,13 @@
 #include "model/export/export_error.h"
 
 #include <cmath>
-#include <limits>
 
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Largest {
   double rms = kNaN;

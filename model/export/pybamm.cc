@@ -18,8 +18,6 @@
 namespace lipoid {
 namespace {
 
-constexpr double kBeyond = 10.0;  // how far the last lines of a table go on
-
 std::string PythonList(const std::vector<double>& values) {
   std::string text = "[";
   std::size_t column = 1;
@@ -39,9 +37,9 @@ std::string PythonList(const std::vector<double>& values) {
 
 // Flat beyond its ends, as the cell's tables are; Interpolant would go on with the last slope.
 Resistance<double> Extended(Resistance<double> table) {
-  table.soc.insert(table.soc.begin(), table.soc.front() - kBeyond);
+  table.soc.insert(table.soc.begin(), table.soc.front() - kFarBeyondCurve);
   table.resistance_Ohm.insert(table.resistance_Ohm.begin(), table.resistance_Ohm.front());
-  table.soc.push_back(table.soc.back() + kBeyond);
+  table.soc.push_back(table.soc.back() + kFarBeyondCurve);
   table.resistance_Ohm.push_back(table.resistance_Ohm.back());
   return table;
 }
@@ -299,9 +297,9 @@ Exported ExportPybamm(const ExportRequest& request) {
   const OpenCircuitVoltage& lines = in_lines.open_circuit_voltage;
   std::vector<double> soc = lines.soc();
   std::vector<double> voltage_V = lines.voltage_V();
-  soc.insert(soc.begin(), soc.front() - kBeyond);
+  soc.insert(soc.begin(), soc.front() - kFarBeyondCurve);
   voltage_V.insert(voltage_V.begin(), lines(soc.front()));
-  soc.push_back(soc.back() + kBeyond);
+  soc.push_back(soc.back() + kFarBeyondCurve);
   voltage_V.push_back(lines(soc.back()));
 
   const std::string series = module.Ohms("SERIES_RESISTANCE", cell.series_resistance_Ohm);

@@ -15,11 +15,6 @@
 namespace lipoid {
 namespace {
 
-// Cubic, polynomial and Fourier curves become straight lines this close.
-// How far straight lines go on beyond the ends of a table, in states of charge. The iterations of a
-// solver may go far.
-constexpr double kBeyond = 10.0;
-
 // A line of SPICE holds at most this much, then a '+' continues it.
 constexpr std::size_t kColumns = 96;
 
@@ -148,9 +143,9 @@ class Circuit {
     if (ohms.resistance_Ohm.size() == 1) return Number(ohms.resistance_Ohm[0]);
     std::vector<double> x = ohms.soc;
     std::vector<double> y = ohms.resistance_Ohm;
-    x.insert(x.begin(), x.front() - kBeyond);
+    x.insert(x.begin(), x.front() - kFarBeyondCurve);
     y.insert(y.begin(), y.front());
-    x.push_back(x.back() + kBeyond);
+    x.push_back(x.back() + kFarBeyondCurve);
     y.push_back(y.back());
     return Points(x, y);
   }
@@ -158,9 +153,9 @@ class Circuit {
     const OpenCircuitVoltage lines = StraightLines(cell_.open_circuit_voltage);
     std::vector<double> x = lines.soc();
     std::vector<double> y = lines.voltage_V();
-    x.insert(x.begin(), x.front() - kBeyond);
+    x.insert(x.begin(), x.front() - kFarBeyondCurve);
     y.insert(y.begin(), lines(x.front()));
-    x.push_back(x.back() + kBeyond);
+    x.push_back(x.back() + kFarBeyondCurve);
     y.push_back(lines(x.back()));
     return Points(x, y);
   }

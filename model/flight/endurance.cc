@@ -6,13 +6,11 @@
 
 #include "model/core/errors.h"
 #include "model/flight/endurance_lanes.h"
+#include "model/flight/flight_clock.h"
 #include "model/vehicle/battery_supply.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kEmptyAfter_s = 1.0;  // below cut-off, as in Fly
-constexpr double kRounding_s = 1e-9;
 
 // A share of the time that the charge lasts at half of it, at the mission's mean power.
 double StepFor(const EnduranceSetup& setup) {
@@ -146,17 +144,16 @@ class Mission {
     without_power_s_ = suffices_ ? 0.0 : without_power_s_ + dt_s;
     below_motors_s_ = voltage_V_ < leg.least_V ? below_motors_s_ + dt_s : 0.0;
     below_cutoff_s_ = voltage_V_ < battery_.cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
-    const auto lasted = [](double time_s) { return time_s >= kEmptyAfter_s - kRounding_s; };
     std::optional<MissionEnd> end;
     if (at_reserve) {
       end = MissionEnd::kReserve;
     } else if (battery_.soc() <= 0.0) {
       end = MissionEnd::kEmpty;
-    } else if (lasted(without_power_s_)) {
+    } else if (EmptyAfter(without_power_s_)) {
       end = MissionEnd::kPower;
-    } else if (lasted(below_motors_s_)) {
+    } else if (EmptyAfter(below_motors_s_)) {
       end = MissionEnd::kMotorVoltage;
-    } else if (lasted(below_cutoff_s_)) {
+    } else if (EmptyAfter(below_cutoff_s_)) {
       end = MissionEnd::kCutOff;
     }
     if (!end) return;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 using Lanes = Eigen::Array<double, kLanes, 1>;
 
 constexpr std::size_t kBlockSteps = 64;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A piece of a curve over A in each lane: cubic, from lo to hi.
 struct Pieces {

@@ -9,6 +9,7 @@
 
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
+#include "model/flight/flight_clock.h"
 
 namespace lipoid {
 namespace {
@@ -18,8 +19,6 @@ namespace odeint = boost::numeric::odeint;
 constexpr double kLongestStep_s = 0.0025;
 constexpr double kShortestStep_s = 1e-5;
 constexpr double kWindStep_s = 0.005;  // as in the simulator: the same gusts at any frame rate
-constexpr double kEmptyAfter_s = 1.0;  // below cut-off
-constexpr double kRounding_s = 1e-9;
 constexpr double kTakenOff_m = 0.01;
 
 // The longest step that follows motors with an inductance, as in the simulator.
@@ -149,7 +148,7 @@ class Live : public LivePlant {
     }
     if (!report_.takeoff_s && -state_.position_m[2] > kTakenOff_m) report_.takeoff_s = time_s_;
     below_cutoff_s_ = state_.battery_V < battery_->cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
-    if (!report_.cutoff_s && below_cutoff_s_ >= kEmptyAfter_s - kRounding_s) {
+    if (!report_.cutoff_s && EmptyAfter(below_cutoff_s_)) {
       report_.cutoff_s = time_s_;
     }
     if (!report_.empty_s && state_.soc <= 0.0) report_.empty_s = time_s_;

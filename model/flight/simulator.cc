@@ -15,14 +15,14 @@
 
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
+#include "model/flight/flight_clock.h"
 
 namespace lipoid {
 namespace {
 
 namespace odeint = boost::numeric::odeint;
 
-constexpr double kWatched_s = 5.0;     // after each altitude step
-constexpr double kEmptyAfter_s = 1.0;  // below cut-off
+constexpr double kWatched_s = 5.0;  // after each altitude step
 constexpr double kHardestTouch_m_per_s = 1.5;
 constexpr double kSteepestTouch = 0.7;  // cosine of the tilt
 constexpr double kDescent_m_per_s = 0.5;
@@ -405,14 +405,14 @@ class Simulation {
                  fmt::format("the state of charge reached 0 at {:.3f} s", now_s));
     }
     below_cutoff_s_ = battery_V_ < battery_->cutoff_V() ? below_cutoff_s_ + kControlStep_s : 0.0;
-    if (below_cutoff_s_ >= kEmptyAfter_s - 1e-9) {
+    if (EmptyAfter(below_cutoff_s_)) {
       return End(
           Outcome::kBatteryEmpty,
           fmt::format(
               "the battery was below {} V for a second at {:.3f} s", battery_->cutoff_V(), now_s));
     }
     low_s_ = battery_V_ < setup_.land_below_V ? low_s_ + kControlStep_s : 0.0;
-    if (low_s_ >= kEmptyAfter_s - 1e-9 && !pilot_.landing()) {
+    if (EmptyAfter(low_s_) && !pilot_.landing()) {
       pilot_.Land(-x_[plant::kPosition + 2], x_[0], x_[1]);
     }
   }

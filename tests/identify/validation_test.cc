@@ -3,16 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 // v_oc from 3 V to 4 V over 1000 C, and nothing else.
 Cell ChargeCounter() {
@@ -97,9 +97,10 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   record.time_s = {0, 1, 2, 3};
   record.current_A = {0, 0, 2, 2};
   record.voltage_V = {3.52, 3.5, 3.4, 3.4};
-  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0),
-            "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.50, not "
-            "1; if it had rested long enough, say initial_soc 0.50");
+  EXPECT_EQ(
+      DoubtAboutStart(curve, record, 1.0),
+      "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.50, not "
+      "1; if it had rested long enough, say initial_soc 0.50");
   EXPECT_EQ(DoubtAboutStart(curve, record, 0.5), "");
   EXPECT_EQ(DoubtAboutStart(curve, record, 0.52), "");
   record.current_A[0] = record.current_A[1] = 2.0;  // no rest to be seen

@@ -94,6 +94,26 @@ ExportMission ReadMission(const std::string& file) {
   return mission;
 }
 
+ExportMission Thinned(const ExportMission& mission, std::size_t every) {
+  ExportMission thin = mission;
+  thin.time_s.clear();
+  thin.current_A.clear();
+  for (std::size_t k = 0; k < mission.time_s.size(); k += every) {
+    thin.time_s.push_back(mission.time_s[k]);
+    thin.current_A.push_back(mission.current_A[k]);
+  }
+  return thin;
+}
+
+ExportMission Steady(double current_A, double duration_s, double row_s) {
+  ExportMission mission;
+  for (int k = 0; k <= std::lround(duration_s / row_s); ++k) {
+    mission.time_s.push_back(k * row_s);
+    mission.current_A.push_back(current_A);
+  }
+  return mission;
+}
+
 ExportRequest RequestOf(const Cell& cell, const std::string& target_version) {
   ExportRequest request;
   request.cell = cell;

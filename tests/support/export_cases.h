@@ -27,6 +27,12 @@ ExportMission SortieOf(const Cell& cell);
 /// time_s,current_A with one header line.
 ExportMission ReadMission(const std::string& file);
 
+/// Every `every`-th row.
+ExportMission Thinned(const ExportMission& mission, std::size_t every);
+
+/// The same current throughout.
+ExportMission Steady(double current_A, double duration_s, double row_s);
+
 ExportRequest RequestOf(const Cell& cell, const std::string& target_version = "");
 
 /// Writes the files of an export into a folder, the first as NAME and its own suffix, and returns

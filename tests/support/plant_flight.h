@@ -12,8 +12,15 @@
 #include <random>
 
 #include "model/vehicle/plant.h"
+#include "model/vehicle/vehicle_file.h"
 
 namespace lipoid::test {
+
+/// The vehicle of the thesis.
+inline const Vehicle& Mambo() {
+  static const Vehicle vehicle = LoadVehicle("mambo-thesis");
+  return vehicle;
+}
 
 template <class T, std::size_t N>
 Eigen::Matrix<T, int(N), 1> AsEigen(const std::array<T, N>& values) {

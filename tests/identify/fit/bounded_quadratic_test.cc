@@ -4,13 +4,12 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A'A of a random matrix, well conditioned, and a right side that pulls some unknowns below their
 // bounds.

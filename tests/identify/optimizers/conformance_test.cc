@@ -21,7 +21,6 @@ namespace {
 
 using test::CostProblem;
 using test::DenseProblem;
-using test::kNaN;
 using test::LinearProblem;
 using test::Rosenbrock;
 

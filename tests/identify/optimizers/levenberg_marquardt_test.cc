@@ -16,7 +16,6 @@ namespace lipoid {
 namespace {
 
 using test::DenseProblem;
-using test::kNaN;
 using test::LinearProblem;
 using test::MakeNistProblem;
 using test::Rosenbrock;

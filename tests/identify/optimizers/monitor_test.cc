@@ -93,7 +93,7 @@ TEST(Monitor, KeepsWhatTheObjectiveThrows) {
 TEST(Monitor, DoesNotAskForWhatIsNoPoint) {
   const DenseProblem problem = Rosenbrock();
   Monitor monitor(problem, Eigen::Vector2d(0.0, 0.0));
-  EXPECT_EQ(monitor.Cost(Eigen::Vector2d(test::kNaN, 1.0)), HUGE_VAL);
+  EXPECT_EQ(monitor.Cost(Eigen::Vector2d(kNaN, 1.0)), HUGE_VAL);
   EXPECT_EQ(problem.evaluations(), 0);
 }
 

@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -14,11 +13,10 @@
 #include <vector>
 
 #include "identify/optimizers/least_squares.h"
+#include "model/core/special_values.h"
 #include "tests/identify/optimizers/nist_problems.h"
 
 namespace lipoid::test {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// What a problem was asked, from any thread.
 class Questions {

@@ -3,14 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
+
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 Eigen::MatrixXd RandomRows(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   std::mt19937 engine(seed);

@@ -13,6 +13,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 #include "tests/support/paths.h"
 #include "tests/support/plain_csv.h"
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 Cell DroneCell() {
   Cell cell = LoadCell("gifi-600mAh-1");

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -15,13 +14,12 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction_band.h"
+#include "model/core/special_values.h"
 #include "model/statistics/normal_noise.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using test::Truth;
 

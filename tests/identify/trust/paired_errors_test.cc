@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-14;
 
 // Two units of weight 1, differences 3 and 1: mean 2, standard error sqrt(2/4 (1 + 1)) = 1.

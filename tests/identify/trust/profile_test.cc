@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "identify/trust/profile_report.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TrustReport Trust(double estimate, double standard_error, double rise) {
   QuantityTrust q;
@@ -30,11 +27,9 @@ TrustReport Trust(double estimate, double standard_error, double rise) {
 }
 
 ProfileTask Task(double estimate, Refit cost) {
-  return {.name = "p",
-          .unit = "V",
-          .estimate = estimate,
-          .lower = 0.0,
-          .begin = [cost] { return cost; }};
+  return {.name = "p", .unit = "V", .estimate = estimate, .lower = 0.0, .begin = [cost] {
+            return cost;
+          }};
 }
 
 // cost = c + ((p - p0)/s)^2 rises by d at p0 +- s sqrt(d).
@@ -85,7 +80,10 @@ TEST(Profile, OfAFlatValleyHasNoEnds) {
   other.name = "q";
   other.objective_rise_95 = 2.0;
   trust.quantities.push_back(other);
-  const auto profiles = FindProfiles({Task(10.0, [](double) { return ProfileCost{1.0, 0.1}; })},
+  const auto profiles = FindProfiles({Task(10.0,
+                                           [](double) {
+                                             return ProfileCost{1.0, 0.1};
+                                           })},
                                      trust);
   EXPECT_TRUE(std::isnan(profiles[0].low));
   EXPECT_TRUE(std::isnan(profiles[0].high));

@@ -4,17 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "model/battery/record_stepper.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 const double kPi = std::acos(-1.0);
 
 // A straight line: v_oc is affine in A, so that every closed form below holds for the voltage too.

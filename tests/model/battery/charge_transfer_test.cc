@@ -4,16 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr double kScale_A = 0.5;
 constexpr double kResistance_Ohm = 0.06;
 

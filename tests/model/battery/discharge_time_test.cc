@@ -10,11 +10,12 @@
 
 #include "model/battery/cell_model.h"
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr long double kPi = boost::math::constants::pi<long double>();
 // Where the test steps into rounding alone: a handful of operations.
 constexpr double kRounding = 8 * kEpsilon;

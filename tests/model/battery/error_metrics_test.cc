@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(ErrorMetrics, AreThoseOfTheThesis) {
   // (4.56): 25 %, 12.5 %, 0 % of the measured value, whichever side the prediction lies on.

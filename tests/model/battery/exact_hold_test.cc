@@ -4,14 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "model/core/special_values.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kEpsilon;
 
 // |z| from 1e-12 to 1e3, ten per decade, with those on both sides of where PhiSlope changes its
 // form.

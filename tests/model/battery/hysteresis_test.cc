@@ -4,17 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr double kAlpha_C = 10000.0;
 constexpr double kFolds = 30.0;
 constexpr double kHalf_V = 0.02;

@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 const std::vector<double> kSoc = {
     0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};

@@ -3,16 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 CellParameters<double>
 PlainCell() {  // counts charge and drops r_s i: everything can be done by hand

@@ -4,17 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "model/battery/cell_model.h"
 #include "model/battery/record_stepper.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr double kTau_s = 300.0;
 constexpr double kRho = 2e-3;
 constexpr double kSeries_Ohm = 0.13;

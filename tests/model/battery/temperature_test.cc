@@ -4,19 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/battery/at_temperature.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/prediction.h"
 #include "model/battery/typical_temperature.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr double kReference_K = 298.15;
 constexpr double kCold_K = 263.15;
 

@@ -3,17 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/battery/cell_file.h"
 #include "model/battery/discharge_time.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 // Empty at 3.0 V, full at 4.0 V, 1000 C: without diffusion the cut-off comes where the charge has
 // lowered the voltage by what the drop leaves of the volt.

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 constexpr double kWeight = 0.001;
 constexpr double kBand_m_per_s2 = 1.0;
 constexpr double kStep_s = 0.005;
-constexpr double kDegree = std::numbers::pi / 180.0;
+using test::kDegree;
 constexpr Triple<double> kAtRest{};
 
 Triple<double> GravityAt(const Triple<double>& angles_rad) {

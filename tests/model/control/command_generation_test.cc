@@ -3,14 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 TEST(CommandGeneration, ADutyCycleGivesItsSpeedAtTheVoltageItWasMadeFor) {
   for (const auto& name : ShippedVehicleNames()) {

@@ -4,21 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
-const Vehicle& Mambo() {
-  static const Vehicle vehicle = LoadVehicle("mambo-thesis");
-  return vehicle;
-}
+using test::Mambo;
 
 TEST(ControlLaw, WithoutErrorsItHovers) {
   const auto out = InnerLoops<double>(Mambo(), LoadGains("aware"), {}, {}, {});

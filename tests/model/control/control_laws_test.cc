@@ -9,15 +9,13 @@
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/flight/simulator.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/plant_flight.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
-const Vehicle& Mambo() {
-  static const Vehicle vehicle = LoadVehicle("mambo-thesis");
-  return vehicle;
-}
+using test::Mambo;
 
 TEST(ControlLaws, AreFoundByName) {
   EXPECT_EQ(FindControlLaw("pid").inner_loops, &PidInnerLoops);

@@ -3,11 +3,11 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <random>
 
 #include "model/control/command_generation.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 
 namespace lipoid {
@@ -17,7 +17,7 @@ using State = PlantState<double>;
 using Jet = ceres::Jet<double, 1>;
 
 constexpr unsigned kSeed = 20261120;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 // rho'' of the plant: the change of S(rho) Omega along its own motion, by automatic
 // differentiation.

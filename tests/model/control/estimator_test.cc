@@ -5,17 +5,17 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
 constexpr std::uint64_t kSeed = 40;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegree = std::numbers::pi / 180.0;
+using test::kDegree;
 
 SensorOptions Faultless() {
   SensorOptions options;

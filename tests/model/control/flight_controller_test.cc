@@ -4,15 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 const Vehicle& Mambo() {
   static const Vehicle vehicle = LoadVehicle("mambo-coupled");

@@ -5,21 +5,14 @@
 
 #include <cmath>
 
+#include "tests/support/export_cases.h"
+
 namespace lipoid {
 namespace {
 
 // A float of 12 V is known to 5e-7 V; the filter stops short of its goal by half a rounding over its
 // share of 5 % in a step.
 constexpr double kFloat_V = 2e-5;
-
-ExportMission Steady(double current_A, double duration_s, double row_s) {
-  ExportMission mission;
-  for (int k = 0; k <= std::lround(duration_s / row_s); ++k) {
-    mission.time_s.push_back(k * row_s);
-    mission.current_A.push_back(current_A);
-  }
-  return mission;
-}
 
 std::vector<double> Drawn(const ExportMission& mission) {
   std::vector<double> drawn_Ah;
@@ -29,7 +22,7 @@ std::vector<double> Drawn(const ExportMission& mission) {
 }
 
 TEST(ArduPilotLaw, RestsAtItsFullVoltage) {
-  const auto mission = Steady(0.0, 10.0, 0.1);
+  const auto mission = test::Steady(0.0, 10.0, 0.1);
   for (const double v : ArduPilotVoltage({12.6, 2.0, 0.05}, mission, Drawn(mission)))
     EXPECT_NEAR(v, 12.6, kFloat_V);
 }
@@ -43,7 +36,7 @@ TEST(ArduPilotLaw, TableHasItsRowsAndStraightLines) {
 
 TEST(ArduPilotLaw, StepOfCurrentIsFilteredAtTenHertz) {
   // So large that the charge does not matter; one time constant is 1/(20 pi) s.
-  ExportMission mission = Steady(10.0, 1.0, 0.1);
+  ExportMission mission = test::Steady(10.0, 1.0, 0.1);
   const double tau_s = 1.0 / (20.0 * 3.14159265358979);
   mission.time_s = {0.0, tau_s, 1.0};
   mission.current_A = {10.0, 10.0, 10.0};
@@ -69,19 +62,20 @@ TEST(ArduPilotLaw, HalfTheCapacityIsTheMiddleOfTheTable) {
 TEST(ArduPilotLaw, FloatCountsASmallCurrentWrongly) {
   // At 0.6 Ah a float is good to 6e-8 Ah, a step of 1.65 A takes 3.8e-7 Ah: the sum of the rounded
   // steps is off by up to 8 %, and the smooth law is not.
-  const auto mission = Steady(1.65, 360.0, 0.1);
+  const auto mission = test::Steady(1.65, 360.0, 0.1);
   const auto drawn_Ah = Drawn(mission);
   const ArduPilotBattery battery{4.2, 0.6, 0.1};
   const double exact_V = ArduPilotVoltageSmooth(battery, mission, drawn_Ah).back();
-  EXPECT_NEAR(
-      exact_V, 4.2 * ArduPilotRestingVoltage(100.0 * (1.0 - 0.165 / 0.6)) / 4.173 - 0.165, 1e-6);  // the table is in float
+  EXPECT_NEAR(exact_V,
+              4.2 * ArduPilotRestingVoltage(100.0 * (1.0 - 0.165 / 0.6)) / 4.173 - 0.165,
+              1e-6);  // the table is in float
   const double float_V = ArduPilotVoltage(battery, mission, drawn_Ah).back();
   EXPECT_GT(std::abs(float_V - exact_V), 1e-3);
   EXPECT_LT(std::abs(float_V - exact_V), 3e-2);
 }
 
 TEST(ArduPilotLaw, StartsWithWhatHasAlreadyLeft) {
-  const auto mission = Steady(0.0, 1.0, 0.1);
+  const auto mission = test::Steady(0.0, 1.0, 0.1);
   const std::vector<double> drawn_Ah(mission.time_s.size(), 1.0);
   const auto volts = ArduPilotVoltage({4.173, 2.0, 0.05}, mission, drawn_Ah);
   EXPECT_NEAR(volts.front(), 3.742, kFloat_V);

@@ -7,18 +7,10 @@
 #include "model/export/equivalent_circuit_law.h"
 #include "model/export/gazebo_law.h"
 #include "model/export/px4_law.h"
+#include "tests/support/export_cases.h"
 
 namespace lipoid {
 namespace {
-
-ExportMission Steady(double current_A, double duration_s, double row_s) {
-  ExportMission mission;
-  for (int k = 0; k <= std::lround(duration_s / row_s); ++k) {
-    mission.time_s.push_back(k * row_s);
-    mission.current_A.push_back(current_A);
-  }
-  return mission;
-}
 
 std::vector<double> Drawn(const ExportMission& mission) {
   std::vector<double> drawn_Ah{0.0};
@@ -31,7 +23,7 @@ std::vector<double> Drawn(const ExportMission& mission) {
 
 TEST(GazeboLaw, StepOfCurrentIsSmoothedAndCounted) {
   const GazeboBattery battery{12.6, -2.0, 2.0, 0.1, 4.0};
-  const auto mission = Steady(5.0, 60.0, 0.5);
+  const auto mission = test::Steady(5.0, 60.0, 0.5);
   const auto volts = GazeboVoltage(battery, mission, Drawn(mission));
   // Step by step, as the plugin does.
   double s = 0.0;
@@ -51,13 +43,13 @@ TEST(GazeboLaw, StepOfCurrentIsSmoothedAndCounted) {
 
 TEST(GazeboLaw, ASmoothingBelowAStepIsAStep) {
   const GazeboBattery battery{12.6, 0.0, 2.0, 0.1, 1e-6};
-  const auto mission = Steady(5.0, 0.01, 0.001);
+  const auto mission = test::Steady(5.0, 0.01, 0.001);
   EXPECT_NEAR(GazeboVoltage(battery, mission, Drawn(mission))[1], 12.1, 1e-12);
 }
 
 TEST(GazeboLaw, PowerIsTheCurrentTimesTheVoltageInTheEnd) {
   const GazeboBattery battery{12.0, 0.0, 100.0, 0.5, 0.5};
-  const auto mission = Steady(1.0, 30.0, 0.1);
+  const auto mission = test::Steady(1.0, 30.0, 0.1);
   const std::vector<double> power_W(mission.time_s.size(), 40.0);
   const double v = GazeboVoltageUnderPower(battery, mission, power_W, Drawn(mission)).back();
   EXPECT_NEAR(v * (12.0 - v) / 0.5, 40.0, 1e-6);
@@ -75,7 +67,7 @@ TEST(Px4Law, IsAStraightLineLessTheDrop) {
 
 TEST(Px4Law, EstimatorFollowsABatteryThatHasItsLaw) {
   const Px4Battery battery{1, 3.5, 4.15, 0.02, 1000.0};
-  const auto mission = Steady(1.0, 1800.0, 0.5);
+  const auto mission = test::Steady(1.0, 1800.0, 0.5);
   const auto drawn_Ah = Drawn(mission);
   const auto shown = Px4StateOfCharge(battery, mission, Px4Voltage(battery, mission, drawn_Ah));
   // The low-pass lags a second of 3600.
@@ -86,7 +78,7 @@ TEST(Px4Law, EstimatorFollowsABatteryThatHasItsLaw) {
 
 TEST(Px4Law, EstimatorIsDrawnToALowVoltage) {
   const Px4Battery battery{1, 3.5, 4.15, 0.0, 1000.0};
-  const auto mission = Steady(0.0, 60.0, 0.5);
+  const auto mission = test::Steady(0.0, 60.0, 0.5);
   std::vector<double> volts(mission.time_s.size(), 3.5);
   volts[0] = 4.15;
   const auto shown = Px4StateOfCharge(battery, mission, volts);
@@ -101,7 +93,7 @@ TEST(EquivalentCircuitLaw, StepResponseIsExact) {
   circuit.soc = {0.0, 1.0};
   circuit.series_Ohm = {0.1, 0.1};
   circuit.branches = {{{0.2, 0.2}, 5.0}, {{0.3, 0.3}, 50.0}};
-  const auto mission = Steady(2.0, 100.0, 2.0);
+  const auto mission = test::Steady(2.0, 100.0, 2.0);
   const auto volts = EquivalentCircuitVoltage(circuit, mission, Drawn(mission));
   for (std::size_t k = 0; k < volts.size(); ++k) {
     const double t = mission.time_s[k];
@@ -119,8 +111,8 @@ TEST(EquivalentCircuitLaw, LongRowsAgreeWithShortOnes) {
   circuit.soc = {0.0, 0.5, 1.0};
   circuit.series_Ohm = {0.1, 0.1, 0.1};
   circuit.branches = {{{0.5, 0.05, 0.2}, 30.0}};
-  const auto coarse = Steady(1.0, 1200.0, 400.0);
-  const auto fine = Steady(1.0, 1200.0, 0.1);
+  const auto coarse = test::Steady(1.0, 1200.0, 400.0);
+  const auto fine = test::Steady(1.0, 1200.0, 0.1);
   const double coarse_V = EquivalentCircuitVoltage(circuit, coarse, Drawn(coarse)).back();
   const double fine_V = EquivalentCircuitVoltage(circuit, fine, Drawn(fine)).back();
   // Steps of 0.002 of the charge: a fraction of the drop's change over one.

@@ -56,24 +56,13 @@ void ExpectStatedIsMeasured(const ExportRequest& request, double most_V) {
   EXPECT_LT(measured.rmse_V, most_V) << request.name;
 }
 
-ExportMission Thinned(const ExportMission& mission, std::size_t every) {
-  ExportMission thin = mission;
-  thin.time_s.clear();
-  thin.current_A.clear();
-  for (std::size_t k = 0; k < mission.time_s.size(); k += every) {
-    thin.time_s.push_back(mission.time_s[k]);
-    thin.current_A.push_back(mission.current_A[k]);
-  }
-  return thin;
-}
-
 // Rows of 2 s. Constant resistances: only the mesh is off. Tables and self-heating: projected. Without
 // the tail the cell lacks modes that the element has.
 TEST(Pybamm, StatedErrorIsWhatPybammHas) {
   LIPOID_SKIP_WITHOUT_SIMULATORS();
   for (const Cell& cell : test::ExportCells()) {
     auto request = test::RequestOf(cell);
-    request.mission = Thinned(request.mission, 20);
+    request.mission = test::Thinned(request.mission, 20);
     const bool shipped = cell.name.starts_with("gifi") || cell.name.starts_with("grepow");
     ExpectStatedIsMeasured(request,
                            shipped                       ? 5e-4
@@ -90,7 +79,7 @@ TEST(Pybamm, BranchMayVanishAtSomeStatesOfCharge) {
                    {Resistance<double>(0.0), 5.0, {}}};
   auto request = test::RequestOf(cell);
   request.name = "vanishing";
-  request.mission = Thinned(request.mission, 50);
+  request.mission = test::Thinned(request.mission, 50);
   ExpectStatedIsMeasured(request, 5e-3);
 }
 

@@ -67,18 +67,6 @@ Run RunNgspice(const ExportRequest& request, const Exported& exported, const std
   return run;
 }
 
-// Every so many rows of a mission, for a simulator that takes its time.
-ExportMission Thinned(const ExportMission& mission, std::size_t every) {
-  ExportMission thin = mission;
-  thin.time_s.clear();
-  thin.current_A.clear();
-  for (std::size_t k = 0; k < mission.time_s.size(); k += every) {
-    thin.time_s.push_back(mission.time_s[k]);
-    thin.current_A.push_back(mission.current_A[k]);
-  }
-  return thin;
-}
-
 // The trapezoidal rule of ngspice at steps of 0.1 s and reltol 1e-6.
 constexpr double kNgspice_V = 1e-4;
 
@@ -86,7 +74,7 @@ TEST(Spice, NgspiceFollowsTheCellModelForEveryTermAndCurve) {
   LIPOID_SKIP_WITHOUT_NGSPICE();
   for (const Cell& cell : test::ExportCells()) {
     auto request = test::RequestOf(cell);
-    request.mission = Thinned(request.mission, 5);
+    request.mission = test::Thinned(request.mission, 5);
     const auto exported = ExportSpice(request);
     ASSERT_TRUE(exported.error);
     const auto run = RunNgspice(request, exported, test::FreshFolder("spice_" + request.name));

@@ -6,11 +6,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 
 namespace lipoid {
@@ -18,7 +18,7 @@ namespace {
 
 constexpr unsigned kSeed = 20261120;
 constexpr int kDraws = 200;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 
 PerMotor<double> RandomSquares(std::mt19937& engine, double hover_squared) {
   std::uniform_real_distribution<double> share(0.0, 2.0);

@@ -4,17 +4,17 @@
 
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "model/battery/prediction.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
 constexpr double kStep_s = 0.005;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 // Sums of a dozen terms of up to 4.2 V.
 constexpr double kRounding_V = 64.0 * kEpsilon;
 

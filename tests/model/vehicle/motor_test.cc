@@ -4,16 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <limits>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr double kRounding = 16.0 * kEpsilon;  // relative: a few products and one root
 
 class Motor : public testing::TestWithParam<std::string> {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 #include "tests/support/ridders.h"
 
@@ -16,7 +16,7 @@ namespace {
 using State = PlantState<double>;
 using test::AsEigen;
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 constexpr PlantOptions kAir{.motor_lag = true, .drag = false, .ground = false};
 
 void Set(State& x, std::size_t first, const Triple<double>& values) {

@@ -3,9 +3,9 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <random>
 
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 
 namespace lipoid {
@@ -18,7 +18,7 @@ using test::RandomTriple;
 
 constexpr unsigned kSeed = 20261120;
 constexpr int kDraws = 200;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+using test::kEpsilon;
 // A handful of sines, products and sums of numbers of order 1.
 constexpr double kRounding = 16.0 * kEpsilon;
 // The same beside secants of up to 1/cos(1.4) = 6, squared.

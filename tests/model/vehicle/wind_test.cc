@@ -5,17 +5,17 @@
 #include <boost/math/quadrature/ooura_fourier_integrals.hpp>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
 
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
 constexpr std::uint64_t kSeed = 20;
-constexpr double kPi = std::numbers::pi;
+using test::kPi;
 
 // The spectra of MIL-F-8785C for sigma = 1 and L/V = 1, over w > 0.
 double Along(double w) { return 2.0 / kPi / (1.0 + w * w); }

@@ -1,0 +1,39 @@
+#include "model/statistics/factorizations.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+
+namespace lipoid {
+
+SymmetricEigen EigenOfSymmetric(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::MatrixXd TriangularFactor(const Eigen::MatrixXd& rows) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
+  return qr.matrixQR().topRows(std::min(rows.rows(), rows.cols())).triangularView<Eigen::Upper>();
+}
+
+Eigen::MatrixXd OrthogonalBasis(const Eigen::MatrixXd& columns) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.rows());
+}
+
+Eigen::MatrixXd InverseOfPositive(const Eigen::MatrixXd& matrix) {
+  return SolvePositive(matrix, Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()).eval());
+}
+
+Eigen::MatrixXd SolvePositive(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+  // Eigen looks at the first entry of what it solves for, which is none where nothing is asked.
+  if (right.size() == 0) return right;
+  return matrix.llt().solve(right);
+}
+
+Eigen::VectorXd SolvePositive(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.llt().solve(right);
+}
+
+}  // namespace lipoid
