@@ -238,6 +238,11 @@ void AddNotes(const TextSource& source,
   note(plan.clock_restarts_with_step,
        "the clock starts anew with each step; the steps were joined");
   note(collector.unix_clock(), "times are counted from the first row");
+  if (const auto order = reader.found_date_order()) {
+    note(true,
+         fmt::format("dates such as 03/04/2021 are read with the {} first, as they say themselves",
+                     *order == DateOrder::kMonthFirst ? "month" : "day"));
+  }
   note(collector.drops_temperature(), "temperature left out: some cells hold no number");
 }
 

@@ -69,6 +69,15 @@ std::size_t CharacterStart(std::string_view text, std::size_t at) {
 
 }  // namespace
 
+bool IsUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t bytes = FirstCharacter(text).bytes;
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+
 std::string ForeignText(std::string_view text, std::size_t most_bytes) {
   if (text.size() <= most_bytes) {
     std::string whole = Escaped(text);

@@ -22,7 +22,9 @@ inline constexpr std::size_t kMostBytesOfMessage = 4000;
 [[nodiscard]] std::string ForeignText(std::string_view text,
                                       std::size_t most_bytes = kMostBytesOfValue);
 
-/// The same of a text of several lines, for each line by itself: at most kMostBytesOfMessage of it.
+[[nodiscard]] bool IsUtf8(std::string_view text);
+
+/// ForeignText() of a text of several lines, for each line by itself: at most kMostBytesOfMessage of it.
 [[nodiscard]] std::string ForeignLines(std::string_view text);
 
 }  // namespace lipoid

@@ -3,101 +3,8 @@
 #include <fast_float/fast_float.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <chrono>
 
 namespace lipoid {
-namespace {
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
-// Takes digits off the front of the text.
-bool TakeInteger(std::string_view& text, int& value) {
-  if (text.empty() || !IsDigit(text.front())) return false;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc()) return false;
-  text.remove_prefix(static_cast<std::size_t>(result.ptr - text.data()));
-  return true;
-}
-
-bool TakeCharacter(std::string_view& text, char expected) {
-  if (text.empty() || text.front() != expected) return false;
-  text.remove_prefix(1);
-  return true;
-}
-
-// hours:minutes:seconds[.fraction], to the end of the text. Hours may be many.
-struct Clock {
-  int hours = 0;
-  int minutes = 0;
-  double seconds = 0.0;
-
-  // Whole seconds first: they are exact, and the fraction is rounded once.
-  [[nodiscard]] double Total(int days) const {
-    return (days * 86400.0 + hours * 3600.0 + minutes * 60.0) + seconds;
-  }
-};
-
-bool ParseClock(std::string_view text, char decimal, Clock& clock) {
-  if (!TakeInteger(text, clock.hours) || !TakeCharacter(text, ':')) return false;
-  if (!TakeInteger(text, clock.minutes) || !TakeCharacter(text, ':')) return false;
-  if (text.empty() || !IsDigit(text.front()) || text.find_first_of("eE") != std::string_view::npos)
-    return false;
-  return ParseNumber(text, decimal, clock.seconds) && clock.minutes < 60 && clock.seconds < 60.0;
-}
-
-bool TakeMonthName(std::string_view& text, int& month) {
-  constexpr std::array<std::string_view, 12> kNames{
-      "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"};
-  const std::string start = LowerCase(text.substr(0, 3));
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
-    if (start != kNames[k]) continue;
-    month = static_cast<int>(k) + 1;
-    text.remove_prefix(3);
-    return true;
-  }
-  return false;
-}
-
-int FullYear(int year) { return year >= 100 ? year : year < 70 ? 2000 + year : 1900 + year; }
-
-// Takes the date off the front of the text.
-bool TakeDate(std::string_view& text, DateOrder order, long& days) {
-  int first = 0;
-  int second = 0;
-  int third = 0;
-  if (!TakeInteger(text, first) || text.empty()) return false;
-  const char mark = text.front();
-  if (mark != '-' && mark != '/' && mark != '.') return false;
-  text.remove_prefix(1);
-  const bool named = TakeMonthName(text, second);
-  if (!named && !TakeInteger(text, second)) return false;
-  if (!TakeCharacter(text, mark) || !TakeInteger(text, third)) return false;
-
-  int year = third;
-  int month = first;
-  int day = second;
-  if (first > 31) {  // 2021-03-26
-    year = first;
-    month = second;
-    day = third;
-  } else if (named || mark == '.' || order == DateOrder::kDayFirst) {  // 23-Nov-23, 26.03.2021
-    month = second;
-    day = first;
-  } else if (order == DateOrder::kYearFirst) {
-    return false;  // 03/04/2021: March or April?
-  }
-  if (year > 9999 || month > 12 || day > 31) return false;  // chrono keeps eight bits of a month
-  const std::chrono::year_month_day date{std::chrono::year(FullYear(year)),
-                                         std::chrono::month(static_cast<unsigned>(month)),
-                                         std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) return false;
-  days = std::chrono::sys_days(date).time_since_epoch().count();
-  return true;
-}
-
-}  // namespace
 
 std::string_view Trimmed(std::string_view text) {
   const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -137,43 +44,6 @@ bool ParseNumber(std::string_view text, char decimal, double& value) {
   const fast_float::parse_options options(fast_float::chars_format::general, decimal);
   const auto result = fast_float::from_chars_advanced(text.data(), end, value, options);
   return result.ec == std::errc() && result.ptr == end;
-}
-
-bool ParseDuration(std::string_view text, char decimal, double& seconds) {
-  int days = 0;
-  if (const auto mark = text.find_first_of("dD"); mark != std::string_view::npos) {
-    std::string_view count = Trimmed(text.substr(0, mark));
-    if (!TakeInteger(count, days) || !count.empty()) return false;
-    text = Trimmed(text.substr(mark + 1));
-  }
-  Clock clock;
-  if (!ParseClock(text, decimal, clock)) return false;
-  seconds = clock.Total(days);
-  return true;
-}
-
-bool ParseDateTime(std::string_view text, DateOrder order, char decimal, DateTime& value) {
-  if (!TakeDate(text, order, value.days)) return false;
-  if (text.empty() || (text.front() != ' ' && text.front() != 'T' && text.front() != '\t'))
-    return false;
-  text = Trimmed(text.substr(1));
-  enum class Half { kNone, kMorning, kAfternoon } half = Half::kNone;
-  if (text.size() > 2) {
-    const std::string end = LowerCase(text.substr(text.size() - 2));
-    if (end == "am") half = Half::kMorning;
-    if (end == "pm") half = Half::kAfternoon;
-    if (half != Half::kNone) text = Trimmed(text.substr(0, text.size() - 2));
-  }
-  if (half == Half::kNone && text.ends_with('Z')) text.remove_suffix(1);
-  Clock clock;
-  if (!ParseClock(text, decimal, clock)) return false;
-  if (half != Half::kNone) {
-    if (clock.hours < 1 || clock.hours > 12) return false;
-    clock.hours = clock.hours % 12 + (half == Half::kAfternoon ? 12 : 0);
-  }
-  if (clock.hours > 23) return false;
-  value.second_of_day = clock.Total(0);
-  return true;
 }
 
 void SplitLine(std::string_view line, char delimiter, std::vector<TextCell>& cells) {

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// What stands in one cell of a delimited text file: a number, a duration, a date, a quoted text.
+/// What stands in one cell of a delimited text file: a number, a quoted text; times.h has the others.
 /// No locale; anything that is not wholly what it should be is refused.
 /// Tests: tests/identify/logs/csv/table_reader_test.cc.
 
@@ -21,26 +21,6 @@ namespace lipoid {
 /// A decimal number, perhaps with a sign, an exponent, or the given decimal mark. `nan` and `inf`
 /// parse.
 [[nodiscard]] bool ParseNumber(std::string_view text, char decimal, double& value);
-
-/// A duration as cyclers write it, in s: [days d] hours:minutes:seconds[.fraction].
-[[nodiscard]] bool ParseDuration(std::string_view text, char decimal, double& seconds);
-
-/// How 03/04/2021 is to be read. kYearFirst refuses such a date.
-enum class DateOrder { kYearFirst, kMonthFirst, kDayFirst };
-
-/// A calendar date with a time of day, kept apart so that no digit of a fraction of a second is
-/// lost.
-struct DateTime {
-  long days = 0;  ///< since 1970-01-01
-  double second_of_day = 0.0;
-};
-
-/// 2021-03-26 17:01:33.5, 2021/03/26T17:01:33, 26.03.2021 17:01:33, 23-Nov-23 3:56:11 PM, and
-/// 03/26/2021 5:01:33 PM in the given order.
-[[nodiscard]] bool ParseDateTime(std::string_view text,
-                                 DateOrder order,
-                                 char decimal,
-                                 DateTime& value);
 
 /// One cell of a line: its text without quotes and blanks, and the column (from 1) where it begins.
 struct TextCell {

@@ -60,7 +60,8 @@ TableReader::TableReader(TextSource& source, TableSpec spec)
       spec_(std::move(spec)),
       line_end_(source.line_end()),
       line_(spec_.first_line),
-      heading_values_(spec_.columns.size(), std::numeric_limits<double>::quiet_NaN()) {
+      heading_values_(spec_.columns.size(), std::numeric_limits<double>::quiet_NaN()),
+      dates_(spec_.date_order) {
   Require(spec_.fields > 0 && !spec_.columns.empty(), "a table has fields and wanted columns");
   for (std::size_t k = 0; k < spec_.columns.size(); ++k) {
     if (!spec_.columns[k].level) order_.push_back(k);
@@ -420,15 +421,8 @@ bool TableReader::Convert(std::string_view text, const WantedColumn& column, dou
       return ParseNumber(text, decimal_, value);
     case CellKind::kDuration:
       return ParseDuration(text, text.find(',') != std::string_view::npos ? ',' : '.', value);
-    case CellKind::kDateTime: {
-      DateTime date;
-      const char decimal = text.find(',') != std::string_view::npos ? ',' : '.';
-      if (!ParseDateTime(text, spec_.date_order, decimal, date)) return false;
-      if (!first_date_) first_date_ = date;
-      value = static_cast<double>(date.days - first_date_->days) * 86400.0 +
-              (date.second_of_day - first_date_->second_of_day);
-      return true;
-    }
+    case CellKind::kDateTime:
+      return dates_.Seconds(text, text.find(',') != std::string_view::npos ? ',' : '.', value);
     case CellKind::kWord:
       value = spec_.word(text);
       return true;

@@ -24,6 +24,7 @@
 
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/text_source.h"
+#include "identify/logs/csv/times.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -92,6 +93,8 @@ class TableReader {
   [[nodiscard]] bool last_line_has_no_end() const { return last_line_has_no_end_; }
   [[nodiscard]] bool decimal_comma() const { return decimal_ == ','; }
   [[nodiscard]] bool trailing_delimiter() const { return trailing_delimiter_; }
+  /// Of dates such as 03/04/2021, where they themselves said it.
+  [[nodiscard]] std::optional<DateOrder> found_date_order() const { return dates_.found(); }
 
  private:
   enum class Row { kRead, kSkipped, kUnusual };
@@ -159,7 +162,7 @@ class TableReader {
 
   std::atomic<char> decimal_ = '.';  // found out by Finish() while other pieces are read
   bool decimal_is_known_ = false;
-  std::optional<DateTime> first_date_;
+  DateColumn dates_;
   std::size_t cut_last_lines_ = 0;
   std::size_t short_line_ =
       0;  // number of a line that lacks fields: an error if another row follows

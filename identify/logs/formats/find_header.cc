@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/logs/formats/plain_csv.h"
+#include "model/core/foreign_text.h"
 
 namespace lipoid {
 namespace {
@@ -205,8 +206,9 @@ std::optional<FoundHeader> SearchHeader(const std::vector<HeadLine>& lines,
       {source.file(), line, 1},
       fmt::format(
           "expected a header that names time, current and voltage, such as "
-          "time_s,current_A,voltage_V, found '{}'; `lipoid list formats` shows what is read",
-          found));
+          "time_s,current_A,voltage_V, found '{}'; {}`lipoid list formats` shows what is read",
+          found,
+          IsUtf8(first->text) ? "" : "the file is not UTF-8: save it so; "));
 }
 
 }  // namespace

@@ -5,8 +5,14 @@
 namespace lipoid {
 namespace {
 
+// Is this byte one that continues a character of UTF-8?
+bool Continues(std::string_view text, std::size_t k) {
+  return k < text.size() && (static_cast<unsigned char>(text[k]) & 0xC0) == 0x80;
+}
+
 // Letters without their accents, of UTF-8 and of Latin-1: e for an e acute. The ones of Latin-1 that
-// UTF-8 writes in two bytes begin with 0xC3, and then lack 0x40.
+// UTF-8 writes in two bytes begin with 0xC3, and then lack 0x40. Characters of three bytes, as the Chinese
+// ones, stay.
 std::string WithoutAccents(std::string_view text) {
   constexpr std::string_view kPlain =
       "aaaaaaaceeeeiiiidnooooo/ouuuuyts"   // 0xC0 .. 0xDF
@@ -14,12 +20,31 @@ std::string WithoutAccents(std::string_view text) {
   std::string plain;
   for (std::size_t k = 0; k < text.size(); ++k) {
     auto c = static_cast<unsigned char>(text[k]);
-    if (c == 0xC3 && k + 1 < text.size() &&
-        (static_cast<unsigned char>(text[k + 1]) & 0xC0) == 0x80)
+    if ((c & 0xF0) == 0xE0 && Continues(text, k + 1) && Continues(text, k + 2)) {
+      plain += text.substr(k, 3);
+      k += 2;
+      continue;
+    }
+    if (c == 0xC3 && Continues(text, k + 1))
       c = static_cast<unsigned char>(static_cast<unsigned char>(text[++k]) + 0x40);
     plain += c >= 0xC0 ? kPlain[c - 0xC0] : static_cast<char>(c);
   }
   return plain;
+}
+
+// The wide brackets of Chinese headers as the usual ones, and the one character for degrees Celsius as C.
+std::string Narrow(std::string_view text) {
+  std::string narrow;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const std::string_view three = text.substr(k, 3);
+    const char usual = three == "\uFF08"   ? '('
+                       : three == "\uFF09" ? ')'
+                       : three == "\u2103" ? 'C'
+                                           : '\0';
+    narrow += usual != '\0' ? usual : text[k];
+    if (usual != '\0') k += 2;
+  }
+  return narrow;
 }
 
 // Blanks and hyphens as '_', never two in a row.
@@ -35,9 +60,8 @@ std::string Normal(std::string_view text) {
 }  // namespace
 
 HeaderName ParseHeaderName(const TextCell& cell) {
-  HeaderName header{
-      .text = std::string(cell.text), .column = cell.column, .whole = Normal(cell.text)};
-  const std::string lower = LowerCase(cell.text);
+  const std::string lower = LowerCase(Narrow(cell.text));
+  HeaderName header{.text = std::string(cell.text), .column = cell.column, .whole = Normal(lower)};
   std::string_view name = lower;
   if (name.ends_with(')') || name.ends_with(']')) {
     const auto open = name.find_last_of(name.back() == ')' ? '(' : '[');

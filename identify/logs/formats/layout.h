@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "identify/logs/csv/cells.h"
+#include "identify/logs/csv/times.h"
 #include "identify/logs/formats/quantity.h"
 
 namespace lipoid {

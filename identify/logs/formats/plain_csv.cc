@@ -5,23 +5,18 @@ namespace {
 
 constexpr std::string_view kDate[] = {
     "timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
-constexpr std::string_view kTime[] = {"time",
-                                      "t",
-                                      "test_time",
-                                      "testtime",
-                                      "elapsed",
-                                      "elapsed_time",
-                                      "time_elapsed",
-                                      "total_time",
-                                      "run_time",
-                                      "runtime",
-                                      "prog_time",
-                                      "cumulative_time",
-                                      "relative_time",
-                                      "experiment_time",
-                                      "seconds",
-                                      "minutes",
-                                      "hours"};
+// The Chinese ones are of the whole test: the plain word for time beside them is that of the step.
+constexpr std::string_view kTime[] = {"time",          "t",
+                                      "test_time",     "testtime",
+                                      "elapsed",       "elapsed_time",
+                                      "time_elapsed",  "total_time",
+                                      "run_time",      "runtime",
+                                      "prog_time",     "cumulative_time",
+                                      "relative_time", "experiment_time",
+                                      "seconds",       "minutes",
+                                      "hours",         "总时间",
+                                      "测试时间",      "运行时间",
+                                      "累计时间"};
 constexpr std::string_view kCurrent[] = {"current",
                                          "i",
                                          "amps",
@@ -76,8 +71,9 @@ constexpr std::string_view kStep[] = {"step", "step_index", "step_number", "step
 constexpr std::string_view kCycle[] = {"cycle", "cycle_index", "cycle_number", "cycle_count"};
 constexpr std::string_view kState[] = {"state", "status", "mode", "md", "step_type", "step_name"};
 
-// German, French, Spanish and Italian; accents are folded before names are compared.
-constexpr std::string_view kDateElsewhere[] = {"datum", "zeitstempel", "fecha", "horodatage"};
+// German, French, Spanish, Italian and Chinese; accents are folded before names are compared.
+constexpr std::string_view kDateElsewhere[] = {
+    "datum", "zeitstempel", "fecha", "horodatage", "日期", "系统时间", "绝对时间"};
 constexpr std::string_view kTimeElsewhere[] = {"zeit",
                                                "testzeit",
                                                "pruefzeit",
@@ -90,7 +86,8 @@ constexpr std::string_view kTimeElsewhere[] = {"zeit",
                                                "duree",
                                                "tiempo",
                                                "tiempo_total",
-                                               "tempo"};
+                                               "tempo",
+                                               "时间"};
 constexpr std::string_view kCurrentElsewhere[] = {"strom",
                                                   "zellstrom",
                                                   "batteriestrom",
@@ -103,7 +100,10 @@ constexpr std::string_view kCurrentElsewhere[] = {"strom",
                                                   "corriente",
                                                   "corriente_bateria",
                                                   "intensidad",
-                                                  "corrente"};
+                                                  "corrente",
+                                                  "电流",
+                                                  "电池电流",
+                                                  "充放电电流"};
 constexpr std::string_view kVoltageElsewhere[] = {"spannung",
                                                   "zellspannung",
                                                   "batteriespannung",
@@ -116,12 +116,23 @@ constexpr std::string_view kVoltageElsewhere[] = {"spannung",
                                                   "voltaje",
                                                   "voltaje_bateria",
                                                   "voltaje_celda",
-                                                  "tensione"};
-constexpr std::string_view kTemperatureElsewhere[] = {
-    "temperatur", "zelltemperatur", "temperatura", "temperatura_celda", "temperature_cellule"};
-constexpr std::string_view kStepElsewhere[] = {"schritt", "schrittnummer", "etape", "paso"};
-constexpr std::string_view kCycleElsewhere[] = {"zyklus", "zyklusnummer", "ciclo"};
-constexpr std::string_view kStateElsewhere[] = {"zustand", "etat", "estado"};
+                                                  "tensione",
+                                                  "电压",
+                                                  "电池电压",
+                                                  "单体电压"};
+constexpr std::string_view kTemperatureElsewhere[] = {"temperatur",
+                                                      "zelltemperatur",
+                                                      "temperatura",
+                                                      "temperatura_celda",
+                                                      "temperature_cellule",
+                                                      "温度",
+                                                      "电池温度"};
+constexpr std::string_view kStepElsewhere[] = {
+    "schritt", "schrittnummer", "etape", "paso", "工步", "工步号", "工步序号"};
+constexpr std::string_view kCycleElsewhere[] = {
+    "zyklus", "zyklusnummer", "ciclo", "循环", "循环号", "循环序号"};
+constexpr std::string_view kStateElsewhere[] = {
+    "zustand", "etat", "estado", "状态", "工步类型", "工步名称"};
 
 }  // namespace
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/core/foreign_text.h"
+
 namespace lipoid {
 namespace {
 
@@ -240,8 +242,23 @@ class Planner {
     if (unit && unit->is_duration)
       unit.reset();  // the header promises hh:mm:ss, the rows hold numbers
     if (!unit) unit = UnitFromDates(time.field);
+    if (!unit) FailWithoutTime(time.field);
     if (!unit) FailWithoutUnit(Quantity::kTime, time);
     Add(Quantity::kTime, time, kind, *unit);
+  }
+
+  // What is no number needs no unit, but another way of writing.
+  void FailWithoutTime(std::size_t field) const {
+    double number = 0.0;
+    if (rows_.empty() || rows_.front()[field].text.empty()) return;
+    const std::string_view text = rows_.front()[field].text;
+    if (ParseNumber(text, '.', number) || ParseNumber(text, ',', number)) return;
+    Fail(header_.names[field].column,
+         fmt::format(
+             "expected times in column '{}' as numbers, as durations such as 00:01:02.5 or as "
+             "dates such as 2021-03-26 17:01:33, found '{}' in the first row",
+             header_.names[field].text,
+             ForeignText(text)));
   }
 
   // The unit in which the time column agrees with the dates beside it.

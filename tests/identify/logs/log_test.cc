@@ -51,6 +51,9 @@ TEST(PlainCsv, HeaderNamesAreUnderstood) {
                              "Tiempo (segundos),Corriente (A),Voltaje (V)",
                              "TIEMPO_S,INTENSIDAD_A,TENSI\xC3\x93N_V",
                              "Tempo [s],Corrente [A],Tensione [V]",
+                             "测试时间(s),电流(A),电压(V)",
+                             "总时间/s,电流/A,电压/V",
+                             "时间（s）,电池电流（A）,电池电压（V）",
                              "\"time_s\",\"current_A\",\"voltage_V\""}) {
     SCOPED_TRACE(header);
     const Log log = Read(std::string(header) + "\n" + kRows);
@@ -96,12 +99,31 @@ TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {
   // A line of words among which is no unit is neither such a line nor a row.
   EXPECT_EQ(
       Refusal("Time,Current,Voltage\none,two,three\n" + std::string(kRows)),
-      "F:1:1: error: expected a header that states the unit of the time (s, ms, min, h), found "
-      "'Time'; add it there or say `units` (--units s,A,V)");
+      "F:1:1: error: expected times in column 'Time' as numbers, as durations such as 00:01:02.5 or "
+      "as dates such as 2021-03-26 17:01:33, found 'one' in the first row");
   // Units of the user's that contradict the line are refused, as those of a header are.
   EXPECT_EQ(
       Refusal("Time,Current,Voltage\ns,mA,mV\n" + std::string(kRows), {.units = {"s", "A", "V"}}),
       "F:1:6: error: expected a column in A as the option units says, found 'Current'");
+}
+
+// Neware's software in Chinese: the clock of the step beside that of the test, a state that says the direction.
+TEST(PlainCsv, ChineseNamesAreOfTheWholeTest) {
+  const Log log = Read(
+      "循环号,工步类型,时间,总时间,电流(A),电压(V),温度（℃）,绝对时间\n"
+      "1,搁置,0:00:00,0:00:00,0,4.18,25,2023-05-01 10:00:00\n"
+      "1,恒流放电,0:00:00,0:00:10,-1,4.08,25.5,2023-05-01 10:00:10\n"
+      "1,恒流放电,0:00:10,0:00:20,-1,4.07,26,2023-05-01 10:00:20\n");
+  EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 10, 20}));
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 1, 1}));
+  EXPECT_EQ(log.record.temperature_degC, (std::vector<double>{25, 25.5, 26}));
+  // The same names in GBK, as Excel writes them there.
+  EXPECT_EQ(
+      Refusal("\xCA\xB1\xBC\xE4(s),\xB5\xE7\xC1\xF7(A),\xB5\xE7\xD1\xB9(V)\n" + std::string(kRows)),
+      "F:1:1: error: expected a header that names time, current and voltage, such as "
+      "time_s,current_A,voltage_V, found "
+      "'\u02b1\\xbc\\xe4(s),\\xb5\\xe7\\xc1\\xf7(A),\\xb5\\xe7\u0479(V)'; the file is not UTF-8: "
+      "save it so; `lipoid list formats` shows what is read");
 }
 
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {

@@ -84,5 +84,13 @@ TEST(ForeignText, IsHowErrorsSpeak) {
   EXPECT_EQ(error.diagnostics()[0].position.file, "\x1b[2J.csv");
 }
 
+TEST(ForeignText, KnowsUtf8) {
+  for (const char* text : {"", "abc", "\u00b5", "\u7535\u6d41", "\U0001f50b"})
+    EXPECT_TRUE(IsUtf8(text));
+  // GBK, Latin-1, cut off, longer than need be, a surrogate.
+  for (const char* text : {"\xB5\xE7", "caf\xE9", "\xE7\x94", "\xC0\x80", "\xED\xA0\x80"})
+    EXPECT_FALSE(IsUtf8(text)) << text;
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -202,55 +202,6 @@ TEST(TableReader, PiecesReadSideBySideAreAsIfReadInTurn) {
   }
 }
 
-TEST(Cells, DurationsAndDates) {
-  double seconds = 0.0;
-  EXPECT_TRUE(ParseDuration("  0d 00:00:01.5", '.', seconds) ||
-              ParseDuration(Trimmed("  0d 00:00:01.5"), '.', seconds));
-  EXPECT_EQ(seconds, 1.5);
-  EXPECT_TRUE(ParseDuration("2d 03:04:05", '.', seconds));
-  EXPECT_EQ(seconds, 2 * 86400 + 3 * 3600 + 4 * 60 + 5);
-  EXPECT_TRUE(ParseDuration("75:24:59.326", '.', seconds));
-  EXPECT_EQ(seconds, 271499.326);
-  EXPECT_TRUE(ParseDuration("00:01:0,25", ',', seconds));
-  EXPECT_EQ(seconds, 60.25);
-  for (const char* wrong : {"",
-                            "1:2",
-                            "00:60:00",
-                            "00:00:60",
-                            "1:2:3:4",
-                            "x",
-                            "00:00:-1",
-                            "d 1:2:3",
-                            "00:00:1e1",
-                            "-1:00:00"}) {
-    EXPECT_FALSE(ParseDuration(wrong, '.', seconds)) << wrong;
-  }
-  // Days since 1970 by `date -u -d ... +%s` divided by 86400.
-  DateTime date;
-  for (const char* text : {"2021-03-26 17:01:33",
-                           "2021/03/26T17:01:33",
-                           "26.03.2021 17:01:33",
-                           "03/26/2021 5:01:33 PM",
-                           "26-Mar-21 5:01:33 pm",
-                           "26-MAR-2021 17:01:33Z"}) {
-    EXPECT_TRUE(ParseDateTime(text, DateOrder::kMonthFirst, '.', date)) << text;
-    EXPECT_EQ(date.days, 18712) << text;
-    EXPECT_EQ(date.second_of_day, 61293.0) << text;
-  }
-  EXPECT_TRUE(ParseDateTime("04/03/2021 12:00:00 AM", DateOrder::kDayFirst, '.', date));
-  EXPECT_EQ(date.days, 18690);
-  EXPECT_EQ(date.second_of_day, 0.0);
-  for (const char* wrong : {"03/04/2021 12:00:00",
-                            "2021-13-01 00:00:00",
-                            "2021-02-29 00:00:00",
-                            "2021-01-01",
-                            "2021-01-01 24:00:00",
-                            "2021-01-01 13:00:00 PM",
-                            "2021-257-01 00:00:00"}) {
-    EXPECT_FALSE(ParseDateTime(wrong, DateOrder::kYearFirst, '.', date)) << wrong;
-  }
-}
-
 TEST(Cells, QuotesAndColumns) {
   std::vector<TextCell> cells;
   SplitLine(R"(a, "b;c" ,"d ""e""",, "open)", ',', cells);
