@@ -155,6 +155,18 @@ std::optional<FoundHeader> SearchHeader(const std::vector<HeadLine>& lines,
   return std::nullopt;
 }
 
+// What may be wrong with a line that should be a header.
+std::string_view Suspicion(std::string_view line) {
+  if (!IsUtf8(line)) return "the file is not UTF-8: save it so; ";
+  const bool separated = line.find_first_of("\t;,") != std::string_view::npos;
+  const std::vector<TextCell> words = CellsOf(line, ' ');
+  const auto filled = std::count_if(
+      words.begin(), words.end(), [](const TextCell& word) { return !word.text.empty(); });
+  if (!separated && filled >= std::ssize(kNeeded))
+    return "what stands apart by blanks is one column: put TAB, ; or , between them; ";
+  return "";
+}
+
 [[noreturn]] void RefuseUnknown(const TextSource& source,
                                 const std::vector<HeadLine>& lines,
                                 const FoundHeader& nearest,
@@ -208,7 +220,7 @@ std::optional<FoundHeader> SearchHeader(const std::vector<HeadLine>& lines,
           "expected a header that names time, current and voltage, such as "
           "time_s,current_A,voltage_V, found '{}'; {}`lipoid list formats` shows what is read",
           found,
-          IsUtf8(first->text) ? "" : "the file is not UTF-8: save it so; "));
+          Suspicion(first->text)));
 }
 
 }  // namespace

@@ -124,6 +124,11 @@ TEST(PlainCsv, ChineseNamesAreOfTheWholeTest) {
       "time_s,current_A,voltage_V, found "
       "'\u02b1\\xbc\\xe4(s),\\xb5\\xe7\\xc1\\xf7(A),\\xb5\\xe7\u0479(V)'; the file is not UTF-8: "
       "save it so; `lipoid list formats` shows what is read");
+  EXPECT_EQ(
+      Refusal("time_s  current_A  voltage_V\n     0     0.0       4.1\n"),
+      "F:1:1: error: expected a header that names time, current and voltage, such as "
+      "time_s,current_A,voltage_V, found 'time_s  current_A  voltage_V'; what stands apart by "
+      "blanks is one column: put TAB, ; or , between them; `lipoid list formats` shows what is read");
 }
 
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
