@@ -20,8 +20,9 @@ struct FitScales {
   double slowest_A = 0.0;   ///< of the currents of the logs, the least; only an offset asks
   double weight_sum = 0.0;  ///< of all rows
   double least_beta_per_sqrt_s = 1e-3;
-  double shortest_tau_s = 0.0;
+  double shortest_tau_s = 0.0;  ///< time constants lie between these two
   double longest_tau_s = 0.0;
+  double longest_start_tau_s = 0.0;  ///< none is looked for above it, but one may move there
 };
 
 class Observations {

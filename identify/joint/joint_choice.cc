@@ -501,7 +501,6 @@ class Choosing {
         choice_.errors.fitted_V <= logs_.noise_V)
       choice_.errors.smoothness = kNoSmoothness;
     JointSolution before = fit_.Solve(best(), choice_.best.rates, choice_.errors.smoothness);
-    before.at_bound = choice_.best.at_bound;
     before.termination = choice_.best.termination;
     before.message = choice_.best.message;
     JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);

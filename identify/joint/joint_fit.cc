@@ -57,6 +57,16 @@ JointStructure Coarsen(JointStructure structure) {
   return structure;
 }
 
+std::vector<std::string> AtBound(const std::vector<JointRate>& searched, JointRates rates) {
+  constexpr double kNear = 1.001;
+  std::vector<std::string> names;
+  for (const JointRate& rate : searched) {
+    const double value = rate.In(rates);
+    if (value <= rate.lower * kNear || value >= rate.upper / kNear) names.push_back(rate.name);
+  }
+  return names;
+}
+
 // Least squares over the coordinates of the rates (JointRate), with the linear unknowns at their best for each:
 // variable projection. The Jacobian is Kaufman's: slopes at fixed linear unknowns, less what the
 // free linear unknowns can follow.
@@ -124,7 +134,6 @@ class RatesProblem : public LeastSquaresProblem {
     return TriangularFactor(factor);
   }
   [[nodiscard]] const JointSolution& best() const { return best_; }
-  [[nodiscard]] const std::vector<JointFit::Rate>& rates() const { return rates_; }
 
  private:
   const JointFit& fit_;
@@ -356,6 +365,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   const NormalEquations all = rows->Sum(structure, rates);
   Eigen::MatrixXd information;
   JointSolution solution = SolveSums(structure, rates, smoothness, all, guess, &information);
+  const std::vector<Rate> searched = Rates(structure);
+  solution.at_bound = AtBound(searched, rates);
   if (slopes == nullptr || solution.x.size() == 0) return solution;
 
   SlopeSums sums = rows->Slopes(structure, rates, solution.x);
@@ -376,9 +387,9 @@ JointSolution JointFit::Solve(const JointStructure& structure,
     sums.with_linear.row(t) += rise * row.transpose();
   }
   if (smoothness == 0.0 && layout.voltages() == 0) Refine(layout, information, sums, solution);
-  std::vector<int> searched;
-  for (const Rate& rate : Rates(structure)) searched.push_back(rate.slot);
-  Eigen::MatrixXd with_linear = sums.with_linear(searched, Eigen::all);
+  std::vector<int> slot;
+  for (const Rate& rate : searched) slot.push_back(rate.slot);
+  Eigen::MatrixXd with_linear = sums.with_linear(slot, Eigen::all);
   ToRises(with_linear, layout.voltages());
   std::vector<int> free;
   for (std::size_t k = 0; k < solution.active.size(); ++k) {
@@ -387,9 +398,9 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
   const Eigen::MatrixXd part =
       information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
-  slopes->square = sums.of_rates(searched, searched);
+  slopes->square = sums.of_rates(slot, slot);
   slopes->square -= across.transpose() * SolvePositive(part, across);
-  slopes->with_residual = -sums.with_residual(searched);
+  slopes->with_residual = -sums.with_residual(slot);
   return solution;
 }
 
@@ -443,14 +454,14 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   };
   std::vector<int> branches;
   double lower_tau_s = scales_.shortest_tau_s;
-  double upper_tau_s = scales_.longest_tau_s;
+  double upper_tau_s = scales_.longest_start_tau_s;
   const RateSlots slots(structure);
   for (const Rate& rate : Rates(structure)) {
     if (rate.slot == slots.beta()) continue;
     if (rate.slot < slots.tau(structure.branches)) {
       branches.push_back(rate.index);
       lower_tau_s = std::max(lower_tau_s, rate.lower);
-      upper_tau_s = std::min(upper_tau_s, rate.upper);
+      upper_tau_s = rate.lower < upper_tau_s ? std::min(upper_tau_s, rate.upper) : rate.upper;
       continue;
     }
     // The neighbour's, where it has it.
@@ -550,10 +561,8 @@ JointSolution JointFit::Descend(JointSolution from, Minimize&& minimize) const {
   const RatesProblem problem(*this, from);
   if (from.x.size() == 0) return from;
   if (problem.size() == 0) {  // what is left is solved exactly
-    const auto at_bound = std::move(from.at_bound);
     ProjectedSlopes none;
     from = Solve(from.structure, from.rates, from.smoothness, from.active, &none);
-    from.at_bound = at_bound;
     from.termination = Termination::kConverged;
     from.message = "No rate was to be found.";
     return from;
@@ -562,13 +571,6 @@ JointSolution JointFit::Descend(JointSolution from, Minimize&& minimize) const {
   JointSolution best = problem.best();
   best.termination = summary.termination;
   best.message = summary.message;
-  best.at_bound.clear();
-  for (const Rate& rate : problem.rates()) {
-    JointRates rates = best.rates;
-    const double value = *rate.entry(rates, rate.index);
-    if (value <= rate.lower * 1.001 || value >= rate.upper / 1.001)
-      best.at_bound.push_back(rate.name);
-  }
   return best;
 }
 

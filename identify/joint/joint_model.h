@@ -41,6 +41,8 @@ struct JointSetup {
   OpenCircuitVoltage open_circuit_voltage;
   /// What steps of the current show between two rows: r_s and a part of the rest. NaN: no step.
   double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
+  /// Time constants may go ten times beyond the longest time at one current.
+  bool slow_branches = false;
   /// At which the parameters are those of the cell.
   double reference_K = 25.0 + kZeroCelsius_K;
   /// What an earlier cell lends. Then A is counted from the alpha that is searched, and curves and

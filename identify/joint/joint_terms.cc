@@ -91,7 +91,7 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                      int at) { return &r.time_constant_s[static_cast<std::size_t>(at)]; },
          .index = j,
          .slot = slots.tau(j),
-         .start = std::sqrt(scales.shortest_tau_s * scales.longest_tau_s)});
+         .start = std::sqrt(scales.shortest_tau_s * scales.longest_start_tau_s)});
   }
   // Two values of tau_h or i_0; one where both are there, for each was found alone before.
   const int values = structure.self_heating && structure.charge_transfer ? 1 : 2;

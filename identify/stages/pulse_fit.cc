@@ -27,6 +27,7 @@ FitScales PulseFitScales(const VoltageSweep& sweep, const StartValues& data) {
   FitScales scales = sweep.scales();
   scales.shortest_tau_s = typical.shortest_tau_s;
   scales.longest_tau_s = typical.longest_tau_s;
+  scales.longest_start_tau_s = typical.longest_tau_s;
   return scales;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/battery/arrhenius.h"
 #include "model/core/options.h"
 #include "tools/cli/text_table.h"
 
@@ -64,10 +65,15 @@ std::string KnownText(const Identification& found) {
     high_C = q.high;
   }
   row("charge alpha", kAhPerC * alpha_C, kAhPerC * low_C, kAhPerC * high_C, "Ah");
+  const std::string warmth =
+      found.cell.temperature
+          ? fmt::format(", {:.3g} degC", found.cell.temperature->reference_K - kZeroCelsius_K)
+          : std::string();
   for (const PulseResistance& r : found.trust.resistance) {
-    row(fmt::format("resistance at half charge after {:g} s of {} A",
+    row(fmt::format("resistance at half charge after {:g} s of {} A{}",
                     r.after_s,
-                    Significant(r.current_A, 3)),
+                    Significant(r.current_A, 3),
+                    warmth),
         1e3 * r.resistance_Ohm,
         1e3 * r.low_Ohm,
         1e3 * r.high_Ohm,

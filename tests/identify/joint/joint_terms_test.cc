@@ -27,7 +27,8 @@ const FitScales kScales{.typical_A = 1.0,
                         .slowest_A = 0.05,
                         .weight_sum = 1.0,
                         .shortest_tau_s = 10.0,
-                        .longest_tau_s = 1800.0};
+                        .longest_tau_s = 18000.0,
+                        .longest_start_tau_s = 1800.0};
 
 JointSetup ASetup() {
   JointSetup setup;
