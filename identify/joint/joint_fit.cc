@@ -405,7 +405,8 @@ JointSolution JointFit::Solve(const JointStructure& structure,
 }
 
 // Where nothing smooths and v_oc is given the sums of the residuals themselves have the digits that
-// the normal equations lose: a step of iterative refinement, and the cost by those sums.
+// the normal equations lose: a step of iterative refinement, and the cost by those sums. None that
+// leads to a negative resistance: of a branch as fast as the rows only the sum with r_s is known.
 void JointFit::Refine(const JointLayout& layout,
                       const Eigen::MatrixXd& information,
                       SlopeSums& sums,
@@ -420,7 +421,7 @@ void JointFit::Refine(const JointLayout& layout,
   const Eigen::VectorXd right = sums.right(free);
   step(free) = SolvePositive(part, right);
   const double gain = step.dot(sums.right);
-  if (!(gain >= 0.0)) return;
+  if (!(gain >= 0.0) || (solution.x + step).minCoeff() < 0.0) return;
   solution.x += step;
   sums.with_residual -= sums.with_linear * step;
   solution.cost = solution.square = std::max(sums.square - gain, 0.0);

@@ -27,15 +27,17 @@ constexpr double kLeastOfAnyLog = 0.003;
 
 // A capacity in mAh, or times in minutes under a header of seconds, are off by a factor of 60 or
 // 1000.
-void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+void CheckCapacity(const Campaign& campaign,
+                   const std::vector<LoadedLog>& logs,
+                   const std::vector<double>& range_C) {
   if (!(campaign.capacity_Ah > 0.0)) return;
   double full_Ah = 0.0;
   double any_Ah = 0.0;
   bool fits = false;
-  for (const LoadedLog& log : logs) {
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    const LoadedLog& log = logs[k];
     if (log.entry.kind == LogKind::kValidation) continue;
-    const Record& record = log.log.record;
-    const double range_Ah = CountCharge(record).range_C() / 3600.0;
+    const double range_Ah = range_C[k] / 3600.0;
     any_Ah = std::max(any_Ah, range_Ah);
     fits = true;
     const bool discharge =
@@ -54,11 +56,11 @@ void CheckCapacity(const Campaign& campaign, const std::vector<LoadedLog>& logs)
   throw LoadError({campaign.file}, "capacity_Ah: " + message);
 }
 
-// A log of the pack becomes one of a cell.
-LoadedLog OneOfCell(const Campaign& campaign, const CampaignLog& entry, Log log) {
+// A log of the pack becomes one of a cell. `range_C` becomes the charge that it moves.
+LoadedLog OneOfCell(const Campaign& campaign, const CampaignLog& entry, Log log, double& range_C) {
   RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
   DivideByPack(log.record, campaign.series, campaign.parallel);
-  CheckPlausible(log.record, campaign.capacity_Ah);
+  range_C = CheckPlausible(log.record, campaign.capacity_Ah);
   return {entry, std::move(log)};
 }
 
@@ -66,11 +68,12 @@ LoadedLog OneOfCell(const Campaign& campaign, const CampaignLog& entry, Log log)
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   std::vector<LoadedLog> logs(campaign.logs.size());
+  std::vector<double> range_C(logs.size());
   std::vector<LogToRead> files;
   files.reserve(campaign.logs.size());
   for (const CampaignLog& entry : campaign.logs) files.push_back({entry.path, entry.read});
   const auto problems = ReadLogs(files, [&](std::size_t k, Log log) {
-    logs[k] = OneOfCell(campaign, campaign.logs[k], std::move(log));
+    logs[k] = OneOfCell(campaign, campaign.logs[k], std::move(log), range_C[k]);
   });
   // In the order of the campaign, whatever the threads did. A file that stands in several places
   // speaks once; where several are bad, each has one line.
@@ -83,7 +86,7 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
     all.insert(all.end(), problems[k].begin(), problems[k].end());
   }
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
-  CheckCapacity(campaign, logs);
+  CheckCapacity(campaign, logs, range_C);
   return logs;
 }
 
@@ -91,9 +94,10 @@ std::vector<LoadedLog> TakeLogs(const Campaign& campaign, std::vector<Log> logs)
   Require(logs.size() == campaign.logs.size(), "one log for each entry of the campaign");
   std::vector<LoadedLog> taken;
   taken.reserve(logs.size());
+  std::vector<double> range_C(logs.size());
   for (std::size_t k = 0; k < logs.size(); ++k)
-    taken.push_back(OneOfCell(campaign, campaign.logs[k], std::move(logs[k])));
-  CheckCapacity(campaign, taken);
+    taken.push_back(OneOfCell(campaign, campaign.logs[k], std::move(logs[k]), range_C[k]));
+  CheckCapacity(campaign, taken, range_C);
   return taken;
 }
 

@@ -108,8 +108,8 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
   }
 }
 
-void CheckPlausible(const Record& record, double capacity_Ah) {
-  if (record.voltage_V.empty()) return;
+double CheckPlausible(const Record& record, double capacity_Ah) {
+  if (record.voltage_V.empty()) return capacity_Ah > 0.0 ? CountCharge(record).range_C() : 0.0;
   const Extent voltage = FindExtent(record.voltage_V);
   if (voltage.most > kMostCell_V) {
     const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
@@ -146,7 +146,7 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
                     "header that says mA, or is `parallel` too large?",
                     most_A));
   }
-  if (!(capacity_Ah > 0.0)) return;
+  if (!(capacity_Ah > 0.0)) return 0.0;
   if (most_A > kMostRate_per_h * capacity_Ah) {
     throw LoadError(
         {record.file},
@@ -156,8 +156,8 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             capacity_Ah,
             most_A));
   }
-  if (const double range_Ah = CountCharge(record).range_C() / 3600.0;
-      range_Ah > kMostCapacities * capacity_Ah) {
+  const double range_C = CountCharge(record).range_C();
+  if (const double range_Ah = range_C / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
     throw LoadError(
         {record.file},
         fmt::format(
@@ -167,6 +167,7 @@ void CheckPlausible(const Record& record, double capacity_Ah) {
             capacity_Ah,
             range_Ah));
   }
+  return range_C;
 }
 
 }  // namespace lipoid

@@ -26,7 +26,8 @@ void CheckReadable(const Record& record, const ColumnPositions& positions);
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
 
 /// For a record of one cell, after DivideByPack(). capacity_Ah is the cell's nominal one, 0 where
-/// it is not known. LoadError with advice.
-void CheckPlausible(const Record& record, double capacity_Ah);
+/// it is not known. Returns the charge between its fullest and its emptiest moment in C, 0 where the
+/// capacity is not known. LoadError with advice.
+double CheckPlausible(const Record& record, double capacity_Ah);
 
 }  // namespace lipoid

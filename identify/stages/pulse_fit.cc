@@ -78,10 +78,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   }
   const auto fit_all_rows = [&](const GivenParameters& held) {
     const JointFit fit(sweep, held, scales);
-    JointRates from = fit.Base(structure);
-    for (const JointFit::Rate& rate : fit.Rates(structure))
-      *rate.entry(from, rate.index) = *rate.entry(best.rates, rate.index);
-    best = fit.Approach(fit.Solve(structure, from, 0.0), solver);
+    best = fit.Approach(std::move(best), solver);
     result.evaluations += fit.evaluations();
   };
   fit_all_rows(known);

@@ -277,8 +277,13 @@ class StagedRun {
                         .coarse = &coarse};
     const bool beta_is_free = options_.pulses.diffusion && !IsFixed("beta");
     if (beta_is_free) {
+      // For comparison, and where the next one starts: held at a beta that is off, residuals are
+      // large, and each further digit of the cost would take two passes over all rows.
+      constexpr double kNineDigits = 1e-9;
+      LevenbergMarquardtOptions solver = options_.solver;
+      solver.function_tolerance = std::max(solver.function_tolerance, kNineDigits);
       result_.pulses_beta_held =
-          FitPulses(sweep, start, options_.pulses, options_.solver, given_.parameters);
+          FitPulses(sweep, start, options_.pulses, solver, given_.parameters);
       start.previous = &result_.pulses_beta_held->parameters;
     }
     Tell("pulses, with beta", 0.5);
