@@ -300,8 +300,8 @@ class JointRun {
   }
 
   void Fit() {
-    const double longest_s = Choose(0.3, 0.58);
-    if (StandsAt(longest_s)) ChooseAmongSlower(longest_s);
+    const double longest_s = Choose(0.3, 0.3);
+    if (WantsSlower(longest_s)) ChooseAmongSlower(longest_s);
     if (result_.choice.best.x.size() == 0) {
       throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
                       "expected logs from which v_oc(A) and a resistance follow, found none that "
@@ -332,7 +332,7 @@ class JointRun {
   }
 
   // A branch wants to be as slow as that, or slower, and nobody has said that it must not.
-  [[nodiscard]] bool StandsAt(double longest_s) const {
+  [[nodiscard]] bool WantsSlower(double longest_s) const {
     const JointSolution& best = result_.choice.best;
     return std::any_of(best.at_bound.begin(), best.at_bound.end(), [&](const std::string& name) {
       if (!name.starts_with("tau_") || name == "tau_h" || known_.Bounds(name)) return false;
@@ -345,7 +345,7 @@ class JointRun {
   void ChooseAmongSlower(double longest_s) {
     JointChoice before = std::move(result_.choice);
     result_.setup.slow_branches = true;
-    const double slowest_s = Choose(0.88, 0.02);
+    const double slowest_s = Choose(0.6, 0.3);
     if (result_.choice.errors.expected_V < before.errors.expected_V) {
       result_.cautions.push_back(fmt::format(
           "a branch stood at {:.6g} s, the longest time at one current: time constants of up to "

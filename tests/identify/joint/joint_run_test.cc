@@ -210,6 +210,27 @@ TEST(JointRun, RefusesWhatNoCellCanHave) {
             "--bounds beta=0.1,5: expected 0 <= low <= high <= 1");
 }
 
+// No current and no rest lasts longer than 1,770 s. Nobody asks for more where the branch is fast.
+TEST(JointRun, ABranchSlowerThanEverySegmentIsLetInWhereItIsThere) {
+  Cell slow = Truth();
+  const double r_Ohm = *CellParameter(slow, "r_1");
+  slow.branches = {{Resistance<double>(r_Ohm), 4000.0, 4000.0 / r_Ohm}};
+  const JointResult result = Identify(test::SyntheticLogs(slow, 5.0, kNoise_V));
+  EXPECT_TRUE(result.setup.slow_branches);
+  EXPECT_TRUE(OneSays(result.cautions, "the longest time at one current: time constants of up to"));
+  ASSERT_EQ(result.cell.branches.size(), 1U);
+  const auto trust = AssessJoint(result).quantities;
+  const auto tau = std::find_if(
+      trust.begin(), trust.end(), [](const QuantityTrust& q) { return q.name == "tau_1"; });
+  ASSERT_NE(tau, trust.end());
+  EXPECT_GT(tau->low, 1770.0);
+  EXPECT_LE(tau->low, 4000.0);
+  EXPECT_GE(tau->high, 4000.0);
+  const JointResult fast = Identify(test::SyntheticLogs(Truth(), 5.0, kNoise_V));
+  EXPECT_FALSE(fast.setup.slow_branches);
+  EXPECT_FALSE(OneSays(fast.cautions, "the longest time at one current"));
+}
+
 // The free branch is the faster one: sorted by time constants it would be the first, and the report
 // would say of the wrong one that it is held.
 TEST(JointRun, ABranchThatIsNamedKeepsItsNumber) {
