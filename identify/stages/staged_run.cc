@@ -279,9 +279,9 @@ class StagedRun {
     if (beta_is_free) {
       // For comparison, and where the next one starts: held at a beta that is off, residuals are
       // large, and each further digit of the cost would take two passes over all rows.
-      constexpr double kNineDigits = 1e-9;
+      constexpr double kTenDigits = 1e-10;
       LevenbergMarquardtOptions solver = options_.solver;
-      solver.function_tolerance = std::max(solver.function_tolerance, kNineDigits);
+      solver.function_tolerance = std::max(solver.function_tolerance, kTenDigits);
       result_.pulses_beta_held =
           FitPulses(sweep, start, options_.pulses, solver, given_.parameters);
       start.previous = &result_.pulses_beta_held->parameters;
