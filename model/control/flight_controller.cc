@@ -94,8 +94,11 @@ void FlightController::Reset(const MeasuredState& state,
   if (options_.saturate && options_.limit_reference) {
     const Triple<double> limits = AngleReferenceLimits(vehicle_, highest_speed);
     yaw_limit_N_m_ = limits[2] * vehicle_.inertia_kg_m2[2];
-    for (std::size_t k = 0; k < 3; ++k)
-      angles_[k] = AngleReference(references_of_, options_, k, limits[k]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Of the torque that yaw may have, half is for errors.
+      const double share = k == 2 ? 0.5 : 1.0;
+      angles_[k] = AngleReference(references_of_, options_, k, share * limits[k]);
+    }
   }
   down_.Reset(state.position_m[2]);
   for (std::size_t k = 0; k < 3; ++k) angles_[k].Reset(state.angles_rad[k]);
@@ -174,9 +177,8 @@ MotorValues FlightController::Step(const FlightCommand& command, const MeasuredS
   // motors that are pulled apart by pitch and yaw at once roll the vehicle, their thrust being no
   // linear function of the command.
   double& yaw_N_m = output_.wrench.torque_N_m[2];
-  if (std::abs(yaw_N_m) > yaw_limit_N_m_) {
-    yaw_N_m = std::copysign(yaw_limit_N_m_, yaw_N_m);
-  }
+  const bool yaw_cut = std::abs(yaw_N_m) > yaw_limit_N_m_;
+  if (yaw_cut) yaw_N_m = std::copysign(yaw_limit_N_m_, yaw_N_m);
   Allocate<double>(
       vehicle_, output_.wrench, {speed_squared_.data(), speed_squared_.size()});  // (3.13)
   saturated_ = false;
@@ -185,11 +187,14 @@ MotorValues FlightController::Step(const FlightCommand& command, const MeasuredS
                              : vehicle_.nominal_voltage_V;  // (3.17)
   const MotorValues duty = Duties(voltage);
 
-  const auto integrate = [&](double& integral, double error) {
-    if (MayIntegrate(saturated_, integral, error)) integral += kControlStep_s * error;  // (3.61)
+  const auto integrate = [](double& integral, double error, bool saturated) {
+    if (MayIntegrate(saturated, integral, error)) integral += kControlStep_s * error;  // (3.61)
   };
-  integrate(integrals_.down, output_.down_error);
-  for (std::size_t k = 0; k < 3; ++k) integrate(integrals_.angles[k], output_.angle_errors[k]);
+  integrate(integrals_.down, output_.down_error, saturated_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool cut = saturated_ || (k == 2 && yaw_cut);
+    integrate(integrals_.angles[k], output_.angle_errors[k], cut);
+  }
   return duty;
 }
 

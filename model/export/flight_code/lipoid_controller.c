@@ -377,6 +377,7 @@ int lipoid_controller_step(lipoid_controller *c,
   lipoid_real squares[4];
   lipoid_real volts;
   int saturated = 0;
+  int yaw_cut;
   int k;
 
   if (!are_numbers(state->position_m, 3) || !are_numbers(state->velocity_m_per_s, 3) ||
@@ -445,7 +446,8 @@ int lipoid_controller_step(lipoid_controller *c,
     }
 #endif
   }
-  if (ABS(torque[2]) > R(LIPOID_YAW_TORQUE_LIMIT_N_M)) {
+  yaw_cut = ABS(torque[2]) > R(LIPOID_YAW_TORQUE_LIMIT_N_M);
+  if (yaw_cut) {
     torque[2] = COPYSIGN(R(LIPOID_YAW_TORQUE_LIMIT_N_M), torque[2]);
   }
   squared_speeds(torque, thrust, squares);
@@ -466,7 +468,9 @@ int lipoid_controller_step(lipoid_controller *c,
   c->last.saturated = saturated;
 
   integrate(&c->down_integral, down_error, saturated);
-  for (k = 0; k < 3; ++k) integrate(&c->angle_integrals[k], errors[k], saturated);
+  for (k = 0; k < 3; ++k) {
+    integrate(&c->angle_integrals[k], errors[k], saturated || (k == 2 && yaw_cut));
+  }
   *output = c->last;
   return 0;
 }
