@@ -16,7 +16,11 @@ struct Estimate {
   double value = kNaN;
   double low = kNaN;
   double high = kNaN;
+  double temperature_degC = kNaN;  // of a cell that knows it
 };
+
+// Resistances this far apart in temperature are not compared.
+constexpr double kSame_K = 0.5;
 
 double NumberOr(const Json& json, double otherwise) {
   return json.is_number() ? json.get<double>() : otherwise;
@@ -55,12 +59,14 @@ Estimate PulseResistance(const Cell& cell, double after_s) {
   for (const Json& entry : resistances) {
     if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
     estimate.value = NumberOr(entry.value("resistance_Ohm", Json()), kNaN);
+    estimate.temperature_degC = NumberOr(entry.value("temperature_degC", Json()), kNaN);
     TakeInterval(entry, 1.0, estimate);
   }
   return estimate;
 }
 
-// The interval of a difference to the first: each side by the sides that make it.
+// The interval of a ratio to the first: each side by the sides that make it. On a scale of logarithms, on
+// which no quantity falls below zero.
 AgedValue Against(const Estimate& first, const Estimate& now, bool is_first) {
   AgedValue aged{.value = now.value,
                  .low = now.low,
@@ -73,15 +79,28 @@ AgedValue Against(const Estimate& first, const Estimate& now, bool is_first) {
     aged.verdict = ChangeVerdict::kFirst;
     return aged;
   }
-  const double down = std::hypot(now.value - now.low, first.high - first.value);
-  const double up = std::hypot(now.high - now.value, first.value - first.low);
-  const double per_cent = 100.0 / first.value;
-  aged.change_low_percent = aged.change_percent - per_cent * down;
-  aged.change_high_percent = aged.change_percent + per_cent * up;
-  if (!std::isfinite(down) || !std::isfinite(up)) return aged;
+  const auto apart = [](double high, double low) {
+    return low > 0.0 ? std::log(high / low) : high / std::max(low, 0.0);  // infinite, or not known
+  };
+  const double down = std::hypot(apart(now.value, now.low), apart(first.high, first.value));
+  const double up = std::hypot(apart(now.high, now.value), apart(first.value, first.low));
+  if (std::isnan(down) || std::isnan(up)) return aged;
+  const double ratio = now.value / first.value;
+  aged.change_low_percent = 100.0 * (ratio * std::exp(-down) - 1.0);
+  aged.change_high_percent = 100.0 * (ratio * std::exp(up) - 1.0);
   const bool holds_zero = aged.change_low_percent <= 0.0 && aged.change_high_percent >= 0.0;
   aged.verdict = holds_zero ? ChangeVerdict::kNotShown : ChangeVerdict::kChanged;
   return aged;
+}
+
+AgedValue Alone(const Estimate& now) {
+  return {.value = now.value,
+          .low = now.low,
+          .high = now.high,
+          .change_percent = kNaN,
+          .change_low_percent = kNaN,
+          .change_high_percent = kNaN,
+          .verdict = ChangeVerdict::kOtherTemperature};
 }
 
 }  // namespace
@@ -99,7 +118,9 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
     const Estimate first = estimate_of(cells.front());
     bool known = false;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      quantity.at.push_back(Against(first, estimate_of(cells[k]), k == 0));
+      const Estimate now = estimate_of(cells[k]);
+      const bool apart = std::abs(now.temperature_degC - first.temperature_degC) > kSame_K;
+      quantity.at.push_back(apart ? Alone(now) : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
     if (known) quantities.push_back(std::move(quantity));

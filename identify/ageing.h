@@ -6,7 +6,8 @@
 ///
 /// The estimates of two ages are independent: the 95 % interval of their difference is the root of
 /// the squared sum of their own. A change whose interval holds zero is not shown by these logs,
-/// which does not mean that there was none. Tests: tests/identify/ageing_test.cc.
+/// which does not mean that there was none. Resistances of another temperature than that of the first
+/// are shown and not compared. Tests: tests/identify/ageing_test.cc.
 
 #include <string>
 #include <vector>
@@ -15,12 +16,13 @@
 
 namespace lipoid {
 
-enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval };
-constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 4> OptionNames(ChangeVerdict) {
+enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval, kOtherTemperature };
+constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 5> OptionNames(ChangeVerdict) {
   return {{{ChangeVerdict::kFirst, "first"},
            {ChangeVerdict::kChanged, "changed"},
            {ChangeVerdict::kNotShown, "not shown by these logs"},
-           {ChangeVerdict::kNoInterval, "no interval"}}};
+           {ChangeVerdict::kNoInterval, "no interval"},
+           {ChangeVerdict::kOtherTemperature, "of another temperature"}}};
 }
 
 /// A quantity at one age. NaN: not known.

@@ -206,10 +206,17 @@ FitQuality QualityOf(const Identification& found,
 
 }  // namespace
 
+std::string Identification::Verdict() const {
+  std::string text = quality.Sentence();
+  if (staged)
+    text += staged->fitted_kind == LogKind::kPulses ? " (pulses alone)" : " (discharges alone)";
+  return text;
+}
+
 std::vector<LogKind> Identification::fitted_kinds() const {
   if (flights_alone) return {LogKind::kFlight};
   if (staged) return {staged->fitted_kind};
-  return {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kPulses};
+  return {LogKind::kConstantCurrent, LogKind::kLowRate, LogKind::kLowRateCharge, LogKind::kPulses};
 }
 
 double Identification::mean_error_percent() const {

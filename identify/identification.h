@@ -59,6 +59,8 @@ struct Identification {
 
   /// Whether the cell can be used: the search converged and the cell describes its logs.
   [[nodiscard]] bool usable() const { return converged && quality.grade != FitGrade::kPoor; }
+  /// The first line of every report, and of which logs it is where not of all.
+  [[nodiscard]] std::string Verdict() const;
   /// The kinds of logs that the last fit used.
   [[nodiscard]] std::vector<LogKind> fitted_kinds() const;
   /// Mean error of the pulses (staged), or the mean over all fitted logs of theirs (joint).

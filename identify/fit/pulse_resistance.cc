@@ -16,9 +16,14 @@ namespace {
 std::string Name(double after_s) { return fmt::format("R({})", after_s); }
 
 // The test as a log: at rest first, then a point after each time.
-JointLogs TestOf(const JointSetup& setup, double typical_A, const PulseQuestion& question) {
+JointLogs TestOf(const JointRates& rates,
+                 const JointSetup& setup,
+                 double typical_A,
+                 const PulseQuestion& question) {
   JointLog log;
-  log.delivered_C = setup.alpha_C * (1.0 - question.soc);
+  log.delivered_C = setup.AxisCharge(rates.alpha_C) * (1.0 - question.soc);
+  // Where alpha is searched a log says how full it begins, and not which charge is gone.
+  if (std::isfinite(rates.alpha_C)) log.delivered_C *= setup.alpha_C / rates.alpha_C;
   const auto add = [&](double time_s, double step_A, double current_A) {
     log.time_s.push_back(time_s);
     log.step_A.push_back(step_A);
@@ -34,9 +39,13 @@ JointLogs TestOf(const JointSetup& setup, double typical_A, const PulseQuestion&
   for (const double after_s : question.after_s) {
     log.interval.push_back(static_cast<std::uint32_t>(log.interval_s.size()));
     log.interval_s.push_back(after_s - log.time_s.back());
+    if (question.temperature_degC)
+      log.interval_K.push_back(*question.temperature_degC + kZeroCelsius_K);
     add(after_s, question.current_A, question.current_A);
   }
   log.rows = log.size();
+  if (question.temperature_degC)
+    log.temperature_K.assign(log.size(), *question.temperature_degC + kZeroCelsius_K);
   JointLogs logs;
   logs.logs.push_back(std::move(log));
   logs.typical_A = typical_A;
@@ -49,9 +58,11 @@ FittedRows Drops(const JointSolution& solution,
                  const JointSetup& setup,
                  double typical_A,
                  const PulseQuestion& question) {
-  const JointLogs test = TestOf(setup, typical_A, question);
-  FittedRows rows =
-      JointObservations(test, setup).Rows(solution.structure, solution.rates, solution.x)[0];
+  JointRates rates = solution.rates;
+  if (std::isfinite(rates.current_offset_A))
+    rates.current_offset_A = 0.0;  // of a sensor, not of the cell
+  const JointLogs test = TestOf(rates, setup, typical_A, question);
+  FittedRows rows = JointObservations(test, setup).Rows(solution.structure, rates, solution.x)[0];
   const Eigen::RowVectorXd rest = rows.sensitivity.row(0);
   rows.sensitivity = (-rows.sensitivity).rowwise() + rest;
   rows.residual_V.array() -= rows.residual_V[0];  // nothing was measured: minus what is predicted
@@ -104,6 +115,7 @@ void TakePulseResistances(const std::vector<double>& values_Ohm,
     trust.resistance.push_back({.soc = question.asked_soc,
                                 .after_s = question.after_s[k],
                                 .current_A = question.current_A,
+                                .temperature_degC = question.temperature_degC,
                                 .resistance_Ohm = values_Ohm[k],
                                 .low_Ohm = std::max(values_Ohm[k] - reach_Ohm, 0.0),
                                 .high_Ohm = values_Ohm[k] + reach_Ohm});

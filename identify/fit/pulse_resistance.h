@@ -10,6 +10,7 @@
 /// taken. Often it is known where none of its parts is: what one of them lacks another one has. Tests:
 /// tests/identify/fit/pulse_resistance_test.cc.
 
+#include <optional>
 #include <vector>
 
 #include "identify/fit/linearized_fit.h"
@@ -23,6 +24,7 @@ struct PulseQuestion {
   double soc = 0.5;
   double current_A = 1.0;
   std::vector<double> after_s{1.0, 10.0, 30.0};
+  std::optional<double> temperature_degC = {};  ///< of a cell that knows temperature
 };
 
 /// R(t) of a solution, in the order of after_s.

@@ -205,7 +205,9 @@ ResistanceAt FlightModel::StepResistance(const Eigen::VectorXd& unknowns,
   std::vector<Jet> x;
   for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
   const CellModel<Jet> model(WithUnknowns(reference_.cell.Parameters(), x));
-  const auto rest = model.Relaxed(Jet(soc));
+  auto rest = model.Relaxed(Jet(soc));
+  const bool known = among_.ambient_degC || !among_.measured_degC.empty();
+  if (known) rest.temperature_K = Jet(kUsual_K);
   const Jet drop_V = model.Voltage(rest, Jet(0.0)) - model.Voltage(rest, Jet(current_A));
   ResistanceAt at{drop_V.a / current_A, Eigen::VectorXd::Zero(size())};
   at.slope.head(U::kCount) = drop_V.v / drop_V.a;

@@ -61,8 +61,8 @@ class FlightModel {
   /// The voltage of another cell, say one with other parameters, at these unknowns.
   [[nodiscard]] Eigen::VectorXd VoltageOf(const Cell& cell, const Eigen::VectorXd& unknowns) const;
 
-  /// What a step from rest to current_A shows at once, over the current, at the reference
-  /// temperature.
+  /// What a step from rest to current_A shows at once, over the current: at 25 degC where the
+  /// temperature of the flight is known, else at the reference temperature, where it is taken to begin.
   [[nodiscard]] ResistanceAt StepResistance(const Eigen::VectorXd& unknowns,
                                             double soc,
                                             double current_A) const;

@@ -59,7 +59,7 @@ struct FlightHealth {
   /// As this current sensor counts: what the error of its scale, the same in every flight, adds is
   /// not in it.
   WithInterval counted_capacity_Ah;
-  WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where temperature is known
+  WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where the flight tells its own
   WithInterval counted_resistance_Ohm;
   double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
   double log_resistance_deviation = 0.0;

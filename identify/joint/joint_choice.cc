@@ -386,8 +386,11 @@ class Choosing {
     Search(richer);
   }
 
+  // Logs of one kind at several temperatures, or what differs between the kinds passes for the slope:
+  // a slow discharge in the warm and pulses in the cold differ by hysteresis and polarisation, too.
   void TryEntropy() {
     if (options_.entropy != Presence::kAuto || !best().temperature || voltage_soc_.empty()) return;
+    if (logs_.like_span_K < kLeastSpan_K) return;
     JointStructure richer = best();
     richer.entropy_soc = Entropies();
     Search(richer);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "identify/stages/condensed_log.h"
-#include "model/battery/arrhenius.h"
 #include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
 
@@ -251,6 +251,51 @@ int DifferentCurrents(const std::vector<const LoadedLog*>& logs) {
   return different;
 }
 
+// Mean over the rows for which the points stand.
+double MeanTemperature(const JointLog& log) {
+  double sum_K = 0.0;
+  double rows = 0.0;
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    sum_K += log.count[k] * log.temperature_K[k];
+    rows += log.count[k];
+  }
+  return sum_K / rows;
+}
+
+// What the temperatures of the logs let be asked; every log knows its own.
+void FindTemperatures(JointLogs& all) {
+  struct Span {
+    double low_K = std::numeric_limits<double>::infinity();
+    double high_K = -std::numeric_limits<double>::infinity();
+    void Take(double low, double high) {
+      low_K = std::min(low_K, low);
+      high_K = std::max(high_K, high);
+    }
+  };
+  Span points;
+  Span means;
+  std::map<LogKind, Span> of_kind;
+  for (const JointLog& log : all.logs) {
+    const auto [low, high] =
+        std::minmax_element(log.temperature_K.begin(), log.temperature_K.end());
+    points.Take(*low, *high);
+    const double mean_K = MeanTemperature(log);
+    means.Take(mean_K, mean_K);
+    of_kind[log.kind].Take(mean_K, mean_K);
+  }
+  all.coldest_K = points.low_K;
+  all.warmest_K = points.high_K;
+  for (const auto& [kind, span] : of_kind)
+    all.like_span_K = std::max(all.like_span_K, span.high_K - span.low_K);
+  const auto pulses = of_kind.find(LogKind::kPulses);
+  const Span& told = pulses != of_kind.end() ? pulses->second : means;
+  constexpr double kNear_K = 5.0;
+  const double low_degC = told.low_K - kZeroCelsius_K;
+  const double high_degC = told.high_K - kZeroCelsius_K;
+  if (told.low_K > kUsual_K + kNear_K) all.told_K = std::round(low_degC) + kZeroCelsius_K;
+  if (told.high_K < kUsual_K - kNear_K) all.told_K = std::round(high_degC) + kZeroCelsius_K;
+}
+
 }  // namespace
 
 JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
@@ -280,14 +325,7 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
                    all.logs.end(),
                    [](const JointLog& log) { return log.temperature_K.empty(); }) &&
       !all.logs.empty()) {
-    all.coldest_K = std::numeric_limits<double>::infinity();
-    all.warmest_K = -all.coldest_K;
-    for (const JointLog& log : all.logs) {
-      const auto [low, high] =
-          std::minmax_element(log.temperature_K.begin(), log.temperature_K.end());
-      all.coldest_K = std::min(all.coldest_K, *low);
-      all.warmest_K = std::max(all.warmest_K, *high);
-    }
+    FindTemperatures(all);
   }
   double squares = 0.0;
   double loaded = 0.0;

@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "identify/logs/load_campaign.h"
+#include "model/battery/arrhenius.h"
 #include "model/battery/open_circuit_voltage.h"
 
 namespace lipoid {
@@ -86,6 +87,12 @@ struct JointLogs {
   /// Coldest and warmest point; NaN where not every log knows its temperature.
   double coldest_K = std::numeric_limits<double>::quiet_NaN();
   double warmest_K = std::numeric_limits<double>::quiet_NaN();
+  /// How far apart the mean temperatures of two logs of one kind are at most: only such logs show
+  /// v_oc at several temperatures and nothing else that differs.
+  double like_span_K = 0.0;
+  /// Where resistances are known best: 25 degC where pulses (or all logs, where there are none) were
+  /// taken on both sides of it or within 5 degC, else the mean of the nearest of them, in whole degC.
+  double told_K = kUsual_K;
   double typical_A = 0.0;  ///< root mean square of the currents under load
 };
 

@@ -44,7 +44,7 @@ struct JointSetup {
   /// Time constants may go ten times beyond the longest time at one current.
   bool slow_branches = false;
   /// At which the parameters are those of the cell.
-  double reference_K = 25.0 + kZeroCelsius_K;
+  double reference_K = kUsual_K;
   /// What an earlier cell lends. Then A is counted from the alpha that is searched, and curves and
   /// tables are held over A.
   std::shared_ptr<const HeldShape> held = {};

@@ -103,6 +103,25 @@ class JointRun {
   }
 
  private:
+  // What a reference holds is not chosen beside it.
+  void RefuseBesideAReference() const {
+    const auto refuse = [](bool given, std::string_view option) {
+      if (given)
+        throw OptionError(fmt::format(
+            "option {}: --reference holds the terms of its cell; leave one of the two out",
+            option));
+    };
+    refuse(options_.branches >= 0, "--branches");
+    refuse(options_.resistance_nodes > 0, "--set joint.resistance_nodes");
+    for (const auto& [presence, name] : {std::pair{options_.self_heating, "self_heating"},
+                                         std::pair{options_.charge_transfer, "charge_transfer"},
+                                         std::pair{options_.temperature, "temperature"},
+                                         std::pair{options_.entropy, "entropy"},
+                                         std::pair{options_.hysteresis, "hysteresis"},
+                                         std::pair{options_.current_offset, "current_offset"}})
+      refuse(presence != Presence::kAuto, fmt::format("--set joint.{}", name));
+  }
+
   // The terms of the cell that is held, and its rates; only beta, alpha and resistances are left.
   void Hold(const std::shared_ptr<const HeldShape>& held) {
     const Cell& cell = held->cell;
@@ -112,6 +131,7 @@ class JointRun {
           return log.entry.kind == LogKind::kValidation || log.entry.ambient_degC ||
                  !log.log.record.temperature_degC.empty();
         });
+    RefuseBesideAReference();
     options_.branches = static_cast<int>(cell.branches.size());
     options_.self_heating = presence(cell.self_heating.has_value());
     options_.charge_transfer = presence(cell.charge_transfer.has_value());

@@ -69,8 +69,9 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   if (!options.assumed) with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
 
   // Half charge on the axis of the fit, and 1C.
-  const PulseQuestion question{.soc = 1.0 - 0.5 * AlphaRatio(result),
-                               .current_A = result.alpha_C / 3600.0};
+  PulseQuestion question{.soc = 1.0 - 0.5 * AlphaRatio(result),
+                         .current_A = result.alpha_C / 3600.0};
+  if (best.structure.temperature) question.temperature_degC = CelsiusOf(result.logs.told_K);
   const auto resistances = [&](const JointSolution& solution) {
     return PulseResistancesOf(solution, result.setup, result.logs.typical_A, question);
   };

@@ -19,6 +19,8 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/spikes.h"
+#include "model/battery/arrhenius.h"
+#include "model/battery/ranges.h"
 
 namespace lipoid {
 namespace {
@@ -129,6 +131,14 @@ void SettleSign(Log& log,
   if (found.sign == CurrentSign::kUnclear && record.voltage_V.empty()) {
     found = {CurrentSign::kDischargePositive,
              "there is no voltage to tell; discharge is taken as positive"};
+    const double charge_C = CountCharge(record).charge_C;
+    if (charge_C < 0.0) {
+      report.warnings.push_back(
+          fmt::format("there is no voltage to tell the sign of the current; discharge is taken as "
+                      "positive, and so {:.4g} Ah are charged: if they leave the cell, say "
+                      "`current_sign` (--current-sign discharge-negative)",
+                      -charge_C / 3600.0));
+    }
   }
   if (found.sign == CurrentSign::kUnclear && !found.contradictory &&
       others.sign != CurrentSign::kUnclear) {
@@ -170,6 +180,27 @@ void SettleSign(Log& log,
                         : found.sign == CurrentSign::kDischargeNegative ? "discharge-negative"
                                                                         : "unsigned";
   report.current_sign_reason = found.reason;
+}
+
+// A column in kelvin, or what a logger writes for a sensor that is not there, is no temperature of a cell.
+void DropImpossibleTemperatures(Log& log) {
+  Column& temperature_degC = log.record.temperature_degC;
+  const auto& column = std::as_const(temperature_degC);
+  const auto wrong = std::find_if(
+      column.begin(), column.end(), [](double degC) { return !kTemperatures_degC.Contains(degC); });
+  if (wrong == column.end()) return;
+  const bool kelvin = std::all_of(column.begin(), column.end(), [](double degC) {
+    return kTemperatures_degC.Contains(degC - kZeroCelsius_K);
+  });
+  log.report.warnings.push_back(fmt::format(
+      "temperature left out: {:.6g} degC at {:.10g} s is not within {:g} to {:g}{}; what "
+      "needs it goes on without",
+      *wrong,
+      std::as_const(log.record.time_s)[static_cast<std::size_t>(wrong - column.begin())],
+      kTemperatures_degC.lo,
+      kTemperatures_degC.hi,
+      kelvin ? ", but the whole column would be in kelvin" : ""));
+  temperature_degC.clear();
 }
 
 // A reading that failed would be fitted like any other.
@@ -243,7 +274,10 @@ void AddNotes(const TextSource& source,
          fmt::format("dates such as 03/04/2021 are read with the {} first, as they say themselves",
                      *order == DateOrder::kMonthFirst ? "month" : "day"));
   }
-  note(collector.drops_temperature(), "temperature left out: some cells hold no number");
+  if (collector.drops_temperature()) {
+    report.warnings.emplace_back(
+        "temperature left out, for some rows hold no number: what needs it goes on without");
+  }
 }
 
 }  // namespace
@@ -283,6 +317,7 @@ void FinishLog(Log& log, const ReadOptions& options) {
       log.record.voltage_V[k] += options.lead_resistance_Ohm * log.record.current_A[k];
     }
   }
+  DropImpossibleTemperatures(log);
   log.report.gaps = FindGaps(log.record);
   if (!log.report.gaps.empty())
     log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");

@@ -51,7 +51,11 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
                         rate_per_h,
                         nominal ? "the capacity" : "its own charge")};
   }
-  if (out_C == 0.0) return {{}, "only charging"};
+  if (out_C == 0.0) {
+    return {{},
+            "only charging; a slow charge takes part in a campaign as `low-rate-charge`, with its "
+            "`initial_soc`"};
+  }
   if (in_C > 0.5 * out_C) {
     return {LogKind::kValidation,
             "charges and discharges; for another kind choose a part with steps, cycles or times"};

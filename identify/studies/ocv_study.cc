@@ -24,6 +24,7 @@ std::vector<Form> Forms(const OcvFitOptions& options) {
     OcvFitOptions form = options;
     form.method = method;
     form.*size = value;
+    form.interpolate_up_to = 0;  // nodes as many as the row says, however few rows there are
     forms.push_back({std::move(name), form});
   };
   for (const int knots : {25, 50, 100, 200, 400}) {
@@ -48,6 +49,23 @@ std::vector<Form> Forms(const OcvFitOptions& options) {
         harmonics);
   }
   return forms;
+}
+
+// What is said of pulses, of alpha, or of the curve itself changes no form of the curve.
+void RefuseWhatSaysNothing(const StudyInput& input) {
+  const auto refuse = [](bool given, std::string_view option) {
+    if (given)
+      throw OptionError(
+          fmt::format("option {}: it says nothing of the forms of v_oc(A); leave it out", option));
+  };
+  const StagedGiven& given = input.given;
+  refuse(given.open_circuit_voltage.has_value(), "--open-circuit-voltage");
+  refuse(given.alpha_C.has_value(), "--alpha-C");
+  refuse(!given.parameters.fixed.empty(), "--fix");
+  refuse(!given.parameters.start.empty(), "--start");
+  refuse(!given.parameters.bounds.empty(), "--bounds");
+  refuse(!input.options.pulses.diffusion, "--no-diffusion");
+  refuse(input.options.pulses.branches != PulseFitOptions().branches, "--branches");
 }
 
 const LoadedLog& LowRateLog(const StudyInput& input) {
@@ -82,6 +100,7 @@ ErrorMetrics ErrorsInFit(const OpenCircuitVoltage& curve,
 }  // namespace
 
 StudyResult StudyOcv(const StudyInput& input, const StudyProgress& progress) {
+  RefuseWhatSaysNothing(input);
   const LoadedLog& log = LowRateLog(input);
   const Record& record = log.log.record;
   const double soc = log.entry.initial_soc;

@@ -123,6 +123,7 @@ struct PulseResistance {
   double soc = 0.5;
   double after_s = 0.0;
   double current_A = 0.0;
+  std::optional<double> temperature_degC = {};  ///< none: the cell knows no temperature
   double resistance_Ohm = 0.0;
   double low_Ohm = 0.0;   ///< 95 %
   double high_Ohm = 0.0;  ///< infinite where the error is not known

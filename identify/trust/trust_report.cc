@@ -62,11 +62,13 @@ Json TrustToJson(const TrustReport& report) {
 Json PulseResistancesToJson(const TrustReport& report) {
   Json resistances = Json::array();
   for (const auto& r : report.resistance) {
-    resistances.push_back({{"soc", r.soc},
-                           {"after_s", r.after_s},
-                           {"current_A", r.current_A},
-                           {"resistance_Ohm", NumberOrNull(r.resistance_Ohm)},
-                           {"interval_95", {NumberOrNull(r.low_Ohm), NumberOrNull(r.high_Ohm)}}});
+    resistances.push_back(
+        {{"soc", r.soc},
+         {"after_s", r.after_s},
+         {"current_A", r.current_A},
+         {"temperature_degC", r.temperature_degC ? Json(*r.temperature_degC) : Json()},
+         {"resistance_Ohm", NumberOrNull(r.resistance_Ohm)},
+         {"interval_95", {NumberOrNull(r.low_Ohm), NumberOrNull(r.high_Ohm)}}});
   }
   return resistances;
 }

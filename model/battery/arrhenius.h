@@ -17,6 +17,8 @@ namespace lipoid {
 
 inline constexpr double kGasConstant_J_per_mol_K = 8.314462618;
 inline constexpr double kZeroCelsius_K = 273.15;
+/// 25 degC, at which cells are compared where nothing else is said.
+inline constexpr double kUsual_K = 25.0 + kZeroCelsius_K;
 
 /// Without the roundings of the sum that made the kelvin: 25 degC and not 25.000000000000057.
 [[nodiscard]] inline double CelsiusOf(double temperature_K) {

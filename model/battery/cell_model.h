@@ -81,7 +81,7 @@ class CellModel {
     T hysteresis = T(0.0);         ///< h of hysteresis.h, in [-1, 1]
     /// Of the cell. It stays as it is where the surroundings are not known (NaN) or the cell has no
     /// heat balance.
-    T temperature_K = T(25.0 + kZeroCelsius_K);
+    T temperature_K = T(kUsual_K);
     T ambient_K = T(std::numeric_limits<double>::quiet_NaN());
   };
 

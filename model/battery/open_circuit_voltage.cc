@@ -136,6 +136,18 @@ void OpenCircuitVoltage::SetPieces(std::vector<Piece> pieces) {
   const double x = hi_ - soc_[soc_.size() - 2];
   first_ = {pieces_.front().c0, pieces_.front().c1};
   last_ = {voltage_V_.back(), p.c1 + x * (2.0 * p.c2 + x * 3.0 * p.c3)};
+  // A cell with a flat end of the curve empties all the same: it goes on with the next chord that rises.
+  const auto chord = [&](std::size_t k) {
+    return (voltage_V_[k + 1] - voltage_V_[k]) / (soc_[k + 1] - soc_[k]);
+  };
+  if (chord(0) == 0.0) {
+    for (std::size_t k = 1; k < pieces_.size() && first_.slope_V == 0.0; ++k)
+      first_.slope_V = chord(k);
+  }
+  if (chord(pieces_.size() - 1) == 0.0) {
+    for (std::size_t k = pieces_.size() - 1; k > 0 && last_.slope_V == 0.0; --k)
+      last_.slope_V = chord(k - 1);
+  }
 }
 
 OpenCircuitVoltage::ValueAndSlope OpenCircuitVoltage::SeriesInRange(double soc) const {

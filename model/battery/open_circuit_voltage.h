@@ -10,7 +10,8 @@
 ///   fourier         a_0 + sum_k a_k cos(k w A) + b_k sin(k w A)
 ///
 /// A is a fraction: 1 full, 0 at cut-off at vanishing rate. Outside the range it was made for the
-/// curve continues with its end slope; who needs to know counts with InRange(). Volts of one cell.
+/// curve continues with its end slope, a table with a flat end with that of the next chord that
+/// rises; who needs to know counts with InRange(). Volts of one cell.
 /// Tests: tests/model/battery/open_circuit_voltage_test.cc.
 
 #include <algorithm>

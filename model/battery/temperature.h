@@ -38,7 +38,7 @@ struct EntropySlope {
 
 template <class T>
 struct TemperatureDependence {
-  double reference_K = 25.0 + kZeroCelsius_K;  ///< where every factor is 1
+  double reference_K = kUsual_K;  ///< where every factor is 1
   /// Activation energies; of the branches one each.
   T series_J_per_mol = T(0.0);
   std::vector<T> branches_J_per_mol;

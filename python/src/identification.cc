@@ -71,7 +71,7 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                         ToPython(summary),
                         found.converged,
                         found.usable(),
-                        found.quality.Sentence());
+                        found.Verdict());
 }
 
 nb::object ValidateLog(const PythonCell& cell, const PythonLog& log, double initial_soc) {

@@ -38,15 +38,54 @@ TEST(Ageing, TellsAChangeFromNone) {
   const AgedValue& capacity = found[0].at[1];
   EXPECT_NEAR(capacity.value, 1900.0 / 3600.0, 1e-12);
   EXPECT_NEAR(capacity.change_percent, -5.0, 1e-12);
-  // 30 and 40 C make 50 C, 2.5 % of the first.
-  EXPECT_NEAR(capacity.change_low_percent, -7.5, 1e-12);
-  EXPECT_NEAR(capacity.change_high_percent, -2.5, 1e-12);
+  // 30 and 40 C make 50 C, 2.5 % of the first; the ratio of two intervals is within 0.1 % of it.
+  EXPECT_NEAR(capacity.change_low_percent, -7.5, 0.1);
+  EXPECT_NEAR(capacity.change_high_percent, -2.5, 0.1);
   EXPECT_EQ(capacity.verdict, ChangeVerdict::kChanged);
   EXPECT_EQ(found[1].name, "beta");
   EXPECT_EQ(found[1].at[1].verdict, ChangeVerdict::kNoInterval);
   EXPECT_EQ(found[2].name, "resistance_1s");
   EXPECT_NEAR(found[2].at[1].change_percent, 10.0, 1e-9);
   EXPECT_EQ(found[2].at[1].verdict, ChangeVerdict::kNotShown) << "10 % with 14 % each way";
+}
+
+// However wide the interval of the first: no resistance falls by more than all of it.
+TEST(Ageing, NothingFallsByMoreThanAHundredPerCent) {
+  const auto found =
+      CompareAges({Aged("new", 2000.0, 30.0, 0.10, 0.09), Aged("old", 1900.0, 40.0, 0.03, 0.02)});
+  const AgedValue& resistance = found[2].at[1];
+  EXPECT_NEAR(resistance.change_percent, -70.0, 1e-9);
+  const double down = std::hypot(std::log(0.03 / 0.01), std::log(0.19 / 0.10));
+  EXPECT_NEAR(resistance.change_low_percent, 100.0 * (0.3 * std::exp(-down) - 1.0), 1e-9);
+  EXPECT_GT(resistance.change_low_percent, -100.0);
+  EXPECT_GT(resistance.change_high_percent, 0.0);
+  EXPECT_EQ(resistance.verdict, ChangeVerdict::kNotShown);
+  // An interval that begins at zero: it may have vanished, or have grown without end.
+  const auto wide =
+      CompareAges({Aged("new", 2000.0, 30.0, 0.10, 0.10), Aged("old", 1900.0, 40.0, 0.03, 0.03)});
+  EXPECT_EQ(wide[2].at[1].change_low_percent, -100.0);
+  EXPECT_TRUE(std::isinf(wide[2].at[1].change_high_percent));
+  EXPECT_EQ(wide[2].at[1].verdict, ChangeVerdict::kNotShown);
+}
+
+// A resistance in the cold is no resistance that grew.
+TEST(Ageing, OfAnotherTemperatureOnlyTheCapacityIsCompared) {
+  std::vector<Cell> cells{Aged("new", 2000.0, 30.0, 0.10, 0.01),
+                          Aged("cold", 1900.0, 40.0, 0.20, 0.01)};
+  const auto measured_at = [&](Cell& cell, double degC) {
+    Json run = *cell.run;
+    run["metrics"]["resistance"][0]["temperature_degC"] = degC;
+    cell.run = std::make_shared<const Json>(std::move(run));
+  };
+  measured_at(cells[0], 25.0);
+  measured_at(cells[1], 0.0);
+  const auto found = CompareAges(cells);
+  EXPECT_EQ(found[0].at[1].verdict, ChangeVerdict::kChanged);
+  EXPECT_EQ(found[2].at[1].verdict, ChangeVerdict::kOtherTemperature);
+  EXPECT_TRUE(std::isnan(found[2].at[1].change_percent));
+  EXPECT_EQ(found[2].at[1].value, 0.20);
+  measured_at(cells[1], 25.0);
+  EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kChanged);
 }
 
 TEST(Ageing, ACellWithoutARunRecordHasValuesAlone) {

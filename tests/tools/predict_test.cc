@@ -45,6 +45,56 @@ std::vector<std::vector<double>> Numbers(const std::string& text) {
   return rows;
 }
 
+// Without a voltage nothing tells the sign. What charges a full cell further is said to, first by the
+// reader, then by the result and the exit code.
+TEST(Simulate, SaysThatACellWouldHoldMoreThanItCan) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/in.csv", "time_s,current_A\n0,0\n1200,-0.3\n2400,-0.3\n");
+  const std::vector<std::string> arguments{
+      "simulate", "gifi-600mAh-1", "--current", "in.csv", "-o", "p.csv"};
+  const auto run = RunLipoid(folder, arguments);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(
+      run.err.find("in.csv: there is no voltage to tell the sign of the current; discharge is "
+                   "taken as positive, and so 0.2 Ah are charged"),
+      std::string::npos)
+      << run.err;
+  EXPECT_NE(run.err.find("the log charges the cell to a soc of "), std::string::npos) << run.err;
+  auto turned = arguments;
+  turned.insert(turned.end(), {"--current-sign", "discharge-negative"});
+  const auto discharged = RunLipoid(folder, turned);
+  EXPECT_EQ(discharged.exit_code, 0) << discharged.err;
+}
+
+// A sensor that is not there, kelvin, and a row without a number: the column is left out, and it is said.
+TEST(Validate, SaysWhereATemperatureIsNone) {
+  const auto folder = TestFolder();
+  const std::pair<const char*, const char*> cases[] = {
+      {"-300", "temperature left out: -300 degC at 0 s is not within -60 to 150; what"},
+      {"298.15",
+       "temperature left out: 298.15 degC at 0 s is not within -60 to 150, but the whole column "
+       "would be in kelvin; what"},
+      {"", "temperature left out, for some rows hold no number: what"}};
+  for (const auto& [degC, expected] : cases) {
+    std::string text = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (int k = 0; k < 60; ++k) {
+      text += fmt::format("{},{},{},{}\n", 10 * k, k == 0 ? 0.0 : 0.6, 4.15 - 0.003 * k, degC);
+    }
+    WriteFileAtomically(folder + "/in.csv", text);
+    const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "in.csv"});
+    EXPECT_NE(run.err.find(expected), std::string::npos) << run.err;
+  }
+}
+
+TEST(Validate, SaysThatACellKnowsNoTemperature) {
+  const auto folder = FolderWithLogs();
+  const auto run =
+      RunLipoid(folder, {"validate", "gifi-600mAh-1", "logs/cc_2C.csv", "--ambient-degC", "-40"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("--ambient-degC: the cell file knows no temperature"), std::string::npos)
+      << run.err;
+}
+
 TEST(Simulate, GivesTheSynthesizedVoltagesBackToTheLastDigit) {
   const auto folder = FolderWithLogs();
   const auto run = RunLipoid(folder,

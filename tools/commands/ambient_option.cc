@@ -11,12 +11,13 @@ Cell KnowingTemperature(cli::CommandLine& line, const Cell& cell, const std::str
   line.Message(
       "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
       "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
-      "to the air for each cell",
+      "to the air for each cell{}",
       cell_name,
       1e-3 * term.series_J_per_mol,
       1e-3 * term.diffusion_J_per_mol,
       term.heat->heat_capacity_J_per_K,
-      term.heat->thermal_resistance_K_per_W);
+      term.heat->thermal_resistance_K_per_W,
+      cell.self_heating ? "; they take the place of its self-heating (rho_h, tau_h)" : "");
   return knowing;
 }
 

@@ -125,6 +125,12 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
                log.report.dropped_rows(),
                log.report.current_sign,
                log.report.current_sign_reason);
+  if (record.hold == Hold::kForward) {
+    line.Message(
+        "  rows are written as they are, and {} does not know their hold: say --hold forward "
+        "wherever it is read",
+        output);
+  }
   for (const auto& warning : log.report.warnings) line.Message("  {}", warning);
   for (const auto& note : log.report.notes) line.Message("  {}", note);
   return cli::ExitCode::kDone;

@@ -37,8 +37,8 @@ namespace {
 std::string IdentificationText(const Campaign& campaign,
                                const Identification& found,
                                bool verbose) {
-  std::string text = fmt::format(
-      "{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.quality.Sentence());
+  std::string text =
+      fmt::format("{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.Verdict());
   if (found.flights_alone) {
     text += TrustText(found.trust, "") + "\n";
     return text + cli::Bullets("What flights alone do not tell", found.flights_alone->cautions);
@@ -265,7 +265,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     Json metrics = report;
     if (!campaign.age.empty()) metrics["age"] = campaign.age;
     AddRunRecord(result, options, std::move(metrics), std::move(run));
-    if (!residuals.empty()) WriteResiduals(result.cell, logs, result.fitted_kinds(), residuals);
+    if (!residuals.empty()) WriteResiduals(result, logs, residuals);
     if (line.earlier() == nullptr) WriteCellFile(result.cell, paths[k]);
     converged = converged && result.converged;
     usable = usable && result.usable();

@@ -256,19 +256,23 @@ TextAndJson SpreadOfCells(const std::vector<Cell>& cells,
   return spread;
 }
 
-void WriteResiduals(const Cell& cell,
+void WriteResiduals(const Identification& found,
                     const std::vector<LoadedLog>& logs,
-                    const std::vector<LogKind>& kinds,
                     const std::string& file) {
   CsvWriter csv(file, "log,time_s,current_A,voltage_V,fitted_V,residual_V,soc");
-  Cell one = cell;  // the records are those of one cell
+  Cell one = found.cell;  // the records are those of one cell
   one.series = one.parallel = 1;
+  const std::vector<LogKind> kinds = found.fitted_kinds();
   for (std::size_t n = 0; n < logs.size(); ++n) {
     if (std::find(kinds.begin(), kinds.end(), logs[n].entry.kind) == kinds.end()) continue;
     const Record& record = logs[n].log.record;
+    std::vector<double> flowing_A = record.current_A.ToVector();
+    if (found.joint) {
+      for (double& i : flowing_A) i = found.joint->choice.best.rates.Flowing(i);
+    }
     const auto fitted = Predict(one,
                                 record.time_s,
-                                record.current_A,
+                                flowing_A,
                                 record.hold,
                                 logs[n].entry.initial_soc,
                                 SurroundingsOf(record, logs[n].entry));

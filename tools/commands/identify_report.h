@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/identification.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_run.h"
 #include "model/core/json.h"
@@ -30,11 +31,10 @@ struct TextAndJson {
                                         const std::string& error_name,
                                         const std::vector<double>& errors_percent);
 
-/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs of these kinds;
-/// `log` counts the logs of the campaign from 1.
-void WriteResiduals(const Cell& cell,
+/// log,time_s,current_A,voltage_V,fitted_V,residual_V,soc for every row of the logs that were fitted, with
+/// the current as it was measured; `log` counts the logs of the campaign from 1.
+void WriteResiduals(const Identification& found,
                     const std::vector<LoadedLog>& logs,
-                    const std::vector<LogKind>& kinds,
                     const std::string& file);
 
 }  // namespace lipoid

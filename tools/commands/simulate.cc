@@ -44,6 +44,7 @@ struct Way {
   double soc = 0.0;
   double voltage_V = 0.0;
   double lowest_V = std::numeric_limits<double>::infinity();
+  double highest_soc = 0.0;
   std::optional<double> cutoff_s;  // of the first row below the cut-off
   double cutoff_A = 0.0;
 };
@@ -73,6 +74,7 @@ class Walk {
           if (way_.rows++ == 0) way_.first_s = rows.time_s[k];
           way_.last_s = rows.time_s[k];
           way_.soc = row.soc;
+          if (row.soc > way_.highest_soc) way_.highest_soc = row.soc;
           way_.voltage_V = row.voltage_V;
           if (row.voltage_V < way_.lowest_V) way_.lowest_V = row.voltage_V;
           if (!cell_.open_circuit_voltage.InRange(row.soc)) ++way_.outside;
@@ -134,6 +136,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
 
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
+  options_of_surroundings.TellWhatSaysNothing(line, cell);
   const double initial_soc = start.Soc(cell);
   auto read = reading.Resolve();
   read.voltage_optional = true;
@@ -242,7 +245,15 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "there",
         way.outside);
   }
-  return whole ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+  constexpr double kOverfull_soc = 1.1;
+  const bool overfull = way.highest_soc > kOverfull_soc;
+  if (overfull) {
+    line.Message(
+        "the log charges the cell to a soc of {:.3g}, which no cell holds: say whether its current is "
+        "the other way round (--current-sign), or how empty the cell begins (--initial-soc)",
+        way.highest_soc);
+  }
+  return whole && !overfull ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

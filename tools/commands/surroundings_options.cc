@@ -17,6 +17,13 @@ void SurroundingsOptions::AddTo(cli::CommandLine& line) {
             "--ambient-degC the surroundings are as warm as its first row");
 }
 
+void SurroundingsOptions::TellWhatSaysNothing(cli::CommandLine& line, const Cell& cell) const {
+  if (cell.temperature || (!ambient_degC && !predict)) return;
+  line.Message(
+      "{}: the cell file knows no temperature (key `temperature`), and predicts the same at any",
+      ambient_degC ? "--ambient-degC" : "--predict-temperature");
+}
+
 Surroundings SurroundingsOptions::Of(const Record& record) const {
   const auto& measured_degC = record.temperature_degC;
   Surroundings surroundings{.ambient_degC = ambient_degC};

@@ -19,6 +19,8 @@ struct SurroundingsOptions {
   void AddTo(cli::CommandLine& line);
   /// Of a record, which must outlive what is returned.
   [[nodiscard]] Surroundings Of(const Record& record) const;
+  /// A message where something is asked of a cell that knows no temperature.
+  void TellWhatSaysNothing(cli::CommandLine& line, const Cell& cell) const;
 };
 
 }  // namespace lipoid

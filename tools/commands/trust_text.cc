@@ -65,11 +65,9 @@ std::string KnownText(const Identification& found) {
     high_C = q.high;
   }
   row("charge alpha", kAhPerC * alpha_C, kAhPerC * low_C, kAhPerC * high_C, "Ah");
-  const std::string warmth =
-      found.cell.temperature
-          ? fmt::format(", {:.3g} degC", found.cell.temperature->reference_K - kZeroCelsius_K)
-          : std::string();
   for (const PulseResistance& r : found.trust.resistance) {
+    const std::string warmth =
+        r.temperature_degC ? fmt::format(", {:.3g} degC", *r.temperature_degC) : std::string();
     row(fmt::format("resistance at half charge after {:g} s of {} A{}",
                     r.after_s,
                     Significant(r.current_A, 3),

@@ -41,6 +41,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
 
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
+  surroundings.TellWhatSaysNothing(line, cell);
   const double initial_soc = start.Soc(cell);
   CampaignArguments arguments;
   arguments.validation = files;

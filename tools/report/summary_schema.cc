@@ -36,8 +36,10 @@ std::string Words(const std::string& type) {
 }
 
 // The part of JSON Schema that tools/schemas writes: type, properties, required and items. The
-// depth is that of the schema, whatever the file holds.
+// depth is that of the schema, whatever the file holds. The schemas were found from some runs: what had
+// a value in all of them may have none in others.
 void Check(const Json& schema, const Json& value, const JsonReader& at) {
+  if (value.is_null()) return;
   if (const auto found = schema.find("type"); found != schema.end()) {
     const auto types = found->is_array() ? found->get<std::vector<std::string>>()
                                          : std::vector{found->get<std::string>()};
@@ -55,6 +57,8 @@ void Check(const Json& schema, const Json& value, const JsonReader& at) {
     for (const auto& [key, of_key] : known.items()) {
       // Options are those of the run: which there are depends on what was asked for.
       if (std::string_view(key).ends_with("options")) continue;
+      // The run record of a cell in it is not shown.
+      if (key == "metrics") continue;
       if (const auto member = value.find(key); member != value.end())
         Check(of_key, *member, at.At(key));
     }

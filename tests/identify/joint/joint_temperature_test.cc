@@ -246,6 +246,49 @@ TEST(JointTemperature, CellsThatAreDrawnDifferInHeatToo) {
       std::sqrt(square / kDrawn), expected * std::sqrt(freedom / (freedom - 2.0)), 0.2 * expected);
 }
 
+// Pulses in the cold and a slow discharge in the warm, as cold campaigns have it: the resistances are said
+// of the cold, where they are known, and what differs between the kinds is no entropy.
+TEST(JointTemperature, ColdPulsesAreToldAtTheirOwnTemperature) {
+  const Cell truth = ColdTruth();
+  auto logs = ClimateChamber(truth, {25.0, 12.0}, 0.0005);
+  std::erase_if(logs, [](const LoadedLog& log) {
+    return log.entry.kind != LogKind::kLowRate && log.log.record.temperature_degC.front() > 18.0;
+  });
+  ASSERT_GT(logs.size(), 2U);
+  JointOptions options;
+  options.temperature = Presence::kOn;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
+  double sum_degC = 0.0;
+  double rows = 0.0;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kPulses) continue;
+    for (const double degC : log.log.record.temperature_degC) sum_degC += degC;
+    rows += static_cast<double>(log.log.record.size());
+  }
+  ASSERT_TRUE(result.cell.temperature);
+  EXPECT_FALSE(result.cell.temperature->entropy);
+  EXPECT_LT(result.logs.like_span_K, 10.0);
+  const double told_degC = CelsiusOf(result.logs.told_K);
+  EXPECT_EQ(told_degC, std::round(told_degC));
+  EXPECT_NEAR(told_degC, sum_degC / rows, 1.0);  // the joint fit weighs blocks, not rows
+  const TrustReport trust = AssessJoint(result);
+  ASSERT_EQ(trust.resistance.size(), 3U);
+  for (const PulseResistance& r : trust.resistance) {
+    EXPECT_EQ(r.temperature_degC, told_degC);
+    const std::vector<double> as_cold(2, told_degC);
+    const Prediction pulse = Predict(truth,
+                                     std::vector<double>{0.0, r.after_s},
+                                     std::vector<double>{0.0, r.current_A},
+                                     Hold::kBackward,
+                                     r.soc,
+                                     {.measured_degC = as_cold});
+    const double truth_Ohm = (pulse.voltage_V[0] - pulse.voltage_V[1]) / r.current_A;
+    // Half a per cent is what pulses of 20 s rows and 0.5 mV of noise tell of 10 s.
+    EXPECT_NEAR(r.resistance_Ohm, truth_Ohm, 0.05 * truth_Ohm) << r.after_s;
+    EXPECT_LT(r.high_Ohm - r.low_Ohm, 0.4 * truth_Ohm) << r.after_s;
+  }
+}
+
 TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
   Cell truth = ColdTruth();
   truth.temperature->heat->heat_capacity_J_per_K = 1000.0;  // it hardly warms

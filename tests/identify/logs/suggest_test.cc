@@ -42,7 +42,10 @@ TEST(SuggestKind, OfEachKind) {
 
 TEST(SuggestKind, NoneForRestOrChargingAlone) {
   ExpectSuggestion(RecordOfSteps({{60.0, 0.0}}), {}, "only rest");
-  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {3600.0, -2.0}}), {}, "only charging");
+  ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {3600.0, -2.0}}),
+                   {},
+                   "only charging; a slow charge takes part in a campaign as `low-rate-charge`, "
+                   "with its `initial_soc`");
 }
 
 TEST(SuggestKind, RateIsThatOfTheCapacityWhereItIsKnown) {

@@ -39,10 +39,15 @@ LoadedLog LowRateLog() {
   return log;
 }
 
+// Without what a campaign of known truth is given for other studies.
+StudyInput OfLogsAlone(const KnownCampaign& known) {
+  return {.campaign = known.Input().campaign, .logs = known.Input().logs};
+}
+
 const StudyResult& Study() {
   static const StudyResult study = [] {
     const KnownCampaign known(StudyCell({}), {LowRateLog()});
-    return StudyOcv(known.Input(), NoProgress);
+    return StudyOcv(OfLogsAlone(known), NoProgress);
   }();
   return study;
 }
@@ -106,10 +111,36 @@ TEST(StudyOcv, TheChargeIsThatOfTheLog) {
   EXPECT_NEAR(Study().facts.at("charge_C").get<double>(), kCurrent_A * kStep_s * (kRows - 1), 1e-6);
 }
 
+// Interpolation row by row, which a short log would have, is none of the forms.
+TEST(StudyOcv, FormsHaveTheirNodesHoweverShortTheLogIs) {
+  LoadedLog log = LowRateLog();
+  Record& record = log.log.record;
+  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) {
+    const std::vector<double> all = column->ToVector();
+    column->clear();
+    for (std::size_t k = 0; k < all.size(); k += 10) column->push_back(all[k]);
+  }
+  const KnownCampaign known(StudyCell({}), {log});
+  const auto study = StudyOcv(OfLogsAlone(known), NoProgress);
+  EXPECT_EQ(study.rows[0].at("form"), "linear, 25 nodes");
+  EXPECT_EQ(study.rows[0].at("parameters"), 25);
+  EXPECT_EQ(study.rows[1].at("parameters"), 50);
+}
+
+TEST(StudyOcv, RefusesWhatChangesNoForm) {
+  const KnownCampaign known(StudyCell({}), {LowRateLog()});
+  StudyInput input = OfLogsAlone(known);
+  input.given.alpha_C = 1500.0;
+  EXPECT_THROW(static_cast<void>(StudyOcv(input, NoProgress)), OptionError);
+  input.given = {};
+  input.options.pulses.branches = 3;
+  EXPECT_THROW(static_cast<void>(StudyOcv(input, NoProgress)), OptionError);
+}
+
 TEST(StudyOcv, WithoutALowRateLogThereIsNothingToStudy) {
   const Cell cell = StudyCell({});
   const KnownCampaign known(cell, {test::PulseLog(cell)});
-  EXPECT_THROW(static_cast<void>(StudyOcv(known.Input(), NoProgress)), LoadError);
+  EXPECT_THROW(static_cast<void>(StudyOcv(OfLogsAlone(known), NoProgress)), LoadError);
 }
 
 }  // namespace

@@ -306,7 +306,7 @@ TEST(Synthesize, AFailureLeavesTheOldLogsAsTheyWere) {
 
 TEST(Synthesize, ACellThatNeverReachesItsCutOffIsSaid) {
   Cell cell = DroneCell();
-  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 0.5, 1.0}, {3.5, 3.5, 4.2});
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.2, 4.2});
   cell.cutoff_V = 1.0;
   const auto folder = test::FreshFolder("synthesize.never");
   try {

@@ -271,6 +271,18 @@ TEST(OpenCircuitVoltage, SocAtVoltageOnAPlateauIsItsUpperEnd) {
   EXPECT_NEAR(curve.SocAtVoltage(3.5), 0.75, kEpsilon);
 }
 
+// A cell whose curve ends flat empties all the same.
+TEST(OpenCircuitVoltage, AFlatEndGoesOnWithTheNextChordThatRises) {
+  const auto curve =
+      OpenCircuitVoltage::Linear({0.0, 0.1, 0.2, 0.3, 1.0, 1.1}, {3.2, 3.2, 3.2, 3.3, 4.2, 4.2});
+  EXPECT_DOUBLE_EQ(curve(0.1), 3.2);
+  EXPECT_DOUBLE_EQ(curve(-0.1), 3.1);  // 1 V per unit, as between 0.2 and 0.3
+  EXPECT_NEAR(curve.Evaluate(-0.1).slope_V, 1.0, 1e-12);
+  EXPECT_NEAR(curve(1.2), 4.2 + 0.1 * 0.9 / 0.7, 1e-12);
+  const auto source = OpenCircuitVoltage::Linear({0.0, 1.0}, {4.0, 4.0});
+  EXPECT_EQ(source(-1.0), 4.0);
+}
+
 TEST(OpenCircuitVoltage, DefaultIsNoCurve) {
   const OpenCircuitVoltage none;
   for (const double soc : {-1.0, 0.0, 0.5, 1.0, 2.0}) EXPECT_TRUE(std::isnan(none(soc))) << soc;
