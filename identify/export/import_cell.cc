@@ -427,8 +427,18 @@ ImportedCell FromSdf(const std::string& text,
 
 // ---- which one ----
 
+constexpr double kMostCell_V = 6.0;
+
 void CheckBattery(const Cell& cell, const std::string& file) {
   const double full_V = cell.open_circuit_voltage(1.0);
+  if (full_V > kMostCell_V) {
+    throw LoadError(
+        {file},
+        fmt::format("expected voltages of one cell in V, up to {:g}, found a v_oc(1) of {:.4g}; "
+                    "is the table in mV, or that of a pack (--series)?",
+                    kMostCell_V,
+                    full_V));
+  }
   if (!(std::isfinite(full_V) && full_V > cell.cutoff_V)) {
     throw LoadError({file},
                     fmt::format("expected a battery, found one whose v_oc(1) of {:.4g} V is not "

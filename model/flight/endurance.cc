@@ -144,8 +144,12 @@ class Mission {
     without_power_s_ = suffices_ ? 0.0 : without_power_s_ + dt_s;
     below_motors_s_ = voltage_V_ < leg.least_V ? below_motors_s_ + dt_s : 0.0;
     below_cutoff_s_ = voltage_V_ < battery_.cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
+    constexpr double kOverfull =
+        1.05;  // a pack that begins a little above full may go down from there
     std::optional<MissionEnd> end;
-    if (at_reserve) {
+    if (mean_A < 0.0 && battery_.rest_soc() > kOverfull) {
+      end = MissionEnd::kFull;
+    } else if (at_reserve) {
       end = MissionEnd::kReserve;
     } else if (battery_.soc() <= 0.0) {
       end = MissionEnd::kEmpty;

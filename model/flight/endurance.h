@@ -56,16 +56,18 @@ enum class MissionEnd {
   kMotorVoltage,
   kPower,
   kMissionDone,
+  kFull,
   kTimeLimit
 };
 
-constexpr std::array<std::pair<MissionEnd, std::string_view>, 7> OptionNames(MissionEnd) {
+constexpr std::array<std::pair<MissionEnd, std::string_view>, 8> OptionNames(MissionEnd) {
   return {{{MissionEnd::kReserve, "reserve"},
            {MissionEnd::kCutOff, "cut-off"},
            {MissionEnd::kEmpty, "empty"},
            {MissionEnd::kMotorVoltage, "motor-voltage"},
            {MissionEnd::kPower, "power"},
            {MissionEnd::kMissionDone, "mission-done"},
+           {MissionEnd::kFull, "full"},
            {MissionEnd::kTimeLimit, "time-limit"}}};
 }
 

@@ -27,8 +27,7 @@ PowerMission FlyRoute(const EnduranceRequest& request,
   if (request.ambient_degC) setup.ambient_degC = request.ambient_degC->value;
   setup.gains = gains;
   setup.controller.compensate = true;
-  const FlightPlan plan =
-      FindManeuver("waypoints").plan({.waypoints_file = waypoints_file, .values = {}});
+  const FlightPlan plan = FindManeuver("waypoints").plan({.waypoints_file = waypoints_file});
   PowerMission mission;
   const FlightResult flight = Fly(setup, plan, [&mission](const FlightSample& sample) {
     const double duty = *std::max_element(sample.duty.begin(), sample.duty.end());
@@ -39,13 +38,14 @@ PowerMission FlyRoute(const EnduranceRequest& request,
                                                                sample.velocity_m_per_s[1])});
   });
   if (flight.outcome == Outcome::kCrashed) {
-    throw OptionError(
-        fmt::format("{} crashes on the route of {}: {}. See how with `lipoid fly "
-                    "waypoints --waypoints {}`, or give other --gains",
-                    request.vehicle.name,
-                    waypoints_file,
-                    flight.reason,
-                    waypoints_file));
+    throw OptionError(fmt::format(
+        "{} crashes on the route of {}: {}. See how with `lipoid fly "
+        "waypoints --waypoints {} --compensate` and the same --vehicle, --cell and pack "
+        "(the duty cycles follow the voltage here), or give other --gains",
+        request.vehicle.name,
+        waypoints_file,
+        flight.reason,
+        waypoints_file));
   }
   return mission;
 }

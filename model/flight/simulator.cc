@@ -171,6 +171,7 @@ class Simulation {
     if (setup_.cell && setup_.cell->temperature)
       result_.final_temperature_degC = battery_->temperature_degC();
     metrics_.Report(result_);
+    result_.minimum_voltage_V = std::min(result_.minimum_voltage_V, result_.final_voltage_V);
     if (result_.steps > 0) result_.saturated_share = double(saturated_) / double(result_.steps);
     return result_;
   }

@@ -51,4 +51,8 @@ Trim HoverTrim(const Vehicle& vehicle, BatterySupply& battery, bool compensate) 
   return trim;
 }
 
+double LowestHoverXi(const Vehicle& vehicle) {
+  return HoverTrim(vehicle, {vehicle.nominal_voltage_V, 0.0}).duty;
+}
+
 }  // namespace lipoid

@@ -28,6 +28,10 @@ struct Trim {
                              const Supply<double>& supply,
                              bool compensate = false);
 
+/// The voltage over the nominal one at which a hover takes D = 1, on a source without resistance:
+/// below it the vehicle cannot hover.
+[[nodiscard]] double LowestHoverXi(const Vehicle& vehicle);
+
 /// The same on a battery; leaves it expecting the current found.
 [[nodiscard]] Trim HoverTrim(const Vehicle& vehicle,
                              BatterySupply& battery,

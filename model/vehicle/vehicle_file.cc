@@ -158,6 +158,13 @@ void ReadSpeedController(const TomlReader& reader, SpeedController& esc) {
                 1e6,
                 "a frequency from 0 to 1000000 Hz",
                 esc.switching_frequency_Hz);
+  // A transistor that still switches when it has to switch back never conducts.
+  if (const double share = esc.switching_time_s * esc.switching_frequency_Hz; share > 0.5) {
+    reader.Problem(reader.At(reader.Find("esc_switching_time_s")->source()),
+                   fmt::format("esc_switching_time_s: expected at most half a period of "
+                               "esc_switching_frequency_Hz, found {:.3g} of one",
+                               share));
+  }
   Rectification rectification = Rectification::kSynchronous;
   reader.Choice("esc_rectification", rectification);
   esc.synchronous = rectification == Rectification::kSynchronous;

@@ -88,6 +88,7 @@ nb::tuple FlyManeuver(const std::string& name,
   CheckFlight(setup, maneuver, made.request, asked.duration_s.has_value());
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = seed;
+  made.request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(made.request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
 

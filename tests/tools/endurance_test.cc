@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/core/atomic_file.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -132,6 +133,20 @@ nominal_voltage_V = 11.1
 propeller_diameter_m = 0.239
 )";
 
+TEST(EnduranceCommand, APackIsChargedNoFurtherThanFull) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/p.csv", "time_s,power_W\n0,-2\n36000,-2\n");
+  const auto run = RunLipoid(
+      folder,
+      {"endurance", "--cell", kCell, "--mission", "power=p.csv", "--once", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.out.find("The powers of the mission charge the pack beyond full"),
+            std::string::npos)
+      << run.out;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("ended_by"), "full");
+}
+
 TEST(EnduranceCommand, CruiseSaysTheBestSpeeds) {
   const auto folder = TestFolder();
   WriteText(folder + "/quadrotor.toml", kQuadrotor);
@@ -247,6 +262,16 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
        "option --mission: expected hover, cruise, waypoints=FILE or power=FILE, found 'glide'"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--once"},
        "option --once is for missions of a file; level flight has no end"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--gains", "none.json"},
+       "option --gains: it is for --mission waypoints=FILE"},
+      {{"endurance",
+        "--cell",
+        kCell,
+        "--mission",
+        "power=p.csv",
+        "--set",
+        "air.air_density_kg_per_m3=1"},
+       "options --set air.*: they are for --mission hover and cruise"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
        "option --health: expected a number, 0.01 .. 2, found 'two'"},
       {{"endurance",

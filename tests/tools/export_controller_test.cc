@@ -260,10 +260,15 @@ TEST(ExportController, InDoubleItFliesAsTheSimulatorsOwn) {
     EXPECT_EQ(code.BytesOfReal(), 8);
     FlightSetup setup = Coupled();
     way.change(setup);
-    for (const char* const maneuver : {"altitude-steps", "square"}) {
-      SCOPED_TRACE(maneuver);
-      const FlightPlan plan = FindManeuver(maneuver).plan({});
-      ASSERT_EQ(plan.duration_s, 50.0);
+    std::vector<FlightPlan> plans{FindManeuver("altitude-steps").plan({}),
+                                  FindManeuver("square").plan({})};
+    // A turn that takes all the torque that yaw has.
+    plans.push_back(
+        {.commands = {{0.0, {.altitude_m = 1.1}}, {5.0, {.altitude_m = 1.1, .yaw_rad = 3.0}}},
+         .duration_s = 30.0});
+    for (std::size_t k = 0; k < plans.size(); ++k) {
+      SCOPED_TRACE(k);
+      const FlightPlan& plan = plans[k];
       const Difference worst = Compare(setup, plan, &code);
       EXPECT_LE(worst.place_m, kDoubleAgrees);
       EXPECT_LE(worst.angle_rad, kDoubleAgrees);
@@ -526,6 +531,7 @@ TEST(ExportController, RefusesWhatItCannotExportAndWritesNothing) {
           "options --lowest-V and --cell: give one of them",
           2);
   refused({"--lowest-V", "nan"}, "--lowest-V", 2);
+  refused({"--lowest-V", "500"}, "expected at most the 4.2 V of mambo-", 2);
   refused({"--gains", "none.json"}, "none.json", 3);
   refused({"--set", "controller.pwm=none"}, "option pwm: expected one of", 2);
   std::string vehicle = ReadTextFile(SourcePath("fixtures/vehicles/mambo-coupled.toml"));
@@ -543,6 +549,25 @@ TEST(ExportController, RefusesWhatItCannotExportAndWritesNothing) {
           {"export-controller", "--vehicle", "small.toml", "--precision", "double", "-o", "code"})
           .exit_code,
       0);
+}
+
+// A vehicle of four cells in series does not end its flight at the cut-off of one.
+TEST(ExportController, TakesThePackThatTheVehicleIsMadeFor) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"export-controller",
+                              "--vehicle",
+                              "f450",
+                              "--cell",
+                              "grepow-32Ah-1",
+                              "-o",
+                              "code",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("lowest_V"), 4 * 3.0);
+  EXPECT_NE(run.err.find("4 cells in series, for which f450 is made"), std::string::npos)
+      << run.err;
 }
 
 TEST(ExportController, NamesFromFilesEndNoComment) {

@@ -84,6 +84,34 @@ TEST(VehicleCommand, RefusalsSayWhatToGive) {
       << bare.err;
   const auto none = RunLipoid(folder, Body({"--kv-rpm-per-V", "0"}));
   EXPECT_EQ(none.exit_code, 2);
+  // What no command would read is not written.
+  const auto flat = RunLipoid(folder,
+                              Body({"--bench-table",
+                                    Bench(),
+                                    "--kv-rpm-per-V",
+                                    "920",
+                                    "--inertia-kg-m2",
+                                    "0.01",
+                                    "0.01",
+                                    "0.05"}));
+  EXPECT_EQ(flat.exit_code, 2);
+  EXPECT_NE(
+      flat.err.find("these numbers make no vehicle: inertia_kg_m2: expected moments of a body"),
+      std::string::npos)
+      << flat.err;
+  const auto slow = RunLipoid(folder,
+                              Body({"--bench-table",
+                                    Bench(),
+                                    "--kv-rpm-per-V",
+                                    "920",
+                                    "--esc-switching-ns",
+                                    "1000000",
+                                    "--esc-pwm-kHz",
+                                    "48"}));
+  EXPECT_EQ(slow.exit_code, 2);
+  EXPECT_NE(slow.err.find("expected at most half a period of esc_switching_frequency_Hz, found 48"),
+            std::string::npos)
+      << slow.err;
   const auto missing = RunLipoid(folder, Body({"--bench-table", "no.csv"}));
   EXPECT_EQ(missing.exit_code, 3) << missing.err;
   EXPECT_TRUE(FilesIn(folder).empty());

@@ -10,6 +10,7 @@
 #include "model/core/json_text.h"
 #include "model/core/nearest_name.h"
 #include "model/core/run_record.h"
+#include "model/flight/trim.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/number_range.h"
 #include "tools/cli/split.h"
@@ -168,6 +169,15 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   settings.context.seed = line.seed();
   settings.context.threads = 0;
 
+  const double lowest_xi = LowestHoverXi(design.vehicle);
+  for (const auto& [xi, weight] : design.xi) {
+    if (xi >= lowest_xi) continue;
+    throw OptionError(fmt::format(
+        "option --xi: expected voltages at which {} can hover, from {:.3f} of the nominal one, found {:g}",
+        design.vehicle.name,
+        lowest_xi,
+        xi));
+  }
   const ErrorGains& from = altitude ? start.altitude : start.attitude;
   WidenBounds(design, from);
   const GainProblem problem(design);

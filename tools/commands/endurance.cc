@@ -59,6 +59,11 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
                          result.time_s == 0.0 ? ": give more cells (--series, --parallel)." : ".");
     case MissionEnd::kMissionDone:
       return "The mission was flown to its end.";
+    case MissionEnd::kFull:
+      return fmt::format(
+          "The powers of the mission charge the pack beyond full, to {:.3g} of its charge: negative "
+          "power is power that flows back.",
+          result.rest_soc);
     case MissionEnd::kTimeLimit:
       return fmt::format("The battery was not empty after {:g} s; --set longest_s allows more.",
                          request.options.longest_s);
@@ -294,6 +299,17 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
     request.cell = KnowingTemperatureAtSize(line, request, cell_name);
   request.seed = line.seed();
   if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
+  const bool flies_on_air = mission == "hover" || request.cruise;
+  if (!flies_on_air && OptionValues(request.air) != OptionValues(decltype(request.air){})) {
+    throw OptionError(
+        "options --set air.*: they are for --mission hover and cruise; a route is flown by `lipoid fly`, "
+        "in still air of 1.225 kg/m³, and powers are those of the file");
+  }
+  if (line.Given("gains") && !mission.starts_with("waypoints=")) {
+    throw OptionError(
+        "option --gains: it is for --mission waypoints=FILE; hover and cruise are equilibria, which no "
+        "controller changes");
+  }
   if (mission.starts_with("power=")) {
     if (!vehicle_name.empty() || line.Given("payload-g") || line.Given("airspeed-m-per-s")) {
       throw OptionError(
@@ -333,8 +349,9 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   }
   if (request.cell.open_circuit_voltage_assumed)
     line.Message("the open-circuit voltage of {} is a typical one, not measured", cell_name);
-  return answer.estimate.ended_by == MissionEnd::kTimeLimit ? cli::ExitCode::kIncomplete
-                                                            : cli::ExitCode::kDone;
+  const MissionEnd end = answer.estimate.ended_by;
+  return end == MissionEnd::kTimeLimit || end == MissionEnd::kFull ? cli::ExitCode::kIncomplete
+                                                                   : cli::ExitCode::kDone;
 }
 
 }  // namespace lipoid

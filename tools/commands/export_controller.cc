@@ -93,9 +93,20 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
                     OriginOfGains(gains_name, request)};
   if (!lowest_V) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
-    const Cell cell = LoadCell(cell_name);
+    Cell cell = LoadCell(cell_name);
+    if (cell.series == 1 && request.vehicle.series_cells > 1) {
+      cell.series = request.vehicle.series_cells;
+      line.Message("{} cells in series, for which {} is made", cell.series, request.vehicle.name);
+    }
     lowest_V = cell.series * cell.cutoff_V;
     request.origin.push_back(OriginOf("Cut-off of the cell", cell_name, ShippedCellNames()));
+  }
+  if (*lowest_V > request.vehicle.nominal_voltage_V) {
+    throw OptionError(fmt::format(
+        "option --lowest-V: expected at most the {:g} V of {} at its fullest, found {:g}",
+        request.vehicle.nominal_voltage_V,
+        request.vehicle.name,
+        *lowest_V));
   }
   request.lowest_V = *lowest_V;
   const auto files = ExportController(request);

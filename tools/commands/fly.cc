@@ -207,6 +207,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
   ReadWind("wind", wind, setup.wind);
+  request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
 

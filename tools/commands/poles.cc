@@ -9,6 +9,7 @@
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
+#include "model/flight/trim.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/number_range.h"
 #include "tools/cli/text_table.h"
@@ -123,6 +124,16 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
       all.begin(), all.end(), [](const PolesRow& row) { return row.full.front().real() >= 0.0; });
   if (unstable > 0) {
     line.Message("with motor lag {} of {} are unstable", unstable, all.size());
+  }
+  const double lowest_xi = LowestHoverXi(vehicle);
+  const auto below = std::count_if(
+      all.begin(), all.end(), [&](const PolesRow& row) { return row.xi < lowest_xi; });
+  if (below > 0) {
+    line.Message("{} cannot hover below xi = {:.3f}: {} of {} rows are of flights that cannot be",
+                 vehicle.name,
+                 lowest_xi,
+                 below,
+                 all.size());
   }
   return cli::ExitCode::kDone;
 }

@@ -262,7 +262,14 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
     fit = FitBenchTable(ReadBenchTable(bench_file), given);
   }
   const VehicleDraft draft = BuildVehicle(numbers, fit);
-  WriteFileAtomically(output, VehicleToToml(draft.vehicle, draft.sources));
+  const std::string text = VehicleToToml(draft.vehicle, draft.sources);
+  try {  // what no command reads is not written
+    (void)ParseVehicle(text, output);
+  } catch (const LoadError& error) {
+    throw OptionError(
+        fmt::format("these numbers make no vehicle: {}", error.diagnostics().front().message));
+  }
+  WriteFileAtomically(output, text);
   Report(line, draft, fit);
   line.summary()["output"] = output;
   line.Message(

@@ -15,6 +15,9 @@ namespace {
 // A pack that flies, whatever its size, has more; what is not connected floats below it.
 constexpr double kLeastVoltage_V = 1.0;
 
+// More than any pack that flies gives: what is left of a damaged message.
+constexpr double kMostFlight_A = 2000.0;
+
 // A current that changes by so much moves the voltage of any real pack.
 constexpr double kLoad_A = 1.0;
 
@@ -197,7 +200,7 @@ Log FlightLog(const std::string& file,
     }
     without_current += std::isfinite(track.current_A[k]) ? 0 : 1;
     const bool known = std::isfinite(track.current_A[k]) && std::isfinite(track.voltage_V[k]) &&
-                       track.voltage_V[k] > 0.0;
+                       track.voltage_V[k] > 0.0 && std::abs(track.current_A[k]) <= kMostFlight_A;
     if (known) {
       rows.push_back(k);
     } else {

@@ -18,14 +18,15 @@ struct AltitudeStepsOptions {
   }
 };
 
-FlightPlan Plan(const AltitudeStepsOptions& options) {
-  FlightPlan plan{.commands = {{0.0, {.altitude_m = options.low_m}}}, .duration_s = 50.0};
+FlightPlan Plan(const AltitudeStepsOptions& options, std::optional<double> duration_s) {
+  FlightPlan plan{.commands = {{0.0, {.altitude_m = options.low_m}}},
+                  .duration_s = duration_s.value_or(kUsualFlight_s)};
   bool high = false;
   for (double time_s = options.first_s; time_s < plan.duration_s; time_s += options.every_s) {
     high = !high;
     plan.commands.push_back({time_s, {.altitude_m = high ? options.high_m : options.low_m}});
   }
-  return plan;
+  return WithCommands(std::move(plan), "altitude-steps");
 }
 
 }  // namespace

@@ -26,13 +26,14 @@ struct AttitudeDoubletsOptions {
   }
 };
 
-FlightPlan Plan(const AttitudeDoubletsOptions& options) {
+FlightPlan Plan(const AttitudeDoubletsOptions& options, std::optional<double> duration_s) {
   const double pitch_angle_rad = options.pitch_deg * std::numbers::pi / 180.0;
   const auto level = [&](double pitch_rad) {
     return FlightCommand{
         .altitude_m = options.altitude_m, .hold_position = false, .pitch_rad = pitch_rad};
   };
-  FlightPlan plan{.commands = {{0.0, level(0.0)}}, .duration_s = 50.0};
+  FlightPlan plan{.commands = {{0.0, level(0.0)}},
+                  .duration_s = duration_s.value_or(kUsualFlight_s)};
   // X'' = -g Theta: half of the way to gather speed, half to lose it.
   const double half_s = std::sqrt(options.distance_m / (kGravity_m_per_s2 * pitch_angle_rad));
   const double every_s = std::max(options.every_s, 2.0 * half_s + kControlStep_s);
@@ -43,7 +44,7 @@ FlightPlan Plan(const AttitudeDoubletsOptions& options) {
     plan.commands.push_back({time_s + 2.0 * half_s, level(0.0)});
     forward = -forward;
   }
-  return plan;
+  return WithCommands(std::move(plan), "attitude-doublets");
 }
 
 }  // namespace

@@ -12,13 +12,15 @@ struct HoverOptions {
   }
 };
 
-FlightPlan Plan(const HoverOptions& options) {
-  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}}, .duration_s = 50.0};
+FlightPlan Plan(const HoverOptions& options, std::optional<double> duration_s) {
+  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}},
+          .duration_s = duration_s.value_or(kUsualFlight_s)};
 }
 
 // Eleven days: no cell that carries a quadrotor lasts as long.
-FlightPlan LongPlan(const HoverOptions& options) {
-  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}}, .duration_s = 1e6};
+FlightPlan LongPlan(const HoverOptions& options, std::optional<double> duration_s) {
+  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}},
+          .duration_s = duration_s.value_or(1e6)};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 /// tests/model/flight/maneuvers_test.cc.
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,8 +18,9 @@
 namespace lipoid {
 
 struct ManeuverRequest {
-  std::string waypoints_file;                 ///< for `waypoints`
-  std::map<std::string, std::string> values;  ///< options of the maneuver, as text
+  std::string waypoints_file = {};                 ///< for `waypoints`
+  std::map<std::string, std::string> values = {};  ///< options of the maneuver, as text
+  std::optional<double> duration_s = {};           ///< of the flight; none: that of the maneuver
 };
 
 struct Maneuver {
@@ -42,9 +44,11 @@ template <class Options>
   for (const auto& [name, text] : request.values) SetOption(options, name, text);
   return options;
 }
-template <class Options, FlightPlan (*kPlan)(const Options&)>
+template <class Options, FlightPlan (*kPlan)(const Options&, std::optional<double> duration_s)>
 [[nodiscard]] Maneuver ManeuverWith(Maneuver row) {
-  row.plan = [](const ManeuverRequest& request) { return kPlan(OptionsOf<Options>(request)); };
+  row.plan = [](const ManeuverRequest& request) {
+    return kPlan(OptionsOf<Options>(request), request.duration_s);
+  };
   row.options = &DescribeOptions<Options>;
   row.values = [](const ManeuverRequest& request) {
     return OptionValues(OptionsOf<Options>(request));
@@ -56,6 +60,12 @@ template <class Options, FlightPlan (*kPlan)(const Options&)>
 
 /// Throws OptionError naming all maneuvers.
 [[nodiscard]] const Maneuver& FindManeuver(std::string_view name);
+
+/// As long as the pictures of the thesis.
+inline constexpr double kUsualFlight_s = 50.0;
+
+/// OptionError for a plan that ends before it asks for anything but the start.
+[[nodiscard]] FlightPlan WithCommands(FlightPlan plan, std::string_view maneuver);
 
 /// Heights that a maneuver may be flown at, m.
 inline constexpr Range kManeuverHeights{0.1, 1e4};

@@ -19,12 +19,12 @@ struct SquareOptions {
   }
 };
 
-FlightPlan Plan(const SquareOptions& options) {
+FlightPlan Plan(const SquareOptions& options, std::optional<double> duration_s) {
   const double side_m = options.side_m;
   // Counter-clockwise seen from above, with x forward and y to the right.
   const std::array<std::array<double, 2>, 4> corners{
       {{0.0, 0.0}, {side_m, 0.0}, {side_m, -side_m}, {0.0, -side_m}}};
-  FlightPlan plan{.commands = {}, .duration_s = 50.0};
+  FlightPlan plan{.commands = {}, .duration_s = duration_s.value_or(kUsualFlight_s)};
   std::size_t corner = 0;
   for (double time_s = 0.0; time_s < plan.duration_s; time_s += options.corner_s) {
     plan.commands.push_back({time_s,
@@ -33,7 +33,7 @@ FlightPlan Plan(const SquareOptions& options) {
                               .y_m = corners[corner % 4][1]}});
     ++corner;
   }
-  return plan;
+  return WithCommands(std::move(plan), "square");
 }
 
 }  // namespace

@@ -114,6 +114,20 @@ TEST(Maneuvers, TakeOptionsOfTheirOwnAndKeepTheThesisWithout) {
             std::string::npos);
 }
 
+// As long as the flight, not as long as the pictures.
+TEST(Maneuvers, GoOnForTheWholeFlight) {
+  for (const char* name : {"altitude-steps", "attitude-doublets", "square"}) {
+    const Maneuver& maneuver = FindManeuver(name);
+    const FlightPlan usual = maneuver.plan({});
+    const FlightPlan longer = maneuver.plan({.duration_s = 200.0});
+    EXPECT_EQ(longer.duration_s, 200.0);
+    EXPECT_GT(longer.commands.size(), 3 * usual.commands.size()) << name;
+    for (std::size_t k = 0; k < usual.commands.size(); ++k)
+      EXPECT_EQ(longer.commands[k].time_s, usual.commands[k].time_s) << name;
+    EXPECT_THROW(static_cast<void>(maneuver.plan({.duration_s = 1.0})), OptionError) << name;
+  }
+}
+
 TEST(Maneuvers, UnknownNamesAreAnswered) {
   EXPECT_EQ(test::MessageOf<OptionError>([] { (void)FindManeuver("loop"); }),
             "unknown maneuver 'loop'. Known: hover, altitude-steps, attitude-doublets, square, "

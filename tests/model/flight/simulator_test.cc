@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
@@ -54,6 +55,32 @@ TEST(Fly, StaysInTrimWhereNothingDisturbsIt) {
     // An equilibrium up to rounding: 1e-9 m is 6 digits below what PWM does.
     ASSERT_NEAR(s.altitude_m(), 1.1, 1e-9) << s.time_s;
     ASSERT_NEAR(s.speed_rad_per_s[0], samples[0].speed_rad_per_s[0], 1e-6);
+  }
+}
+
+// Yaw has little torque. A turn that takes all of it ends where it was told to, and goes nowhere else
+// on the way: the reference leaves torque for errors, and the integral waits while the torque is cut.
+TEST(Fly, EveryVehicleTurnsAsFarAsItIsTold) {
+  for (const std::string& name : ShippedVehicleNames()) {
+    for (const double degrees : {20.0, 90.0, -1000.0}) {
+      SCOPED_TRACE(name + " " + std::to_string(degrees));
+      FlightSetup setup;
+      setup.vehicle = LoadVehicle(name);
+      setup.gains = GainsFor("", setup.vehicle, "aware", setup.controller.law);
+      const double yaw_rad = degrees * std::numbers::pi / 180.0;
+      const FlightPlan plan{
+          .commands = {{0.0, {.altitude_m = 1.0}}, {5.0, {.altitude_m = 1.0, .yaw_rad = yaw_rad}}},
+          .duration_s = 90.0};
+      double furthest_rad = 0.0;
+      double last_rad = 0.0;
+      const FlightResult flight = Fly(setup, plan, [&](const FlightSample& sample) {
+        last_rad = sample.angles_rad[2];
+        furthest_rad = std::max(furthest_rad, std::abs(last_rad));
+      });
+      EXPECT_EQ(flight.outcome, Outcome::kCompleted);
+      EXPECT_NEAR(last_rad, yaw_rad, 1e-3);
+      EXPECT_LT(furthest_rad, std::abs(yaw_rad) + 0.01);
+    }
   }
 }
 
