@@ -662,3 +662,23 @@ def test_reports_of_little(
 )
 def test_times_for_a_person(time_s: float, text: str) -> None:
     assert duration(time_s) == text
+
+
+def test_takes_no_modules_from_the_folder_of_the_files(cells: Path, tmp_path: Path) -> None:
+    """Files from elsewhere may be called like modules; none of them runs."""
+    ran = tmp_path / "ran"
+    names = ["resource", "json", "lipoid", "queue"]
+    if sys.version_info >= (3, 11):  # before, the processes of dask itself look in the folder first
+        names.append("multiprocessing")
+    for name in names:
+        (tmp_path / f"{name}.py").write_text(f"open({str(ran)!r}, 'a').write({name!r})\n")
+    code = "import sys; sys.path[:] = [one for one in sys.path if one]; from lipoid.fleet.command import main; "
+    subprocess.run(
+        [sys.executable, "-c", code + "sys.exit(main())", str(cells), "-o", "r.sqlite", *STAGED],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        check=True,
+        timeout=300,
+    )
+    assert not ran.exists(), ran.read_text()
+    assert len(rows(tmp_path / "r.sqlite")) == CELLS

@@ -260,6 +260,8 @@ def _report(words: list[str]) -> int:
 def main(words: list[str] | None = None) -> int:
     """Run the command; return its exit code."""
     given = sys.argv[1:] if words is None else words
+    # The processes of the cluster take no modules from the folder in which one happens to be.
+    os.environ.setdefault("PYTHONSAFEPATH", "1")
     try:
         if given[:1] == ["report"]:
             return _report(given[1:])

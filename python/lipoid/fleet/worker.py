@@ -46,6 +46,13 @@ class Settings:
     retries: int = 1
 
 
+# Modules are not taken from the folder in which one happens to be: it may be that of files from elsewhere.
+RUN = (
+    "import sys; sys.path[:] = [place for place in sys.path if place]; "
+    "from lipoid.fleet.runner import main; main()"
+)
+
+
 class Died(Exception):  # noqa: N818
     """The process ended before it answered."""
 
@@ -59,7 +66,7 @@ class Runner:
 
     def __init__(self, memory_bytes: int) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "lipoid.fleet.runner", str(memory_bytes)],
+            [sys.executable, "-c", RUN, str(memory_bytes)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
