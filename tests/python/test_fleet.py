@@ -672,9 +672,10 @@ def test_takes_no_modules_from_the_folder_of_the_files(cells: Path, tmp_path: Pa
         names.append("multiprocessing")
     for name in names:
         (tmp_path / f"{name}.py").write_text(f"open({str(ran)!r}, 'a').write({name!r})\n")
-    code = "import sys; sys.path[:] = [one for one in sys.path if one]; from lipoid.fleet.command import main; "
+    code = "import sys; sys.path[:] = [one for one in sys.path if one]; "
+    code += "from lipoid.fleet.command import main; sys.exit(main())"
     subprocess.run(
-        [sys.executable, "-c", code + "sys.exit(main())", str(cells), "-o", "r.sqlite", *STAGED],
+        [sys.executable, "-c", code, str(cells), "-o", "r.sqlite", *STAGED],
         cwd=tmp_path,
         env=ENVIRONMENT,
         check=True,

@@ -46,7 +46,7 @@ class Settings:
     retries: int = 1
 
 
-# Modules are not taken from the folder in which one happens to be: it may be that of files from elsewhere.
+# Modules are not taken from the folder in which one happens to be: its files may be from elsewhere.
 RUN = (
     "import sys; sys.path[:] = [place for place in sys.path if place]; "
     "from lipoid.fleet.runner import main; main()"
