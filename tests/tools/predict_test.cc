@@ -86,6 +86,20 @@ TEST(Validate, SaysWhereATemperatureIsNone) {
   }
 }
 
+// mA under a header of A: 600 A from a cell of 0.6 Ah.
+TEST(Validate, RefusesWhatNoCellOfThisSizeDoes) {
+  const auto folder = TestFolder();
+  std::string text = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k < 60; ++k) {
+    text += fmt::format("{},{},{}\n", 10 * k, k == 0 ? 0 : 600, 4.15 - 0.003 * k);
+  }
+  WriteFileAtomically(folder + "/in.csv", text);
+  const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "in.csv"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("in.csv"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("mA"), std::string::npos) << run.err;
+}
+
 TEST(Validate, SaysThatACellKnowsNoTemperature) {
   const auto folder = FolderWithLogs();
   const auto run =

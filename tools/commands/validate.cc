@@ -5,6 +5,7 @@
 #include "identify/fit_quality.h"
 #include "identify/logs/all_rows.h"
 #include "identify/logs/load_campaign.h"
+#include "identify/logs/plausibility.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
@@ -61,7 +62,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                        "How well the cell predicts the logs.");
   auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   std::vector<std::size_t> lengths;
-  for (const auto& loaded : logs) lengths.push_back(loaded.log.record.size());
+  for (const auto& loaded : logs) {
+    (void)CheckPlausible(loaded.log.record, cell.capacity_Ah);
+    lengths.push_back(loaded.log.record.size());
+  }
   constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
   const auto most_rows = RowsOfPage(lengths, kColumns);
   const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
