@@ -69,7 +69,7 @@ std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
   while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
   if (rows == 0 || rows == record.size()) return "";
   const double rest_V = record.voltage_V[rows - 1];
-  const double soc = curve.SocAtVoltage(rest_V);
+  const double soc = std::round(100.0 * curve.SocAtVoltage(rest_V)) / 100.0 + 0.0;  // no -0.00
   if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
     return "";
   return fmt::format(

@@ -40,6 +40,8 @@ struct LevelFlightOptions {
   double profile_power_growth = 4.65;
   double hover_inflow_share = 0.45;
 
+  friend bool operator==(const LevelFlightOptions&, const LevelFlightOptions&) = default;
+
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
     v("air_density_kg_per_m3",

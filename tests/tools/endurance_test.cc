@@ -133,6 +133,31 @@ nominal_voltage_V = 11.1
 propeller_diameter_m = 0.239
 )";
 
+// A log without a header is a mission where its columns are numbered.
+TEST(EnduranceCommand, SaysHowALogOfPowersIsRead) {
+  const auto folder = TestFolder();
+  std::string text;
+  for (int k = 0; k < 600; ++k) text += std::to_string(1000 * k) + ",3.9,1500\n";
+  WriteFileAtomically(folder + "/p.csv", text);
+  const auto summary = SummaryOf(folder,
+                                 {"--cell",
+                                  kCell,
+                                  "--mission",
+                                  "power=p.csv",
+                                  "--once",
+                                  "--columns",
+                                  "time_s=1",
+                                  "voltage_V=2",
+                                  "current_A=3",
+                                  "--units",
+                                  "ms,mA,V",
+                                  "--current-sign",
+                                  "discharge-positive"});
+  EXPECT_EQ(summary.at("ended_by"), "mission-done");
+  // 3.9 V times 1.5 A for 599 s.
+  EXPECT_NEAR(summary.at("energy_Wh").get<double>(), 3.9 * 1.5 * 599.0 / 3600.0, 1e-3);
+}
+
 TEST(EnduranceCommand, APackIsChargedNoFurtherThanFull) {
   const auto folder = TestFolder();
   WriteFileAtomically(folder + "/p.csv", "time_s,power_W\n0,-2\n36000,-2\n");
@@ -272,6 +297,8 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
         "--set",
         "air.air_density_kg_per_m3=1"},
        "options --set air.*: they are for --mission hover and cruise"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--battery", "1"},
+       "option --battery: it says how a log is read, and only --mission power=FILE reads one"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--health", "two"},
        "option --health: expected a number, 0.01 .. 2, found 'two'"},
       {{"endurance",

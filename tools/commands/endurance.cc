@@ -1,10 +1,12 @@
 // lipoid endurance: how long a vehicle flies on a pack, and how far that is known.
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/export/mission.h"
+#include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
@@ -114,6 +116,7 @@ PowerMission MissionOf(const PowerProfile& profile) {
 void SetMission(cli::CommandLine& line,
                 const std::string& text,
                 const std::string& gains,
+                const ReadingRequest& reading,
                 EnduranceRequest& request) {
   constexpr std::string_view kPower = "power=";
   constexpr std::string_view kRoute = "waypoints=";
@@ -133,7 +136,7 @@ void SetMission(cli::CommandLine& line,
   if (text.starts_with(kPower)) {
     const std::string file = text.substr(kPower.size());
     line.AddInputs({file});
-    const ReadPower read = ReadPowerFile(file, {});
+    const ReadPower read = ReadPowerFile(file, reading.Resolve());
     for (const std::string& warning : read.warnings) line.Message("{}", warning);
     request.power = MissionOf(read.profile);
     return;
@@ -243,6 +246,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::string over_text;
   std::vector<std::string> quantities(EnduranceVariables().size());
   PackRequest pack;
+  ReadingRequest reading;  // of a log of powers
 
   line.Describe(
       "Says how long a vehicle flies on a pack, what it uses and at which voltage it has to land, "
@@ -279,6 +283,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
             "NAME=FIRST:STEP:LAST",
             "a table over one of the quantities above, such as payload-g=0:100:500");
   line.Each(start);
+  line.Each(reading);
   line.Group("", request.options);
   line.Group("air", request.air);
   line.ReportOption();
@@ -300,7 +305,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   request.seed = line.seed();
   if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
   const bool flies_on_air = mission == "hover" || request.cruise;
-  if (!flies_on_air && OptionValues(request.air) != OptionValues(decltype(request.air){})) {
+  if (!flies_on_air && request.air != LevelFlightOptions{}) {
     throw OptionError(
         "options --set air.*: they are for --mission hover and cruise; a route is flown by `lipoid fly`, "
         "in still air of 1.225 kg/m³, and powers are those of the file");
@@ -309,6 +314,14 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
     throw OptionError(
         "option --gains: it is for --mission waypoints=FILE; hover and cruise are equilibria, which no "
         "controller changes");
+  }
+  constexpr std::array<std::string_view, 6> kOfReading{
+      "columns", "units", "battery", "most-rows", "current-sign", "hold"};
+  for (const std::string_view name : kOfReading) {
+    if (line.Given(name) && !mission.starts_with("power=")) {
+      throw OptionError(fmt::format(
+          "option --{}: it says how a log is read, and only --mission power=FILE reads one", name));
+    }
   }
   if (mission.starts_with("power=")) {
     if (!vehicle_name.empty() || line.Given("payload-g") || line.Given("airspeed-m-per-s")) {
@@ -319,7 +332,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   } else if (vehicle_name.empty()) {
     throw OptionError("option --vehicle: expected a vehicle that is to fly, found none");
   }
-  SetMission(line, mission, choices.gains.path, request);
+  SetMission(line, mission, choices.gains.path, reading, request);
   choices.SetRepeats(request);
   if (request.power && over &&
       (over->variable->name == "payload-g" || over->variable->name == "airspeed-m-per-s")) {
