@@ -210,6 +210,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
+  if (maneuver.changes && plan.commands.size() == 1) {
+    line.Message(
+        "{}: nothing is asked for within {:g} s; give a longer --duration, or earlier times (--set {}.*)",
+        maneuver.name,
+        plan.duration_s,
+        maneuver.name);
+  }
 
   EnsembleOption::Drawn drawn;
   if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);

@@ -26,7 +26,7 @@ FlightPlan Plan(const AltitudeStepsOptions& options, std::optional<double> durat
     high = !high;
     plan.commands.push_back({time_s, {.altitude_m = high ? options.high_m : options.low_m}});
   }
-  return WithCommands(std::move(plan), "altitude-steps");
+  return plan;
 }
 
 }  // namespace
@@ -35,7 +35,8 @@ Maneuver AltitudeSteps() {
   return ManeuverWith<AltitudeStepsOptions, &Plan>(
       {.name = "altitude-steps",
        .summary = "0.4 m up and down between 1.1 m and 1.5 m, five times",
-       .source = "Fig 6.7, read off the picture"});
+       .source = "Fig 6.7, read off the picture",
+       .changes = true});
 }
 
 }  // namespace lipoid

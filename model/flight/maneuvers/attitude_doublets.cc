@@ -44,7 +44,7 @@ FlightPlan Plan(const AttitudeDoubletsOptions& options, std::optional<double> du
     plan.commands.push_back({time_s + 2.0 * half_s, level(0.0)});
     forward = -forward;
   }
-  return WithCommands(std::move(plan), "attitude-doublets");
+  return plan;
 }
 
 }  // namespace
@@ -53,7 +53,8 @@ Maneuver AttitudeDoublets() {
   return ManeuverWith<AttitudeDoubletsOptions, &Plan>(
       {.name = "attitude-doublets",
        .summary = "pitch by 4 degrees forward and back, 1.5 m each way, five times",
-       .source = "Fig 6.9, read off the picture"});
+       .source = "Fig 6.9, read off the picture",
+       .changes = true});
 }
 
 }  // namespace lipoid

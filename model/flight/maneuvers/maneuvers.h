@@ -35,6 +35,7 @@ struct Maneuver {
   std::vector<std::pair<std::string, std::string>> (*values)(const ManeuverRequest&) = nullptr;
   bool until_empty = false;  ///< meant to end with an empty battery
   bool needs_file = false;
+  bool changes = false;  ///< asks for more than its start
 };
 
 /// A maneuver whose options are the struct `Options` (model/core/options.h).
@@ -63,9 +64,6 @@ template <class Options, FlightPlan (*kPlan)(const Options&, std::optional<doubl
 
 /// As long as the pictures of the thesis.
 inline constexpr double kUsualFlight_s = 50.0;
-
-/// OptionError for a plan that ends before it asks for anything but the start.
-[[nodiscard]] FlightPlan WithCommands(FlightPlan plan, std::string_view maneuver);
 
 /// Heights that a maneuver may be flown at, m.
 inline constexpr Range kManeuverHeights{0.1, 1e4};

@@ -33,7 +33,7 @@ FlightPlan Plan(const SquareOptions& options, std::optional<double> duration_s) 
                               .y_m = corners[corner % 4][1]}});
     ++corner;
   }
-  return WithCommands(std::move(plan), "square");
+  return plan;
 }
 
 }  // namespace
@@ -42,7 +42,8 @@ Maneuver Square() {
   return ManeuverWith<SquareOptions, &Plan>(
       {.name = "square",
        .summary = "a square of 1.5 m at 1 m, counter-clockwise, a corner every 5 s",
-       .source = "Fig 6.11; the thesis gives no times"});
+       .source = "Fig 6.11; the thesis gives no times",
+       .changes = true});
 }
 
 }  // namespace lipoid
