@@ -229,6 +229,8 @@ class Cell:
         if initial_voltage_V is not None:
             initial_soc = self._core.soc_at_rest(initial_voltage_V)
         self._check_soc(initial_soc)
+        if np.ma.is_masked(current_A) or np.ma.is_masked(time_s):
+            raise OptionError("simulate: expected numbers, found masked ones; leave their rows out")
         i = np.ascontiguousarray(current_A, dtype=np.float64)
         t = np.ascontiguousarray(time_s, dtype=np.float64)
         if i.ndim not in (1, 2) or t.shape not in (i.shape, i.shape[-1:]):

@@ -38,6 +38,8 @@ def column(values: Any, name: str) -> FloatArray:
     """
     if getattr(values, "tz", None) or getattr(getattr(values, "dt", None), "tz", None):
         values = pd.DatetimeIndex(values).tz_convert(None)  # so that hours keep their length
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise OptionError(f"{name}: expected numbers, found masked ones; leave their rows out")
     if isinstance(values, np.ndarray) or hasattr(values, "__array__"):
         array = np.asarray(values)
     elif hasattr(values, "to_numpy"):

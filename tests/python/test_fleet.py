@@ -683,3 +683,31 @@ def test_takes_no_modules_from_the_folder_of_the_files(cells: Path, tmp_path: Pa
     )
     assert not ran.exists(), ran.read_text()
     assert len(rows(tmp_path / "r.sqlite")) == CELLS
+
+
+def test_what_it_did_not_write_is_not_replaced(cells: Path, tmp_path: Path) -> None:
+    """A log, a campaign, a pipe: refused before any work, whatever leads there."""
+    import shutil
+
+    own = tmp_path / "cells"
+    shutil.copytree(cells / "batch-0", own)
+    log, campaign = own / "cell-0" / "low_rate.csv", own / "cell-0" / "campaign.toml"
+    before = log.read_bytes(), campaign.read_bytes()
+    link = tmp_path / "link"
+    link.symlink_to(log)
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    results = tmp_path / "r.sqlite"
+    for outputs in (
+        ["--summary", str(log)],
+        ["--summary", str(link)],
+        ["--parquet", str(campaign)],
+        ["--summary", str(pipe)],
+        ["--summary", str(tmp_path / "none" / "s.json")],
+        ["-o", ""],
+        ["-o", ":memory:"],
+    ):
+        words = [str(own), "-o", str(results), *STAGED, *outputs]
+        assert main(words) == 2, outputs
+    assert (log.read_bytes(), campaign.read_bytes()) == before
+    assert pipe.is_fifo() and not results.exists()

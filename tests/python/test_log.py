@@ -274,3 +274,14 @@ def test_a_battery_of_a_flight_can_be_named() -> None:
     assert len(lipoid.read_log(file, battery=2)) > 0
     with pytest.raises(lipoid.LoadError, match="batter"):
         lipoid.read_log(file, battery=7)
+
+
+def test_masked_numbers_are_refused() -> None:
+    """What lies below a mask is no measurement."""
+    current: Any = np.ma.array(I.copy(), mask=np.zeros(N, dtype=bool))  # type: ignore[no-untyped-call]
+    assert lipoid.Log(time_s=T, current_A=current, voltage_V=V).time_s.shape == (N,)
+    current[20:30] = np.ma.masked
+    with pytest.raises(lipoid.OptionError, match="found masked ones"):
+        lipoid.Log(time_s=T, current_A=current, voltage_V=V)
+    with pytest.raises(lipoid.OptionError, match="found masked ones"):
+        lipoid.Cell.read("gifi-600mAh-1").simulate(T, current)

@@ -78,8 +78,8 @@ FUNCTIONS: dict[str, tuple[Callable[[], list[Description]], str, set[str], set[s
     "endurance": (
         _core.describe_endurance,
         "endurance",
-        # Arguments of endurance(); the quantities' words go on there.
-        {"over", "mission"},
+        # Arguments of endurance(), whose mission is read already, and words of quantities.
+        {*READING, "over", "mission"},
         {"mission", "power", "waypoints", "cruise_speed"},
     ),
     "health": (

@@ -216,6 +216,17 @@ TEST(NothingLost, WhatTheShellMadeOfStandardOutputIsAnOutput) {
   EXPECT_EQ(Contents(folder), before);
 }
 
+// A file that is opened takes the first free number: no message is written into it.
+TEST(NothingLost, MessagesAreNotWrittenIntoAFileWhereTheStandardStreamsAreClosed) {
+  const auto folder = FolderOfInputs();
+  const std::string convert = "\"$LIPOID\" convert logs/cc.csv -o ";
+  ASSERT_EQ(RunShell(folder, convert + "whole.csv").exit_code, 0);
+  for (const char* const closed : {" >&-", " 2>&-", " >&- 2>&-", " <&- >&- 2>&-"}) {
+    ASSERT_EQ(RunShell(folder, convert + "c.csv" + closed).exit_code, 0) << closed;
+    EXPECT_EQ(ReadTextFile(folder + "/c.csv"), ReadTextFile(folder + "/whole.csv")) << closed;
+  }
+}
+
 // Whatever else is wrong, and before the inputs are known: only what is a summary is replaced by
 // one.
 TEST(NothingLost, TheSummaryOfAFailedCommandReplacesNoInput) {

@@ -36,8 +36,8 @@ std::string Words(const std::string& type) {
 
 // The part of JSON Schema that tools/schemas writes: type, properties, required and items. The
 // depth is that of the schema, whatever the file holds. The schemas were found from some runs: what had
-// a value in all of them may have none in others.
-void Check(const Json& schema, const Json& value, const JsonReader& at) {
+// a value in all of them may have none in others, and which parameters there are (`by_name`) depends on the cell.
+void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_name = false) {
   if (value.is_null()) return;
   if (const auto found = schema.find("type"); found != schema.end()) {
     const auto types = found->is_array() ? found->get<std::vector<std::string>>()
@@ -52,8 +52,9 @@ void Check(const Json& schema, const Json& value, const JsonReader& at) {
     }
   }
   if (value.is_object()) {
-    for (const Json& key : schema.value("required", Json::array()))
-      static_cast<void>(at.At(key.get<std::string>()));
+    for (const Json& key : schema.value("required", Json::array())) {
+      if (!by_name) static_cast<void>(at.At(key.get<std::string>()));
+    }
     const Json known = schema.value("properties", Json::object());
     for (const auto& [key, of_key] : known.items()) {
       // Options are those of the run: which there are depends on what was asked for.
@@ -61,7 +62,7 @@ void Check(const Json& schema, const Json& value, const JsonReader& at) {
       // The run record of a cell in it is not shown.
       if (key == "metrics") continue;
       if (const auto member = value.find(key); member != value.end())
-        Check(of_key, *member, at.At(key));
+        Check(of_key, *member, at.At(key), key == "parameters" || key == "spread");
     }
   }
   if (!value.is_array() || !schema.contains("items")) return;

@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kInputBytes = std::size_t{1} << 18;
 constexpr std::string_view kGzip = "\x1F\x8B";
 constexpr std::string_view kZstd = "\x28\xB5\x2F\xFD";
+// A frame to be skipped may come first (pzstd): one of sixteen bytes, then these.
+constexpr std::string_view kZstdSkipped = "\x2A\x4D\x18";
 
 class Gzip final : public Decompressor {
  public:
@@ -84,7 +86,9 @@ std::unique_ptr<Decompressor> Decompressor::Make(std::string_view begin,
                                                  ReadBytes read) {
   if (begin.starts_with(kGzip))
     return std::make_unique<Gzip>(begin, std::move(file), std::move(read));
-  if (begin.starts_with(kZstd))
+  const bool skipped = begin.size() > 4 && begin[0] >= 0x50 && begin[0] <= 0x5F &&
+                       begin.substr(1).starts_with(kZstdSkipped);
+  if (skipped || begin.starts_with(kZstd))
     return std::make_unique<Zstd>(begin, std::move(file), std::move(read));
   return nullptr;
 }

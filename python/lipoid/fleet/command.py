@@ -16,7 +16,7 @@ from lipoid.errors import LoadError, OptionError
 from lipoid.fleet import cluster, options
 from lipoid.fleet.driver import Counts, Progress, Run, Signals, duration, options_text
 from lipoid.fleet.errors import BAD_INPUT, DONE, INCOMPLETE, USAGE, Stopped, UsageError
-from lipoid.fleet.files import write_text
+from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import Results
 from lipoid.fleet.sources import find
 from lipoid.fleet.worker import Settings
@@ -163,11 +163,26 @@ def _check_outputs(given: argparse.Namespace) -> None:
     inputs = [*given.sources, given.slurm, getattr(given, "open_circuit_voltage", "")]
     seen = {os.path.realpath(one): one for one in inputs if one and os.path.isfile(one)}
     for output in (given.output, given.parquet, given.summary):
-        if not output or output == "-":
+        if not output or output in STANDARD_OUTPUT:
             continue
         if other := seen.get(os.path.realpath(output)):
             raise UsageError(f"{output} would overwrite {other}")
         seen[os.path.realpath(output)] = output
+    if not given.output or given.output == ":memory:":
+        raise UsageError(f"-o: expected a file for the results, found {given.output!r}")
+    # Logs and campaigns are inputs, too: only what this command itself wrote is replaced.
+    if given.summary and given.summary not in STANDARD_OUTPUT:
+        check_writable(given.summary, _is_summary)
+    if given.parquet:
+        check_writable(given.parquet, lambda begin: begin.startswith(b"PAR1"))
+
+
+def _is_summary(begin: bytes) -> bool:
+    try:
+        told = json.loads(begin)
+    except ValueError:
+        return False
+    return isinstance(told, dict) and {"campaigns", "written", "wall_s"} <= told.keys()
 
 
 def _sentence(counts: Counts, output: str) -> str:

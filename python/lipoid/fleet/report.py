@@ -16,7 +16,7 @@ import lipoid
 from lipoid.errors import LoadError
 from lipoid.fleet import options, page, spread
 from lipoid.fleet.errors import DONE, UsageError
-from lipoid.fleet.files import write_text
+from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import open_for_reading
 from lipoid.fleet.spread import Quantity
 
@@ -123,11 +123,12 @@ def _check(given: argparse.Namespace) -> None:
         if '"' in column:
             raise UsageError(f"expected the name of a column without quotes, found {column!r}")
     seen = {os.path.realpath(given.results): given.results}
-    for output in (given.output, given.outliers, given.drift):
-        if output and (other := seen.setdefault(os.path.realpath(output), output)) != output:
+    for output in filter(None, (given.output, given.outliers, given.drift)):
+        if other := seen.get(os.path.realpath(output)):
             raise UsageError(f"{output} would overwrite {other}")
-        if output and os.path.realpath(output) == os.path.realpath(given.results):
-            raise UsageError(f"{output} would overwrite {given.results}")
+        seen[os.path.realpath(output)] = output
+        if output not in STANDARD_OUTPUT:
+            check_writable(output)
 
 
 def command(words: list[str]) -> int:

@@ -115,7 +115,7 @@ class Results:
             raise
 
     def _take_lock(self) -> int:
-        name = f"{self.file}.lock"
+        name = f"{os.path.realpath(self.file)}.lock"  # one, whatever leads to the file
         try:
             lock = os.open(name, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o600)
         except OSError as error:
@@ -131,7 +131,7 @@ class Results:
         return lock
 
     def _unlock(self) -> None:
-        Path(f"{self.file}.lock").unlink(missing_ok=True)
+        Path(f"{os.path.realpath(self.file)}.lock").unlink(missing_ok=True)
         os.close(self._lock)
 
     def _open(self, options: str, replace: bool) -> None:

@@ -161,6 +161,14 @@ TEST(Packed, FixturesAreTheFixtureThatTheyWereMadeFrom) {
   }
 }
 
+// As pzstd writes it: a frame to be skipped, with the size of the one that follows, comes first.
+TEST(Zstd, AFrameToBeSkippedMayComeFirst) {
+  const std::string text = Rows(1000);
+  const std::string skipped("\x50\x2A\x4D\x18\x04\x00\x00\x00\x01\x02\x03\x04", 12);
+  const Log log = ReadLog(WriteText("log.csv", skipped + Zstd(text)));
+  EXPECT_EQ(log.record.time_s, ReadLog(WriteText("plain.csv", text)).record.time_s);
+}
+
 TEST(Gzip, AWrongSumIsSaid) {
   std::string packed = Gzip(Rows(1000));
   packed[packed.size() - 6] ^= 1;
