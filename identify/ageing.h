@@ -4,10 +4,10 @@
 /// What changed between cells that were identified from one cell at several ages: capacity, beta and
 /// the resistance that a pulse shows, each against the first age, with its interval.
 ///
-/// The estimates of two ages are independent: the 95 % interval of their difference is the root of
-/// the squared sum of their own. A change whose interval holds zero is not shown by these logs,
-/// which does not mean that there was none. Resistances of another temperature than that of the first
-/// are shown and not compared. Tests: tests/identify/ageing_test.cc.
+/// The estimates of two ages are independent: on a scale of logarithms each side of the 95 % interval
+/// of their ratio is the root of the squared sum of the sides that make it. A change whose interval
+/// holds zero is not shown by these logs, which does not mean that there was none. Resistances of
+/// another temperature than that of the first are shown and not compared. Tests: tests/identify/ageing_test.cc.
 
 #include <string>
 #include <vector>

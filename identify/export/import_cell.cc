@@ -16,6 +16,7 @@
 
 #include "identify/export/frame_json.h"
 #include "identify/logs/csv/cells.h"
+#include "identify/logs/plausibility.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/json.h"
@@ -427,16 +428,12 @@ ImportedCell FromSdf(const std::string& text,
 
 // ---- which one ----
 
-constexpr double kMostCell_V = 6.0;
-
 void CheckBattery(const Cell& cell, const std::string& file) {
   const double full_V = cell.open_circuit_voltage(1.0);
-  if (full_V > kMostCell_V) {
+  if (full_V > kMostPack_V) {
     throw LoadError(
         {file},
-        fmt::format("expected voltages of one cell in V, up to {:g}, found a v_oc(1) of {:.4g}; "
-                    "is the table in mV, or that of a pack (--series)?",
-                    kMostCell_V,
+        fmt::format("expected voltages in V, found a v_oc(1) of {:.4g}, which looks like mV",
                     full_V));
   }
   if (!(std::isfinite(full_V) && full_V > cell.cutoff_V)) {

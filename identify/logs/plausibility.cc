@@ -11,8 +11,7 @@
 namespace lipoid {
 namespace {
 
-// No pack has more than these; what was meant has a factor of 1000 less.
-constexpr double kMostPack_V = 2000.0;
+// As kMostPack_V.
 constexpr double kMostPack_A = 1e5;
 constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 

@@ -11,6 +11,9 @@
 
 namespace lipoid {
 
+/// No pack has more; what was meant has a factor of 1000 less.
+inline constexpr double kMostPack_V = 2000.0;
+
 /// Where the columns of a record are named in its file.
 struct ColumnPositions {
   SourcePosition time;

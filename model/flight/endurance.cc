@@ -144,10 +144,10 @@ class Mission {
     without_power_s_ = suffices_ ? 0.0 : without_power_s_ + dt_s;
     below_motors_s_ = voltage_V_ < leg.least_V ? below_motors_s_ + dt_s : 0.0;
     below_cutoff_s_ = voltage_V_ < battery_.cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
-    constexpr double kOverfull =
-        1.05;  // a pack that begins a little above full may go down from there
+    constexpr double kMore = 0.05;  // than full, or than the pack began with
+    const double fullest = std::max(1.0, setup_.initial_soc) + kMore;
     std::optional<MissionEnd> end;
-    if (mean_A < 0.0 && battery_.rest_soc() > kOverfull) {
+    if (mean_A < 0.0 && battery_.rest_soc() > fullest) {
       end = MissionEnd::kFull;
     } else if (at_reserve) {
       end = MissionEnd::kReserve;

@@ -604,6 +604,16 @@ def test_the_report_finds_what_is_there(tmp_path: Path) -> None:
     # A median of 200 values is off by 1.25 / sqrt(200) of their width.
     assert spread.loc["alpha", "median"] == pytest.approx(1345.0, abs=1.0)
     assert spread.loc["c_1", "identified"] == 0 and spread.loc["c_1", "cells"] == 400
+    both = [
+        str(tmp_path / "r.sqlite"),
+        "-o",
+        str(tmp_path / "r.html"),
+        "--outliers",
+        "-",
+        "--drift",
+        "-",
+    ]
+    assert main(["report", *both]) == 0
     far = pd.read_csv(outliers)
     assert list(far["campaign"]) == ["/cells/17/<i>.toml"] and list(far["name"]) == ["r_s"]
     moved = pd.read_csv(drift)

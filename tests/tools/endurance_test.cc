@@ -170,6 +170,13 @@ TEST(EnduranceCommand, APackIsChargedNoFurtherThanFull) {
       << run.out;
   const auto summary = ReadJson(folder, "s.json");
   EXPECT_EQ(summary.at("ended_by"), "full");
+  // A pack that begins beyond full may take a little back on its way.
+  WriteFileAtomically(folder + "/q.csv", "time_s,power_W\n0,-1\n10,-1\n600,2\n");
+  EXPECT_EQ(
+      SummaryOf(folder,
+                {"--cell", kCell, "--mission", "power=q.csv", "--once", "--initial-soc", "1.2"})
+          .at("ended_by"),
+      "mission-done");
 }
 
 TEST(EnduranceCommand, CruiseSaysTheBestSpeeds) {

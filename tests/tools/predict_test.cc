@@ -66,6 +66,16 @@ TEST(Simulate, SaysThatACellWouldHoldMoreThanItCan) {
   EXPECT_EQ(discharged.exit_code, 0) << discharged.err;
 }
 
+// A cell file that was fitted to other logs may hold less than this cell, which then begins beyond full.
+TEST(Simulate, ACellThatBeginsBeyondFullIsNotChargedByItsLog) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/in.csv", "time_s,current_A\n0,0\n600,0.3\n1200,0.3\n");
+  const auto run = RunLipoid(
+      folder,
+      {"simulate", "gifi-600mAh-1", "--current", "in.csv", "--initial-soc", "1.3", "-o", "p.csv"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 // A sensor that is not there, kelvin, and a row without a number: the column is left out, and it is said.
 TEST(Validate, SaysWhereATemperatureIsNone) {
   const auto folder = TestFolder();

@@ -245,8 +245,8 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "there",
         way.outside);
   }
-  constexpr double kOverfull_soc = 1.1;
-  const bool overfull = way.highest_soc > kOverfull_soc;
+  constexpr double kMore = 0.1;  // than full, or than the cell began with
+  const bool overfull = way.highest_soc > std::max(1.0, initial_soc) + kMore;
   if (overfull) {
     line.Message(
         "the log charges the cell to a soc of {:.3g}, which no cell holds: say whether its current is "

@@ -123,12 +123,13 @@ def _check(given: argparse.Namespace) -> None:
         if '"' in column:
             raise UsageError(f"expected the name of a column without quotes, found {column!r}")
     seen = {os.path.realpath(given.results): given.results}
-    for output in filter(None, (given.output, given.outliers, given.drift)):
+    for output in (given.output, given.outliers, given.drift):
+        if not output or output in STANDARD_OUTPUT:
+            continue
         if other := seen.get(os.path.realpath(output)):
             raise UsageError(f"{output} would overwrite {other}")
         seen[os.path.realpath(output)] = output
-        if output not in STANDARD_OUTPUT:
-            check_writable(output)
+        check_writable(output)
 
 
 def command(words: list[str]) -> int:

@@ -117,6 +117,8 @@ TEST(ImportCell, AnSdfOfGazeboIsACellWithItsLaw) {
   EXPECT_LT(LargestDifference(VoltsOf(back.cell, request.mission),
                               GazeboVoltage(battery, request.mission, drawn_Ah)),
             kStep_V);
+  // Without the numbers of its cells a pack is one cell of its voltage, as ever.
+  EXPECT_NEAR(ImportCell(sdf, "m.sdf", {}).cell.open_circuit_voltage(1.0), 8.3, 1e-12);
   // What lipoid exports comes back too.
   const Exported exported = Export(FindExportTarget("gazebo"), request);
   EXPECT_EQ(ImportCell(exported.files[0].content, "m.sdf", options).cell.capacity_Ah,
@@ -239,6 +241,8 @@ TEST(ImportCell, RefusesTablesThatAreNone) {
   EXPECT_NE(MessageOf(capacity + "soc,ocv,open_circuit_voltage_V\n")
                 .find("f:2:5: error: expected columns"),
             std::string::npos);
+  EXPECT_EQ(MessageOf(capacity + header + "0,3000,0.1\n1,4200,0.1\n"),
+            "f:1:1: error: expected voltages in V, found a v_oc(1) of 4200, which looks like mV");
   EXPECT_EQ(MessageOf(capacity + "soc,open_circuit_voltage_V\n0,1\n"),
             "f:2:1: error: expected a column series_resistance_Ohm, found none");
   EXPECT_EQ(MessageOf(capacity + header + "0,3,0.1\n0,4,0.1\n"),
