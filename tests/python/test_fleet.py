@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -201,6 +202,23 @@ def test_files_that_are_gone_are_not_the_same(tmp_path: Path) -> None:
     assert still_the_same([known]) is None
 
 
+def test_a_file_that_changes_while_it_is_read_is_not_known(tmp_path: Path) -> None:
+    from lipoid.fleet.runner import _inputs
+
+    file = tmp_path / "a.csv"
+    file.write_text("a")
+    read = {"inputs": [{"file": str(file), "sha256": "?"}]}
+    time.sleep(0.05)  # the clock of the file system ticks every 4 to 10 ms
+    (settled,) = _inputs(read, time.time_ns())
+    assert settled["bytes"] == 1 and still_the_same([settled]) == [settled]
+    began_ns = time.time_ns()
+    time.sleep(0.05)
+    file.write_text("b")
+    os.utime(file, (0, 0))  # as a copy that keeps its times
+    (changed,) = _inputs(read, began_ns)
+    assert changed["modified_ns"] is None and still_the_same([changed]) is None
+
+
 def test_what_is_wrong_with_a_campaign_is_its_row(cells: Path, tmp_path: Path) -> None:
     good = cells / "batch-0" / "cell-0" / "campaign.toml"
     bad = tmp_path / "bad.toml"
@@ -361,6 +379,44 @@ def test_outputs_replace_nothing(
     assert main([str(table), "-o", str(tmp_path / "none" / "r.sqlite"), *STAGED]) == 2
     assert before == [text.read_bytes(), other.read_bytes(), table.read_bytes()]
     assert not list(tmp_path.glob("*.lock"))
+    foreign = tmp_path / "r.sqlite.lock"
+    foreign.write_text("of another program")
+    assert main([str(table), "-o", str(tmp_path / "r.sqlite"), *STAGED]) == 2
+    assert "is not the lock of lipoid-fleet" in capsys.readouterr().err
+    assert foreign.read_text() == "of another program"
+
+
+def test_a_name_that_is_not_utf8_is_said_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = os.fsencode(tmp_path) + b"/z\xe4hler"
+    os.mkdir(folder)
+    Path(os.fsdecode(folder), "campaign.toml").write_text("")
+    assert main([str(tmp_path), "-o", str(tmp_path / "r.sqlite"), *STAGED]) == 3
+    assert "expected paths in UTF-8" in capsys.readouterr().err
+    assert not (tmp_path / "r.sqlite").exists()
+
+
+def test_results_are_read_where_nobody_may_write(undisturbed: Path) -> None:
+    import shutil
+    import tempfile
+
+    from lipoid.fleet.results import open_for_reading
+
+    with tempfile.TemporaryDirectory() as name:
+        shutil.copy(undisturbed, f"{name}/r.sqlite")
+        os.chmod(f"{name}/r.sqlite", 0o444)
+        os.chmod(name, 0o555)
+        user = os.geteuid()
+        if user == 0:
+            os.seteuid(65534)
+        try:
+            with contextlib.closing(open_for_reading(f"{name}/r.sqlite")) as database:
+                (count,) = database.execute("SELECT count(*) FROM campaigns").fetchone()
+        finally:
+            os.seteuid(user)
+            os.chmod(name, 0o755)
+    assert count == CELLS
 
 
 def test_limits_cost_a_retry_and_then_a_row(cells: Path, tmp_path: Path) -> None:

@@ -108,6 +108,7 @@ TEST(Each, RefusesWhatIsNotOfItsKind) {
       {{"--count-it", "6"}, "option --count-it: expected a whole number, 0 .. 5, found '6'"},
       {{"--times-s", "1,101"}, "option --times-s: expected 0 .. 100, found '101'"},
       {{"--times-s", ""}, "option --times-s: expected a number, 0 .. 100, found ''"},
+      {{"--file", ""}, "option --file: expected FILE, found ''"},
       {{"--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
       {{"--bounds", "beta=1"}, "option --bounds: expected NAME=LOW,HIGH, found 'beta=1'"},
       {{"--columns", "Zeit"}, "option --columns: expected KEY=NAME, found 'Zeit'"},

@@ -54,6 +54,14 @@ int ThreadsAllowed() {
   return static_cast<int>(started.size()) + 1;
 }
 
+// An empty text is a shell variable that was not set, and not the same as an option that is not given.
+const std::string& NotEmpty(const std::string& shown,
+                            std::string_view word,
+                            const std::string& text) {
+  if (text.empty()) throw OptionError(fmt::format("option {}: expected {}, found ''", shown, word));
+  return text;
+}
+
 }  // namespace
 
 struct CommandLine::Threads {
@@ -125,8 +133,9 @@ void CommandLine::Text(std::string_view name,
                        std::string& value,
                        std::string_view word,
                        std::string_view help) {
-  Declare(name, word, value, help).set = [&value](const std::string&, const std::string& text) {
-    value = text;
+  auto& option = Declare(name, word, value, help);
+  option.set = [&value, &option](const std::string& shown, const std::string& text) {
+    value = NotEmpty(shown, option.value, text);
   };
 }
 
@@ -142,9 +151,9 @@ void CommandLine::Input(std::string_view name,
                         std::string& value,
                         std::string_view word,
                         std::string_view help) {
-  Declare(name, word, value, help).set = [this, &value](const std::string&,
-                                                        const std::string& text) {
-    value = text;
+  auto& option = Declare(name, word, value, help);
+  option.set = [this, &value, &option](const std::string& shown, const std::string& text) {
+    value = NotEmpty(shown, option.value, text);
     files_.AddInput(text);
   };
 }
@@ -163,8 +172,8 @@ void CommandLine::Inputs(std::string_view name,
                          std::string_view help) {
   auto& option = Declare(name, word, "", help);
   option.several = true;
-  option.set = [this, &values](const std::string&, const std::string& text) {
-    values.push_back(text);
+  option.set = [this, &values, &option](const std::string& shown, const std::string& text) {
+    values.push_back(NotEmpty(shown, option.value, text));
     files_.AddInput(text);
   };
 }
@@ -175,7 +184,9 @@ void CommandLine::Texts(std::string_view name,
                         std::string_view help) {
   auto& option = Declare(name, word, "", help);
   option.several = true;
-  option.set = [&values](const std::string&, const std::string& text) { values.push_back(text); };
+  option.set = [&values, &option](const std::string& shown, const std::string& text) {
+    values.push_back(NotEmpty(shown, option.value, text));
+  };
 }
 
 void CommandLine::Flag(std::string_view name, bool& value, std::string_view help) {
@@ -206,9 +217,9 @@ void CommandLine::OutputOption(std::string_view name,
                                std::string_view word,
                                std::string_view help) {
   auto& option = Declare(name, word, "", help);
-  option.set = [this, &value, &option](const std::string&, const std::string& text) {
+  option.set = [this, &value, &option](const std::string& shown, const std::string& text) {
     if (earlier_ != nullptr) return;
-    value = OutputPath(text);
+    value = OutputPath(NotEmpty(shown, option.value, text));
     files_.AddOutput(option.Shown(), value);
   };
 }

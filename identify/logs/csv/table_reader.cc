@@ -461,6 +461,8 @@ bool TableReader::IsCut(std::string_view line, const std::vector<TextCell>& cell
   // lost.
   if (last == spec_.columns.end() || cells.size() != spec_.fields || line.ends_with('\r'))
     return false;
+  const std::string_view written = Trimmed(line.substr(line.rfind(spec_.delimiter) + 1));
+  if (written.size() > 1 && written.front() == '"' && written.back() == '"') return false;
   const std::string_view text = cells.back().text;
   if (text.empty() || std::string_view(".,eE+-").find(text.back()) != std::string_view::npos)
     return true;

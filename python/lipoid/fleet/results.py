@@ -125,6 +125,14 @@ class Results:
             # One that was removed between opening and locking keeps nobody out.
             if os.fstat(lock).st_ino != os.stat(name).st_ino:
                 raise FileNotFoundError(name)
+            if os.fstat(lock).st_size:
+                raise FileExistsError(name)
+        except FileExistsError:
+            os.close(lock)
+            raise UsageError(
+                f"{self.file}: {name} is not the lock of lipoid-fleet, which is empty; give "
+                "another -o, or move that file"
+            ) from None
         except OSError:
             os.close(lock)
             raise UsageError(f"{self.file}: another lipoid-fleet is writing to it") from None
@@ -245,12 +253,13 @@ def open_for_reading(file: str | os.PathLike[str]) -> sqlite3.Connection:
     path = Path(file)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: error: expected results of lipoid-fleet, found no file")
-    database = sqlite3.connect(path.absolute().as_uri() + "?mode=ro", uri=True)
-    try:
-        application = database.execute("PRAGMA application_id").fetchone()[0]
-    except sqlite3.DatabaseError:
-        application = 0
-    if application != APPLICATION:
+    # Where nobody may write beside the file, SQLite cannot read it as one that others write to.
+    # A write-ahead log beside it holds rows that are not in the file yet.
+    ways = ("mode=ro",) if Path(f"{path}-wal").exists() else ("mode=ro", "immutable=1")
+    for way in ways:
+        database = sqlite3.connect(f"{path.absolute().as_uri()}?{way}", uri=True)
+        with contextlib.suppress(sqlite3.DatabaseError):
+            if database.execute("PRAGMA application_id").fetchone()[0] == APPLICATION:
+                return database
         database.close()
-        raise ValueError(f"{path}: error: expected results of lipoid-fleet, found another file")
-    return database
+    raise ValueError(f"{path}: error: expected results of lipoid-fleet, found another file")

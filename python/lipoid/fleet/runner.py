@@ -37,17 +37,24 @@ def without(value: Any, names: set[str]) -> Any:
     return value
 
 
-def _inputs(run: dict[str, Any]) -> list[dict[str, Any]]:
-    """Every file that was read, with what tells soon whether it is still the same."""
+def _inputs(run: dict[str, Any], began_ns: int) -> list[dict[str, Any]]:
+    """Every file that was read, with what tells soon whether it is still the same.
+
+    One that changed while it was read has null for both: its campaign is done again next time.
+    """
     inputs = []
     for one in run["inputs"]:
         status = os.stat(one["file"])
-        known = {"bytes": status.st_size, "modified_ns": status.st_mtime_ns}
+        changed = began_ns <= status.st_ctime_ns <= time.time_ns()
+        known = {
+            "bytes": None if changed else status.st_size,
+            "modified_ns": None if changed else status.st_mtime_ns,
+        }
         inputs.append({"file": one["file"], "sha256": one["sha256"], **known})
     return inputs
 
 
-def _found(result: lipoid.Identification) -> Row:
+def _found(result: lipoid.Identification, began_ns: int) -> Row:
     summary = dict(result.summary)
     cell = summary.pop("cell")
     verdict = summary.get("verdict") or {}
@@ -66,7 +73,7 @@ def _found(result: lipoid.Identification) -> Row:
         "rmse_V": verdict.get("rmse_V"),
         "cell": _text(cell),
         "summary": _text(summary),
-        "inputs": _text(_inputs(cell["run"])),
+        "inputs": _text(_inputs(cell["run"], began_ns)),
         "version": cell["run"]["version"],
         "commit": cell["run"]["commit"],
         "result_sha256": hashlib.sha256(essence.encode()).hexdigest(),
@@ -111,11 +118,14 @@ def _peak_bytes() -> int | None:
 def identify_one(campaign: str, options: dict[str, Any]) -> Row:
     """Return the row of one campaign, whatever becomes of it."""
     _reset_peak()
-    began = time.perf_counter()
+    began, began_ns = time.perf_counter(), time.time_ns()
     cpu_began = time.process_time()
     result = identify_or_error(campaign, {"threads": 1, **options})
     try:
-        row = _found(result) if isinstance(result, lipoid.Identification) else _failed(result)
+        if isinstance(result, lipoid.Identification):
+            row = _found(result, began_ns)
+        else:
+            row = _failed(result)
     except Exception as error:  # a file that is gone by now, a number that JSON cannot hold
         row = _failed(error)
     row["wall_s"] = time.perf_counter() - began

@@ -48,6 +48,8 @@ def find(given: Iterable[str], query: str = "") -> list[Source]:
     found: dict[str, Source] = {}
     for source in several:
         for one in _of_source(source, query):
+            if one.campaign != one.campaign.encode(errors="replace").decode():
+                _fail(source, 0, f"expected paths in UTF-8, found {one.campaign!r}; rename it")
             before = found.setdefault(one.campaign, one)
             if before.metadata != one.metadata:
                 _fail(source, 0, f"{one.campaign} was named before with other columns")

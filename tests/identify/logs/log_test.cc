@@ -194,6 +194,12 @@ TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
     EXPECT_EQ(log.record.size(), 4U);
     EXPECT_EQ(log.report.dropped_cut_last_line, 1U);
   }
+  // So it is in quotes, as far as they are closed.
+  const std::string quoted =
+      "\"time_s\",\"current_A\",\"voltage_V\"\n\"0\",\"0\",\"4.10\"\n\"1\",\"0\",\"4.10\"\n"
+      "\"2\",\"2\",\"4.00\"\n\"3\",\"2\",\"3.99\"\n\"4\",\"2\",\"3.97\"";
+  EXPECT_EQ(Read(quoted).record.size(), 5U);
+  EXPECT_EQ(Read(quoted.substr(0, quoted.size() - 1)).record.size(), 4U);
   // With a line end it is what the logger wrote.
   EXPECT_EQ(Read(text.substr(0, text.size() - 1) + "\n").record.size(), 5U);
 }
