@@ -53,7 +53,7 @@ Exported ExportArduPilot(const ExportRequest& request) {
   const Projection found = Project(law, one.reference.voltage_V, parameters, starts);
 
   Exported exported;
-  const ExportReference pack = ReferenceOf(cell, request.mission);
+  const ExportReference pack = ReferenceOf(request);
   const std::vector<double> pack_drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto error_of = [&](const ArduPilotBattery& battery) {
     return VoltageError(
@@ -68,7 +68,7 @@ Exported ExportArduPilot(const ExportRequest& request) {
   exported.parameters = {{"maxVoltage", static_cast<float>(battery.full_V), "V"},
                          {"battCapacityAh", static_cast<float>(battery.capacity_Ah), "Ah"},
                          {"refBatRes", static_cast<float>(battery.resistance_Ohm), "Ohm"}};
-  exported.cannot_hold = LeftOut(cell, {});
+  exported.cannot_hold = LeftOut(request, {});
   exported.cannot_hold.insert(
       exported.cannot_hold.begin() + (cell.diffusion ? 1 : 0),
       "The shape of v_oc: the simulator has one fixed table of resting voltages, which maxVoltage "

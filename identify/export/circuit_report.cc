@@ -35,7 +35,7 @@ std::optional<EquivalentCircuit> ReportCircuit(const ExportRequest& request, Exp
         {fmt::format("tau{}", j + 1), circuit.branches[j].time_constant_s, "s"});
     add(fmt::format("R{}", j + 1), circuit.branches[j].resistance_Ohm);
   }
-  exported.cannot_hold = LeftOut(cell, {.branches = request.branches, .resistance_table = true});
+  exported.cannot_hold = LeftOut(request, {.branches = request.branches, .resistance_table = true});
   const auto& soc = one.reference.soc;
   const double lowest =
       1.0 - *std::max_element(one.drawn_Ah.begin(), one.drawn_Ah.end()) / circuit.capacity_Ah;

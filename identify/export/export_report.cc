@@ -49,7 +49,9 @@ Json ExportToJson(const ExportTarget& target,
   summary["naive_charge_error"] = ErrorJson(exported.naive_charge_error);
   summary["mission"] = request.mission.name;
   summary["mission_rows"] = request.mission.time_s.size();
+  summary["initial_soc"] = request.mission.initial_soc;
   summary["cannot_hold"] = exported.cannot_hold;
+  for (const auto& sentence : request.left_out) summary["cannot_hold"].push_back(sentence);
   summary["notes"] = exported.notes;
   summary["sha256"] = request.sha256;
   return summary;

@@ -75,7 +75,7 @@ Exported ExportGazebo(const ExportRequest& request) {
 
   Exported exported;
   if (!Usable(found, exported)) return exported;
-  const ExportReference pack = ReferenceOf(cell, request.mission);
+  const ExportReference pack = ReferenceOf(request);
   const std::vector<double> drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto error_of = [&](const GazeboBattery& battery) {
     return VoltageError(pack, request.mission, GazeboVoltage(battery, request.mission, drawn_Ah));
@@ -101,7 +101,7 @@ Exported ExportGazebo(const ExportRequest& request) {
                          {"resistance", battery.resistance_Ohm, "Ohm"},
                          {"smooth_current_tau", battery.smoothing_s, "s"},
                          {"power_load", power.mean_W, "W"}};
-  exported.cannot_hold = LeftOut(cell, {});
+  exported.cannot_hold = LeftOut(request, {});
   exported.cannot_hold.insert(
       exported.cannot_hold.begin() + (cell.diffusion ? 1 : 0),
       "The shape of v_oc: the law is one straight line over the charge, so that the fall near empty "

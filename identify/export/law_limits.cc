@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "model/battery/arrhenius.h"
+
 namespace lipoid {
 
 bool IsNegligible(const Cell& cell, const Cell::Branch& branch, double shortest_s) {
@@ -19,7 +21,28 @@ bool IsNegligible(const Cell& cell, const Cell::Branch& branch, double shortest_
   return all(branch.resistance_Ohm.soc) && all(cell.series_resistance_Ohm.soc);
 }
 
-std::vector<std::string> LeftOut(const Cell& cell, const LawTerms& law) {
+void SetCell(ExportRequest& request, const Cell& cell) {
+  request.cell = cell;
+  request.whole.reset();
+  request.left_out.clear();
+  if (cell.temperature) {
+    request.left_out.push_back(
+        fmt::format("Temperature: the cell's numbers change with it{}; these do not (the reference "
+                    "of the cell is {:g} degC).",
+                    cell.temperature->heat ? ", and it warms under load" : "",
+                    CelsiusOf(cell.temperature->reference_K)));
+    request.cell.temperature.reset();
+  }
+  if (cell.hysteresis) {
+    request.left_out.emplace_back(
+        "Hysteresis: this v_oc is that half-way between charge and discharge.");
+    request.cell.hysteresis.reset();
+  }
+  if (!request.left_out.empty()) request.whole = cell;
+}
+
+std::vector<std::string> LeftOut(const ExportRequest& request, const LawTerms& law) {
+  const Cell& cell = request.cell;
   constexpr double kShortest_s = 0.01;
   std::vector<std::string> sentences;
   if (cell.diffusion) {
@@ -52,8 +75,7 @@ std::vector<std::string> LeftOut(const Cell& cell, const LawTerms& law) {
         "proportion.");
   if (cell.self_heating)
     sentences.emplace_back("Self-heating: the law's resistance does not fall under load.");
-  sentences.emplace_back(
-      "Temperature and hysteresis: neither the cell file nor these numbers hold any.");
+  if (!request.whole) sentences.emplace_back(kNoMoreTerms);
   return sentences;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identify/export/law_limits.h"
 #include "identify/export/projected.h"
 #include "model/battery/prediction.h"
 #include "model/export/provenance.h"
@@ -117,8 +118,8 @@ Exported ExportNs3(const ExportRequest& request) {
       {"RvBatteryModelLowBatteryThreshold", 0.0, ""}};
   exported.cannot_hold = {
       "The voltage: that of the model is a constant, the mean of its two attributes. Resistance, "
-      "relaxations and v_oc are not in it.",
-      "Temperature and hysteresis: neither the cell file nor these numbers hold any."};
+      "relaxations and v_oc are not in it."};
+  if (!request.whole) exported.cannot_hold.emplace_back(kNoMoreTerms);
   if (cell.diffusion && cell.diffusion->tail)
     exported.cannot_hold.insert(
         exported.cannot_hold.begin() + 1,

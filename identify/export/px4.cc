@@ -32,7 +32,7 @@ Exported ExportPx4(const ExportRequest& request) {
 
   Exported exported;
   if (!Usable(found, exported)) return exported;
-  const ExportReference pack = ReferenceOf(cell, request.mission);
+  const ExportReference pack = ReferenceOf(request);
   const std::vector<double> drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto of_pack = [&](double empty_V, double charged_V, double ohm, double mAh) {
     // As the autopilot stores them.
@@ -63,7 +63,7 @@ Exported ExportPx4(const ExportRequest& request) {
                          {"BAT1_V_CHARGED", battery.charged_V, "V"},
                          {"BAT1_R_INTERNAL", battery.resistance_Ohm, "Ohm"},
                          {"BAT1_CAPACITY", battery.capacity_mAh, "mAh"}};
-  exported.cannot_hold = LeftOut(cell, {});
+  exported.cannot_hold = LeftOut(request, {});
   exported.cannot_hold.insert(
       exported.cannot_hold.begin() + (cell.diffusion ? 1 : 0),
       "The shape of v_oc: the law is one straight line between empty and charged, so that the "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "identify/trust/local_noise.h"
 #include "identify/trust/trust_sentence.h"
 #include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
@@ -147,6 +148,7 @@ class Assessment {
       : logs_(logs), quantities_(quantities), options_(options) {
     Check(penalty);
     FindFree();
+    FindLocalNoise();
     const Eigen::MatrixXd h = SumRows(penalty);
     ParallelInvoke(
         [&] {
@@ -201,6 +203,15 @@ class Assessment {
     }
     for (Eigen::Index k = 0; k < p; ++k) {
       if (!held[static_cast<std::size_t>(k)]) free_.push_back(k);
+    }
+  }
+
+  // Noise that is assumed is as large everywhere.
+  void FindLocalNoise() {
+    for (const FittedRows& log : logs_) {
+      local_.push_back(options_.assumed ? Eigen::VectorXd::Ones(log.residual_V.size()).eval()
+                                        : LocalNoise(log.time_s, log.residual_V, log.averaged));
+      weighted_.push_back(log.weight.cwiseProduct(local_.back()));
     }
   }
 
@@ -270,24 +281,26 @@ class Assessment {
     spread(free_, Eigen::all) = d;
     scores_.resize(logs_.size());
     ParallelFor(logs_.size(), [&](std::size_t l) {
-      scores_[l] = (logs_[l].sensitivity * spread).transpose() * logs_[l].weight.asDiagonal();
+      scores_[l] = (logs_[l].sensitivity * spread).transpose() * weighted_[l].asDiagonal();
     });
   }
 
-  // What the fit leaves of noise: series x rows of every log, in place. Logs without rows are
-  // quiet.
+  // What the fit leaves of noise: series x rows of every log over its local size, in place. Logs
+  // without rows are quiet.
   void Project(std::vector<Eigen::MatrixXd>& noise) const {
     Eigen::MatrixXd score;
     for (std::size_t l = 0; l < logs_.size(); ++l) {
       if (noise[l].size() == 0) continue;
       if (score.size() == 0) score.setZero(noise[l].rows(), logs_[l].sensitivity.cols());
-      score.noalias() += (noise[l] * logs_[l].weight.asDiagonal()) * logs_[l].sensitivity;
+      score.noalias() += (noise[l] * weighted_[l].asDiagonal()) * logs_[l].sensitivity;
     }
     if (score.size() == 0) return;
     Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(score.rows(), score.cols());
     moved(Eigen::all, free_) = score(Eigen::all, free_) * fit_->inverse();
     for (std::size_t l = 0; l < logs_.size(); ++l) {
-      if (noise[l].size() > 0) noise[l].noalias() -= moved * logs_[l].sensitivity.transpose();
+      if (noise[l].size() == 0) continue;
+      noise[l].noalias() -=
+          moved * logs_[l].sensitivity.transpose() * local_[l].cwiseInverse().asDiagonal();
     }
   }
 
@@ -381,7 +394,8 @@ class Assessment {
     ParallelFor(logs_.size(), [&](std::size_t l) {
       StopIfAsked();
       const CorrelationModel& model = models_[l];
-      variances_[l] = model.Fit(model.Variogram(logs_[l].residual_V.transpose()), designs[l]);
+      const Eigen::VectorXd even = logs_[l].residual_V.cwiseQuotient(local_[l]);
+      variances_[l] = model.Fit(model.Variogram(even.transpose()), designs[l]);
       noise[l] = model.Simulate(variances_[l], series, options_.seed, Stream(l, 0));
     });
     // The same of noise that has the correlation found.
@@ -607,7 +621,7 @@ class Assessment {
     std::vector<Eigen::MatrixXd> sums(logs_.size());
     ParallelFor(logs_.size(), [&](std::size_t l) {
       const Eigen::MatrixXd scores =
-          logs_[l].sensitivity(Eigen::all, free_).transpose() * logs_[l].weight.asDiagonal();
+          logs_[l].sensitivity(Eigen::all, free_).transpose() * weighted_[l].asDiagonal();
       sums[l] = models_[l].QuadraticSum(scores, variances_[l]);
     });
     for (std::size_t l = 1; l < sums.size(); ++l) sums[0] += sums[l];
@@ -631,10 +645,12 @@ class Assessment {
   std::optional<Information> fit_;       // H of the free parameters
   Eigen::MatrixXd information_;          // A of the primary quantities
   Eigen::MatrixXd terms_;                // every quantity in terms of the primary ones
-  std::vector<Eigen::MatrixXd> scores_;  // D'J'W of each log, a column per row
+  std::vector<Eigen::MatrixXd> scores_;  // D'J'Ws of each log, a column per row
   double weight_ = 0.0;
   double rows_ = 0.0;  // of the logs themselves
 
+  std::vector<Eigen::VectorXd> local_;     // s of each log: its noise is s times an even one
+  std::vector<Eigen::VectorXd> weighted_;  // W s
   std::vector<CorrelationModel> models_;
   std::vector<Eigen::VectorXd> variances_;  // of the residuals' correlation
   std::vector<Eigen::MatrixXd> simulated_;  // found again in each simulation

@@ -8,8 +8,8 @@
 ///   theta^ - theta = H^{-1} J'W e,   H = J'WJ + P
 ///   covariance     = H^{-1} J'W Sigma W J H^{-1}
 ///
-/// with Sigma the correlation of the residuals, estimated from them (residual_correlation.h): a
-/// formula for white noise counts a million rows of one slow error as a million measurements. The
+/// with Sigma the covariance of the residuals, estimated from them: their size from place to place
+/// (local_noise.h) and their correlation (residual_correlation.h). A formula for white noise counts a million rows of one slow error as a million measurements. The
 /// fit has followed some of the noise, which the residuals therefore lack: noise of every
 /// correlation time is put through the same fit, to see what is left of it. Simulations also say
 /// how well the correlation itself is known: intervals are Student's, with so many degrees of

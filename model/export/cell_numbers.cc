@@ -455,7 +455,7 @@ std::vector<double> RunCellLaw(const Cell& cell,
 }
 
 ExportError MissionError(const ExportRequest& request, std::span<const double> voltage_V) {
-  return VoltageError(ReferenceOf(request.cell, request.mission), request.mission, voltage_V);
+  return VoltageError(ReferenceOf(request), request.mission, voltage_V);
 }
 
 }  // namespace lipoid

@@ -419,9 +419,8 @@ Exported ExportTables(const ExportRequest& request) {
   const Cell& cell = request.cell;
   Exported exported;
   const Cell back = ParseCellTables(CellTables(cell, ""), "tables");
-  exported.error = VoltageError(ReferenceOf(cell, request.mission),
-                                request.mission,
-                                ReferenceOf(back, request.mission).voltage_V);
+  exported.error = VoltageError(
+      ReferenceOf(request), request.mission, ReferenceOf(back, request.mission).voltage_V);
   exported.parameters = {{"capacity_Ah", cell.capacity_Ah, "Ah"}, {"cutoff_V", cell.cutoff_V, "V"}};
   if (cell.diffusion) {
     exported.parameters.push_back({"alpha_C", cell.diffusion->alpha_C, "C"});

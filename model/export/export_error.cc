@@ -41,6 +41,10 @@ ExportReference ReferenceOf(const Cell& cell, const ExportMission& mission) {
   return {std::move(prediction.voltage_V), std::move(prediction.soc)};
 }
 
+ExportReference ReferenceOf(const ExportRequest& request) {
+  return ReferenceOf(request.whole ? *request.whole : request.cell, request.mission);
+}
+
 ExportError VoltageError(const ExportReference& cell,
                          const ExportMission& mission,
                          std::span<const double> voltage_V) {

@@ -19,6 +19,8 @@ struct ExportReference {
 };
 
 [[nodiscard]] ExportReference ReferenceOf(const Cell& cell, const ExportMission& mission);
+/// The cell of a request with all that it knows.
+[[nodiscard]] ExportReference ReferenceOf(const ExportRequest& request);
 
 /// One voltage of the pack for each row. A voltage that is not finite makes the error NaN.
 [[nodiscard]] ExportError VoltageError(const ExportReference& cell,

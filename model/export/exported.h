@@ -37,7 +37,10 @@ constexpr std::array<std::pair<ExportPrecision, std::string_view>, 2> OptionName
 }
 
 struct ExportRequest {
-  Cell cell;           ///< its series and parallel are those of the pack to export
+  Cell cell;  ///< its series and parallel are those of the pack to export
+  /// The cell with what no target holds (SetCell in identify/export/law_limits.h); none: the same.
+  std::optional<Cell> whole = {};
+  std::vector<std::string> left_out = {};  ///< sentences on that
   std::string source;  ///< the cell file or the name of a shipped cell, as typed
   std::string sha256;  ///< of the cell file's bytes
   ExportMission mission;

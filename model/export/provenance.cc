@@ -21,6 +21,12 @@ std::string ErrorText(const ExportError& error) {
                      error.worst_soc);
 }
 
+// What the file itself begins with is another thing: most of them begin full.
+std::string StartText(const ExportMission& mission) {
+  if (mission.initial_soc == 1.0) return "";
+  return fmt::format(", begun at a state of charge of {:.4g},", mission.initial_soc);
+}
+
 std::string ChargeErrorText(const ExportChargeError& error) {
   std::string text = fmt::format("{:.3f} % rms, {:.3f} % at most (at {:.1f} s)",
                                  1e2 * error.rms,
@@ -56,8 +62,9 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   lines.push_back(fmt::format(
       "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
   if (exported.error || exported.charge_error) {
-    lines.push_back(fmt::format("Against the cell, over the mission {} with its current imposed:",
-                                HarmlessInComment(request.mission.name)));
+    lines.push_back(fmt::format("Against the cell, over the mission {}{} with its current imposed:",
+                                HarmlessInComment(request.mission.name),
+                                StartText(request.mission)));
   }
   if (exported.error) lines.push_back("  " + ErrorText(*exported.error) + ".");
   if (exported.naive)
@@ -68,8 +75,10 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   if (exported.naive_charge_error)
     lines.push_back("  Numbers read off the cell file would give " +
                     ChargeErrorText(*exported.naive_charge_error) + ".");
-  if (!exported.cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
-  for (const auto& what : exported.cannot_hold)
+  std::vector<std::string> cannot_hold = exported.cannot_hold;
+  cannot_hold.insert(cannot_hold.end(), request.left_out.begin(), request.left_out.end());
+  if (!cannot_hold.empty()) lines.emplace_back("What this law cannot hold:");
+  for (const auto& what : cannot_hold)
     lines.push_back("  " + HarmlessInComment(what, kMostBytesOfSentence));
   for (const auto& note : exported.notes)
     lines.push_back(HarmlessInComment(note, kMostBytesOfSentence));

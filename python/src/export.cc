@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/export/export_report.h"
+#include "identify/export/law_limits.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "identify/pack_request.h"
@@ -53,8 +54,9 @@ nb::object ExportCell(const PythonCell& cell,
   keywords.Finish();
   ExportRequest& request = made.request;
   const std::string path = PathOf(output);
-  request.cell = cell.cell;
-  made.pack.ApplyTo(request.cell);
+  Cell pack = cell.cell;
+  made.pack.ApplyTo(pack);
+  SetCell(request, pack);
   request.source = cell.cell.name;
   request.sha256 = Sha256OfBytes(JsonText(CellToJson(cell.cell)));
   request.name = IdentifierOf(cell.cell.name);

@@ -143,6 +143,13 @@ def truths(cell):
     return values
 
 
+def pulse_resistance(cell, test):
+    """What a pulse from rest would show of this cell."""
+    time_s, current_A = [0.0, test["after_s"]], [0.0, test["current_A"]]
+    voltage = reference_cell.predict(cell, time_s, current_A, initial_soc=test["soc"])["voltage_V"]
+    return float((voltage[0] - voltage[1]) / test["current_A"])
+
+
 def compare(summary, truth):
     """One row per quantity of the truth: its value, the estimate and the interval."""
     found = {p["name"]: p for p in summary["parameters"]}
@@ -164,6 +171,12 @@ def compare(summary, truth):
         low, high = p["interval_95"] or (None, None)
         rows[name] = {"truth": value, "estimate": p["estimate"], "low": low, "high": high,
                       "standard_error": p["standard_error"], "verdict": p["verdict"]}
+    for test in summary["resistance"]:
+        low, high = test["interval_95"] or (None, None)
+        rows[f"R({test['after_s']:g} s)"] = {
+            "truth": pulse_resistance(truth["cell"], test), "estimate": test["resistance_Ohm"],
+            "low": low, "high": high, "standard_error": None if low is None else high - low,
+            "verdict": None}
     return {"structure": {k: joint[k] for k in ("branches", "resistance_nodes", "voltage_nodes",
                                                 "self_heating", "charge_transfer", "smoothness")},
             "rmse_V": joint["rmse_V"], "wall_s": joint["wall_s"], "slow_V": truth["slow_V"],

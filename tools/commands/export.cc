@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/export/export_report.h"
+#include "identify/export/law_limits.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
 #include "identify/logs/reading_request.h"
@@ -121,23 +122,9 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   line.AddOutputs("-o", outputs);
 
   const std::string text = CellText(cell_name);
-  request.cell = ParseCell(text, cell_name);
-  pack.ApplyTo(request.cell);
-  if (request.cell.temperature) {
-    line.Message(
-        "{} knows temperature, and no target does: what is exported is the cell at its reference of "
-        "{:g} degC, which neither warms nor cools",
-        cell_name,
-        CelsiusOf(request.cell.temperature->reference_K));
-    request.cell.temperature.reset();
-  }
-  if (request.cell.hysteresis) {
-    line.Message(
-        "{} has hysteresis, and no target has: v_oc half-way between charge and discharge is "
-        "exported",
-        cell_name);
-    request.cell.hysteresis.reset();
-  }
+  Cell cell = ParseCell(text, cell_name);
+  pack.ApplyTo(cell);
+  SetCell(request, cell);
   request.source = cell_name;
   request.sha256 = Sha256OfBytes(text);
   request.name = IdentifierOf(request.cell.name);
@@ -214,6 +201,14 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
         request.cell.series,
         request.cell.series == 1 ? "" : "s",
         limit_mV,
+        target.name);
+  }
+  constexpr double kMostOfCharge = 0.05;
+  if (!exported.error && exported.charge_error && !(exported.charge_error->rms <= kMostOfCharge)) {
+    line.Message(
+        "warning: a state of charge that is {:.3g} % rms off: {} cannot hold this cell over this "
+        "mission",
+        1e2 * exported.charge_error->rms,
         target.name);
   }
   return cli::ExitCode::kDone;

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "identify/joint/joint_trust.h"
@@ -64,6 +65,7 @@ TEST(CampaignPlan, PredictsWhatIdentificationsOfSuchCampaignsScatterBy) {
   const double kept = std::exp(-10.0 / noise.correlation_s);  // rows every 10 s
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(kNames);
   Eigen::ArrayXd said = Eigen::ArrayXd::Zero(kNames);  // mean standard error
+  int held = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     auto logs = clean;
     NormalNoise normal(seed, 0);
@@ -83,6 +85,7 @@ TEST(CampaignPlan, PredictsWhatIdentificationsOfSuchCampaignsScatterBy) {
       const QuantityTrust* one = FindQuantity(trust, names[k]);
       ASSERT_NE(one, nullptr) << names[k];
       squares[k] += std::pow(one->estimate - planned->estimate, 2) / kSeeds;
+      held += one->low <= planned->estimate && planned->estimate <= one->high ? 1 : 0;
       // A plan knows the structure.
       said[k] +=
           std::sqrt(std::pow(one->standard_error, 2) - std::pow(one->model_standard_error, 2)) /
@@ -93,11 +96,13 @@ TEST(CampaignPlan, PredictsWhatIdentificationsOfSuchCampaignsScatterBy) {
     const double planned = FindQuantity(plan.trust, names[k])->standard_error;
     // 24 seeds know a standard deviation to 1/sqrt(48) = 14 %: three of that.
     EXPECT_NEAR(std::sqrt(squares[k]) / planned, 1.0, 0.43) << names[k] << " " << planned;
-    // An identification has to find out how its noise is correlated, and is on the careful side:
-    // 1.2 to 1.7 were seen.
-    EXPECT_GT(said[k] / planned, 0.9) << names[k];
+    // An identification has to find out how its noise is correlated and where it is large: 0.8 (of E_d)
+    // to 1.3 were seen. Its intervals are Student's with few degrees of freedom, and wider for it.
+    EXPECT_GT(said[k] / planned, 0.7) << names[k];
     EXPECT_LT(said[k] / planned, 2.0) << names[k];
   }
+  std::printf("%d of %d intervals hold the truth\n", held, kNames * kSeeds);
+  EXPECT_GE(held, 0.88 * kNames * kSeeds);
 }
 
 // The same with the heat capacity of a brick.

@@ -450,7 +450,8 @@ TEST(Trust, MeansOfRowsCarryWhatTheRowsCarried) {
   // Both estimate the correlation of the same noise, by different lags: 30 % apart in one log.
   // The level needs the power of the noise at no frequency at all, which either guesses.
   EXPECT_NEAR(few[0] / all[0], 1.0, 0.4);
-  EXPECT_NEAR(few[1] / all[1], 1.0, 0.1);
+  // Means show the slow noise better, and some of it passes for noise that is larger here than there.
+  EXPECT_NEAR(few[1] / all[1], 1.0, 0.15);
   EXPECT_NEAR(white_V, 1.0, 0.05);  // ten rows are shorter than the slow noise, not instant
 }
 
