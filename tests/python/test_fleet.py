@@ -313,6 +313,35 @@ def test_tables_of_all_kinds_name_the_same_campaigns(cells: Path, tmp_path: Path
 
 
 @pytest.mark.parametrize(
+    ("fields", "values"),
+    [
+        (["1", "-20", ""], [1, -20, None]),
+        (["1", "0.5", "2e-3"], [1.0, 0.5, 2e-3]),
+        (["1_1", "1_2", "2_1"], ["1_1", "1_2", "2_1"]),
+        (["0012", "13", "14"], ["0012", "13", "14"]),  # a batch "12" may be another one
+        (["nan", "1", "2"], ["nan", "1", "2"]),
+        (["inf", "1", ""], ["inf", "1", None]),
+        (["1e999", "1", "2"], ["1e999", "1", "2"]),
+        (["\u0663", "1", "2"], ["\u0663", "1", "2"]),  # a digit of Arabic
+        # Readers of JSON keep whole numbers below 2**53; a longer serial number stays as it is.
+        (["9007199254740991", "1", "2"], [9007199254740991, 1, 2]),
+        (["9007199254740993", "1", "2"], ["9007199254740993", "1", "2"]),
+        (["123456789012345678901234567890", "1.5", ""],) * 2,
+    ],
+)
+def test_columns_of_a_table_lose_nothing(
+    fields: list[str], values: list[Any], tmp_path: Path
+) -> None:
+    from lipoid.fleet.sources import find
+
+    lines = [f"{k}.toml,{field}\n" for k, field in enumerate(fields)]
+    (tmp_path / "t.csv").write_text("campaign,x\n" + "".join(lines), encoding="utf-8")
+    found = [one.metadata["x"] for one in find([str(tmp_path / "t.csv")])]
+    assert found == [value or None for value in values]
+    assert [type(one) for one in found] == [type(value or None) for value in values]
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         (["--method", "magic"], "method: expected"),

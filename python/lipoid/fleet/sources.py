@@ -9,6 +9,7 @@ import glob
 import json
 import math
 import os
+import re
 import sqlite3
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ CAMPAIGN_FILE = "campaign.toml"
 DATABASES = (".db", ".sqlite", ".sqlite3")
 TABLES = (".csv", ".tsv", ".parquet")
 COLUMN = "campaign"
+NUMBER = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]+)?")
 
 Value = str | float | int | bool | None
 
@@ -173,21 +175,33 @@ def _read_csv(file: str) -> Iterator[Row]:
         _fail(file, reader.line_num, str(error))
     except OSError as error:
         _fail(file, 0, f"expected a readable file, found none ({error.strerror})")
-    columns = [_numbers([fields[k].strip() for _, fields in rows]) for k in range(len(names))]
+    columns = [_values([fields[k].strip() for _, fields in rows]) for k in range(len(names))]
     where = names.index(COLUMN)
     columns[where] = [fields[where].strip() for _, fields in rows]
     for k, (number, _) in enumerate(rows):
         yield number, {name: column[k] for name, column in zip(names, columns, strict=True)}
 
 
-def _numbers(column: list[str]) -> list[Value]:
-    """Make a column numbers where every field that is not empty is one."""
-    try:
-        numbers = [float(field) if field else None for field in column]
-    except ValueError:
+def as_number(text: str) -> int | float | None:
+    """Return the number that a text is written as, or None where a number would lose part of it.
+
+    "0012" and "1_1" are names. Readers of JSON keep every digit of whole numbers below 2**53.
+    """
+    if not NUMBER.fullmatch(text):
+        return None
+    number = float(text)
+    if text.lstrip("-").isdecimal():
+        return int(text) if abs(number) < 2**53 else None
+    return number if math.isfinite(number) else None
+
+
+def _values(column: list[str]) -> list[Value]:
+    """Make a column numbers where every field that is not empty is one, so that none is mixed."""
+    numbers = [as_number(field) for field in column]
+    if any(field and number is None for field, number in zip(column, numbers, strict=True)):
         return [field or None for field in column]
-    if all(one is None or (one.is_integer() and abs(one) < 2**53) for one in numbers):
-        return [None if one is None else int(one) for one in numbers]
+    if any(isinstance(number, float) for number in numbers):
+        return [None if number is None else float(number) for number in numbers]
     return list(numbers)
 
 
