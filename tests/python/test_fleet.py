@@ -312,6 +312,64 @@ def test_tables_of_all_kinds_name_the_same_campaigns(cells: Path, tmp_path: Path
     assert find([str(tmp_path / "t.sqlite")], query) == wanted  # nothing was deleted
 
 
+def test_linked_folders_count_once(tmp_path: Path) -> None:
+    from lipoid.fleet.sources import find
+
+    fleet, elsewhere = tmp_path / "fleet", tmp_path / "elsewhere"
+    for folder in (fleet / "b", elsewhere / "deep" / "c"):
+        folder.mkdir(parents=True)
+        (folder / "campaign.toml").write_text("")
+    (fleet / "a").symlink_to("b")  # comes before what it leads to, and is not the campaign's name
+    (fleet / "lab").symlink_to(elsewhere)
+    (fleet / "lab-again").symlink_to(elsewhere)
+    (elsewhere / "deep" / "loop").symlink_to(fleet)
+    (fleet / "gone").symlink_to(tmp_path / "nowhere")
+    wanted = [fleet / "b", fleet / "lab" / "deep" / "c"]
+    assert [Path(one.campaign).parent for one in find([str(fleet)])] == wanted
+    # A pattern names the broken link itself: its row will say so.
+    found = [Path(one.campaign) for one in find([str(fleet / "*")])]
+    assert found == [fleet / "gone", *(one / "campaign.toml" for one in wanted)]
+    found = [Path(one.campaign).parent for one in find([str(fleet / "*" / "campaign.toml")])]
+    assert found == [fleet / "b"]
+    (tmp_path / "link").symlink_to(fleet)
+    found = [Path(one.campaign).parent for one in find([str(tmp_path / "link")])]
+    assert found == [tmp_path / "link" / "b", tmp_path / "link" / "lab" / "deep" / "c"]
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty" / "self").symlink_to(".")
+    with pytest.raises(lipoid.LoadError, match=r"found no campaign\.toml in this folder or below"):
+        find([str(tmp_path / "empty")])
+    with pytest.raises(lipoid.LoadError, match=r"elsewhere/deep/d: error: .* no campaign\.toml"):
+        (elsewhere / "deep" / "d").mkdir()
+        find([str(elsewhere / "deep" / "*")])
+
+
+def test_tables_are_known_by_their_suffix_and_by_a_pattern(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from lipoid.fleet.sources import find
+
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    for name, batch in (("tab1.csv", "A"), ("tab2.CSV", "B"), ("tab3.TSV", "C")):
+        (folder / name).write_text(f"campaign,batch\ncell-{batch}.toml,{batch}\n")
+    pd.DataFrame({"campaign": ["cell-D.toml"], "batch": ["D"]}).to_parquet(folder / "tab4.PARQUET")
+    wanted = [(str(folder / f"cell-{batch}.toml"), {"batch": batch}) for batch in "ABCD"]
+    assert [tuple(one) for one in find([str(folder / "tab*")])] == wanted
+    assert [tuple(one) for one in find([str(folder / "tab2.CSV")])] == wanted[1:2]
+    with sqlite3.connect(tmp_path / "t.SQLITE") as database:
+        database.execute("CREATE TABLE cells AS SELECT 'x.toml' AS campaign")
+    assert len(find([str(tmp_path / "t.SQLITE")], "SELECT campaign FROM cells")) == 1
+    results = ["-o", str(tmp_path / "r.sqlite"), *STAGED]
+    assert main([str(folder / "none*.csv"), *results]) == 3
+    assert "found no file or folder of this pattern" in capsys.readouterr().err
+    assert main([str(folder / "none.csv"), *results]) == 3
+    assert "expected a folder, a campaign, a table or a pattern" in capsys.readouterr().err
+    # A pattern does not hide an input from an output.
+    lost = str(folder / "tab4.PARQUET")
+    assert main([str(folder / "tab*"), *results, "--parquet", lost]) == 2
+    assert f"{lost} would overwrite" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("fields", "values"),
     [

@@ -18,7 +18,7 @@ from lipoid.fleet.driver import Counts, Progress, Run, Signals, duration, option
 from lipoid.fleet.errors import BAD_INPUT, DONE, INCOMPLETE, USAGE, Stopped, UsageError
 from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import Results
-from lipoid.fleet.sources import find
+from lipoid.fleet.sources import find, paths
 from lipoid.fleet.worker import Settings
 
 PROG = "lipoid-fleet"
@@ -39,9 +39,10 @@ def _parser() -> argparse.ArgumentParser:
         "sources",
         metavar="SOURCE",
         nargs="+",
-        help="a folder, whose campaign.toml files count, also those further below; a pattern as "
-        "'cells/*/campaign.toml'; a campaign file; a table (.csv, .tsv, .parquet) with a column "
-        "campaign, whose other columns (batch, age, ...) are kept; a database, with --query",
+        help="a folder, whose campaign.toml files count, also those further below; a pattern of "
+        "campaigns, folders or tables, as 'cells/*/campaign.toml'; a campaign file; a table (.csv, "
+        ".tsv, .parquet) with a column campaign, whose other columns (batch, age, ...) are kept; a "
+        "database, with --query",
     )
     made.add_argument("--version", action="version", version=f"{PROG} {lipoid.__version__}")
     made.add_argument(
@@ -160,7 +161,8 @@ def _settings(given: argparse.Namespace) -> Settings:
 
 def _check_outputs(given: argparse.Namespace) -> None:
     """No output may be one of the inputs, or another output."""
-    inputs = [*given.sources, given.slurm, getattr(given, "open_circuit_voltage", "")]
+    inputs = [one for source in given.sources for one in paths(source)]
+    inputs += [given.slurm, getattr(given, "open_circuit_voltage", "")]
     seen = {os.path.realpath(one): one for one in inputs if one and os.path.isfile(one)}
     for output in (given.output, given.parquet, given.summary):
         if not output or output in STANDARD_OUTPUT:

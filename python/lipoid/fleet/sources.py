@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import csv
 import datetime
 import decimal
@@ -60,7 +61,7 @@ def find(given: Iterable[str], query: str = "") -> list[Source]:
 
 def is_database(source: str) -> bool:
     """Whether a query, and no path, says where the campaigns are."""
-    return "://" in source or source.endswith(DATABASES)
+    return "://" in source or source.lower().endswith(DATABASES)
 
 
 def _fail(file: str, line: int, message: str) -> None:
@@ -68,38 +69,83 @@ def _fail(file: str, line: int, message: str) -> None:
     raise LoadError(f"{place}: error: {message}", [(file, line, 1 if line else 0, message)])
 
 
+def paths(source: str) -> list[str]:
+    """Return the files and folders that a source names: itself, or the matches of a pattern.
+
+    Those that no link leads to come first.
+    """
+    if is_database(source) or os.path.lexists(source) or not glob.has_magic(source):
+        return [source]
+    matches = sorted(glob.glob(source, recursive=True))
+    return sorted(matches, key=lambda one: os.path.realpath(one) != os.path.abspath(one))
+
+
 def _of_source(source: str, query: str) -> Iterator[Source]:
     if is_database(source):
         yield from _of_table(source, _read_query(source, query), ".")
-    elif os.path.isdir(source):
-        yield from _of_folder(source)
-    elif source.endswith(TABLES):
-        reads = _read_parquet if source.endswith(".parquet") else _read_csv
-        yield from _of_table(source, reads(source), os.path.dirname(source) or ".")
-    elif os.path.exists(source):
-        yield Source(os.path.abspath(source), {})
-    elif glob.has_magic(source):
-        matches = sorted(glob.glob(source, recursive=True))
-        if not matches:
-            _fail(source, 0, "expected campaigns, found no file or folder of this pattern")
-        for match in matches:
-            if os.path.isdir(match):
-                yield from _of_folder(match)
-            else:
-                yield Source(os.path.abspath(match), {})
-    else:
+        return
+    matches = paths(source)
+    if not matches:
+        _fail(source, 0, "expected campaigns, found no file or folder of this pattern")
+    if matches == [source] and not os.path.exists(source):
         _fail(source, 0, "expected a folder, a campaign, a table or a pattern, found none")
+    folders, tables, campaigns = [], [], []
+    for one in matches:
+        if os.path.isdir(one):
+            folders.append(one)
+        elif one.lower().endswith(TABLES):
+            tables.append(one)
+        else:
+            campaigns.append(os.path.abspath(one))
+    for campaign in _once([*campaigns, *_of_folders(folders)]):
+        yield Source(campaign, {})
+    for table in tables:
+        reads = _read_parquet if table.lower().endswith(".parquet") else _read_csv
+        yield from _of_table(table, reads(table), os.path.dirname(table) or ".")
 
 
-def _of_folder(folder: str) -> Iterator[Source]:
-    none = True
-    for path, folders, files in os.walk(folder):
-        folders.sort()
-        if CAMPAIGN_FILE in files:
-            none = False
-            yield Source(os.path.abspath(os.path.join(path, CAMPAIGN_FILE)), {})
-    if none:
-        _fail(folder, 0, f"expected campaigns, found no {CAMPAIGN_FILE} in this folder or below")
+def _identity(folder: str) -> tuple[int, int]:
+    status = os.stat(folder)
+    return status.st_dev, status.st_ino
+
+
+def _once(campaigns: Iterable[str]) -> Iterable[str]:
+    """Leave out a campaign that was there before, by another name of its folder."""
+    known: dict[tuple[tuple[int, int], str], str] = {}
+    for campaign in campaigns:
+        folder, name = os.path.split(campaign)
+        known.setdefault((_identity(folder), name), campaign)
+    return known.values()
+
+
+def _of_folders(tops: list[str]) -> list[str]:
+    """Return the campaigns of these folders and of all below, each folder once.
+
+    Linked folders come last, so that a campaign has the name without a link where there is one.
+    """
+    campaigns = []
+    seen: set[tuple[int, int]] = set()  # a link may lead back to a folder that it is in
+    lacking = set(tops)
+    waiting = collections.deque((top, top) for top in tops)
+    while waiting:
+        top, begin = waiting.popleft()
+        for path, folders, files in os.walk(begin):
+            identity = _identity(path)
+            if identity in seen:
+                folders.clear()
+                lacking.discard(top)
+                continue
+            seen.add(identity)
+            folders.sort()
+            below = [os.path.join(path, folder) for folder in folders]
+            waiting.extend((top, one) for one in below if os.path.islink(one))
+            if CAMPAIGN_FILE in files:
+                lacking.discard(top)
+                campaigns.append(os.path.abspath(os.path.join(path, CAMPAIGN_FILE)))
+    for top in tops:
+        if top in lacking or not campaigns:
+            _fail(top, 0, f"expected campaigns, found no {CAMPAIGN_FILE} in this folder or below")
+    return campaigns
 
 
 Row = tuple[int, dict[str, Any]]  # line (0: the table has none) and values by column
