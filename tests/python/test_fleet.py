@@ -408,7 +408,9 @@ def test_columns_of_a_table_lose_nothing(
         (["--fix", "beta"], "--fix: expected NAME=VALUE, found 'beta'"),
         (["--bounds", "beta=1"], "--bounds: expected two numbers with a comma for beta"),
         (["--branches", "9"], "branches: expected a whole number, 0 .. 5"),
-        (["--seed", "-1"], "--seed: expected a whole number from 0 on"),
+        (["--seed", "-1"], "--seed: expected 0 .. 18446744073709551615, found -1"),
+        (["--seed", str(2**64)], "--seed: expected 0 .. 18446744073709551615, found 184467"),
+        (["--profile", "beta,,r_s"], "--profile: expected names with a comma between them"),
         (["--retries", "-1"], "--retries: expected 0 .. 1000"),
         (["--time-limit-s", "nan"], "--time-limit-s: expected"),
         (["--memory-limit", "1MB"], "--memory-limit: expected at least 300MB"),
@@ -444,6 +446,18 @@ def test_options_are_those_of_identify(cells: Path, tmp_path: Path) -> None:
     assert run["options"]["pulses"]["terms"] == 5
     assert run["options"]["open_circuit_voltage"]["knots"] == 50
     assert json.loads(row["cell"])["diffusion"]["beta_per_sqrt_s"] == 0.2
+
+
+def test_profiles_are_asked_for_as_of_identify(cells: Path, tmp_path: Path) -> None:
+    one = str(cells / "batch-0" / "cell-0" / "campaign.toml")
+    results = [str(tmp_path / "a.sqlite"), str(tmp_path / "b.sqlite")]
+    # The largest seed is one, too.
+    words = [*STAGED, "--seed", str(2**64 - 1), "--profile"]
+    assert main([one, "-o", results[0], *words, "beta,r_s"]) == 0
+    assert main([one, "-o", results[1], *words, "beta", "r_s"]) == 0
+    assert essence(Path(results[0])) == essence(Path(results[1]))
+    (row,) = rows(Path(results[0])).values()
+    assert [one["name"] for one in json.loads(row["summary"])["profiles"]] == ["beta", "r_s"]
 
 
 def test_outputs_replace_nothing(

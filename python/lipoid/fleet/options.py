@@ -11,6 +11,7 @@ from lipoid import _core
 from lipoid.errors import OptionError
 
 Description = dict[str, Any]
+LARGEST_SEED = 2**64 - 1
 
 
 class Wide(argparse.HelpFormatter):
@@ -77,7 +78,7 @@ def add(to: argparse.ArgumentParser) -> None:
         elif option["type"].startswith(("Mapping", "str | Sequence")):
             word = "NAME=LOW,HIGH" if "tuple" in option["type"] else "NAME=VALUE"
             if not option["type"].startswith("Mapping"):
-                word = "NAME"
+                word = "NAME,..."
             shown.add_argument(name, nargs="+", action="extend", metavar=word, help=_help(option))
         else:
             word = "FILE" if option["type"].startswith("Path") else "VALUE"
@@ -123,6 +124,15 @@ def _mapping(name: str, option: Description, words: list[str]) -> dict[str, Any]
     return found
 
 
+def _names(name: str, words: list[str]) -> list[str]:
+    """Return the names of words, each of which may hold several with commas between them."""
+    names = [one for word in words for one in word.split(",")]
+    if "" in names:
+        found = " ".join(words)
+        raise OptionError(f"{name}: expected names with a comma between them, found {found!r}")
+    return names
+
+
 def keywords(given: argparse.Namespace) -> dict[str, Any]:
     """Return the keywords of :func:`lipoid.identify` that were given, checked.
 
@@ -145,6 +155,8 @@ def keywords(given: argparse.Namespace) -> dict[str, Any]:
             found[name] = _mapping(shown, option, getattr(given, name))
         elif option["type"].startswith("Path"):
             found[name] = os.path.abspath(getattr(given, name))
+        elif isinstance(getattr(given, name), list):
+            found[name] = _names(shown, getattr(given, name))
         elif isinstance(getattr(given, name), str):
             found[name] = _read(shown, option, getattr(given, name))
         else:
@@ -157,7 +169,7 @@ def keywords(given: argparse.Namespace) -> dict[str, Any]:
         found.setdefault(group, {})[name] = _read(key, one, value)
     _core.check_identify(found)
     if hasattr(given, "seed"):
-        if given.seed < 0:
-            raise OptionError(f"--seed: expected a whole number from 0 on, found {given.seed}")
+        if not 0 <= given.seed <= LARGEST_SEED:
+            raise OptionError(f"--seed: expected 0 .. {LARGEST_SEED}, found {given.seed}")
         found["seed"] = given.seed
     return found
