@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import html
 import json
 import os
 import signal
@@ -12,9 +13,9 @@ import subprocess
 import sys
 import time
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import jsonschema
 import pandas as pd
@@ -781,6 +782,159 @@ def test_the_report_finds_what_is_there(tmp_path: Path) -> None:
     # The noise of 0.0005 Ohm over 400 cells of ages to 99: 9e-7 Ohm is its standard error.
     assert ages.loc["r_s", "slope_per_age"] == pytest.approx(1e-4, abs=4e-6)
     assert ages.loc["r_s", "drifts"] and not ages.loc["alpha", "drifts"]
+
+
+class Reported(NamedTuple):
+    page: str
+    told: str  # on standard error
+    outliers: pd.DataFrame
+    drift: pd.DataFrame
+
+
+def report_of(
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    values: Sequence[float],
+    metadata: Sequence[dict[str, Any]] = (),
+    options: Sequence[str] = (),
+) -> Reported:
+    """Return the report of cells with these values of r_s."""
+    file = folder / "r.sqlite"
+    file.unlink(missing_ok=True)
+    made = []
+    for k, value in enumerate(values):
+        row: dict[str, Any] = {"campaign": f"/cells/{k}.toml", "status": "done", "version": "1"}
+        row |= {"commit": "c", "finished": "now", "attempts": 1, "rmse_V": 1e-3 + 1e-5 * (k % 5)}
+        row["metadata"] = json.dumps(metadata[k] if metadata else {})
+        row["options"] = options[k] if options else "{}"
+        row["parameters"] = [("r_s", "Ohm", value, None, None, None, "identified")]
+        made.append(row)
+    with Results(file, "{}") as results:
+        results.put(made)
+    outliers, drift, page = folder / "outliers.csv", folder / "drift.csv", folder / "r.html"
+    words = [str(file), "-o", str(page), "--outliers", str(outliers), "--drift", str(drift)]
+    assert main(["report", *words]) == 0
+    told = capsys.readouterr().err
+    text = html.unescape(page.read_text())
+    return Reported(text, told, pd.read_csv(outliers), pd.read_csv(drift, dtype={"batch": str}))
+
+
+def test_cells_without_a_batch_are_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    batches = [1, 2, None, "", 1, 2, 1, 2, None]
+    found = report_of(
+        tmp_path, capsys, [0.1 + 0.001 * k for k in range(9)], [{"batch": one} for one in batches]
+    )
+    of_r_s = found.drift[(found.drift["name"] == "r_s") & (found.drift["over"] == "batch")]
+    assert list(of_r_s["batch"]) == ["1", "2"] and list(of_r_s["cells"]) == [3, 3]
+
+
+def test_dates_do_not_depend_on_where_the_machine_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    from lipoid.fleet import ages
+
+    texts = ["2024-03-08", "2024-03-11", "2024-03-12T00:00:00Z", "2024-03-12T01:00:00+01:00"]
+    for zone in ("America/New_York", "Asia/Tokyo"):  # the one with a clock set forward meanwhile
+        monkeypatch.setenv("TZ", zone)
+        time.tzset()
+        days, note = ages.read("age", texts)
+        monkeypatch.undo()
+        time.tzset()
+        assert list(days) == [0.0, 3.0, 4.0, 4.0] and not note
+    days, _ = ages.read("age", ["0001-01-01", "9999-12-31T23:59:59"])
+    assert days[1] == pytest.approx(3652058.99998843)  # days of 9999 years, less one second
+
+
+@pytest.mark.parametrize(
+    ("given", "ages_found", "note"),
+    [
+        ([0, 100, None, ""], [0, 100, None, None], ""),
+        (["0", "100.5", "1e3"], [0, 100.5, 1000], ""),
+        (
+            [0, 100, "2024-01-01"],
+            [0, 100, None],
+            "The slopes use the 2 numbers of the column age and leave out 1 date (as "
+            "'2024-01-01'). Write every age as a number, or every one as a date such as "
+            "2024-01-31.",
+        ),
+        (
+            ["2024-01-01", "2024-01-03", 5, "nan"],
+            [0, 2, None, None],
+            "The slopes use the 2 dates of the column age and leave out 1 number (as 5) and 1 "
+            "value that is neither a number nor a date (as 'nan'). Write",
+        ),
+        (
+            ["01.03.2024", "02.03.2024"],
+            [None, None],
+            "The slopes use nothing of the column age and leave out 2 values that are neither a "
+            "number nor a date (as '01.03.2024'). Write",
+        ),
+        # Eight digits are dates where the other numbers are so, too.
+        (["20240101", "20240301"], [0, 60], ""),
+        ([20240101, 20240301], [0, 60], ""),
+        (["20240101", "300", "20111111.5", "1"], [20240101, 300, 20111111.5, 1], ""),
+    ],
+)
+def test_ages_that_cannot_be_used_are_said(
+    given: list[object], ages_found: list[float | None], note: str
+) -> None:
+    from lipoid.fleet import ages
+
+    found, said = ages.read("age", given)
+    assert [None if one != one else one for one in found] == ages_found
+    assert said.startswith(note) if note else not said
+
+
+def test_the_report_says_which_ages_it_leaves_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = [0.1 + 0.001 * k for k in range(6)]
+    german = [{"age": f"0{k + 1}.03.2024"} for k in range(6)]
+    found = report_of(tmp_path, capsys, values, german)
+    note = "leave out 6 values that are neither a number nor a date (as '01.03.2024')"
+    assert note in found.page and note in found.told
+    assert "at least three different ages; the results give 0." in found.page
+    found = report_of(tmp_path, capsys, values, [{"age": 100 * k} for k in range(5)] + [{}])
+    assert "column age" not in found.page + found.told and "r_s" in set(found.drift["name"])
+    found = report_of(tmp_path, capsys, values[:1] * 6, [{"age": str(k)} for k in range(6)])
+    assert list(found.drift["name"]) == ["rmse_V"]
+
+
+def test_values_about_zero_have_no_percentage(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = [-2e-9, -1e-9, 0.0, 1e-9, 2e-9]
+    found = report_of(tmp_path, capsys, values, [{"age": k} for k in range(5)])
+    slope = found.drift[found.drift["name"] == "r_s"].iloc[0]
+    assert slope["slope_per_age"] == pytest.approx(1e-9)
+    assert pd.isna(slope["slope_percent_per_age"])
+
+
+def test_without_a_width_no_cell_is_measured_by_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = report_of(tmp_path, capsys, [0.13, 0.13, 0.13, 0.13, 0.1300001, 0.1])
+    assert not len(found.outliers) and "e+308" not in found.page
+    note = (
+        "r_s: more than half of the cells have exactly 0.13 Ohm, so that the robust standard "
+        "deviation is 0 and no cell can be measured by it. 2 cells have another value; the "
+        "furthest, 0.1 Ohm, is of /cells/5.toml."
+    )
+    assert note in found.page and f"warning: {note}" in found.told
+    assert "more than half" not in report_of(tmp_path, capsys, [0.13] * 4).told
+
+
+def test_results_of_several_options_are_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = [0.1 + 0.001 * k for k in range(5)]
+    options = ['{"method": "staged"}', "{}", "{}", '{"method": "staged"}', "{}"]
+    found = report_of(tmp_path, capsys, values, options=options)
+    note = (
+        "The results are of 2 sets of options: 3 cells of the defaults, 2 cells of "
+        '{"method": "staged"}. Differences between cells may be differences between methods. To '
+        "compare cells, do all with the same options: lipoid-fleet with --replace."
+    )
+    assert note in found.page and f"warning: {note}" in found.told
+    assert "sets of options" not in report_of(tmp_path, capsys, values).told
 
 
 def test_the_page_runs_nothing_and_loads_nothing(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from lipoid.fleet import options, page, spread
 from lipoid.fleet.errors import DONE, UsageError
 from lipoid.fleet.files import STANDARD_OUTPUT, check_writable, write_text
 from lipoid.fleet.results import open_for_reading
-from lipoid.fleet.spread import Quantity
+from lipoid.fleet.spread import Fleet, Quantity
 
 WHAT = """Says what a fleet is like, from the results of lipoid-fleet: the spread of every
 parameter, cells that stand out, and drift over batch and age. A cell stands out where a value is
@@ -101,7 +101,8 @@ def _parser() -> argparse.ArgumentParser:
         metavar="COLUMN",
         default="age",
         help="the column with a number or a date, over "
-        "which parameters may drift; dates count in days since the first (default age)",
+        "which parameters may drift; dates as 2024-01-31 count in days since the first (default "
+        "age)",
     )
     made.add_argument(
         "--outlier-sigmas",
@@ -141,7 +142,7 @@ def command(words: list[str]) -> int:
     except (OSError, ValueError) as error:
         raise LoadError(str(error), [(given.results, 0, 0, str(error))]) from None
     try:
-        quantities = spread.read(database, given.batch, given.age)
+        fleet = spread.read(database, given.batch, given.age)
         failed = database.execute(
             "SELECT campaign, failure, reason FROM campaigns WHERE status = 'failed' "
             "ORDER BY campaign"
@@ -155,6 +156,7 @@ def command(words: list[str]) -> int:
         raise LoadError(message, [(given.results, 0, 0, message)]) from None
     finally:
         database.close()
+    quantities = fleet.quantities
     sigmas = given.outlier_sigmas
     spreads = spread.spread_table(quantities, sigmas)
     outliers = spread.outlier_table(quantities, sigmas)
@@ -164,9 +166,7 @@ def command(words: list[str]) -> int:
         write_text(given.output, spreads.to_csv(index=False))
     else:
         failures = pd.DataFrame(failed, columns=["campaign", "failure", "reason"])
-        parts = _parts(
-            quantities, sigmas, (done, versions, failures, spreads, outliers, batches, ages)
-        )
+        parts = _parts(fleet, sigmas, (done, versions, failures, spreads, outliers, batches, ages))
         write_text(given.output, page.page("Fleet of cells", parts))
     if given.outliers:
         write_text(given.outliers, outliers.to_csv(index=False))
@@ -176,6 +176,8 @@ def command(words: list[str]) -> int:
         ]
         text = pd.concat(both).to_csv(index=False) if both else "name,unit,over\n"
         write_text(given.drift, text)
+    for caveat in fleet.caveats:
+        print(f"lipoid-fleet report: warning: {caveat}", file=sys.stderr)
     cells = outliers["campaign"].nunique() if len(outliers) else 0
     print(
         f"{done} cells, {len(failed)} failed; {cells} stand out by more than {sigmas:g} robust "
@@ -198,7 +200,7 @@ def _age_ranges(one: Quantity) -> list[tuple[str, float, float, float]]:
 
 
 def _parts(
-    quantities: list[Quantity],
+    fleet: Fleet,
     sigmas: float,
     found: tuple[
         int,
@@ -215,11 +217,12 @@ def _parts(
     parts = [
         f"<p>{done} cells are identified, {len(failures)} campaigns failed. Identified by "
         f"{escape(made_by)}; this page by lipoid {lipoid.__version__}.</p>",
+        *(f'<p class="found">{escape(one)}</p>' for one in fleet.caveats),
         "<h2>Spread</h2><p>Over the cells whose logs identify the parameter. The robust standard "
         "deviation is 1.4826 times the median absolute deviation.</p>",
         page.table(spreads, SPREAD_TITLES),
         '<div class="charts">'
-        + "".join(page.histogram(one, sigmas) for one in quantities if one.identified > 1)
+        + "".join(page.histogram(one, sigmas) for one in fleet.quantities if one.identified > 1)
         + "</div>",
         f"<h2>Cells that stand out</h2><p>Further than {sigmas:g} robust standard deviations from "
         "the median.</p>",
@@ -232,7 +235,7 @@ def _parts(
             )
     else:
         parts.append("<p>None does.</p>")
-    parts += _batch_parts(batches) + _age_parts(quantities, ages)
+    parts += _batch_parts(batches) + _age_parts(fleet, ages)
     if len(failures):
         parts.append("<h2>Failed campaigns</h2>")
         titles = {"campaign": "campaign", "failure": "failure", "reason": "reason"}
@@ -264,12 +267,18 @@ def _batch_parts(batches: pd.DataFrame) -> list[str]:
     ]
 
 
-def _age_parts(quantities: list[Quantity], ages: pd.DataFrame) -> list[str]:
+def _age_parts(fleet: Fleet, ages: pd.DataFrame) -> list[str]:
     if not len(ages):
-        return ["<h2>Age</h2><p>The results name fewer than three ages.</p>"]
+        why = "No parameter is known at three different ages and differs between cells."
+        if fleet.ages < 3:
+            why = (
+                "The slopes need cells of at least three different ages; the results give "
+                f"{fleet.ages}."
+            )
+        return [f"<h2>Age</h2><p>{why}</p>"]
     charts = [
         page.ranges(f"{one.name} in {one.unit or 1}: median, 90 % of cells", rows)
-        for one in quantities
+        for one in fleet.quantities
         if (rows := _age_ranges(one))
     ]
     return [

@@ -7,18 +7,20 @@ values that their logs identify take part.
 
 from __future__ import annotations
 
-import datetime
 import sqlite3
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
+from lipoid.fleet import ages
+
 # Theil and Sen's slope looks at every pair.
 MOST_FOR_SLOPE = 1500
 # A difference between batches counts where chance would show one like it once in so many reports.
 CHANCE = 0.001
 BINS = 40
+MOST_OPTIONS = 5
 
 
 @dataclass
@@ -32,8 +34,8 @@ class Quantity:
     cells, identified : int
         That have it; whose logs identify it.
     values : pandas.DataFrame
-        Of the identified ones: campaign, value, deviation (in robust standard deviations), batch,
-        age.
+        Of the identified ones: campaign, value, deviation (in robust standard deviations; NaN
+        where these are zero), batch, age.
     center, width : float
         Median and robust standard deviation.
     """
@@ -51,9 +53,24 @@ class Quantity:
         values = self.values["value"].to_numpy()
         return float(np.quantile(values, share)) if values.size else np.nan
 
-    def spread_percent(self) -> float:
-        """Return the width over the center."""
-        return 100.0 * self.width / abs(self.center) if self.center else np.nan
+    def percent(self, value: float) -> float:
+        """Return a value in percent of the center; NaN where the center is zero."""
+        return 100.0 * value / abs(self.center) if self.center else np.nan
+
+    def without_width(self) -> str:
+        """Return a sentence on the cells that differ where no width can measure them, or ""."""
+        off = (self.values["value"] - self.center).abs()
+        if self.width != 0.0 or not off.any():
+            return ""
+        furthest = self.values.iloc[int(off.to_numpy().argmax())]
+        others = int((off > 0.0).sum())
+        unit = f" {self.unit}" if self.unit else ""
+        return (
+            f"{self.name}: more than half of the cells have exactly {self.center:.10g}{unit}, so "
+            "that the robust standard deviation is 0 and no cell can be measured by it. "
+            f"{_cells(others)} {'has' if others == 1 else 'have'} another value; the furthest, "
+            f"{furthest['value']:.10g}{unit}, is of {furthest['campaign']}."
+        )
 
     def outliers(self, sigmas: float) -> pd.DataFrame:
         """Return the cells that are further from the center than so many widths, worst first."""
@@ -61,26 +78,27 @@ class Quantity:
         return far.sort_values("deviation", key=abs, ascending=False, kind="stable")
 
 
-def _ages(texts: list[object]) -> np.ndarray:
-    """Return ages as numbers; dates count in days since the first one."""
-    numbers = np.full(len(texts), np.nan)
-    days = np.full(len(texts), np.nan)
-    for k, one in enumerate(texts):
-        if isinstance(one, (int, float)):
-            numbers[k] = one
-        elif isinstance(one, str):
-            try:
-                days[k] = datetime.datetime.fromisoformat(one).timestamp() / 86400.0
-            except ValueError:
-                continue
-    if np.isfinite(days).any():
-        days -= np.nanmin(days)
-        return days
-    return numbers
+@dataclass
+class Fleet:
+    """What the results of a fleet hold.
+
+    Attributes
+    ----------
+    quantities : list of Quantity
+        Every parameter that a cell of the results has, then the errors of the fits.
+    ages : int
+        How many different ages the cells have.
+    caveats : list of str
+        What a reader must know before comparing cells.
+    """
+
+    quantities: list[Quantity]
+    ages: int
+    caveats: list[str]
 
 
-def read(database: sqlite3.Connection, batch: str, age: str) -> list[Quantity]:
-    """Return every parameter that a cell of the results has, then the errors of the fits.
+def read(database: sqlite3.Connection, batch: str, age: str) -> Fleet:
+    """Return what the results hold.
 
     Parameters
     ----------
@@ -90,6 +108,7 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> list[Quantity]:
         Columns of the table that the campaigns came from.
     """
     keys = [f'$."{name}"' for name in (batch, age)]
+    # As objects: where a field is empty, pandas would make floats of whole numbers.
     of = pd.DataFrame(
         database.execute(
             "SELECT id, campaign, json_extract(metadata, ?), json_extract(metadata, ?), "
@@ -97,9 +116,11 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> list[Quantity]:
             keys,
         ).fetchall(),
         columns=["id", "campaign", "batch", "age", "mean_error_percent", "rmse_V"],
-    ).set_index("id")
-    of["age"] = _ages(list(of["age"]))
-    of["batch"] = [None if one is None else str(one) for one in of["batch"]]
+        dtype=object,
+    )
+    of = of.astype({"id": int, "mean_error_percent": float, "rmse_V": float}).set_index("id")
+    of["age"], left_out = ages.read(age, list(of["age"]))
+    of["batch"] = [None if pd.isna(one) or one == "" else str(one) for one in of["batch"]]
     quantities = []
     names = database.execute("SELECT name, min(unit) FROM parameters GROUP BY name ORDER BY name")
     for name, unit in names.fetchall():
@@ -112,7 +133,31 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> list[Quantity]:
     for name, unit in (("mean_error_percent", "%"), ("rmse_V", "V")):
         errors = of[name].dropna()
         quantities.append(_quantity(name, unit, len(errors), errors, of))
-    return quantities
+    caveats = [_several_options(database), left_out, *(one.without_width() for one in quantities)]
+    return Fleet(quantities, of["age"].nunique(), [one for one in caveats if one])
+
+
+def _several_options(database: sqlite3.Connection) -> str:
+    found = database.execute(
+        "SELECT options, count(*) FROM campaigns WHERE status = 'done' "
+        "GROUP BY options ORDER BY count(*) DESC, options"
+    ).fetchall()
+    if len(found) < 2:
+        return ""
+    shown = [
+        f"{_cells(count)} of {'the defaults' if options == '{}' else options}"
+        for options, count in found[:MOST_OPTIONS]
+    ]
+    more = ", ..." if len(found) > MOST_OPTIONS else ""
+    return (
+        f"The results are of {len(found)} sets of options: {', '.join(shown)}{more}. Differences "
+        "between cells may be differences between methods. To compare cells, do all with the same "
+        "options: lipoid-fleet with --replace."
+    )
+
+
+def _cells(count: int) -> str:
+    return "1 cell" if count == 1 else f"{count} cells"
 
 
 def _quantity(
@@ -124,14 +169,13 @@ def _quantity(
     table["value"] = values.reindex(table.index).astype(float)
     made = Quantity(name, unit, cells, len(table), table)
     numbers = table["value"].to_numpy()
-    deviations = np.zeros(numbers.size)
+    table["deviation"] = np.nan
     if numbers.size:
         made.center = float(np.median(numbers))
     if numbers.size > 1:
         made.width = float(stats.median_abs_deviation(numbers, scale="normal"))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            deviations = np.nan_to_num((numbers - made.center) / made.width, nan=0.0)
-    table["deviation"] = deviations
+    if made.width > 0.0:
+        table["deviation"] = (numbers - made.center) / made.width
     return made
 
 
@@ -147,7 +191,7 @@ def spread_table(quantities: list[Quantity], sigmas: float) -> pd.DataFrame:
                 "identified": one.identified,
                 "median": one.center,
                 "robust_standard_deviation": one.width,
-                "spread_percent": one.spread_percent(),
+                "spread_percent": one.percent(one.width),
                 "minimum": one.quantile(0.0),
                 "quantile_5_percent": one.quantile(0.05),
                 "quantile_95_percent": one.quantile(0.95),
@@ -232,7 +276,7 @@ def age_table(quantities: list[Quantity]) -> pd.DataFrame:
                 "slope_per_age": float(slope),
                 "low": float(low),
                 "high": float(high),
-                "slope_percent_per_age": 100.0 * float(slope) / abs(one.center),
+                "slope_percent_per_age": one.percent(float(slope)),
                 "drifts": bool(low > 0.0 or high < 0.0),
             }
         )
