@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <boost/math/tools/minima.hpp>
 
 #include "model/battery/aged_cell.h"
 #include "model/battery/cell_ensemble.h"
@@ -186,6 +187,57 @@ EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const 
   return setup;
 }
 
+// The speeds at which this battery lasts longest and carries farthest, by flying it at many. Those of
+// an ideal source are another thing: a faster flight also leaves more charge behind its cut-off. None
+// where it cannot hover.
+std::optional<BestSpeeds> SpeedsOnBattery(const EnduranceRequest& request, const Vehicle& vehicle) {
+  const double full_V =
+      request.cell.series * request.cell.open_circuit_voltage(StartOf(request, request.cell));
+  const std::optional<BestSpeeds> ideal = FindBestSpeeds(vehicle, full_V, request.air);
+  if (!ideal) return std::nullopt;
+  const auto setup_at = [&](double speed) {
+    Values values = Estimates(request);
+    values.airspeed_m_per_s = speed;
+    return SetupOf(request, request.cell, values);
+  };
+  constexpr int kSpeeds = 40;
+  std::vector<EnduranceSetup> setups;
+  for (int k = 0; k <= kSpeeds; ++k)
+    setups.push_back(setup_at(ideal->fastest_m_per_s * k / kSpeeds));
+  const std::vector<EnduranceResult> flown = FlyMissions(setups);
+  const auto best = [&](auto&& of) {
+    const auto most = std::max_element(
+        flown.begin(), flown.end(), [&](const auto& a, const auto& b) { return of(a) < of(b); });
+    const double at = static_cast<double>(most - flown.begin());
+    const double step = ideal->fastest_m_per_s / kSpeeds;
+    constexpr int kBits = 16;  // the end of a flight is a time step
+    const double speed = boost::math::tools::brent_find_minima(
+                             [&](double v) { return -of(FlyMission(setup_at(v))); },
+                             std::max(at - 1.0, 0.0) * step,
+                             std::min(at + 1.0, double{kSpeeds}) * step,
+                             kBits)
+                             .first;
+    // At the end of the range the search stops short of it.
+    return of(FlyMission(setup_at(speed))) < of(*most) ? at * step : speed;
+  };
+  BestSpeeds speeds = *ideal;
+  speeds.endurance = Cruise(vehicle, best([](const auto& r) { return r.time_s; }), request.air);
+  speeds.range = Cruise(vehicle, best([](const auto& r) { return r.distance_m; }), request.air);
+  // It has to last for more than the second after which a voltage that is too low ends a flight.
+  constexpr double kLasts_s = 10.0;
+  double slow = speeds.endurance.airspeed_m_per_s;
+  double fast = ideal->fastest_m_per_s;
+  const auto lasts = [&](double v) { return FlyMission(setup_at(v)).time_s >= kLasts_s; };
+  if (!lasts(fast)) {
+    for (int n = 0; n < 20; ++n) {
+      const double middle = 0.5 * (slow + fast);
+      (lasts(middle) ? slow : fast) = middle;
+    }
+    speeds.fastest_m_per_s = slow;
+  }
+  return speeds;
+}
+
 }  // namespace
 
 std::span<const EnduranceVariable> EnduranceVariables() { return kVariables; }
@@ -227,8 +279,7 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& asked, const EnduranceProg
     const Vehicle vehicle = Loaded(request, request.payload_kg.value);
     if (request.cruise) {
       // One speed for all: it is flown as planned, whatever the battery turns out to be.
-      const double battery_V = request.cell.series * request.cell.open_circuit_voltage(0.5);
-      answer.speeds = FindBestSpeeds(vehicle, battery_V, request.air);
+      answer.speeds = SpeedsOnBattery(request, vehicle);
       if (!request.airspeed_m_per_s && answer.speeds) {
         const LevelFlight& best = request.cruise_speed == CruiseSpeed::kBestRange
                                       ? answer.speeds->range

@@ -124,8 +124,7 @@ struct EnduranceVariable {
 struct EnduranceAnswer {
   EnduranceResult estimate;
   LevelFlight flight;  ///< of the estimates; default-constructed where the mission is a power
-  /// Of the estimates at the voltage of the pack at rest and half its charge; none where the mission
-  /// is no cruise.
+  /// Of the estimates, found by flights on the battery to its end; none where the mission is no cruise.
   std::optional<BestSpeeds> speeds;
   std::vector<EnduranceResult> flights;  ///< of what was drawn; empty where nothing is uncertain
   int moved = 0;                         ///< cells that were drawn out of range

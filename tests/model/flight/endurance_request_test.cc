@@ -154,6 +154,34 @@ TEST(EnduranceRequest, CruiseAndWindAreFlownAtTheirSpeeds) {
   EXPECT_THROW((void)FindEndurance(request), OptionError);
 }
 
+// Of a pack whose resistance decides when a flight ends the least energy per way is not the farthest way.
+TEST(EnduranceRequest, NoSpeedCarriesThisBatteryFartherThanTheBestOne) {
+  EnduranceRequest request = Mambo();
+  request.vehicle.propeller_diameter_m = 0.066;
+  request.vehicle.torque_coefficient_N_m_s2 = 3e-10;
+  request.cell.series = 2;
+  request.vehicle.mass_kg = 0.08;
+  request.resistance_factor = {3.0, 0.0};
+  request.cruise = true;
+  const EnduranceAnswer far = FindEndurance(request);
+  ASSERT_TRUE(far.speeds);
+  const double voltage_V = request.cell.series * request.cell.open_circuit_voltage(0.5);
+  const auto ideal = FindBestSpeeds(request.vehicle, voltage_V);
+  ASSERT_TRUE(ideal);
+  EXPECT_LT(far.flight.airspeed_m_per_s, 0.9 * ideal->range.airspeed_m_per_s);
+  request.cruise_speed = CruiseSpeed::kBestEndurance;
+  const EnduranceAnswer longest = FindEndurance(request);
+  constexpr double kSteps = 1e-3;  // of flights that end with a time step
+  for (double v = 0.0; v <= far.speeds->fastest_m_per_s; v += 0.3) {
+    request.airspeed_m_per_s = Uncertain{v, 0.0};
+    const EnduranceResult flight = FindEndurance(request).estimate;
+    EXPECT_LE(flight.distance_m, (1.0 + kSteps) * far.estimate.distance_m) << v;
+    EXPECT_LE(flight.time_s, (1.0 + kSteps) * longest.estimate.time_s) << v;
+  }
+  request.airspeed_m_per_s = Uncertain{1.05 * far.speeds->fastest_m_per_s, 0.0};
+  EXPECT_LT(FindEndurance(request).estimate.time_s, 10.0);
+}
+
 // A 3DR Solo with gimbal and camera was logged to hover with 230.2 W (tests/reference/cruise_power.py), on 4 cells of 5.2 Ah, whose
 // energy at the nominal 3.7 V a cell is 77 Wh. The cell here is one of 32 Ah, resized.
 TEST(EnduranceRequest, ASoloHoversAsLongAsItsLoggedPowerAllows) {
