@@ -100,10 +100,20 @@ HoverPoint OfFourMotors(const Vehicle& vehicle, HoverPoint hover) {
 double Kappa(const Vehicle& vehicle, double xi) {
   Require(xi > 0.0, "xi above 0", {{"xi", xi}});
   const Trim trim = HoverTrim(vehicle, Supply<double>{xi * vehicle.nominal_voltage_V, 0.0});
-  const double gamma = vehicle.gamma_rad_per_s();
   const double w = trim.speed_rad_per_s;
   const double commanded = trim.commanded_speed_rad_per_s;
-  return xi * w * (2.0 * commanded + gamma) / (commanded * (2.0 * w + gamma));
+  // d/d omega of the voltage that holds a speed through so much resistance, times k_e.
+  const double k_e = vehicle.motor_constant_N_m_per_A;
+  const auto slope = [&](double resistance_Ohm, double speed) {
+    return k_e * k_e + resistance_Ohm * (vehicle.friction_N_m_s +
+                                         2.0 * vehicle.torque_coefficient_N_m_s2 * speed);
+  };
+  // What a duty cycle adds: v_b, and what the diodes no longer drop (powertrain.h).
+  const SpeedController& esc = vehicle.esc;
+  const double pulse_V = xi * vehicle.nominal_voltage_V + (esc.synchronous ? 0.0 : esc.diode_V);
+  const double r_a = vehicle.armature_resistance_Ohm;
+  return pulse_V / vehicle.nominal_voltage_V * w * slope(r_a, commanded) /
+         (commanded * slope(r_a + esc.resistance_Ohm, w));
 }
 
 Poles ClosedFormPoles(const ErrorGains& gains, double kappa) {

@@ -26,7 +26,7 @@ enum class Loop { kAltitude, kAttitude };
 
 using Poles = std::vector<std::complex<double>>;  ///< by falling real part, then rising imaginary
 
-/// kappa(xi) = d(T/m)/du at the hover of xi: 1 at xi = 1. xi > 0.
+/// kappa(xi) = d(T/m)/du at the hover of xi: 1 at xi = 1 without losses of speed controllers. xi > 0.
 [[nodiscard]] double Kappa(const Vehicle& vehicle, double xi);
 
 /// Roots of s³ + A_3 s² + A_2 s + A_1, the denominator of (5.26), and of (5.48) for small signals.

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "model/control/command_generation.h"
 #include "model/core/errors.h"
 #include "model/vehicle/motor.h"
 #include "model/vehicle/vehicle_file.h"
@@ -59,6 +60,46 @@ TEST(Poles, KappaIsTheSlopeOfTheThrust) {
     EXPECT_NEAR(Kappa(vehicle, xi), slope.value, 1e-8) << xi;
   }
   EXPECT_NEAR(Kappa(vehicle, 1.0), 1.0, 1e-15);
+}
+
+TEST(Poles, KappaKnowsTheLossesOfSpeedControllers) {
+  Vehicle lossy = LoadVehicle("f450");
+  lossy.esc = {.resistance_Ohm = 0.05};
+  Vehicle diodes = lossy;
+  diodes.esc.diode_V = 0.7;
+  diodes.esc.synchronous = false;
+  for (const Vehicle& vehicle : {lossy, diodes}) {
+    // The thrust of motors that the commands' duty cycle holds, differentiated numerically.
+    const double battery_V = 0.9 * vehicle.nominal_voltage_V;
+    const auto thrust_per_mass = [&](double u) {
+      const double commanded =
+          std::sqrt(vehicle.mass_kg * u / (4.0 * vehicle.thrust_coefficient_N_s2));
+      const double duty = DutyCycle(vehicle, commanded, vehicle.nominal_voltage_V);
+      double low = 0.0;
+      double high = 5000.0;
+      for (int k = 0; k < 200; ++k) {
+        const double w = 0.5 * (low + high);
+        const double torque =
+            vehicle.motor_constant_N_m_per_A * MotorCurrent(vehicle, duty, battery_V, w);
+        const double load = vehicle.friction_N_m_s * w + vehicle.torque_coefficient_N_m_s2 * w * w;
+        (torque > load ? low : high) = w;
+      }
+      return 4.0 * vehicle.thrust_coefficient_N_s2 * low * low / vehicle.mass_kg;
+    };
+    double low = 1.0;
+    double high = 100.0;
+    for (int k = 0; k < 200; ++k) {
+      const double middle = 0.5 * (low + high);
+      (thrust_per_mass(middle) < kGravity_m_per_s2 ? low : high) = middle;
+    }
+    EXPECT_NEAR(Kappa(vehicle, 0.9), test::Ridders(thrust_per_mass, low, 0.1).value, 1e-8);
+    const Gains gains = LoadGains("aware");
+    for (const Loop loop : {Loop::kAltitude, Loop::kAttitude}) {
+      const PolesRow row = PolesAt(loop, vehicle, gains, 0.9);
+
+      EXPECT_LT(Distance(row.closed_form, row.quasistatic), 1e-9);
+    }
+  }
 }
 
 TEST(Poles, HoverIsAnEquilibriumOfTheClosedLoop) {
