@@ -429,6 +429,14 @@ ImportedCell FromSdf(const std::string& text,
 // ---- which one ----
 
 void CheckBattery(const Cell& cell, const std::string& file) {
+  constexpr double kMost_soc = 2.0;
+  if (cell.open_circuit_voltage.soc_hi() > kMost_soc) {
+    throw LoadError(
+        {file},
+        fmt::format(
+            "expected states of charge from 0 to 1, found {:.4g}, which looks like per cent",
+            cell.open_circuit_voltage.soc_hi()));
+  }
   const double full_V = cell.open_circuit_voltage(1.0);
   if (full_V > kMostPack_V) {
     throw LoadError(

@@ -53,11 +53,11 @@ inline void RequireDrag(const Vehicle& vehicle) {
 /// OptionError where the vehicle is no quadrotor on an X; `what` is what flies nothing else.
 inline void RequireQuadX(const Vehicle& vehicle, std::string_view what) {
   if (vehicle.layout == RotorLayout::kQuadX) return;
-  throw OptionError(
-      fmt::format("{} flies vehicles of the layout quad-x; {} is a {}. Give another vehicle",
-                  what,
-                  vehicle.name,
-                  options_internal::ToText(vehicle.layout)));
+  throw OptionError(fmt::format(
+      "{} flies vehicles of the layout quad-x; {} has the layout {}. Give another vehicle",
+      what,
+      vehicle.name,
+      options_internal::ToText(vehicle.layout)));
 }
 
 }  // namespace lipoid

@@ -80,6 +80,31 @@ TEST(Fly, NeedsNothingButAManeuver) {
   EXPECT_NE(run.err.find("mambo-coupled on"), std::string::npos) << run.err;
 }
 
+TEST(Fly, SaysWhichSettingsChangeNothing) {
+  const auto folder = TestFolder();
+  const auto both = RunLipoid(
+      folder,
+      {"fly", "hover", "--duration", "1", "--controller", "lqr", "--set", "controller.law=pid"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.err.find("--controller and --set controller.law: give one"), std::string::npos);
+  const std::vector<std::string> noisy{
+      "fly", "hover", "--duration", "1", "--set", "sensors.flow_noise_m_per_s=9"};
+  EXPECT_NE(RunLipoid(folder, noisy).err.find("change nothing without --estimate"),
+            std::string::npos);
+  auto estimated = noisy;
+  estimated.push_back("--estimate");
+  EXPECT_EQ(RunLipoid(folder, estimated).err.find("change nothing"), std::string::npos);
+  const auto hover = RunLipoid(folder,
+                               {"endurance",
+                                "--cell",
+                                "gifi-600mAh-1",
+                                "--vehicle",
+                                "mambo-physical",
+                                "--set",
+                                "air.induced_power_factor=2"});
+  EXPECT_NE(hover.err.find("change nothing in a hover"), std::string::npos) << hover.err;
+}
+
 TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   const auto folder = TestFolder();
   auto run = RunLipoid(folder, {"fly", "hover", "--xi", "0.6", "--summary", "s.json"});

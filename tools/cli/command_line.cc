@@ -506,6 +506,12 @@ bool CommandLine::Given(std::string_view name) const {
   return (*option)->given;
 }
 
+bool CommandLine::Sets(std::string_view prefix) const {
+  return std::any_of(assignments_.begin(), assignments_.end(), [&](const std::string& one) {
+    return one.starts_with(prefix);
+  });
+}
+
 void CommandLine::WriteMessage(std::string text) {
   progress_->Wipe();
   text = ForeignLines(text);

@@ -206,6 +206,8 @@ class CommandLine {
   [[nodiscard]] bool quiet() const { return quiet_; }
   /// Whether the option was given ("initial-soc").
   [[nodiscard]] bool Given(std::string_view name) const;
+  /// Whether --set names an option that begins so: "sensors.".
+  [[nodiscard]] bool Sets(std::string_view prefix) const;
 
   /// What was declared (command_description.h).
   [[nodiscard]] CommandDescription Description() const;

@@ -310,6 +310,11 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
         "options --set air.*: they are for --mission hover and cruise; a route is flown by `lipoid fly`, "
         "in still air of 1.225 kg/m³, and powers are those of the file");
   }
+  if (mission == "hover" && !request.airspeed_m_per_s && line.Sets("air.")) {
+    line.Message(
+        "options --set air.* change nothing in a hover without --airspeed-m-per-s: its power is "
+        "that of the vehicle file");
+  }
   if (line.Given("gains") && !mission.starts_with("waypoints=")) {
     throw OptionError(
         "option --gains: it is for --mission waypoints=FILE; hover and cruise are equilibria, which no "

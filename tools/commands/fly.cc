@@ -123,10 +123,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
              cell_name,
              "CELL",
              "a cell file, or the name of a shipped cell (default gifi-600mAh-1)");
-  line.Text("controller",
-            setup.controller.law,
-            "NAME",
-            "inversion, or another of `lipoid list controllers`");
+  std::string law = setup.controller.law;
+  line.Text("controller", law, "NAME", "inversion, or another of `lipoid list controllers`");
   line.Each(asked);
   line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air along x, y and down, m/s");
   line.Option(
@@ -158,6 +156,16 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.Group("estimator", setup.estimator);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
+  if (line.Given("controller")) {
+    if (line.Sets("controller.law"))
+      throw OptionError("options --controller and --set controller.law: give one of them");
+    setup.controller.law = law;
+  }
+  if (!setup.estimate && (line.Sets("sensors.") || line.Sets("estimator."))) {
+    line.Message(
+        "options --set sensors.* and estimator.* change nothing without --estimate: the "
+        "controller sees the true state");
+  }
   const Maneuver& maneuver = FindManeuver(maneuver_name);
   for (const auto& [name, own] : values) {
     if (name != maneuver.name) {

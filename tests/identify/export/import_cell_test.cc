@@ -243,6 +243,9 @@ TEST(ImportCell, RefusesTablesThatAreNone) {
             std::string::npos);
   EXPECT_EQ(MessageOf(capacity + header + "0,3000,0.1\n1,4200,0.1\n"),
             "f:1:1: error: expected voltages in V, found a v_oc(1) of 4200, which looks like mV");
+  EXPECT_EQ(
+      MessageOf(capacity + header + "0,3,0.1\n50,3.7,0.1\n100,4.2,0.1\n"),
+      "f:1:1: error: expected states of charge from 0 to 1, found 100, which looks like per cent");
   EXPECT_EQ(MessageOf(capacity + "soc,open_circuit_voltage_V\n0,1\n"),
             "f:2:1: error: expected a column series_resistance_Ohm, found none");
   EXPECT_EQ(MessageOf(capacity + header + "0,3,0.1\n0,4,0.1\n"),
