@@ -10,6 +10,7 @@
 
 #include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "model/statistics/normal_noise.h"
 
 namespace lipoid {
@@ -45,6 +46,7 @@ CellEnsemble DrawCells(const Cell& cell, int count, std::uint64_t seed) {
   ensemble.cells.resize(static_cast<std::size_t>(count));
   std::vector<char> moved(ensemble.cells.size());
   tbb::parallel_for(std::size_t{0}, ensemble.cells.size(), [&](std::size_t k) {
+    StopIfAsked();
     auto drawn = Draw(around, seed, static_cast<std::uint32_t>(k));
     ensemble.cells[k] = std::move(drawn.first);
     moved[k] = drawn.second ? 1 : 0;

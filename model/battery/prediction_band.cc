@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "model/statistics/interval_95.h"
 
 namespace lipoid {
@@ -45,6 +46,7 @@ PredictionBand PredictBand(std::span<const Cell> cells,
   for (std::size_t from = 0; from < time_s.size(); from += kRows) {
     const std::size_t rows = std::min(kRows, time_s.size() - from);
     tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
+      StopIfAsked();
       Walk& walk = *walks[c];
       for (std::size_t k = 0; k < rows; ++k) {
         walk.stepper.Row(time_s[from + k], current_A[from + k] / walk.parallel);

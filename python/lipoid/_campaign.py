@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ import pandas as pd
 from lipoid import _core, interoperability
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes
-from lipoid._log import Log, core_of, read_log
+from lipoid._log import Log, core_of, listed, read_log
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -29,12 +29,8 @@ def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
     """Make logs of C++ and paths of whatever a person gives for one kind."""
     from lipoid import readers
 
-    if isinstance(given, Iterator):
-        given = list(given)
-    if isinstance(given, (str, os.PathLike, Log)) or not isinstance(given, Sequence):
-        given = [given]
     logs: list[Any] = []
-    for one in given:
+    for one in listed(given):
         if isinstance(one, Log):
             logs.append(one._core)
         elif not isinstance(one, (str, os.PathLike)):

@@ -15,6 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, interoperability, plots
+from lipoid._keywords import whole, whole_seed
 from lipoid._log import Log, column, core_of
 from lipoid.errors import OptionError
 
@@ -54,10 +55,13 @@ class Simulation:
     rows_outside_curve: int
     cell: Cell = field(repr=False)
     temperature_degC: FloatArray | None = None
+    _open_circuit_V: FloatArray | None = field(default=None, repr=False)
 
     @property
     def open_circuit_V(self) -> FloatArray:
         """Open-circuit voltage of the pack in V, at each row."""
+        if self._open_circuit_V is not None:
+            return self._open_circuit_V
         flat = self.cell._core.open_circuit_voltage(np.ascontiguousarray(self.soc.ravel()))
         return cast(FloatArray, flat.reshape(self.soc.shape))
 
@@ -65,15 +69,16 @@ class Simulation:
         """Return the columns of one current as a data frame."""
         if self.current_A.ndim != 1:
             raise OptionError("to_pandas() is for one current; take a row of the arrays")
-        return pd.DataFrame(
-            {
-                "time_s": self.time_s,
-                "current_A": self.current_A,
-                "voltage_V": self.voltage_V,
-                "open_circuit_V": self.open_circuit_V,
-                "soc": self.soc,
-            }
-        )
+        columns = {
+            "time_s": self.time_s,
+            "current_A": self.current_A,
+            "voltage_V": self.voltage_V,
+            "open_circuit_V": self.open_circuit_V,
+            "soc": self.soc,
+        }
+        if self.temperature_degC is not None:
+            columns["temperature_degC"] = self.temperature_degC
+        return pd.DataFrame(columns)
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw voltage and state of charge over time; return the axes."""
@@ -161,7 +166,7 @@ class Cell:
 
     def pack(self, series: int = 1, parallel: int = 1) -> Cell:
         """Return so many of these cells in series and in parallel."""
-        return Cell._of(self._core.pack(series, parallel))
+        return Cell._of(self._core.pack({"series": series, "parallel": parallel}))
 
     def with_typical_temperature(self) -> Cell:
         """Return the cell with typical temperature terms, where it has none of its own."""
@@ -182,8 +187,8 @@ class Cell:
         time_s: Any,
         current_A: Any = None,
         *,
-        hold: Literal["backward", "forward"] = "backward",
-        initial_soc: float = 1.0,
+        hold: Literal["backward", "forward"] | None = None,
+        initial_soc: float | None = None,
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
@@ -194,14 +199,15 @@ class Cell:
         Parameters
         ----------
         time_s : array_like or Log
-            Times in s, shape (rows,), or (currents, rows) where each current has its own; or a log,
-            whose current flows.
+            Times in s, or dates, or durations, shape (rows,); times in s also of shape (currents,
+            rows), where each current has its own; or a log, whose current flows.
         current_A : array_like
             Currents of the pack in A, discharge positive, shape (rows,) or (currents, rows).
         hold : {"backward", "forward"}
-            Whether a row's current holds since the row before or until the next.
+            Whether a row's current holds since the row before, the default, or until the next. A
+            log says it itself.
         initial_soc : float
-            State of charge of the first row, where the cell is relaxed.
+            State of charge of the first row, where the cell is relaxed; 1 where nothing is said.
         initial_voltage_V : float, optional
             Instead: the voltage at which the pack rested before the first row, in V.
         temperature_degC : array_like, optional
@@ -219,79 +225,113 @@ class Cell:
         Simulation
             Arrays of the shape of the currents.
         """
-        if isinstance(time_s, Log):
-            hold = time_s.hold
-            if temperature_degC is None and ambient_degC is None:
-                temperature_degC = time_s.temperature_degC
-            time_s, current_A = time_s.time_s, time_s.current_A
-        elif current_A is None:
-            raise OptionError("simulate: current_A is missing")
-        if initial_voltage_V is not None:
-            initial_soc = self._core.soc_at_rest(initial_voltage_V)
-        self._check_soc(initial_soc)
-        if np.ma.is_masked(current_A) or np.ma.is_masked(time_s):
-            raise OptionError("simulate: expected numbers, found masked ones; leave their rows out")
-        i = np.ascontiguousarray(current_A, dtype=np.float64)
-        t = np.ascontiguousarray(time_s, dtype=np.float64)
-        if i.ndim not in (1, 2) or t.shape not in (i.shape, i.shape[-1:]):
-            raise OptionError(f"simulate: times {t.shape} do not go with currents {i.shape}")
-        if i.size == 0:
-            raise OptionError("simulate: expected at least one row, found none")
-        if not bool(np.all(np.diff(t) > 0.0)):
-            raise OptionError("simulate: expected times that increase")
-        if not (np.isfinite(t).all() and np.isfinite(i).all()):
-            raise OptionError("simulate: expected finite times and currents")
-        measured = None
-        if temperature_degC is not None:
-            measured = np.ascontiguousarray(temperature_degC, dtype=np.float64)
-            if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
-                raise OptionError("simulate: expected a finite temperature for each row")
-            if ambient_degC is not None:
-                raise OptionError("simulate: give temperature_degC or ambient_degC, not both")
-        if ambient_degC is not None and not -100.0 <= ambient_degC <= 150.0:
-            raise OptionError("simulate: expected ambient_degC in degrees Celsius")
-        if ambient_degC is not None and not self._core.knows_temperature:
-            logger.warning(
-                "%s knows no temperature: ambient_degC changes nothing; with typical values it is "
-                "cell.with_typical_temperature()",
-                self.name,
-            )
+        t, i, measured, options = self._driven(
+            "simulate", time_s, current_A, hold, temperature_degC, ambient_degC, (1, 2)
+        )
+        options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
         voltage_V, soc = np.empty_like(i), np.empty_like(i)
+        rest_V = np.empty_like(i) if self._core.rests_beside_curve else None
         warm = np.empty_like(i) if self._core.knows_temperature else None
         outside = self._core.simulate(
             np.atleast_2d(t),
             np.atleast_2d(i),
             np.atleast_2d(voltage_V),
             np.atleast_2d(soc),
+            None if rest_V is None else np.atleast_2d(rest_V),
             None if warm is None else np.atleast_2d(warm),
-            hold,
-            initial_soc,
             None if measured is None else np.atleast_2d(measured),
-            ambient_degC,
-            threads,
+            options,
+            whole("threads", threads),
         )
-        return Simulation(t, i, voltage_V, soc, outside, self, warm)
-
-    @staticmethod
-    def _check_soc(initial_soc: float) -> None:
-        low, high = _core.initial_socs
-        if not low <= initial_soc <= high:  # NaN neither
-            raise OptionError(f"option initial_soc: expected {low} .. {high}, found {initial_soc}")
+        return Simulation(t, i, voltage_V, soc, outside, self, warm, rest_V)
 
     def band(
         self,
         time_s: Any,
-        current_A: Any,
+        current_A: Any = None,
         *,
         cells: int = 200,
         seed: int = 0,
-        hold: Literal["backward", "forward"] = "backward",
-        initial_soc: float = 1.0,
+        hold: Literal["backward", "forward"] | None = None,
+        initial_soc: float | None = None,
+        initial_voltage_V: float | None = None,
+        temperature_degC: Any = None,
+        ambient_degC: float | None = None,
     ) -> tuple[FloatArray, FloatArray]:
-        """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row."""
-        self._check_soc(initial_soc)
-        t, i = column(time_s, "time_s"), column(current_A, "current_A")
-        return self._core.band(t, i, hold, initial_soc, cells, seed)
+        """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row.
+
+        Parameters
+        ----------
+        cells : int
+            How many are drawn.
+        seed : int
+            Of what is drawn.
+        time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC
+            As in :meth:`simulate`, of one current.
+
+        Raises
+        ------
+        OptionError
+            Where the cell carries no uncertainty: it was not identified.
+        """
+        t, i, measured, options = self._driven(
+            "band", time_s, current_A, hold, temperature_degC, ambient_degC, (1,)
+        )
+        options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
+        count = whole("cells", cells, least=1, most=100_000)
+        return self._core.band(t, i, measured, options, count, whole_seed(seed))
+
+    def _driven(
+        self,
+        what: str,
+        time_s: Any,
+        current_A: Any,
+        hold: str | None,
+        temperature_degC: Any,
+        ambient_degC: float | None,
+        dimensions: tuple[int, ...],
+    ) -> tuple[FloatArray, FloatArray, FloatArray | None, dict[str, Any]]:
+        """Return times, currents and measured temperatures that go together, and options."""
+        if temperature_degC is not None and ambient_degC is not None:
+            raise OptionError(f"{what}: give temperature_degC or ambient_degC, not both")
+        if isinstance(time_s, Log):
+            if current_A is not None or hold is not None:
+                given = "current_A" if current_A is not None else "hold"
+                raise OptionError(
+                    f"{what}: the log says its {'current' if given == 'current_A' else 'hold'}; "
+                    f"leave {given} out, or give the columns one by one"
+                )
+            hold = time_s.hold
+            if temperature_degC is None:
+                temperature_degC = time_s.temperature_degC
+            time_s, current_A = time_s.time_s, time_s.current_A
+        elif current_A is None:
+            raise OptionError(f"{what}: current_A is missing")
+        i = column(current_A, "current_A", dimensions)
+        t = column(time_s, "time_s", dimensions)
+        if t.shape not in (i.shape, i.shape[-1:]):
+            raise OptionError(f"{what}: times {t.shape} do not go with currents {i.shape}")
+        if i.size == 0:
+            raise OptionError(f"{what}: expected at least one row, found none")
+        if not bool(np.all(np.diff(t) > 0.0)):
+            raise OptionError(f"{what}: expected times that increase")
+        if not (np.isfinite(t).all() and np.isfinite(i).all()):
+            raise OptionError(f"{what}: expected finite times and currents")
+        measured = None
+        if temperature_degC is not None:
+            measured = column(temperature_degC, "temperature_degC", dimensions)
+            if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
+                raise OptionError(f"{what}: expected a finite temperature for each row")
+        self._tell_what_says_nothing(ambient_degC)
+        return t, i, measured, {"hold": hold, "ambient_degC": ambient_degC}
+
+    def _tell_what_says_nothing(self, ambient_degC: float | None) -> None:
+        if ambient_degC is not None and not self._core.knows_temperature:
+            logger.warning(
+                "%s knows no temperature: ambient_degC changes nothing; with typical values it is "
+                "cell.with_typical_temperature()",
+                self.name,
+            )
 
     def resample(self, count: int, *, seed: int = 0) -> list[Cell]:
         """Draw cells from the covariance of the estimates, for ensembles.
@@ -303,7 +343,8 @@ class Cell:
         OptionError
             Where the cell carries no uncertainty: it was not identified.
         """
-        return [Cell._of(one) for one in self._core.resample(count, seed)]
+        drawn = self._core.resample(whole("count", count), whole_seed(seed))
+        return [Cell._of(one) for one in drawn]
 
     def to_pybamm(self, *, initial_soc: float = 1.0) -> interoperability.PybammCell:
         """Make PyBaMM's Thevenin model with diffusion element, and its parameter values.

@@ -11,7 +11,7 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
-from lipoid._keywords import takes, whole
+from lipoid._keywords import takes, whole, whole_seed
 from lipoid._progress import Progress, Reporter
 from lipoid._report import report
 
@@ -110,7 +110,7 @@ def compare(
     with Reporter(progress, "compare") as tell:
         return Comparison(
             _core.compare(
-                made._core, dict(options), whole("seed", seed), whole("threads", threads), tell
+                made._core, dict(options), whole_seed(seed), whole("threads", threads), tell
             )
         )
 

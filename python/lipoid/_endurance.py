@@ -12,7 +12,7 @@ import pandas as pd
 
 from lipoid import _core
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes, whole
+from lipoid._keywords import takes, whole, whole_seed
 from lipoid._progress import Progress, Reporter
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def endurance(
             _core.endurance(
                 as_cell(cell)._core,
                 dict(options),
-                whole("seed", seed),
+                whole_seed(seed),
                 whole("threads", threads),
                 tell,
             )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ import pandas as pd
 from lipoid import _core
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes
-from lipoid._log import Log, as_logs
+from lipoid._log import Logs, as_logs
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -64,7 +63,7 @@ class Health:
 @takes(_core.describe_health)
 def health(
     cell: Cell | str | os.PathLike[str],
-    flights: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]],
+    flights: Logs,
     **options: Unpack[HealthOptions],
 ) -> Health:
     """Say how old a pack is from logs of flights on it.
@@ -73,7 +72,7 @@ def health(
     ----------
     cell : Cell, path or name of a shipped cell
         The cell when it was new.
-    flights : Log or path, or several
+    flights : Log, path or data frame, or several
         Logs of flights on one pack, the oldest first.
     {options}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,8 @@ import pandas as pd
 from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes, whole
-from lipoid._log import Log, as_logs
+from lipoid._keywords import takes, whole, whole_seed
+from lipoid._log import Logs, as_logs
 from lipoid._progress import Progress, Reporter
 from lipoid._report import report
 from lipoid.errors import OptionError
@@ -81,13 +81,7 @@ class Identification:
     @property
     def logs(self) -> pd.DataFrame:
         """Errors of the prediction of each log that took part, over all of its rows."""
-        one = self.cell.pack(1, 1)
-        rows = [
-            {"kind": kind, **validate_one(one, Log._of(log), start)}
-            for kind, log, start in self.campaign._core.logs()
-            if kind != "validation"
-        ]
-        return pd.DataFrame(rows)
+        return pd.DataFrame(_core.errors_of_logs(self.cell._core, self.campaign._core))
 
     def plot(self, what: str = "fit", axes: Any = None) -> list[Axes]:
         """Draw the result; return the axes.
@@ -122,12 +116,10 @@ class Identification:
 
     def _predicted(self, only: str | None = None) -> Iterator[plots.Predicted]:
         """Of each log with voltages that took part: what was measured, what the cell predicts."""
-        one = self.cell.pack(1, 1)
-        for kind, log, start in self.campaign._core.logs():
-            if kind == "validation" or only not in (None, kind) or log.voltage_V is None:
-                continue
-            made = one.simulate(log.time_s, log.current_A, hold=log.hold, initial_soc=start)
-            yield plots.Predicted(kind, log.time_s, log.voltage_V, made.voltage_V, made.soc)
+        logs = _core.predict_logs(self.cell._core, self.campaign._core, only)
+        for kind, log, voltage_V, soc in logs:
+            if log.voltage_V is not None:
+                yield plots.Predicted(kind, log.time_s, log.voltage_V, voltage_V, soc)
 
     def report(self, file: str | os.PathLike[str]) -> None:
         """Write it as one page with plots, for any browser, as ``--report`` does."""
@@ -203,7 +195,7 @@ def identify(
     made = as_campaign(campaign)
     with Reporter(progress, f"identify {made.name}".strip()) as tell:
         core, staged, summary, converged, usable, sentence = _core.identify(
-            made._core, dict(options), whole("seed", seed), whole("threads", threads), tell
+            made._core, dict(options), whole_seed(seed), whole("threads", threads), tell
         )
     for note in summary.get("log_notes", []):
         logger.warning("%s", note)
@@ -213,33 +205,33 @@ def identify(
     return Identification(Cell._of(core), summary, converged, usable, sentence, made, beside)
 
 
-def validate_one(cell: Cell, log: Log, initial_soc: float) -> dict[str, Any]:
-    """Errors of one log, and a warning where it seems to start elsewhere."""
-    row = _core.validate(cell._core, log._core, initial_soc)
-    if doubt := row.pop("doubt", ""):
-        logger.warning("%s %s", log.file, doubt)
-    return row
-
-
 def validate(
     cell: Cell | str | os.PathLike[str],
-    logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]],
+    logs: Logs,
     *,
-    initial_soc: float = 1.0,
+    initial_soc: float | None = None,
     initial_voltage_V: float | None = None,
+    ambient_degC: float | None = None,
+    predict_temperature: bool = False,
 ) -> pd.DataFrame:
-    """Compare the voltage that a cell predicts with that of logs.
+    """Compare the voltage that a cell predicts with that of logs, as of one cell.
 
     Parameters
     ----------
     cell : Cell, path or name of a shipped cell
         The cell, or the pack that the logs are of (:meth:`Cell.pack`).
-    logs : Log or path, or several
-        With voltages.
+    logs : Log, path or data frame, or several
+        With voltages. A cell that knows temperature is as warm as the log says.
     initial_soc : float
-        State of charge of the first row.
+        State of charge of the first row; 1 where nothing is said.
     initial_voltage_V : float, optional
         Instead: the voltage at which the pack rested before the first row, in V.
+    ambient_degC : float, optional
+        Temperature of the surroundings of logs that have none; not given: the reference of the
+        cell.
+    predict_temperature : bool
+        Predict the temperature also of logs that have it, with surroundings as warm as their first
+        row where ``ambient_degC`` is not given; ``temperature_rmse_K`` is how far it is off.
 
     Returns
     -------
@@ -248,9 +240,17 @@ def validate(
         above 10 % state of charge.
     """
     one = as_cell(cell)
-    soc = initial_soc
-    if initial_voltage_V is not None:
-        soc = one._core.soc_at_rest(initial_voltage_V)
-    one._check_soc(soc)
-    several = as_logs(logs, "validate: expected at least one log")
-    return pd.DataFrame([validate_one(one, log, soc) for log in several])
+    one._tell_what_says_nothing(ambient_degC)
+    options = {
+        "initial_soc": initial_soc,
+        "initial_voltage_V": initial_voltage_V,
+        "ambient_degC": ambient_degC,
+        "predict_temperature": predict_temperature,
+    }
+    rows = []
+    for log in as_logs(logs, "validate: expected at least one log"):
+        row = _core.validate(one._core, log._core, options)
+        if doubt := row.pop("doubt", ""):
+            logger.warning("%s %s", log.file, doubt)
+        rows.append(row)
+    return pd.DataFrame(rows)

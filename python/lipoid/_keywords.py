@@ -14,15 +14,21 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 Description = dict[str, Any]
 
 
-def whole(name: str, value: Any) -> int:
-    """Return a whole number of at least 0, of whatever type it is, or say that it is none."""
+def whole(name: str, value: Any, *, least: int = 0, most: int = 2**31 - 1) -> int:
+    """Return a whole number within these limits, of whatever type it is, or say that it is none."""
     try:
         number = index(value)
     except TypeError:
-        number = -1
-    if number < 0:
-        raise OptionError(f"option {name}: expected a whole number of at least 0, found {value!r}")
+        number = least - 1
+    if not least <= number <= most:
+        bound = f"most {most}" if number > most else f"least {least}"
+        raise OptionError(f"option {name}: expected a whole number of at {bound}, found {value!r}")
     return number
+
+
+def whole_seed(value: Any) -> int:
+    """Return a seed, which may be any number of 64 bits."""
+    return whole("seed", value, most=2**64 - 1)
 
 
 def _default(option: Description) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import os
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -24,9 +25,24 @@ if TYPE_CHECKING:
     from lipoid._reading_options import ColumnOptions, ReadingOptions
 
 FloatArray = npt.NDArray[np.float64]
+OneLog: TypeAlias = "Log | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame"
+Logs: TypeAlias = "OneLog | Iterable[OneLog]"
 
 
-def column(values: Any, name: str) -> FloatArray:
+def _moments(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return dates and durations of Python as those of NumPy, and anything else as it is."""
+    if array.dtype.kind != "O" or not array.size:
+        return array
+    if all(isinstance(one, dt.timedelta) for one in array):
+        return pd.to_timedelta(array).to_numpy()
+    if not all(isinstance(one, dt.datetime) for one in array):
+        return array
+    if len({one.tzinfo is None for one in array}) > 1:
+        return array  # nobody knows how far the ones are from the others
+    return pd.to_datetime(array, utc=True).tz_localize(None).to_numpy()
+
+
+def column(values: Any, name: str, dimensions: tuple[int, ...] = (1,)) -> FloatArray:
     """Contiguous float64 of anything that holds numbers; the same memory where it is that already.
 
     Parameters
@@ -35,6 +51,8 @@ def column(values: Any, name: str) -> FloatArray:
         A NumPy array, a pandas or polars Series, a pyarrow array, a sequence.
     name : str
         For messages. Of ``time_s`` also dates and durations are taken, as seconds.
+    dimensions : tuple of int
+        How many it may have; dates and durations have one.
     """
     if getattr(values, "tz", None) or getattr(getattr(values, "dt", None), "tz", None):
         values = pd.DatetimeIndex(values).tz_convert(None)  # so that hours keep their length
@@ -48,13 +66,16 @@ def column(values: Any, name: str) -> FloatArray:
         raise OptionError(f"{name}: expected a column of numbers, found {values!r}")
     else:
         array = np.asarray(list(values))
-    if array.ndim != 1:
-        raise OptionError(f"{name}: expected one dimension, found {array.ndim}")
-    if name == "time_s" and array.dtype.kind == "M" and array.size:
-        array = array - array[0]
-    if name == "time_s" and array.dtype.kind == "m":
-        array = array / np.timedelta64(1, "s")
-    if array.dtype.kind == "O" and not any(isinstance(one, (str, bool)) for one in array):
+    if array.ndim not in dimensions:
+        wanted = "one dimension" if dimensions == (1,) else "one dimension or two"
+        raise OptionError(f"{name}: expected {wanted}, found {array.ndim}")
+    if name == "time_s" and array.ndim == 1:
+        array = _moments(array)
+        if array.dtype.kind == "M" and array.size:
+            array = array - array[0]
+        if array.dtype.kind == "m":
+            array = array / np.timedelta64(1, "s")
+    if array.dtype.kind == "O" and not any(isinstance(one, (str, bool)) for one in array.flat):
         with suppress(TypeError, ValueError):
             array = array.astype(np.float64)  # of decimals; what is missing becomes NaN
     if array.dtype.kind not in "fiu":
@@ -322,14 +343,25 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
     return Log._of(_core.read_log(file, dict(options)))
 
 
-def as_logs(
-    logs: Log | str | os.PathLike[str] | Iterable[Log | str | os.PathLike[str]], wanted: str
-) -> list[Log]:
+def listed(logs: Any) -> list[Any]:
+    """Return what was given for logs, one or several of them, as a list."""
+    is_one = isinstance(logs, (Log, str, os.PathLike, Mapping)) or not isinstance(logs, Iterable)
+    is_table = hasattr(logs, "columns") or hasattr(logs, "column_names")
+    return [logs] if is_one or is_table else list(logs)
+
+
+def as_logs(logs: Any, wanted: str) -> list[Log]:
     """Return one log or several, reading those that are paths; none is not what was `wanted`."""
-    several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
+    several = [] if logs is None else listed(logs)
     if not several:
         raise OptionError(f"{wanted}, found none")
-    return [log if isinstance(log, Log) else read_log(log) for log in several]
+    return [_log_of(one) for one in several]
+
+
+def _log_of(one: Any) -> Log:
+    if isinstance(one, Log):
+        return one
+    return read_log(one) if isinstance(one, (str, os.PathLike)) else Log(one)
 
 
 def core_of(option: str, log: Log | None) -> CoreLog | None:

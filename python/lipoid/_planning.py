@@ -13,7 +13,7 @@ import pandas as pd
 from lipoid import _core
 from lipoid._campaign import KINDS, Campaign
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes, whole
+from lipoid._keywords import takes, whole_seed
 from lipoid._progress import Progress, Reporter
 
 if TYPE_CHECKING:
@@ -97,10 +97,10 @@ def synthesize(
     truth = _core.with_parameters(as_cell(cell)._core, dict(parameters or {}))
     with Reporter(progress, "synthesize") as tell:
         if folder is not None:
-            _core.synthesize(truth, folder, dict(options), whole("seed", seed), tell)
+            _core.synthesize(truth, folder, dict(options), whole_seed(seed), tell)
             return Campaign.read(Path(folder) / "campaign.toml")
         with tempfile.TemporaryDirectory() as own:
-            _core.synthesize(truth, own, dict(options), whole("seed", seed), tell)
+            _core.synthesize(truth, own, dict(options), whole_seed(seed), tell)
             written = Campaign.read(Path(own) / "campaign.toml")
             logs = {kind: written.logs(kind.replace("_", "-")) for kind in KINDS}
     given = {kind: some for kind, some in logs.items() if some}

@@ -10,12 +10,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "identify/validation.h"
+#include "identify/pack_request.h"
+#include "identify/surroundings_request.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
-#include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
@@ -30,26 +30,36 @@ namespace {
 using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Output = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-Hold HoldOf(const std::string& text) {
+// Where a prediction starts, among what, and between which rows a current holds.
+struct PredictionKeywords {
+  StartRequest start;
+  SurroundingsRequest surroundings;
   Hold hold = Hold::kBackward;
-  options_internal::FromText("hold", text, Names{}, hold);
-  return hold;
-}
+
+  explicit PredictionKeywords(const nb::dict& given) {
+    Keywords keywords(given);
+    keywords.Each(start);
+    SurroundingsRequest::VisitOfAmbient(surroundings, keywords.EachOne());
+    keywords.Option("hold", hold, Names{}, "");
+    keywords.Finish();
+  }
+};
 
 // Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
-// Python's own, that of temperatures only for a cell that knows it.
+// Python's own, that of temperatures only for a cell that knows it, that of the open-circuit voltage
+// only where it is more than v_oc(A).
 std::size_t Simulate(const PythonCell& self,
                      const Table& time_s,
                      const Table& current_A,
                      const Output& voltage_V,
                      const Output& soc,
+                     const std::optional<Output>& open_circuit_V,
                      const std::optional<Output>& temperature_degC,
-                     const std::string& hold_text,
-                     double initial_soc,
                      const std::optional<Table>& measured_degC,
-                     std::optional<double> ambient_degC,
+                     const nb::dict& given,
                      int threads) {
-  const Hold hold = HoldOf(hold_text);
+  const PredictionKeywords asked(given);
+  const double initial_soc = asked.start.Soc(self.cell);
   const std::size_t count = current_A.shape(0);
   const std::size_t rows = current_A.shape(1);
   const std::size_t times = time_s.shape(0);
@@ -62,21 +72,24 @@ std::size_t Simulate(const PythonCell& self,
   std::atomic<std::size_t> outside = 0;
   const auto one = [&](std::size_t k) {
     StopIfAsked();
-    Surroundings among{.ambient_degC = ambient_degC};
+    Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
     if (measured_degC)
       among.measured_degC = {measured_degC->data() + (measured == 1 ? 0 : k * rows), rows};
     double* const warm = temperature_degC ? temperature_degC->data() + k * rows : nullptr;
+    double* const rest = open_circuit_V ? open_circuit_V->data() + k * rows : nullptr;
     double* const v = voltage_V.data() + k * rows;
     double* const a = soc.data() + k * rows;
     const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
     const std::span<const double> i(current_A.data() + k * rows, rows);
     std::size_t beyond = 0;
-    PredictRows(cell, t, i, hold, initial_soc, among, [&](std::size_t row, const PredictedRow& of) {
+    const auto keep = [&](std::size_t row, const PredictedRow& of) {
       v[row] = of.voltage_V;
+      if (rest != nullptr) rest[row] = cell.series * of.stepper.OpenCircuit();
       if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
       a[row] = of.soc;
       if (!cell.open_circuit_voltage.InRange(of.soc)) ++beyond;
-    });
+    };
+    PredictRows(cell, t, i, asked.hold, initial_soc, among, keep);
     outside += beyond;
   };
   constexpr std::size_t kShort = 1'000'000;  // rows that take less than a thread to start
@@ -106,30 +119,32 @@ const Cell& WithUncertainty(const PythonCell& self) {
 
 nb::list Resample(const PythonCell& self, int count, std::uint64_t seed) {
   CellEnsemble ensemble;
-  {
-    const Cell& cell = WithUncertainty(self);
-    const nb::gil_scoped_release release;
-    ensemble = DrawCells(cell, count, seed);
-  }
+  const Cell& cell = WithUncertainty(self);
+  Work([&](const Tell&) { ensemble = DrawCells(cell, count, seed); });
   nb::list cells;
-  for (Cell& cell : ensemble.cells) cells.append(nb::cast(PythonCell{std::move(cell)}));
+  for (Cell& one : ensemble.cells) cells.append(nb::cast(PythonCell{std::move(one)}));
   return cells;
 }
 
 nb::tuple Band(const PythonCell& self,
                const Input& time_s,
                const Input& current_A,
-               const std::string& hold_text,
-               double initial_soc,
+               const std::optional<Input>& measured_degC,
+               const nb::dict& given,
                int count,
                std::uint64_t seed) {
   const Cell& cell = WithUncertainty(self);
-  const Hold hold = HoldOf(hold_text);
+  const PredictionKeywords asked(given);
+  (void)asked.start.Soc(cell);  // a start that the cell itself cannot have is an error
+  Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
+  if (measured_degC) among.measured_degC = SpanOf(*measured_degC);
   PredictionBand band;
   Work([&](const Tell&) {
     const CellEnsemble ensemble = DrawCells(cell, count, seed);
-    const std::vector<double> starts(ensemble.cells.size(), initial_soc);
-    band = PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), hold);
+    std::vector<double> starts;
+    for (const Cell& one : ensemble.cells) starts.push_back(asked.start.SocOfDrawn(one));
+    band =
+        PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), asked.hold, among);
   });
   return nb::make_tuple(ToArray(std::move(band.voltage_low_V)),
                         ToArray(std::move(band.voltage_high_V)));
@@ -137,15 +152,13 @@ nb::tuple Band(const PythonCell& self,
 
 std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
 
-PythonCell WithPack(const PythonCell& self, int series, int parallel) {
+PythonCell WithPack(const PythonCell& self, const nb::dict& given) {
+  PackRequest request;
+  Keywords keywords(given);
+  keywords.Each(request);
+  keywords.Finish();
   PythonCell pack = self;
-  const auto check = [](const char* name, int value) {
-    options_internal::ParseInt(name, std::to_string(value), kPackSizes);
-  };
-  check("series", series);
-  check("parallel", parallel);
-  pack.cell.series = series;
-  pack.cell.parallel = parallel;
+  request.ApplyTo(pack.cell);
   return pack;
 }
 
@@ -160,7 +173,6 @@ const Cell* CellBehind(nb::handle argument) {
 }
 
 void AddCells(nb::module_& module) {
-  module.attr("initial_socs") = nb::make_tuple(kInitialSocs.lo, kInitialSocs.hi);
   nb::class_<PythonCell>(module, "Cell")
       .def_prop_ro("name", [](const PythonCell& self) { return self.cell.name; })
       .def_prop_ro("series", [](const PythonCell& self) { return self.cell.series; })
@@ -170,6 +182,11 @@ void AddCells(nb::module_& module) {
       .def_prop_ro("alpha_C", [](const PythonCell& self) { return self.cell.alpha_C(); })
       .def_prop_ro("knows_temperature",
                    [](const PythonCell& self) { return self.cell.temperature.has_value(); })
+      // Whether temperature or history move the voltage at rest away from v_oc(A).
+      .def_prop_ro("rests_beside_curve",
+                   [](const PythonCell& self) {
+                     return self.cell.temperature.has_value() || self.cell.hysteresis.has_value();
+                   })
       .def("with_typical_temperature",
            [](const PythonCell& self) { return PythonCell{WithTypicalTemperature(self.cell)}; })
       .def_prop_ro("has_uncertainty",
@@ -180,32 +197,25 @@ void AddCells(nb::module_& module) {
           "save",
           [](const PythonCell& self, nb::handle file) { WriteCellFile(self.cell, PathOf(file)); },
           nb::arg("file"))
-      .def("pack", &WithPack, nb::arg("series"), nb::arg("parallel"))
+      .def("pack", &WithPack, nb::arg("options"))
       .def("open_circuit_voltage", &OpenCircuitVoltage, nb::arg("soc"))
-      .def(
-          "soc_at_rest",
-          [](const PythonCell& self, double voltage_V) {
-            return SocAtRestVoltage(self.cell, voltage_V);
-          },
-          nb::arg("voltage_V"))
       .def("simulate",
            &Simulate,
            nb::arg("time_s").noconvert(),
            nb::arg("current_A").noconvert(),
            nb::arg("voltage_V").noconvert(),
            nb::arg("soc").noconvert(),
+           nb::arg("open_circuit_V").noconvert().none(),
            nb::arg("temperature_degC").noconvert().none(),
-           nb::arg("hold"),
-           nb::arg("initial_soc"),
            nb::arg("measured_degC").noconvert().none(),
-           nb::arg("ambient_degC").none(),
+           nb::arg("options"),
            nb::arg("threads"))
       .def("band",
            &Band,
            nb::arg("time_s").noconvert(),
            nb::arg("current_A").noconvert(),
-           nb::arg("hold"),
-           nb::arg("initial_soc"),
+           nb::arg("measured_degC").noconvert().none(),
+           nb::arg("options"),
            nb::arg("count"),
            nb::arg("seed"))
       .def("resample", &Resample, nb::arg("count"), nb::arg("seed"))

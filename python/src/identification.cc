@@ -1,17 +1,25 @@
 #include "python/src/identification.h"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "identify/identification.h"
 #include "identify/identify_request.h"
+#include "identify/logs/plausibility.h"
+#include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
+#include "identify/surroundings_request.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/prediction.h"
 #include "model/core/errors.h"
 #include "python/src/campaign.h"
 #include "python/src/cell.h"
@@ -74,19 +82,85 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                         found.Verdict());
 }
 
-nb::object ValidateLog(const PythonCell& cell, const PythonLog& log, double initial_soc) {
+Cell OneOf(const PythonCell& pack) {
+  Cell one = pack.cell;
+  one.series = one.parallel = 1;
+  return one;
+}
+
+// One log of the pack, as that of one cell: what `lipoid validate` says of it.
+nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::dict& given) {
+  StartRequest start;
+  SurroundingsRequest surroundings;
+  Keywords keywords(given);
+  keywords.Each(start);
+  keywords.Each(surroundings);
+  keywords.Finish();
+  const double initial_soc = start.Soc(pack.cell);
   Json json;
   {
     const nb::gil_scoped_release release;
-    Record const record = log.Lent().record;
-    json = LogErrorsToJson(Validate(cell.cell, record, initial_soc));
-    Record one = record;
-    DivideByPack(one, cell.cell.series, cell.cell.parallel);
-    if (auto doubt = DoubtAboutStart(cell.cell.open_circuit_voltage, one, initial_soc);
-        !doubt.empty())
+    const Cell one = OneOf(pack);
+    Record record = log.Lent().record;
+    if (record.voltage_V.empty())
+      throw LoadError({record.file}, "expected a voltage to compare with, found none");
+    DivideByPack(record, pack.cell.series, pack.cell.parallel);
+    (void)CheckPlausible(record, one.capacity_Ah);
+    json = LogErrorsToJson(Validate(one, record, initial_soc, surroundings.Of(record)));
+    if (auto doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc); !doubt.empty())
       json["doubt"] = std::move(doubt);
   }
   return ToPython(json);
+}
+
+// Of each log that took part in a fit, or of those of one kind: its kind, the log, and the voltage and
+// state of charge that the cell predicts where and as warm as the log was.
+nb::list PredictLogs(const PythonCell& pack,
+                     const PythonCampaign& campaign,
+                     const std::optional<std::string>& only) {
+  nb::list all;
+  const Cell one = OneOf(pack);
+  const std::vector<LoadedLog>* logs = nullptr;
+  {
+    const nb::gil_scoped_release release;
+    logs = &campaign.Logs();
+  }
+  for (const LoadedLog& log : *logs) {
+    const std::string kind = options_internal::ToText(log.entry.kind);
+    if (log.entry.kind == LogKind::kValidation || (only && *only != kind)) continue;
+    Prediction predicted;
+    {
+      const nb::gil_scoped_release release;
+      const Record& record = log.log.record;
+      predicted = Predict(one,
+                          record.time_s,
+                          record.current_A,
+                          record.hold,
+                          log.entry.initial_soc,
+                          SurroundingsOf(record, log.entry));
+    }
+    all.append(nb::make_tuple(kind,
+                              PythonLog{std::make_shared<const Log>(log.log)},
+                              ToArray(std::move(predicted.voltage_V)),
+                              ToArray(std::move(predicted.soc))));
+  }
+  return all;
+}
+
+// Errors of each log that took part in a fit, with its kind.
+nb::list ErrorsOfLogs(const PythonCell& pack, const PythonCampaign& campaign) {
+  Json rows = Json::array();
+  {
+    const nb::gil_scoped_release release;
+    const Cell one = OneOf(pack);
+    for (const LoadedLog& log : campaign.Logs()) {
+      if (log.entry.kind == LogKind::kValidation) continue;
+      Json row = {{"kind", options_internal::ToText(log.entry.kind)}};
+      row.update(LogErrorsToJson(Validate(one, log)));
+      rows.push_back(std::move(row));
+    }
+  }
+  return nb::cast<nb::list>(ToPython(rows));
 }
 
 }  // namespace
@@ -99,7 +173,10 @@ void AddIdentification(nb::module_& module) {
              nb::arg("seed"),
              nb::arg("threads"),
              nb::arg("progress").none());
-  module.def("validate", &ValidateLog, nb::arg("cell"), nb::arg("log"), nb::arg("initial_soc"));
+  module.def("validate", &ValidateLog, nb::arg("cell"), nb::arg("log"), nb::arg("options"));
+  module.def(
+      "predict_logs", &PredictLogs, nb::arg("cell"), nb::arg("campaign"), nb::arg("only").none());
+  module.def("errors_of_logs", &ErrorsOfLogs, nb::arg("cell"), nb::arg("campaign"));
   module.def(
       "check_identify",
       [](const nb::dict& given) {

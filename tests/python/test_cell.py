@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +92,108 @@ def test_shapes_and_order_are_checked() -> None:
         cell.simulate(T, I, hold="sideways")  # type: ignore[arg-type]
 
 
+def test_a_warm_cell_is_written_as_the_program_writes_it(program: Lipoid, tmp_path: Path) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    cell.save(tmp_path / "cell.json")
+    frame = pd.DataFrame({"time_s": T, "current_A": I, "temperature_degC": 5.0 + T / 100.0})
+    frame.to_csv(tmp_path / "current.csv", index=False)
+    # A log that has measured its temperature is as warm as it says, whatever the room was.
+    given = ["--current", "current.csv", "-o", "v.csv", "--ambient-degC", 30]
+    program("simulate", "cell.json", *given, folder=tmp_path)
+    written = pd.read_csv(tmp_path / "v.csv", dtype=float)
+    ours = cell.simulate(lipoid.Log(frame), ambient_degC=30.0).to_pandas()
+    pd.testing.assert_frame_equal(ours, written, check_exact=True)
+    assert list(ours.columns)[-1] == "temperature_degC"
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("DatetimeIndex", lambda t: pd.Timestamp("2026-03-29 00:50") + pd.to_timedelta(t, "s")),
+        ("TimedeltaIndex", lambda t: pd.to_timedelta(t, unit="s")),
+        (
+            "of a zone that changes its clock",
+            lambda t: (
+                (pd.Timestamp("2026-03-29 00:50") + pd.to_timedelta(t, unit="s"))
+                .tz_localize("UTC")
+                .tz_convert("Europe/Berlin")
+            ),
+        ),
+        ("datetime64[s]", lambda t: t.astype("datetime64[s]")),
+        ("timedelta64[ms]", lambda t: (1000 * t).astype("timedelta64[ms]")),
+        (
+            "polars",
+            lambda t: pytest.importorskip("polars").Series((1000 * t).astype("datetime64[ms]")),
+        ),
+        (
+            "list of datetime",
+            lambda t: [
+                datetime.datetime(2026, 1, 1) + datetime.timedelta(seconds=one) for one in t
+            ],
+        ),
+        ("list of Timestamp", lambda t: [pd.Timestamp(one, unit="s", tz="UTC") for one in t]),
+        ("list of timedelta", lambda t: [datetime.timedelta(seconds=one) for one in t]),
+    ],
+)
+def test_dates_and_durations_are_seconds(name: str, make: Callable[[Any], Any]) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    wanted = cell.simulate(T, I)
+    found = cell.simulate(make(T), I)
+    np.testing.assert_array_equal(found.voltage_V, wanted.voltage_V, err_msg=name)
+    np.testing.assert_array_equal(found.time_s, T)
+    np.testing.assert_array_equal(lipoid.Log(time_s=make(T), current_A=I).time_s, T)
+
+
+@pytest.mark.parametrize(
+    ("time_s", "current_A", "message"),
+    [
+        (T, I > 0, "current_A: expected numbers, found truth values"),
+        (T, I + 1j, "current_A: expected numbers, found complex numbers"),
+        (T, [str(one) for one in I], "current_A: expected numbers, found texts"),
+        (T, np.stack([I, I]) > 0, "current_A: expected numbers, found truth values"),
+        (
+            np.stack([T, T]).astype("datetime64[s]"),
+            np.stack([I, I]),
+            "time_s: expected numbers, found dates",
+        ),
+        ([pd.Timestamp(0), pd.Timestamp(1, tz="UTC")], [0.0, 1.0], "time_s: expected numbers"),
+        (0.0, 1.0, "current_A: expected a column of numbers"),
+        (T, np.zeros((1, 1, len(T))), "current_A: expected one dimension or two, found 3"),
+    ],
+)
+def test_what_is_no_number_is_no_current(time_s: Any, current_A: Any, message: str) -> None:
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.Cell.read("gifi-600mAh-1").simulate(time_s, current_A)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"initial_soc": 1.0, "initial_voltage_V": 4.0}, "initial_soc and initial_voltage_V"),
+        ({"current_A": I}, "the log says its current; leave current_A out"),
+        ({"hold": "forward"}, "the log says its hold; leave hold out"),
+        ({"ambient_degC": -80.0}, "ambient_degC: expected -60 .. 150, found '-80.0'"),
+        ({"threads": -1}, "option threads: expected a whole number of at least 0, found -1"),
+        ({"threads": 2.5}, "option threads: expected a whole number"),
+        ({"threads": 2**31}, "expected a whole number of at most 2147483647, found 2147483648"),
+        ({"initial_soc": [0.5]}, "option initial_soc: expected a number"),
+    ],
+)
+def test_what_contradicts_itself_is_not_dropped(options: dict[str, Any], message: str) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    log = lipoid.Log(time_s=T, current_A=I)
+    with pytest.raises(lipoid.OptionError, match=message):
+        cell.simulate(log, **options)
+
+
+def test_packs_are_whole() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    assert cell.pack(np.int64(3)).series == 3  # type: ignore[arg-type]
+    for wrong in (2.0, 0, True, 2**40):
+        with pytest.raises(lipoid.OptionError, match="option series: expected a whole number"):
+            cell.pack(wrong)  # type: ignore[arg-type]
+
+
 def test_unknown_cells_name_the_known() -> None:
     with pytest.raises(lipoid.LoadError, match="gifi-600mAh-1"):
         lipoid.Cell.read("gifi-600mAh-9")
@@ -129,6 +233,52 @@ def test_the_band_holds_the_estimate(result: lipoid.Identification) -> None:
     low, high = result.cell.band(T, I, cells=100)
     voltage_V = result.cell.simulate(T, I).voltage_V
     assert np.mean((low <= voltage_V) & (voltage_V <= high)) > 0.9
+
+
+def test_the_band_is_as_warm_as_what_is_simulated(
+    result: lipoid.Identification, program: Lipoid, tmp_path: Path
+) -> None:
+    cell = result.cell.with_typical_temperature()
+    cell.save(tmp_path / "cell.json")
+    frame = pd.DataFrame({"time_s": T, "current_A": I, "temperature_degC": 10.0 + T / 100.0})
+    start: list[Any] = ["--initial-voltage-V", 4.1, "--ensemble", 50, "--seed", 3]
+    for ambient_degC, given in ((None, frame), (-5.0, frame.drop(columns="temperature_degC"))):
+        given.to_csv(tmp_path / "load.csv", index=False)
+        room = [] if ambient_degC is None else ["--ambient-degC", ambient_degC]
+        files = ["--current", "load.csv", "-o", "v.csv"]
+        program("simulate", "cell.json", *files, *start, *room, folder=tmp_path)
+        theirs = pd.read_csv(tmp_path / "v.csv", dtype=float)
+        low_V, high_V = cell.band(
+            lipoid.Log(given), cells=50, seed=3, initial_voltage_V=4.1, ambient_degC=ambient_degC
+        )
+        rows = len(theirs)  # before the cut-off
+        assert rows > len(T) // 4
+        np.testing.assert_array_equal(low_V[:rows], theirs["voltage_low_V"])
+        np.testing.assert_array_equal(high_V[:rows], theirs["voltage_high_V"])
+    warm = cell.band(T, I, cells=50, seed=3, temperature_degC=frame["temperature_degC"])
+    assert np.max(np.abs(warm[0] - cell.band(T, I, cells=50, seed=3)[0])) > 0.01
+
+
+def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
+    cell = result.cell
+    for options, message in (
+        ({"current_A": np.where(T == 4.0, np.nan, I)}, "band: expected finite times and currents"),
+        ({"time_s": T[::-1]}, "band: expected times that increase"),
+        ({"time_s": 0.0 * T}, "band: expected times that increase"),
+        ({"time_s": T[1:]}, "band: times .* do not go with currents"),
+        ({"current_A": np.stack([I, I])}, "current_A: expected one dimension, found 2"),
+        ({"cells": 0}, "option cells: expected a whole number of at least 1, found 0"),
+        ({"cells": 2.5}, "option cells: expected a whole number"),
+        ({"seed": -1}, "option seed: expected a whole number of at least 0, found -1"),
+        ({"seed": 2**64}, "option seed: expected a whole number of at most 18446744073709551615"),
+    ):
+        given: dict[str, Any] = {"time_s": T, "current_A": I, "cells": 3}
+        with pytest.raises(lipoid.OptionError, match=message):
+            cell.band(**(given | options))
+    for count in (-1, 2.5, 2**33):
+        with pytest.raises(lipoid.OptionError, match="option count: expected a whole number"):
+            cell.resample(count)  # type: ignore[arg-type]
+    assert len(cell.resample(1, seed=2**64 - 1)) == 1
 
 
 def test_a_cell_in_the_cold_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> None:
@@ -175,8 +325,8 @@ def test_temperatures_that_do_not_go_with_the_currents() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"initial_soc": 5.0}, r"option initial_soc: expected -0.5 .. 1.5, found 5.0"),
-        ({"initial_soc": float("nan")}, "option initial_soc: expected -0.5 .. 1.5, found nan"),
+        ({"initial_soc": 5.0}, r"option initial_soc: expected -0.5 .. 1.5, found '5.0'"),
+        ({"initial_soc": float("nan")}, "option initial_soc: expected -0.5 .. 1.5, found 'nan'"),
         ({"time_s": [], "current_A": []}, "simulate: expected at least one row"),
     ],
 )

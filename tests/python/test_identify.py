@@ -7,6 +7,7 @@ import logging
 import multiprocessing
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -225,11 +226,21 @@ def test_other_threads_run_meanwhile(campaign: lipoid.Campaign) -> None:
     assert beats > 20 * took_s  # a thousand a second on an idle machine; none under the lock
 
 
-def test_ctrl_c_ends_a_long_fit_within_a_fifth_of_a_second(lab: Path) -> None:
-    script = """
+@pytest.mark.parametrize(
+    "work",
+    [
+        "lipoid.identify(campaign, joint={'branches': 4, 'resistance_nodes': 25})",
+        "cell.resample(200_000)",
+    ],
+)
+def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
+    work: str, lab: Path, result: lipoid.Identification, tmp_path: Path
+) -> None:
+    result.cell.save(tmp_path / "cell.json")
+    script = f"""
         import os, signal, sys, threading, time
         import lipoid
-        campaign = lipoid.Campaign.read(sys.argv[1])
+        campaign, cell = lipoid.Campaign.read(sys.argv[1]), lipoid.Cell.read(sys.argv[2])
         lipoid.identify(campaign)
         at = []
         def press():
@@ -238,13 +249,14 @@ def test_ctrl_c_ends_a_long_fit_within_a_fifth_of_a_second(lab: Path) -> None:
         threading.Timer(0.5, press).start()
         try:
             while True:
-                lipoid.identify(campaign, joint={"branches": 4, "resistance_nodes": 25})
+                {work}
         except KeyboardInterrupt:
             print(time.monotonic() - at[0])
         print(lipoid.identify(campaign).converged)
     """
+    files = [str(lab / "campaign.toml"), str(tmp_path / "cell.json")]
     ran = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script), str(lab / "campaign.toml")],
+        [sys.executable, "-c", textwrap.dedent(script), *files],
         capture_output=True,
         text=True,
         timeout=120,
@@ -327,6 +339,112 @@ def test_validate_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: P
     theirs = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"]
     ours = lipoid.validate("gifi-600mAh-1", files)
     pd.testing.assert_frame_equal(ours, pd.DataFrame(theirs), check_exact=True)
+
+
+@pytest.fixture(scope="module")
+def seasons(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Logs at 5 and at 40 degC of a cell that knows temperature, which each log has measured."""
+    folder = tmp_path_factory.mktemp("seasons")
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    cell.save(folder / "cell.json")
+    lipoid.synthesize(cell, folder / "logs", ambient_degC="5,40", sampling_s=2.0, rates_C="1")
+    return folder
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"predict_temperature": True}, {"ambient_degC": 12.5, "predict_temperature": True}],
+)
+@pytest.mark.parametrize("series", [1, 3])
+def test_validate_is_as_warm_as_the_program(
+    options: dict[str, Any], series: int, seasons: Path, program: Lipoid, tmp_path: Path
+) -> None:
+    files = sorted((seasons / "logs").glob("*.csv"))
+    if series > 1:  # a pack's voltages, of whose last digits one cell's are made
+        for k, file in enumerate(files):
+            frame = pd.read_csv(file)
+            frame["voltage_V"] *= series
+            files[k] = tmp_path / file.name
+            frame.to_csv(files[k], index=False)
+    given: list[Any] = ["--series", series]
+    for name, value in options.items():
+        flag = "--" + name.replace("_", "-")
+        given += [flag] if value is True else [flag, value]
+    theirs = program("validate", seasons / "cell.json", *files, *given, folder=tmp_path)["logs"]
+    pack = lipoid.Cell.read(seasons / "cell.json").pack(series=series)
+    ours = lipoid.validate(pack, files, **options)
+    pd.testing.assert_frame_equal(ours, pd.DataFrame(theirs), check_exact=True)
+    assert ("temperature_rmse_K" in ours) == bool(options)
+    if not options:
+        assert (ours["rmse_V"] < 1e-3).all()  # the cell that made the logs, but for their digits
+
+
+def test_validate_takes_the_ambient_of_logs_without_a_temperature(
+    seasons: Path, program: Lipoid, tmp_path: Path
+) -> None:
+    log = lipoid.read_log(next((seasons / "logs").glob("pulses*.csv")))
+    frame = log.to_pandas().drop(columns="temperature_degC")
+    frame.to_csv(tmp_path / "pulses.csv", index=False)
+    theirs = program(
+        "validate", seasons / "cell.json", "pulses.csv", "--ambient-degC", 3, folder=tmp_path
+    )
+    ours = lipoid.validate(seasons / "cell.json", frame, ambient_degC=3.0)
+    pd.testing.assert_frame_equal(
+        ours.drop(columns="file"),
+        pd.DataFrame(theirs["logs"]).drop(columns="file"),
+        check_exact=True,
+    )
+    # A table in memory and several of them are logs, too.
+    several: list[Any] = [frame, log]
+    assert len(lipoid.validate(seasons / "cell.json", iter(several))) == 2
+
+
+def test_validate_refuses_what_the_program_refuses(lab: Path) -> None:
+    with pytest.raises(lipoid.OptionError, match="initial_soc and initial_voltage_V: give one"):
+        lipoid.validate("gifi-600mAh-1", lab / "pulses.csv", initial_soc=1.0, initial_voltage_V=4.1)
+    with pytest.raises(lipoid.OptionError, match=r"ambient_degC: expected -60 .. 150, found '-80'"):
+        lipoid.validate("gifi-600mAh-1", lab / "pulses.csv", ambient_degC=-80)
+    without = lipoid.Log(time_s=[0.0, 1.0], current_A=[0.1, 0.1])
+    with pytest.raises(lipoid.LoadError, match="a voltage"):
+        lipoid.validate("gifi-600mAh-1", without)
+    mV = lipoid.Log(time_s=[0.0, 1.0, 2.0], current_A=[0.0, 0.6, 0.0], voltage_V=[12.0, 11.7, 11.9])
+    with pytest.raises(lipoid.LoadError, match=r"voltage of one cell, found 11.87 V"):
+        lipoid.validate("gifi-600mAh-1", mV)
+
+
+def test_plots_and_errors_are_as_warm_as_the_logs(seasons: Path) -> None:
+    from matplotlib import pyplot
+
+    found = lipoid.identify(seasons / "logs" / "campaign.toml", method="joint")
+    _, residual = found.plot("fit")
+    rms_V = [1e-3 * np.sqrt(np.mean(np.square(line.get_ydata()))) for line in residual.lines]
+    wanted = []
+    for file in found.logs["file"]:
+        log = lipoid.read_log(seasons / "logs" / file)
+        made_V = found.cell.simulate(log).voltage_V
+        wanted.append(np.sqrt(np.mean((made_V - log.to_pandas()["voltage_V"]) ** 2)))
+    np.testing.assert_allclose(found.logs["rmse_V"], wanted, rtol=1e-9)
+    np.testing.assert_allclose(rms_V, wanted, rtol=0.05)  # of low-rate logs not every row is drawn
+    assert np.all(np.asarray(wanted) < 5e-3)  # at the reference temperature they are 20 mV and more
+    pyplot.close("all")
+
+
+def test_a_log_without_a_temperature_is_drawn_at_that_of_its_entry(
+    seasons: Path, tmp_path: Path
+) -> None:
+    """The campaign knows that a logger without a thermometer stood in the cold."""
+    from matplotlib import pyplot
+
+    for file in (seasons / "logs").glob("*.csv"):
+        pd.read_csv(file).drop(columns="temperature_degC").to_csv(tmp_path / file.name, index=False)
+    shutil.copy(seasons / "logs" / "campaign.toml", tmp_path)
+    assert "ambient_degC = 40" in (tmp_path / "campaign.toml").read_text()
+    found = lipoid.identify(tmp_path / "campaign.toml")
+    _, residual = found.plot("fit")
+    rms_V = [1e-3 * np.sqrt(np.mean(np.square(line.get_ydata()))) for line in residual.lines]
+    np.testing.assert_allclose(rms_V, found.logs["rmse_V"], rtol=0.05)
+    assert (found.logs["rmse_V"] < 5e-3).all()
+    pyplot.close("all")
 
 
 def test_compare_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:

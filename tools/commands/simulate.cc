@@ -110,7 +110,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   LoggedPackRequest pack;
   StartRequest start;
   EnsembleOption ensemble;
-  SurroundingsOptions options_of_surroundings;
+  SurroundingsRequest surroundings_request;
   line.Describe(
       "Predicts the terminal voltage, the open-circuit voltage and the state of charge of a cell "
       "under the current of a log, row by row, until the cell reaches its cut-off. The log's own "
@@ -129,14 +129,14 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
             beyond_cutoff,
             "write all rows, also those below the cell's cut-off, where no cell would go on");
   line.Each(start);
-  options_of_surroundings.AddTo(line);
+  line.Each(surroundings_request);
   line.Each(pack);
   line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
-  options_of_surroundings.TellWhatSaysNothing(line, cell);
+  TellWhatSaysNothing(line, cell, surroundings_request);
   const double initial_soc = start.Soc(cell);
   auto read = reading.Resolve();
   read.voltage_optional = true;
@@ -144,7 +144,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   Log log = ReadLog(current_file, read);
   for (const auto& warning : log.report.warnings) line.Message("{}: {}", current_file, warning);
   const std::size_t rows_of_log = log.report.rows;
-  const Surroundings surroundings = options_of_surroundings.Of(log.record);
+  const Surroundings surroundings = surroundings_request.Of(log.record);
   const Hold hold = log.record.hold;
 
   PredictionBand band;

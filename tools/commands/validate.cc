@@ -25,7 +25,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   ReadingRequest reading;
   LoggedPackRequest pack;
   StartRequest start;
-  SurroundingsOptions surroundings;
+  SurroundingsRequest surroundings;
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
@@ -34,7 +34,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");
   line.Each(start);
-  surroundings.AddTo(line);
+  line.Each(surroundings);
   line.Each(reading);
   line.Each(pack);
   line.ReportOption();
@@ -42,7 +42,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
 
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
-  surroundings.TellWhatSaysNothing(line, cell);
+  TellWhatSaysNothing(line, cell, surroundings);
   const double initial_soc = start.Soc(cell);
   CampaignArguments arguments;
   arguments.validation = files;
