@@ -6,7 +6,10 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
@@ -102,25 +105,172 @@ nb::object ColumnOf(const PythonLog& self, Column Record::*column) {
   return nb::cast(ViewOf(numbers, self.log));
 }
 
+// Every member of what reading found, each once: a member that is added does not compile until it
+// stands here, too.
+auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, Gap> {
+  auto& [row, start_s, length_s, unknown_C] = of;
+  return std::tie(row, start_s, length_s, unknown_C);
+}
+
+auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, RowLabel> {
+  auto& [row, step, cycle] = of;
+  return std::tie(row, step, cycle);
+}
+
+auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, FlightFacts> {
+  auto& [vehicle,
+         battery,
+         batteries,
+         cells,
+         capacity_Ah,
+         voltage_s,
+         current_s,
+         messages,
+         skipped,
+         damaged,
+         cut] = of;
+  return std::tie(vehicle,
+                  battery,
+                  batteries,
+                  cells,
+                  capacity_Ah,
+                  voltage_s,
+                  current_s,
+                  messages,
+                  skipped,
+                  damaged,
+                  cut);
+}
+
+auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, ThinningFacts> {
+  auto& [of_log,
+         rows,
+         most,
+         group,
+         tolerance_A,
+         shortest_s,
+         median_s,
+         longest_s,
+         millivolts,
+         spikes_s] = of;
+  return std::tie(of_log,
+                  rows,
+                  most,
+                  group,
+                  tolerance_A,
+                  shortest_s,
+                  median_s,
+                  longest_s,
+                  millivolts,
+                  spikes_s);
+}
+
+auto MembersOf(auto& of) requires std::is_same_v<std::remove_cvref_t<decltype(of)>, LogReport> {
+  auto& [format,
+         column,
+         rows,
+         repeated,
+         unselected,
+         cut,
+         spikes,
+         unknown,
+         sign,
+         reason,
+         others,
+         gaps,
+         labels,
+         flight,
+         thinned,
+         notes,
+         warnings] = of;
+  return std::tie(format,
+                  column,
+                  rows,
+                  repeated,
+                  unselected,
+                  cut,
+                  spikes,
+                  unknown,
+                  sign,
+                  reason,
+                  others,
+                  gaps,
+                  labels,
+                  flight,
+                  thinned,
+                  notes,
+                  warnings);
+}
+
+// Bytes of texts: names of files may be anything but UTF-8.
+nb::object Frozen(const std::string& text) { return nb::bytes(text.data(), text.size()); }
+void Thaw(nb::handle from, std::string& text) {
+  const auto bytes = nb::cast<nb::bytes>(from);
+  text.assign(bytes.c_str(), bytes.size());
+}
+
+template <class T>
+requires std::is_arithmetic_v<T> nb::object Frozen(const T& number) { return nb::cast(number); }
+template <class T>
+requires std::is_arithmetic_v<T>
+void Thaw(nb::handle from, T& number) { number = nb::cast<T>(from); }
+
+template <class T>
+nb::object Frozen(const std::optional<T>& one);
+template <class T>
+nb::object Frozen(const std::vector<T>& several);
+template <class T>
+void Thaw(nb::handle from, std::optional<T>& one);
+template <class T>
+void Thaw(nb::handle from, std::vector<T>& several);
+
+template <class T>
+requires requires(T& of) { MembersOf(of); }
+nb::object Frozen(const T& of) {
+  return std::apply([](const auto&... member) { return nb::make_tuple(Frozen(member)...); },
+                    MembersOf(of));
+}
+template <class T>
+requires requires(T& of) { MembersOf(of); }
+void Thaw(nb::handle from, T& of) {
+  const auto state = nb::cast<nb::tuple>(from);
+  std::apply([&, k = std::size_t{0}](auto&... member) mutable { (Thaw(state[k++], member), ...); },
+             MembersOf(of));
+}
+
+template <class T>
+nb::object Frozen(const std::optional<T>& one) {
+  return one ? Frozen(*one) : nb::none();
+}
+template <class T>
+void Thaw(nb::handle from, std::optional<T>& one) {
+  if (!from.is_none()) Thaw(from, one.emplace());
+}
+
+template <class T>
+nb::object Frozen(const std::vector<T>& several) {
+  nb::list list;
+  for (const T& one : several) list.append(Frozen(one));
+  return list;
+}
+template <class T>
+void Thaw(nb::handle from, std::vector<T>& several) {
+  for (const nb::handle one : from) Thaw(one, several.emplace_back());
+}
+
 // As another process has it: the columns as they are now, and what reading said.
 nb::tuple State(const PythonLog& self) {
-  const LogReport& report = self.log->report;
+  const Record& record = self.log->record;
   return nb::make_tuple(ColumnOf(self, &Record::time_s),
                         ColumnOf(self, &Record::current_A),
                         ColumnOf(self, &Record::voltage_V),
                         ColumnOf(self, &Record::temperature_degC),
-                        self.log->record.file,
-                        options_internal::ToText(self.log->record.hold),
-                        report.format,
-                        report.current_sign,
-                        report.current_sign_reason,
-                        report.thinned ? report.thinned->rows_of_log : 0,
-                        report.thinned ? report.thinned->most_rows : 0,
-                        report.thinned ? report.thinned->group : 1,
-                        report.thinned ? report.thinned->tolerance_A : 0.0);
+                        Frozen(record.file),
+                        options_internal::ToText(record.hold),
+                        Frozen(self.log->report));
 }
 
-std::vector<double> Numbers(const nb::object& column) {
+std::vector<double> Numbers(nb::handle column) {
   if (column.is_none()) return {};
   const auto array = nb::cast<Input>(column);
   const auto span = SpanOf(array);
@@ -133,19 +283,9 @@ PythonLog FromState(const nb::tuple& state) {
   log.record.current_A = Numbers(state[1]);
   log.record.voltage_V = Numbers(state[2]);
   log.record.temperature_degC = Numbers(state[3]);
-  log.record.file = nb::cast<std::string>(state[4]);
+  Thaw(state[4], log.record.file);
   options_internal::FromText("hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
-  log.report.format = nb::cast<std::string>(state[6]);
-  log.report.current_sign = nb::cast<std::string>(state[7]);
-  log.report.current_sign_reason = nb::cast<std::string>(state[8]);
-  log.report.rows = log.record.size();
-  if (const auto rows_of_log = nb::cast<std::size_t>(state[9]); rows_of_log > 0) {
-    log.report.thinned = ThinningFacts{.rows_of_log = rows_of_log,
-                                       .rows = log.record.size(),
-                                       .most_rows = nb::cast<std::size_t>(state[10]),
-                                       .group = nb::cast<std::size_t>(state[11]),
-                                       .tolerance_A = nb::cast<double>(state[12])};
-  }
+  Thaw(state[6], log.report);
   return Shared(std::move(log));
 }
 
@@ -208,7 +348,7 @@ void AddLogs(nb::module_& module) {
                    [](const PythonLog& self) { return ColumnOf(self, &Record::voltage_V); })
       .def_prop_ro("temperature_degC",
                    [](const PythonLog& self) { return ColumnOf(self, &Record::temperature_degC); })
-      .def_prop_ro("file", [](const PythonLog& self) { return self.log->record.file; })
+      .def_prop_ro("file", [](const PythonLog& self) { return ToPython(self.log->record.file); })
       .def_prop_ro(
           "hold",
           [](const PythonLog& self) { return options_internal::ToText(self.log->record.hold); })

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 import resource
+from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -145,6 +147,40 @@ def test_a_log_survives_pickling(lab: Path) -> None:
     again = pickle.loads(pickle.dumps(log))
     pd.testing.assert_frame_equal(again.to_pandas(), log.to_pandas())
     assert (again.sign, again.file) == (log.sign, log.file)
+
+
+FLIGHTS = ROOT / "fixtures" / "flights"
+
+
+@pytest.mark.parametrize("way", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+@pytest.mark.parametrize("name", ["log171.bin", "esc_status_log.ulg", "gaps.csv", "thinned"])
+def test_a_copy_of_a_log_knows_what_reading_found(
+    name: str, way: Callable[[lipoid.Log], lipoid.Log], lab: Path, tmp_path: Path
+) -> None:
+    options: dict[str, Any] = {}
+    file = FLIGHTS / name
+    if name == "gaps.csv":
+        t = np.concatenate([T, T + 5000.0])
+        table = np.column_stack([t, np.tile(I, 2), np.tile(V, 2)])
+        file = tmp_path / "gaps\udcfc.csv"
+        text = "\n".join(",".join(map(repr, map(float, row))) for row in table)
+        cut = "\n6000.0,0.0,4.0\n6000.0,0.0,4.0\n6001"
+        file.write_text("time_s,current_A,voltage_V\n" + text + cut)
+    elif name == "thinned":
+        file, options = lab / "low_rate.csv", {"most_rows": 1024}
+    log = lipoid.read_log(file, **options)
+    again = way(log)
+    pd.testing.assert_frame_equal(again.to_pandas(), log.to_pandas(), check_exact=True)
+    assert (again.file, again.hold) == (log.file, log.hold)
+    assert again._core.reading() == log._core.reading()
+    assert again.inspect() == log.inspect()
+
+
+def test_the_health_of_a_copied_flight_is_the_same() -> None:
+    log = lipoid.read_log(FLIGHTS / "log171.bin")
+    found = lipoid.health("grepow-32Ah-1", log, series=4)
+    again = lipoid.health("grepow-32Ah-1", pickle.loads(pickle.dumps(log)), series=4)
+    assert again.summary == found.summary
 
 
 def test_errors_of_files_have_a_place(tmp_path: Path) -> None:
