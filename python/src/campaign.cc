@@ -143,6 +143,9 @@ nb::list Logs(const PythonCampaign& self) {
 PythonCampaign::PythonCampaign(Campaign campaign, std::vector<std::optional<PythonLog>> given)
     : campaign_(std::move(campaign)), given_(std::move(given)) {
   given_.resize(campaign_.logs.size());
+  if (campaign_.file.empty()) return;
+  files_.push_back(campaign_.file);
+  sha256_.push_back(Sha256OfFile(campaign_.file));
 }
 
 const std::vector<LoadedLog>& PythonCampaign::Logs() const {
@@ -161,25 +164,28 @@ const std::vector<LoadedLog>& PythonCampaign::Logs() const {
   };
   if (!in_files.empty()) put(in_files, LoadCampaign(Part(campaign_, in_files)));
   if (!in_memory.empty()) put(in_memory, TakeLogs(Part(campaign_, in_memory), std::move(lent)));
+  AddSums();
   logs_ = std::move(logs);
   return *logs_;
 }
 
-void PythonCampaign::AddInputsTo(RunRecord& run) const {
-  const std::lock_guard lock(mutex_);
-  if (files_.empty()) {
-    if (!campaign_.file.empty()) {
-      files_.push_back(campaign_.file);
-      sha256_.push_back(Sha256OfFile(campaign_.file));
-    }
-    for (std::size_t k = 0; k < given_.size(); ++k) {
-      const CampaignLog& entry = campaign_.logs[k];
-      const std::string& name = given_[k] ? entry.file : entry.path;
-      if (!given_[k] && std::find(files_.begin(), files_.end(), name) != files_.end()) continue;
-      files_.push_back(name);
-      sha256_.push_back(given_[k] ? SumOf(given_[k]->log->record) : Sha256OfFile(name));
-    }
+// At once, as a file may be another one when a cell is made of what was read.
+void PythonCampaign::AddSums() const {
+  std::vector<std::string> files = files_;
+  std::vector<std::string> sha256 = sha256_;
+  for (std::size_t k = 0; k < given_.size(); ++k) {
+    const CampaignLog& entry = campaign_.logs[k];
+    const std::string& name = given_[k] ? entry.file : entry.path;
+    if (!given_[k] && std::find(files.begin(), files.end(), name) != files.end()) continue;
+    files.push_back(name);
+    sha256.push_back(given_[k] ? SumOf(given_[k]->log->record) : Sha256OfFile(name));
   }
+  files_ = std::move(files);
+  sha256_ = std::move(sha256);
+}
+
+void PythonCampaign::AddInputsTo(RunRecord& run) const {
+  (void)Logs();
   run.inputs = files_;
   run.sha256 = sha256_;
 }

@@ -26,10 +26,12 @@ class PythonCampaign {
   [[nodiscard]] const std::vector<std::optional<PythonLog>>& given() const { return given_; }
   /// Read at the first call, kept for later ones. Needs no lock of the interpreter.
   [[nodiscard]] const std::vector<LoadedLog>& Logs() const;
-  /// The files and their sums; of logs in memory the sum of their columns.
+  /// The files and their sums when they were read; of logs in memory the sum of their columns.
   void AddInputsTo(RunRecord& run) const;
 
  private:
+  void AddSums() const;
+
   Campaign campaign_;
   std::vector<std::optional<PythonLog>> given_;  // of the campaign's logs, those in memory
   mutable std::mutex mutex_;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import concurrent.futures
+import hashlib
 import logging
 import multiprocessing
 import os
@@ -51,6 +52,19 @@ def test_the_summary_is_that_of_the_program(
     assert sorted(one["sha256"] for one in run["inputs"]) == sorted(
         one["sha256"] for one in their_run["inputs"]
     )
+
+
+def test_the_sums_are_of_the_bytes_that_were_read(lab: Path, tmp_path: Path) -> None:
+    shutil.copytree(lab, tmp_path / "lab")
+    files = sorted(file for file in (tmp_path / "lab").iterdir() if file.name != "truth.json")
+    wanted = {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    campaign = lipoid.Campaign.read(tmp_path / "lab" / "campaign.toml")
+    assert len(campaign.logs()) == len(files) - 1
+    for file in files:  # another program goes on writing
+        file.write_bytes(file.read_bytes() + b"\n")
+    for _ in range(2):
+        run = lipoid.identify(campaign, method="staged").cell.to_dict()["run"]
+        assert {one["file"]: one["sha256"] for one in run["inputs"]} == wanted
 
 
 def test_arrays_give_what_files_give(lab: Path, result: lipoid.Identification) -> None:
