@@ -20,6 +20,7 @@ std::vector<std::string> ThesisOptimizers() {
 }
 
 std::vector<const OptimizerEntry*> FindOptimizers(const std::vector<std::string>& names) {
+  if (names.empty()) throw OptionError("option --optimizers: expected at least one, found none");
   std::vector<const OptimizerEntry*> chosen;
   if (names.size() == 1 && names[0] == "all") {
     for (const auto& entry : Optimizers()) chosen.push_back(&entry);

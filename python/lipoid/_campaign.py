@@ -135,8 +135,22 @@ class Campaign:
         return pd.DataFrame(self._core.entries(), columns=["kind", "file", "initial_soc", "weight"])
 
     def logs(self, kind: str | None = None) -> list[Log]:
-        """Read the logs, of one kind or all of them, as those of one cell."""
-        return [Log._of(log) for of, log, _ in self._core.logs() if kind is None or of == kind]
+        """Read the logs, of one kind or all of them, as those of one cell.
+
+        Parameters
+        ----------
+        kind : str, optional
+            "constant_current", "low_rate", "low_rate_charge", "pulses", "flight" or "validation",
+            also with dashes, as campaign files write them; not given: all of them.
+        """
+        asked = None if kind is None else str(kind).replace("-", "_")
+        if asked not in (None, *KINDS):
+            raise OptionError(f"logs: expected one of {', '.join(KINDS)}, found {kind!r}")
+        return [
+            Log._of(log)
+            for of, log, _ in self._core.logs()
+            if asked in (None, of.replace("-", "_"))
+        ]
 
     def to_pybop(
         self,

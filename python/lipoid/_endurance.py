@@ -28,7 +28,8 @@ class Endurance:
     Attributes
     ----------
     summary : dict
-        What ``lipoid endurance --summary`` writes (docs/formats.md).
+        What ``lipoid endurance --summary`` writes (docs/formats.md), without the table of
+        ``--over``.
     """
 
     summary: dict[str, Any]

@@ -29,6 +29,9 @@ OneLog: TypeAlias = "Log | str | os.PathLike[str] | Mapping[str, Any] | pd.DataF
 Logs: TypeAlias = "OneLog | Iterable[OneLog]"
 
 
+_COLUMNS = ("time_s", "current_A", "voltage_V", "temperature_degC")
+
+
 def _moments(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return dates and durations of Python as those of NumPy, and anything else as it is."""
     if array.dtype.kind != "O" or not array.size:
@@ -99,7 +102,11 @@ def _columns(data: Any) -> dict[str, Any]:
             f"voltage_V, found {type(data).__name__}; arrays are given by name, as time_s=..., and "
             "files are read by lipoid.read_log"
         )
-    columns = {str(name): data[name] for name in names}
+    known = [str(name) for name in names]
+    twice = {name for name in known if known.count(name) > 1}
+    if several := sorted(twice.intersection(_COLUMNS)):
+        raise OptionError(f"Log: several columns are called {' and '.join(several)}; rename them")
+    columns = {str(name): data[name] for name in names if str(name) not in twice}
     index = getattr(data, "index", None)
     if "time_s" not in columns and (
         isinstance(index, (pd.DatetimeIndex, pd.TimedeltaIndex))
@@ -338,9 +345,10 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
     """
     from lipoid import readers
 
-    if (table := readers.table_of(file)) is not None:
-        return Log._of(_core.read_log_text(table, os.fspath(file), dict(options)))
-    return Log._of(_core.read_log(file, dict(options)))
+    path = os.fsdecode(file)  # a number would be an open file
+    if (table := readers.table_of(path)) is not None:
+        return Log._of(_core.read_log_text(table, path, dict(options)))
+    return Log._of(_core.read_log(path, dict(options)))
 
 
 def listed(logs: Any) -> list[Any]:

@@ -52,6 +52,12 @@ class Fleet:
         return html
 
 
+def _name_of(campaign: Any) -> str:
+    if isinstance(campaign, Campaign):
+        return campaign.name or campaign.file
+    return os.fsdecode(campaign) if isinstance(campaign, (str, os.PathLike)) else repr(campaign)
+
+
 def identify_or_error(campaign: Any, options: dict[str, Any]) -> Identification | Exception:
     """Identify one of many: what is wrong with it is its result."""
     try:
@@ -116,7 +122,7 @@ def identify_many(
             raise
     rows = []
     for one, result in zip(several, results, strict=True):
-        name = (one.name or one.file) if isinstance(one, Campaign) else os.fspath(one)
+        name = _name_of(one)
         row: dict[str, Any] = {"campaign": name, "status": "done", "error": ""}
         if isinstance(result, Identification):
             row |= {"converged": result.converged, "usable": result.usable}

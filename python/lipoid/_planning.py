@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, cast
 import pandas as pd
 
 from lipoid import _core
-from lipoid._campaign import KINDS, Campaign
+from lipoid._campaign import Campaign
 from lipoid._cell import Cell, as_cell
 from lipoid._keywords import takes, whole_seed
+from lipoid._log import Log, read_log
 from lipoid._progress import Progress, Reporter
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def synthesize(
     Campaign
         Its logs, to be identified.
     """
-    truth = _core.with_parameters(as_cell(cell)._core, dict(parameters or {}))
+    truth = _core.with_parameters(as_cell(cell)._core, {"parameters": parameters})
     with Reporter(progress, "synthesize") as tell:
         if folder is not None:
             _core.synthesize(truth, folder, dict(options), whole_seed(seed), tell)
@@ -102,11 +103,19 @@ def synthesize(
         with tempfile.TemporaryDirectory() as own:
             _core.synthesize(truth, own, dict(options), whole_seed(seed), tell)
             written = Campaign.read(Path(own) / "campaign.toml")
-            logs = {kind: written.logs(kind.replace("_", "-")) for kind in KINDS}
-    given = {kind: some for kind, some in logs.items() if some}
+            logs: dict[str, list[Log]] = {}
+            for kind, file in written.entries[["kind", "file"]].itertuples(index=False):
+                log = read_log(
+                    Path(own) / file,
+                    current_sign="discharge-positive",
+                    hold=options.get("hold") or "backward",
+                )
+                logs.setdefault(kind.replace("-", "_"), []).append(log)
     return Campaign(
         name=written.name or truth.name,
         capacity_Ah=written.capacity_Ah,
         cutoff_V=written.cutoff_V,
-        **cast(Any, given),
+        series=written.series,
+        parallel=written.parallel,
+        **cast(Any, logs),
     )

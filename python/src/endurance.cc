@@ -84,20 +84,63 @@ struct EnduranceKeywords {
   void TakePower(const nb::object& pair) {
     if (!nb::isinstance<nb::tuple>(pair) || nb::len(pair) != 2)
       throw OptionError("option power: expected a tuple of times and powers");
-    const auto numbers = nb::module_::import_("numpy").attr("ascontiguousarray");
-    const auto time_s = nb::cast<Input>(numbers(pair[0], "float64"));
-    const auto power_W = nb::cast<Input>(numbers(pair[1], "float64"));
+    // As of a log: dates and durations are seconds, and what is no number is an error.
+    const auto column = nb::module_::import_("lipoid._log").attr("column");
+    const auto time_s = nb::cast<Input>(column(pair[0], "time_s"));
+    const auto power_W = nb::cast<Input>(column(pair[1], "power_W"));
     if (time_s.shape(0) != power_W.shape(0) || time_s.shape(0) < 2)
       throw OptionError("option power: expected as many powers as times, at least two");
     PowerMission& mission = request.power.emplace();
     for (std::size_t k = 1; k < time_s.shape(0); ++k) {
       const double duration_s = time_s.data()[k] - time_s.data()[k - 1];
-      if (!(duration_s > 0.0) || !std::isfinite(power_W.data()[k]))
-        throw OptionError("option power: expected rising times and finite powers");
+      if (!(duration_s > 0.0) || !std::isfinite(duration_s) || !std::isfinite(power_W.data()[k]))
+        throw OptionError("option power: expected rising times that are finite, and finite powers");
       mission.legs.push_back({.duration_s = duration_s, .power_W = power_W.data()[k]});
     }
   }
 };
+
+// OptionError for what the mission would leave out, in the words of `lipoid endurance`.
+void RefuseWhatIsNotFlown(const Keywords& given, const EnduranceKeywords& made) {
+  const EnduranceRequest& request = made.request;
+  const bool flies = !made.choices.vehicle.path.empty();
+  if (request.power.has_value() == flies)
+    throw OptionError("expected option vehicle or option power, and not both");
+  if (request.power && (given.Has("payload_g") || given.Has("airspeed_m_per_s"))) {
+    throw OptionError(
+        "options payload_g and airspeed_m_per_s: a mission of powers does not ask what takes them; "
+        "leave them out");
+  }
+  const bool of_a_file = request.power || made.waypoints;
+  if (request.power && made.waypoints)
+    throw OptionError("options power and waypoints: give one of them");
+  if (of_a_file && request.cruise)
+    throw OptionError("option mission: cruise is level flight; leave waypoints and power out");
+  if (of_a_file && request.air != LevelFlightOptions{}) {
+    throw OptionError(
+        "option air: it is for hover and cruise; a route is flown by lipoid.fly, in still air of "
+        "1.225 kg/m³, and powers are those that are given");
+  }
+  if (given.Has("gains") && !made.waypoints) {
+    throw OptionError(
+        "option gains: it is for waypoints; hover and cruise are equilibria, which no controller "
+        "changes, and powers are those that are given");
+  }
+  if (given.Has("cruise_speed") && !request.cruise)
+    throw OptionError("option cruise_speed: it is for the mission cruise");
+  if (given.Has("cruise_speed") && request.airspeed_m_per_s)
+    throw OptionError("options cruise_speed and airspeed_m_per_s: give one of them");
+  if (made.waypoints && (!request.payload_kg.known() || request.airspeed_m_per_s))
+    throw OptionError(
+        "option waypoints: expected a vehicle, a payload that is known, and no airspeed_m_per_s");
+}
+
+// As --mission names it.
+std::string MissionOf(const EnduranceKeywords& made) {
+  if (made.waypoints) return "waypoints=" + *made.waypoints;
+  if (made.request.power) return "power";
+  return made.request.cruise ? "cruise" : "hover";
+}
 
 nb::object Endurance(const PythonCell& cell,
                      const nb::dict& given,
@@ -117,12 +160,9 @@ nb::object Endurance(const PythonCell& cell,
   choices.ApplyTo(request);
   if (request.ambient_degC && !request.cell.temperature)
     request.cell = WithTypicalTemperature(request.cell);
-  const bool flies = !choices.vehicle.path.empty();
-  if (request.power.has_value() == flies)
-    throw OptionError("expected option vehicle or option power, and not both");
-  if (made.waypoints && (!flies || !request.payload_kg.known() || request.airspeed_m_per_s))
-    throw OptionError(
-        "option waypoints: expected a vehicle, a payload that is known, and no airspeed_m_per_s");
+  RefuseWhatIsNotFlown(keywords, made);
+  const bool flies = !request.power;
+  const std::string mission = MissionOf(made);
   if (flies) request.vehicle = LoadVehicle(choices.vehicle.path);
   request.seed = seed;
   Json summary;
@@ -135,6 +175,8 @@ nb::object Endurance(const PythonCell& cell,
         const EnduranceAnswer answer =
             FindEndurance(request, [&](double share) { tell("flying the ensemble", share); });
         summary = EnduranceToJson(request, answer);
+        summary["mission"] = mission;
+        if (flies) summary["vehicle"] = request.vehicle.name;
       },
       progress,
       threads);

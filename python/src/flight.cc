@@ -9,6 +9,7 @@
 
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
+#include "model/analysis/stability_json.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"
@@ -113,6 +114,7 @@ nb::tuple FlyManeuver(const std::string& name,
             [&](double share) { tell("flying", share); });
         summary = FlightToJson(flight);
         summary.update(FlownToJson(setup, maneuver, made.request));
+        summary["loops"] = StabilityToJson(CheckFlightLoops(setup));
       },
       progress,
       threads);

@@ -196,7 +196,9 @@ void Keywords::OfKind(std::string_view name,
   const auto add = [&](nb::handle value) {
     values.push_back(options_internal::ParseDouble(shown, TextOf(shown, value), valid));
   };
-  if (!nb::hasattr(*given, "__len__") || nb::isinstance<nb::str>(*given)) return add(*given);
+  const bool one = nb::isinstance<nb::str>(*given) || !nb::hasattr(*given, "__len__") ||
+                   (nb::hasattr(*given, "ndim") && nb::cast<int>(given->attr("ndim")) == 0);
+  if (one) return add(*given);
   for (const nb::handle value : *given) add(value);
   if (values.empty())
     throw OptionError(

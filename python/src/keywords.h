@@ -30,6 +30,9 @@ namespace lipoid::python {
 
 namespace nb = nanobind;
 
+/// A name of the command line as Python has it: alpha_C of "alpha-C".
+[[nodiscard]] std::string PythonName(std::string_view name);
+
 class Keywords {
  public:
   Keywords() = default;  ///< only to be described
@@ -108,6 +111,11 @@ class Keywords {
   template <class Options>
   void Each(Options& options) {
     Options::Visit(options, EachOne());
+  }
+
+  /// Whether it was given, and not as None.
+  [[nodiscard]] bool Has(std::string_view name) const {
+    return Given(PythonName(name)).has_value();
   }
 
   /// OptionError for what no declaration took.
@@ -189,8 +197,5 @@ class Keywords {
 
 /// A value of Python as the text that the command line would have: 2, 0.5, true, joint.
 [[nodiscard]] std::string TextOf(const std::string& name, nb::handle value);
-
-/// A name of the command line as Python has it: alpha_C of "alpha-C".
-[[nodiscard]] std::string PythonName(std::string_view name);
 
 }  // namespace lipoid::python

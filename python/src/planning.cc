@@ -1,9 +1,10 @@
 #include "python/src/planning.h"
 
-#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 
 #include "identify/pack_request.h"
@@ -66,9 +67,23 @@ void SynthesizeLogs(const PythonCell& truth,
       progress);
 }
 
-PythonCell Changed(const PythonCell& cell, const std::map<std::string, double>& parameters) {
+// What of a cell is changed before logs are made of it.
+struct ChangeRequest {
+  std::map<std::string, double> parameters = {};
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("parameters", self.parameters, Word{"NAME=VALUE"}, "parameters of the truth, by name");
+  }
+};
+
+PythonCell Changed(const PythonCell& cell, const nb::dict& given) {
+  ChangeRequest request;
+  Keywords keywords(given);
+  keywords.Each(request);
+  keywords.Finish();
   PythonCell changed = cell;
-  for (const auto& [name, value] : parameters) SetCellParameter(changed.cell, name, value);
+  for (const auto& [name, value] : request.parameters) SetCellParameter(changed.cell, name, value);
   if (const auto missing = MissingCellParameter(changed.cell)) throw OptionError(*missing);
   return changed;
 }
@@ -84,7 +99,7 @@ void AddPlanning(nb::module_& module) {
              nb::arg("options"),
              nb::arg("seed"),
              nb::arg("progress").none());
-  module.def("with_parameters", &Changed, nb::arg("cell"), nb::arg("parameters"));
+  module.def("with_parameters", &Changed, nb::arg("cell"), nb::arg("options"));
   module.def("describe_plan", [] {
     Keywords keywords;
     PlanGrid grid;

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import lipoid
@@ -70,3 +72,93 @@ def test_an_endurance_needs_a_vehicle_or_a_power() -> None:
         lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", once=True)
     with pytest.raises(lipoid.OptionError, match="rising times"):
         lipoid.endurance("gifi-600mAh-1", power=([0.0, 0.0], [1.0, 1.0]))
+
+
+POWER = ([0.0, 10.0, 20.0], [0.0, 3.0, 6.0])
+
+
+def test_a_power_over_dates_or_durations_is_one_over_seconds() -> None:
+    dates = pd.Timestamp("2026-01-01") + pd.to_timedelta(POWER[0], unit="s")
+    wanted = lipoid.endurance("gifi-600mAh-1", power=POWER).summary
+    for time_s in (dates, dates - dates[0], list(dates), dates.tz_localize("Europe/Berlin")):
+        assert lipoid.endurance("gifi-600mAh-1", power=(time_s, POWER[1])).summary == wanted
+
+
+@pytest.mark.parametrize(
+    ("power", "message"),
+    [
+        (([0.0, 10.0, np.inf], POWER[1]), "rising times that are finite"),
+        (([0.0, 10.0, np.nan], POWER[1]), "rising times that are finite"),
+        ((POWER[0], [True, True, False]), "power_W: expected numbers, found truth values"),
+        ((POWER[0], ["0", "3", "6"]), "power_W: expected numbers, found texts"),
+        ((POWER[0], [0j, 3j, 6j]), "power_W: expected numbers, found complex numbers"),
+        ((np.zeros((2, 2)), np.zeros((2, 2))), "time_s: expected one dimension, found 2"),
+    ],
+)
+def test_a_power_is_made_of_numbers(power: Any, message: str) -> None:
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.endurance("gifi-600mAh-1", power=power)
+
+
+@pytest.mark.parametrize(
+    ("options", "flags", "word"),
+    [
+        ({"power": POWER, "payload_g": 5.0}, ["--payload-g", 5], "payload_g"),
+        ({"power": POWER, "airspeed_m_per_s": 5.0}, ["--airspeed-m-per-s", 5], "airspeed_m_per_s"),
+        ({"power": POWER, "gains": "aware"}, ["--gains", "aware"], "gains"),
+        (
+            {"power": POWER, "air": {"air_density_kg_per_m3": 1.0}},
+            ["--set", "air.air_density_kg_per_m3=1"],
+            "air",
+        ),
+        ({"power": POWER, "mission": "cruise"}, None, "mission"),
+        ({"power": POWER, "cruise_speed": "best-range"}, None, "cruise_speed"),
+        ({"gains": "aware"}, ["--gains", "aware"], "gains"),
+        (
+            {"cruise_speed": "best-range"},
+            ["--airspeed-m-per-s", "best-range"],
+            "cruise_speed",
+        ),
+        (
+            {"mission": "cruise", "cruise_speed": "best-range", "airspeed_m_per_s": 3.0},
+            None,
+            "cruise_speed",
+        ),
+    ],
+)
+def test_what_the_mission_does_not_ask_is_refused(
+    options: dict[str, Any],
+    flags: list[Any] | None,
+    word: str,
+    program: Lipoid,
+    tmp_path: Path,
+) -> None:
+    given = dict(options)
+    if "power" not in given:
+        given["vehicle"] = "mambo-physical"
+    with pytest.raises(lipoid.OptionError, match=rf"^options? .*{word}"):
+        lipoid.endurance("gifi-600mAh-1", **given)
+    if flags is None:  # the command has one option for these, so that they cannot meet
+        return
+    table = pd.DataFrame({"time_s": POWER[0], "power_W": POWER[1]})
+    table.to_csv(tmp_path / "power.csv", index=False)
+    mission = ["--mission", "power=power.csv"] if "power" in given else []
+    if not mission:
+        mission = ["--vehicle", "mambo-physical"]
+    cell = ["--cell", "gifi-600mAh-1"]
+    assert program("endurance", *cell, *mission, *flags, folder=tmp_path)["exit_code"] == 2
+
+
+def test_the_summary_says_what_was_flown(program: Lipoid, tmp_path: Path) -> None:
+    pack = ["--cell", "gifi-600mAh-1", "--series", 3, "--parallel", 4]
+    theirs = program(
+        "endurance", *pack, "--vehicle", "f450", "--mission", "cruise", folder=tmp_path
+    )
+    ours = lipoid.endurance(
+        "gifi-600mAh-1", series=3, parallel=4, vehicle="f450", mission="cruise"
+    ).summary
+    of_the_run = {"command", "exit_code", "run", "version", "wall_s", "over", "seed", "schema"}
+    assert {k: v for k, v in theirs.items() if k not in of_the_run} == {
+        k: v for k, v in ours.items() if k not in of_the_run
+    }
+    assert ours["mission"] == "cruise"

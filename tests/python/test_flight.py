@@ -37,6 +37,8 @@ def test_a_flight_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> Non
     for key in flight.summary:
         if key != "wall_s":
             assert flight.summary[key] == theirs[key], key
+    of_the_run = {"command", "exit_code", "version", "run", "messages", "schema", "seed"}
+    assert set(theirs) - of_the_run == set(flight.summary)
     written = pd.read_csv(tmp_path / "flight.csv", dtype=float, float_precision="round_trip")
     pd.testing.assert_frame_equal(flight.data, written, check_exact=True)
     assert len(flight.plot()) == 4

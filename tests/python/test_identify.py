@@ -54,6 +54,21 @@ def test_the_summary_is_that_of_the_program(
     )
 
 
+def test_a_synthetic_pack_is_one_in_memory_too(tmp_path: Path) -> None:
+    options: dict[str, Any] = {"series": 3, "parallel": 2, "sampling_s": 5.0, "hold": "forward"}
+    written = lipoid.synthesize("gifi-600mAh-1", tmp_path / "logs", **options)
+    kept = lipoid.synthesize("gifi-600mAh-1", **options)
+    assert (kept.series, kept.parallel) == (written.series, written.parallel) == (3, 2)
+    of_pack = cast(Any, kept._core.given()[0])
+    assert np.median(of_pack.voltage_V) > 3 * 3.0
+    for ours, theirs in zip(kept.logs(), written.logs(), strict=True):
+        pd.testing.assert_frame_equal(ours.to_pandas(), theirs.to_pandas(), check_exact=True)
+        assert ours.hold == theirs.hold == "forward"
+    assert lipoid.identify(kept, method="staged").parameters.equals(
+        lipoid.identify(written, method="staged").parameters
+    )
+
+
 def test_the_sums_are_of_the_bytes_that_were_read(lab: Path, tmp_path: Path) -> None:
     shutil.copytree(lab, tmp_path / "lab")
     files = sorted(file for file in (tmp_path / "lab").iterdir() if file.name != "truth.json")
@@ -461,6 +476,28 @@ def test_a_log_without_a_temperature_is_drawn_at_that_of_its_entry(
     pyplot.close("all")
 
 
+def test_a_comparison_and_a_plan_say_what_they_take(campaign: lipoid.Campaign) -> None:
+    with pytest.raises(lipoid.OptionError, match="option optimizers: expected at least one"):
+        lipoid.compare(campaign, optimizers=[])
+    ten: Any = np.array(10.0)
+    assert lipoid.plan("gifi-600mAh-1", pulse_s=ten).equals(
+        lipoid.plan("gifi-600mAh-1", pulse_s=10.0)
+    )
+    text: Any = {"r_s": "0.1"}
+    made = lipoid.synthesize("gifi-600mAh-1", parameters=text, sampling_s=10.0, rates_C="1")
+    assert len(made.logs()) > 1
+    for wrong in ({"r_s": None}, {"r_s": [1.0]}, ["r_s"]):
+        with pytest.raises(lipoid.OptionError, match="option parameters"):
+            lipoid.synthesize("gifi-600mAh-1", parameters=wrong)  # type: ignore[arg-type]
+
+
+def test_logs_of_a_kind_are_asked_for_by_its_name(campaign: lipoid.Campaign) -> None:
+    assert len(campaign.logs("constant_current")) == len(campaign.logs("constant-current")) == 3
+    assert campaign.logs("validation") == []
+    with pytest.raises(lipoid.OptionError, match=r"expected one of constant_current, .*found 'pul"):
+        campaign.logs("pulse")
+
+
 def test_compare_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
     names = ["levenberg-marquardt", "sqp"]
     theirs = program(
@@ -524,6 +561,14 @@ def test_fleets_lose_nothing(lab: Path, tmp_path: Path) -> None:
     assert isinstance(fleet.results[1], lipoid.LoadError)
     assert fleet.table["beta"][0] == fleet.table["beta"][2]
     assert "1 failed" in repr(fleet)
+
+
+def test_what_is_no_campaign_is_a_row_of_a_fleet(lab: Path) -> None:
+    campaigns: list[Any] = [lab / "campaign.toml", None, 3, b"nowhere.toml"]
+    fleet = lipoid.identify_many(campaigns, method="staged")
+    assert list(fleet.table["status"]) == ["done", "failed", "failed", "failed"]
+    assert list(fleet.table["campaign"])[1:3] == ["None", "3"]
+    assert all("expected a Campaign" in error for error in fleet.table["error"][1:])
 
 
 @pytest.fixture(params=["pool", "dask"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 import resource
 from collections.abc import Callable
@@ -192,6 +193,26 @@ def test_errors_of_files_have_a_place(tmp_path: Path) -> None:
     assert isinstance(error.value, ValueError)
     again = pickle.loads(pickle.dumps(error.value))
     assert (str(again), again.line) == (str(error.value), 3)
+
+
+@pytest.mark.parametrize("number", [1, True])
+def test_a_number_is_no_file(number: Any) -> None:
+    before = os.fstat(1)
+    with pytest.raises(TypeError, match="expected str, bytes or"):
+        lipoid.read_log(number)
+    assert os.fstat(1) == before  # standard output is open still
+
+
+def test_columns_of_one_name_are_several() -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    names = ["time_s", "current_A", "current_A", "voltage_V"]
+    with pytest.raises(lipoid.OptionError, match="several columns are called current_A"):
+        lipoid.Log(pyarrow.table([T, I, I, V], names=names))
+    with pytest.raises(lipoid.OptionError, match="several columns are called current_A"):
+        lipoid.Log(pd.DataFrame(np.column_stack([T, I, I, V]), columns=names))
+    # Others may be there as often as they like.
+    spare = pyarrow.table([T, I, V, V, V], names=["time_s", "current_A", "voltage_V", "x", "x"])
+    assert len(lipoid.Log(spare)) == N
 
 
 def test_a_missing_file_is_a_load_error() -> None:

@@ -4,6 +4,7 @@
 #include "identify/gains/gain_design.h"
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/poles.h"
+#include "model/analysis/stability_json.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
@@ -17,7 +18,6 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/poles_json.h"
-#include "tools/commands/stability_json.h"
 
 namespace lipoid {
 namespace {

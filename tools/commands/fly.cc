@@ -7,6 +7,7 @@
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
+#include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
@@ -21,7 +22,6 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
-#include "tools/commands/stability_json.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
 

@@ -1,4 +1,4 @@
-#include "tools/commands/stability_json.h"
+#include "model/analysis/stability_json.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,8 @@
 #pragma once
 
 /// @file
-/// How stable the loops of a controller are, in a summary: of `lipoid fly` and `lipoid design`.
+/// How stable the loops of a controller are, in a summary: of `lipoid fly`, of `lipoid design` and of
+/// lipoid.fly(). Tests: tests/tools/, tests/python/test_flight.py.
 
 #include <span>
 
