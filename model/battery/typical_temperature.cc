@@ -6,7 +6,7 @@
 
 namespace lipoid {
 
-Cell WithTypicalTemperature(Cell cell) {
+Cell WithTypicalTemperature(Cell cell, double size_factor) {
   Require(!cell.temperature, "a cell that knows no temperature yet");
   constexpr double kSeries_J_per_mol = 13e3;
   constexpr double kWithTransfer_J_per_mol = 20e3;
@@ -19,7 +19,7 @@ Cell WithTypicalTemperature(Cell cell) {
   constexpr double kDensity_kg_per_m3 = 2000.0;
   constexpr double kSurface = 9.0;  // over the two-thirds power of the volume
   constexpr double kTransfer_W_per_m2_K = 15.0;
-  const double mass_kg = cell.capacity_Ah * kNominal_V / kSpecificEnergy_Wh_per_kg;
+  const double mass_kg = size_factor * cell.capacity_Ah * kNominal_V / kSpecificEnergy_Wh_per_kg;
   const double surface_m2 = kSurface * std::pow(mass_kg / kDensity_kg_per_m3, 2.0 / 3.0);
   Cell::Temperature& term = cell.temperature.emplace();
   // Without a charge transfer of its own the drop of it is in the series resistance.
@@ -27,9 +27,9 @@ Cell WithTypicalTemperature(Cell cell) {
   term.branches_J_per_mol.assign(cell.branches.size(), kBranches_J_per_mol);
   term.diffusion_J_per_mol = kDiffusion_J_per_mol;
   term.charge_transfer_J_per_mol = kChargeTransfer_J_per_mol;
-  term.heat =
-      HeatBalance<double>{.heat_capacity_J_per_K = mass_kg * kSpecificHeat_J_per_kg_K,
-                          .thermal_resistance_K_per_W = 1.0 / (kTransfer_W_per_m2_K * surface_m2)};
+  term.heat = HeatBalance<double>{
+      .heat_capacity_J_per_K = mass_kg * kSpecificHeat_J_per_kg_K / size_factor,
+      .thermal_resistance_K_per_W = size_factor / (kTransfer_W_per_m2_K * surface_m2)};
   cell.temperature_assumed = true;
   cell.self_heating.reset();
   return cell;

@@ -159,7 +159,7 @@ nb::object Endurance(const PythonCell& cell,
   const EnduranceChoices& choices = made.choices;
   choices.ApplyTo(request);
   if (request.ambient_degC && !request.cell.temperature)
-    request.cell = WithTypicalTemperature(request.cell);
+    request.cell = WithTypicalTemperature(request.cell, request.size_factor);
   RefuseWhatIsNotFlown(keywords, made);
   const bool flies = !request.power;
   const std::string mission = MissionOf(made);

@@ -162,3 +162,14 @@ def test_the_summary_says_what_was_flown(program: Lipoid, tmp_path: Path) -> Non
         k: v for k, v in ours.items() if k not in of_the_run
     }
     assert ours["mission"] == "cruise"
+
+
+def test_a_larger_cell_has_the_heat_of_its_size(program: Lipoid, tmp_path: Path) -> None:
+    options = ["--vehicle", "f450", "--cell", "grepow-32Ah-1", "--series", 4]
+    size = ["--capacity-Ah", 5, "--ambient-degC", 0]
+    theirs = program("endurance", *options, *size, folder=tmp_path)
+    ours = lipoid.endurance(
+        "grepow-32Ah-1", vehicle="f450", series=4, capacity_Ah=5.0, ambient_degC=0.0
+    ).summary
+    for key in ("minutes", "landing_voltage_V", "energy_Wh"):
+        assert ours[key] == theirs[key], key

@@ -4,9 +4,12 @@
 
 namespace lipoid {
 
-Cell KnowingTemperature(cli::CommandLine& line, const Cell& cell, const std::string& cell_name) {
+Cell KnowingTemperature(cli::CommandLine& line,
+                        const Cell& cell,
+                        const std::string& cell_name,
+                        double size_factor) {
   if (cell.temperature) return cell;
-  Cell knowing = WithTypicalTemperature(cell);
+  Cell knowing = WithTypicalTemperature(cell, size_factor);
   const Cell::Temperature& term = *knowing.temperature;
   line.Message(
       "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
@@ -15,8 +18,8 @@ Cell KnowingTemperature(cli::CommandLine& line, const Cell& cell, const std::str
       cell_name,
       1e-3 * term.series_J_per_mol,
       1e-3 * term.diffusion_J_per_mol,
-      term.heat->heat_capacity_J_per_K,
-      term.heat->thermal_resistance_K_per_W,
+      term.heat->heat_capacity_J_per_K * size_factor,
+      term.heat->thermal_resistance_K_per_W / size_factor,
       cell.self_heating ? "; they take the place of its self-heating (rho_h, tau_h)" : "");
   return knowing;
 }

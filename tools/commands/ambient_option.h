@@ -10,10 +10,11 @@
 
 namespace lipoid {
 
-/// The cell as it is where it knows temperature. Else with typical energies and heat, and a message
-/// that says so.
+/// The cell as it is where it knows temperature. Else with typical energies and the heat of a cell of
+/// this size, and a message that says so.
 [[nodiscard]] Cell KnowingTemperature(cli::CommandLine& line,
                                       const Cell& cell,
-                                      const std::string& cell_name);
+                                      const std::string& cell_name,
+                                      double size_factor = 1.0);
 
 }  // namespace lipoid

@@ -164,20 +164,6 @@ void SetQuantity(const EnduranceVariable& variable,
   variable.of(request) = {variable.unit * given.value, variable.unit * given.standard_error};
 }
 
-// What is typical depends on the size that the cell is to have.
-Cell KnowingTemperatureAtSize(cli::CommandLine& line,
-                              const EnduranceRequest& request,
-                              const std::string& cell_name) {
-  if (request.cell.temperature) return request.cell;
-  Cell cell = request.cell;
-  cell.capacity_Ah *= request.size_factor;
-  cell = KnowingTemperature(line, cell, cell_name);
-  cell.capacity_Ah = request.cell.capacity_Ah;
-  cell.temperature->heat->heat_capacity_J_per_K /= request.size_factor;
-  cell.temperature->heat->thermal_resistance_K_per_W *= request.size_factor;
-  return cell;
-}
-
 // NAME=FIRST:STEP:LAST
 struct Over {
   const EnduranceVariable* variable = nullptr;
@@ -301,7 +287,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   std::optional<Over> over;
   if (!over_text.empty()) over = ReadOver(over_text);
   if (request.ambient_degC || (over && over->variable->name == "ambient-degC"))
-    request.cell = KnowingTemperatureAtSize(line, request, cell_name);
+    request.cell = KnowingTemperature(line, request.cell, cell_name, request.size_factor);
   request.seed = line.seed();
   if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
   const bool flies_on_air = mission == "hover" || request.cruise;
