@@ -38,8 +38,9 @@ struct TrendPoint {
 };
 
 /// Weighted by their deviations; how far off the line the points really scatter gives the intervals.
-/// An error that all flights share is not in the scatter, and cancels in a change. None from fewer
-/// than three points.
+/// An error that all flights share in proportion is not in the scatter, and cancels in a change. One
+/// that grows with the quantity does not: a pack that warms less than a typical one seems to gain less
+/// resistance than it does. None from fewer than three points.
 [[nodiscard]] std::optional<HealthTrend> FitTrend(std::span<const TrendPoint> points);
 
 }  // namespace lipoid

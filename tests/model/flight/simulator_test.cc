@@ -451,9 +451,10 @@ TEST(Fly, FlightCodeFromOutsideFliesQuadrotorsOnAnX) {
   FlightSetup setup = Ideal(1.0);
   setup.flight_code = &code;
   setup.vehicle.layout = RotorLayout::kHexaX;
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
-            "flight code from outside flies vehicles of the layout quad-x; mambo-thesis is a "
-            "hexa-x. Give another vehicle");
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
+      "flight code from outside flies vehicles of the layout quad-x; mambo-thesis has the layout "
+      "hexa-x. Give another vehicle");
 }
 
 // A step down that is compensated commands no thrust at all while the motors still turn fast: what
