@@ -119,7 +119,11 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
     bool known = false;
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const Estimate now = estimate_of(cells[k]);
-      const bool apart = std::abs(now.temperature_degC - first.temperature_degC) > kSame_K;
+      // Where one cell does not know at which temperature it was seen, nobody knows that they are alike.
+      const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
+      const bool both_unknown =
+          std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
+      const bool apart = !both_unknown && !(off_K <= kSame_K);
       quantity.at.push_back(apart ? Alone(now) : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }

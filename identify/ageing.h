@@ -7,7 +7,7 @@
 /// The estimates of two ages are independent: on a scale of logarithms each side of the 95 % interval
 /// of their ratio is the root of the squared sum of the sides that make it. A change whose interval
 /// holds zero is not shown by these logs, which does not mean that there was none. Resistances of
-/// another temperature than that of the first are shown and not compared. Tests: tests/identify/ageing_test.cc.
+/// another temperature than that of the first are shown and not compared, nor those of a cell that knows its temperature with those of one that does not. Tests: tests/identify/ageing_test.cc.
 
 #include <string>
 #include <vector>

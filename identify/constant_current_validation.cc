@@ -10,7 +10,7 @@ namespace {
 
 DischargeTime DischargeOf(const LoadedLog& log, double cutoff_V) {
   const Discharge found = FindDischarge(log.log.record, cutoff_V);
-  return {log.entry.file, found.current_A, found.time_s()};
+  return {log.entry.file, found.current_A, found.time_s(), log.entry.initial_soc};
 }
 
 ConstantCurrentErrors ErrorsOf(const Cell& one,

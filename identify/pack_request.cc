@@ -14,9 +14,7 @@ double StartRequest::Soc(const Cell& cell) const {
 }
 
 double StartRequest::SocOfDrawn(const Cell& cell) const {
-  return initial_voltage_V
-             ? cell.open_circuit_voltage.SocAtVoltage(*initial_voltage_V / cell.series)
-             : initial_soc.value_or(1.0);
+  return initial_voltage_V ? NearestSocAtRest(cell, *initial_voltage_V) : initial_soc.value_or(1.0);
 }
 
 }  // namespace lipoid

@@ -208,6 +208,20 @@ std::vector<NormalEquations> SumGroups(const JointLogs& logs,
   return sums;
 }
 
+namespace {
+
+// Mean size of errors that scatter about their mean: of rows of which a point is the mean (a folded
+// normal distribution).
+double MeanSize(double mean, double scatter) {
+  if (!(scatter > 0.0)) return std::abs(mean);
+  constexpr double kRootTwoOverPi = 0.7978845608028654;
+  const double off = mean / scatter;
+  return scatter * kRootTwoOverPi * std::exp(-0.5 * off * off) +
+         mean * std::erf(off * 0.7071067811865475);
+}
+
+}  // namespace
+
 std::vector<std::vector<double>> SumErrors(
     const JointLogs& logs,
     const JointSetup& setup,
@@ -223,13 +237,14 @@ std::vector<std::vector<double>> SumErrors(
         const JointLog& log = logs.logs[l];
         if (log.group[k] == JointLog::kAlways) return;
         const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
-        const double factor = size == ErrorSize::kWeighted_V
-                                  ? log.weight[k]
-                                  : 100.0 * log.count[k] / log.voltage_V[k];
+        const bool of_rows = size == ErrorSize::kPercentOfRows;
+        const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
+        const double scatter_V =
+            of_rows && log.count[k] > 1.0 ? log.noise_V * std::sqrt(1.0 - 1.0 / log.count[k]) : 0.0;
         for (std::size_t s = 0; s < sums.size(); ++s) {
           const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
                                                          : row.Residual(candidates[s].data());
-          sums[s][static_cast<std::size_t>(log.unit[k])] += factor * std::abs(error);
+          sums[s][static_cast<std::size_t>(log.unit[k])] += factor * MeanSize(error, scatter_V);
         }
       });
   return sums;

@@ -26,7 +26,7 @@ struct Estimate {
   double lag_standard_error_s = kNaN;
 };
 
-// Weighted design of the linear form: L = alpha (1/I) - c.
+// Weighted design of the linear form: L = alpha (A_0/I) - c.
 Estimate FitSteady(const std::vector<DischargeTime>& discharges,
                    TimeWeighting weighting,
                    std::optional<double> given_alpha_C) {
@@ -36,7 +36,7 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& d = discharges[static_cast<std::size_t>(k)];
     const double w = TimeWeight(d, weighting);
-    design.row(k) << w / d.current_A, -w;
+    design.row(k) << w / d.of_full_A(), -w;
     times[k] = w * d.time_s;
   }
   const double least_lag = SteadyLag(kLargestBeta);
@@ -100,22 +100,22 @@ Estimate FitExact(const std::vector<DischargeTime>& discharges,
   return estimate;
 }
 
-// Mean charge of the discharges at each different current, by rising current.
+// Mean charge of the discharges, as from full, at each different current, by rising current.
 std::vector<std::pair<double, double>> ChargeByCurrent(
     const std::vector<DischargeTime>& discharges) {
   auto sorted = discharges;
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
-    return a.current_A != b.current_A ? a.current_A < b.current_A : a.time_s < b.time_s;
+    return a.of_full_A() != b.of_full_A() ? a.of_full_A() < b.of_full_A() : a.time_s < b.time_s;
   });
   std::vector<std::pair<double, double>> groups;
   std::size_t members = 0;
   for (const auto& d : sorted) {
-    const double charge = d.current_A * d.time_s;
-    if (!groups.empty() && d.current_A <= groups.back().first * (1.0 + kCurrentTolerance)) {
+    const double charge = d.of_full_A() * d.time_s;
+    if (!groups.empty() && d.of_full_A() <= groups.back().first * (1.0 + kCurrentTolerance)) {
       ++members;
       groups.back().second += (charge - groups.back().second) / static_cast<double>(members);
     } else {
-      groups.emplace_back(d.current_A, charge);
+      groups.emplace_back(d.of_full_A(), charge);
       members = 1;
     }
   }
@@ -132,8 +132,8 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
                                        const DischargeTimesOptions& options,
                                        std::optional<double> given_alpha_C) {
   for (const auto& d : discharges) {
-    Require(d.current_A > 0.0 && d.time_s > 0.0,
-            "current > 0 and time > 0",
+    Require(d.current_A > 0.0 && d.time_s > 0.0 && d.initial_soc > 0.0,
+            "current, time and state of charge above 0",
             {{"current_A", d.current_A}, {"time_s", d.time_s}});
   }
   const auto groups = ChargeByCurrent(discharges);
@@ -190,8 +190,8 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
   for (const auto& d : discharges) {
     const double predicted_s =
         options.form == DischargeForm::kExact
-            ? ExactDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A)
-            : SteadyDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.current_A);
+            ? ExactDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.of_full_A())
+            : SteadyDischargeTime(result.alpha_C, result.beta_per_sqrt_s, d.of_full_A());
     errors.Add(d.time_s, predicted_s);
     result.rows.push_back({d.file,
                            d.current_A,

@@ -3,7 +3,7 @@
 /// @file
 /// Stage 1: alpha and beta from the times that constant currents last, (4.53).
 ///
-///   L(k) = alpha/I(k) - pi²/(3 beta²),   beta in [0, 1]
+///   L(k) = A_0 alpha/I(k) - pi²/(3 beta²),   beta in [0, 1],   A_0 = 1 in the thesis
 ///
 /// is linear in alpha and the lag c = pi²/(3 beta²): the least squares has a closed form. The exact
 /// form solves (4.37) for every L instead, which matters when beta² L is not large.
@@ -58,6 +58,10 @@ struct DischargeTime {
   std::string file;
   double current_A = 0.0;
   double time_s = 0.0;
+  double initial_soc = 1.0;  ///< > 0, A_0 of a cell at rest
+
+  /// A cell that begins with A_0 alpha lasts as long as a full one at this current.
+  [[nodiscard]] double of_full_A() const { return current_A / initial_soc; }
 };
 
 struct DischargeTimesResult {

@@ -71,7 +71,7 @@ Eigen::VectorXd DischargeTimesProblem::upper() const { return Start().array() + 
 
 Eigen::VectorXd DischargeTimesProblem::Start() const {
   double most_C = 0.0;
-  for (const auto& d : discharges_) most_C = std::max(most_C, d.current_A * d.time_s);
+  for (const auto& d : discharges_) most_C = std::max(most_C, d.of_full_A() * d.time_s);
   return Point(most_C, SteadyLag(kTypicalBeta));
 }
 
@@ -98,8 +98,8 @@ Eigen::MatrixXd DischargeTimesProblem::Factor(const Eigen::VectorXd& x, bool) co
     const auto& d = discharges_[static_cast<std::size_t>(k)];
     const double w = TimeWeight(d, options_.weighting);
     const Time time = options_.form == DischargeForm::kExact
-                          ? ExactTime(alpha_C, lag_s, d.current_A)
-                          : SteadyTime(alpha_C, lag_s, d.current_A);
+                          ? ExactTime(alpha_C, lag_s, d.of_full_A())
+                          : SteadyTime(alpha_C, lag_s, d.of_full_A());
     rows(k, 0) = -w * time.per_lag * lag_s;                                   // -dL/dlog(lag)
     if (!given_alpha_C_) rows(k, 1) = -w * time.per_alpha_s_per_C * alpha_C;  // -dL/dlog(alpha)
     rows(k, size()) = w * (d.time_s - time.time_s);

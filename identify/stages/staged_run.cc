@@ -41,6 +41,14 @@ void CheckAll(const std::vector<const LoadedLog*>& logs, Check&& check) {
   if (!all.empty()) throw LoadError(std::move(all));
 }
 
+double StartOfDischarge(const CampaignLog& entry) {
+  if (entry.initial_soc > 0.0) return entry.initial_soc;
+  throw LoadError({entry.file},
+                  fmt::format("expected a discharge from a state of charge above 0, found an "
+                              "initial_soc of {:g}",
+                              entry.initial_soc));
+}
+
 class StagedRun {
  public:
   StagedRun(const Campaign& campaign,
@@ -116,7 +124,8 @@ class StagedRun {
       switch (log.entry.kind) {
         case LogKind::kConstantCurrent: {
           const Discharge d = FindDischarge(log.log.record, *campaign_.cutoff_V);
-          discharges[place(constant, log)] = {log.entry.file, d.current_A, d.time_s()};
+          discharges[place(constant, log)] = {
+              log.entry.file, d.current_A, d.time_s(), StartOfDischarge(log.entry)};
           break;
         }
         case LogKind::kLowRate:

@@ -21,27 +21,49 @@ SweepParameters WithIdleBranch(SweepParameters p, double time_constant_s) {
   return p;
 }
 
+// What the fits minimize, over its rows: a log of twice the weight counts as two.
+double MeanSquare(const PulseStudy& study, const VoltageSweep& sweep, const PulseFitResult& fit) {
+  const auto& logs = sweep.logs();
+  const bool alike = std::all_of(logs.begin(), logs.end(), [&](const SweepLog& log) {
+    return log.weight == logs.front().weight;
+  });
+  if (alike) return fit.errors.rmse * fit.errors.rmse;
+  const auto residuals_V = study.Residuals(sweep, fit.parameters);
+  double squares = 0.0;
+  double rows = 0.0;
+  for (std::size_t l = 0; l < logs.size(); ++l) {
+    for (const double residual_V : residuals_V[l])
+      squares += logs[l].weight * residual_V * residual_V;
+    rows += logs[l].weight * static_cast<double>(residuals_V[l].size());
+  }
+  return squares / rows;
+}
+
 // A cell with n branches is one with n+1 of which one is idle: where the search for n+1 ended above
-// it, that is the better answer.
-void KeepNested(PulseFitResult& fit, const PulseFitResult& before, double time_constant_s) {
-  if (fit.errors.rmse <= before.errors.rmse) return;
+// it, that is the better answer. The mean square of the answer.
+double KeepNested(PulseFitResult& fit,
+                  double mean_square,
+                  const PulseFitResult& before,
+                  double mean_square_before,
+                  double time_constant_s) {
+  if (mean_square <= mean_square_before) return mean_square;
   fit.parameters = WithIdleBranch(before.parameters, time_constant_s);
   fit.errors = before.errors;
   fit.rows_outside_curve = before.rows_outside_curve;
   fit.at_bound = before.at_bound;
   fit.at_bound.push_back(fmt::format("r_{}", fit.parameters.resistance_Ohm.size()));
+  return mean_square_before;
 }
 
 std::vector<double> Criterion(const std::vector<PulseFitResult>& fits,
+                              const std::vector<double>& mean_square,
                               const PulseStudy& study,
                               double effective_rows) {
   std::vector<double> criterion;
   criterion.reserve(fits.size());
-  for (const auto& fit : fits) {
-    const double mean_square = fit.errors.rmse * fit.errors.rmse;
-    criterion.push_back(effective_rows * std::log(mean_square) +
-                        study.FreeParameters(fit) * std::log(effective_rows));
-  }
+  for (std::size_t n = 0; n < fits.size(); ++n)
+    criterion.push_back(effective_rows * std::log(mean_square[n]) +
+                        study.FreeParameters(fits[n]) * std::log(effective_rows));
   return criterion;
 }
 
@@ -53,18 +75,24 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
   const auto sweep = study.Sweep(input.options.pulses.terms, input.options.pulses.tail);
   const double idle_s = std::sqrt(study.before().start.shortest_s * study.before().start.longest_s);
   std::vector<PulseFitResult> fits;
+  std::vector<double> mean_square;
   for (int n = 0; n <= kMostBranches; ++n) {
     progress(fmt::format("{} branches", n), 0.1 + 0.15 * n);
     if (n == 0) {
       fits.push_back(study.Fit(sweep, n, nullptr));
+      mean_square.push_back(MeanSquare(study, sweep, fits.back()));
       continue;
     }
     const auto previous = WithIdleBranch(fits.back().parameters, idle_s);
     fits.push_back(study.Fit(sweep, n, &previous));
-    KeepNested(fits.back(), fits[fits.size() - 2], idle_s);
+    mean_square.push_back(KeepNested(fits.back(),
+                                     MeanSquare(study, sweep, fits.back()),
+                                     fits[fits.size() - 2],
+                                     mean_square.back(),
+                                     idle_s));
   }
   const double effective_rows = EffectiveRows(study.Residuals(sweep, fits.back().parameters));
-  const auto criterion = Criterion(fits, study, effective_rows);
+  const auto criterion = Criterion(fits, mean_square, study, effective_rows);
   const auto best = std::min_element(criterion.begin(), criterion.end()) - criterion.begin();
 
   StudyResult result;

@@ -133,6 +133,7 @@ Campaign CampaignOf(const Cell& cell, const std::vector<TestPlan>& plans, Hold h
     log.kind = plan.kind;
     log.file = plan.file;
     log.read.hold = hold;
+    log.read.current_sign = "discharge-positive";
     log.ambient_degC = plan.ambient_degC;
     campaign.logs.push_back(std::move(log));
   }

@@ -4,10 +4,28 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/battery/arrhenius.h"
+#include "model/battery/at_temperature.h"
 #include "model/battery/cell_parameters.h"
 
 namespace lipoid {
-CellComparison CompareCells(const Cell& truth, const Cell& estimate) {
+namespace {
+
+// Numbers of a cell hold at its reference temperature: the truth at that of the estimate.
+Cell AtReferenceOf(const Cell& estimate, const Cell& truth) {
+  if (!truth.temperature || !estimate.temperature ||
+      truth.temperature->reference_K == estimate.temperature->reference_K)
+    return truth;
+  Cell moved = AtOneTemperature(truth, CelsiusOf(estimate.temperature->reference_K));
+  moved.temperature = truth.temperature;
+  moved.temperature->reference_K = estimate.temperature->reference_K;
+  return moved;
+}
+
+}  // namespace
+
+CellComparison CompareCells(const Cell& of_truth, const Cell& estimate) {
+  const Cell truth = AtReferenceOf(estimate, of_truth);
   CellComparison result;
   auto names = CellParameterNames(truth);
   for (const auto& name : CellParameterNames(estimate)) {

@@ -28,6 +28,7 @@ struct CellComparison {
   double open_circuit_rms_V = 0.0;
 };
 
+/// Where both know temperature the truth is that at the reference temperature of the estimate.
 [[nodiscard]] CellComparison CompareCells(const Cell& truth, const Cell& estimate);
 [[nodiscard]] Json ComparisonToJson(const CellComparison& comparison);
 

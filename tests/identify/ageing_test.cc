@@ -86,6 +86,11 @@ TEST(Ageing, OfAnotherTemperatureOnlyTheCapacityIsCompared) {
   EXPECT_EQ(found[2].at[1].value, 0.20);
   measured_at(cells[1], 25.0);
   EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kChanged);
+  // One cell does not say where it was seen.
+  Json run = *cells[1].run;
+  run["metrics"]["resistance"][0]["temperature_degC"] = nullptr;
+  cells[1].run = std::make_shared<const Json>(std::move(run));
+  EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kOtherTemperature);
 }
 
 TEST(Ageing, ACellWithoutARunRecordHasValuesAlone) {

@@ -90,6 +90,19 @@ TEST(Validation, FindsTheChargeAtWhichAPackRests) {
             "initial voltage: expected one that v_oc(A) of the cell has, 6 .. 8 V, found 3.7 V");
 }
 
+// The rest of a cell with hysteresis is that with which a prediction begins.
+TEST(Validation, FindsTheChargeAtWhichAPackWithHysteresisRests) {
+  Cell pack = ChargeCounter();
+  pack.series = 2;
+  pack.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.02}};
+  const double soc = SocAtRestVoltage(pack, 7.5);
+  const std::vector<double> time_s{0.0, 1.0};
+  const std::vector<double> current_A{0.0, 0.0};
+  EXPECT_NEAR(Predict(pack, time_s, current_A, Hold::kBackward, soc).voltage_V[0], 7.5, 1e-12);
+  EXPECT_NEAR(std::abs(soc - 0.75), 0.02, 1e-12);
+  EXPECT_EQ(NearestSocAtRest(pack, 7.5), soc);
+}
+
 // v_oc is 3 V + A volts.
 TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   const OpenCircuitVoltage curve = ChargeCounter().open_circuit_voltage;

@@ -96,6 +96,23 @@ TEST(DischargeTimes, RecoverTheirTruthInBothForms) {
   }
 }
 
+// A cell that begins with 0.7 of its charge lasts as long as one of 0.7 alpha that begins full.
+TEST(DischargeTimes, KnowHowFullADischargeBegins) {
+  const std::vector<double> starts{0.7, 1.0, 0.6, 0.8};
+  for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
+    std::vector<DischargeTime> times;
+    for (std::size_t k = 0; k < kCurrents_A.size(); ++k) {
+      times.push_back(Times({kCurrents_A[k]}, starts[k] * kAlpha_C, kBeta, form).front());
+      times.back().initial_soc = starts[k];
+    }
+    const auto fit = FitDischargeTimes(times, {.form = form});
+    EXPECT_NEAR(fit.alpha_C, kAlpha_C, 1e-8 * kAlpha_C);
+    EXPECT_NEAR(fit.beta_per_sqrt_s, kBeta, 1e-7 * kBeta);
+    EXPECT_EQ(fit.rows[0].current_A, kCurrents_A[0]);
+    EXPECT_LT(fit.rmse_s, 1e-6);
+  }
+}
+
 TEST(DischargeTimes, NeedTheExactFormWhereTheyAreShort) {
   // beta² L = 0.0025 * 311 s at 8 A: the steady form takes the missing charge for a larger beta.
   const auto times = Times({2.0, 3.0, 5.0, 8.0}, kAlpha_C, 0.05, DischargeForm::kExact);

@@ -45,6 +45,20 @@ TEST(StudyBranches, RecommendsAsManyAsTheCellHas) {
   }
 }
 
+// What counts is what the fit minimizes: a log of a cell without the branch, of next to no weight, has no
+// say.
+TEST(StudyBranches, CountsTheWeightsOfTheLogs) {
+  const Cell truth = StudyCell({{0.03, 45.0}});
+  LoadedLog with = PulseLog(truth);
+  with.entry.weight = 1e6;
+  LoadedLog without = PulseLog(StudyCell({}), 2);
+  without.entry.file = without.log.record.file = "other.csv";
+  const KnownCampaign known(truth, {with, without});
+  const StudyResult study = StudyBranches(known.Input(), NoProgress);
+  EXPECT_EQ(study.facts.at("recommended_branches"), 1);
+  EXPECT_NEAR(study.rows[1].at("parameters").at("r_1").get<double>(), 0.03, 1e-3);
+}
+
 TEST(StudyBranches, ReachesTheNoiseWithTheBranchesOfTheCell) {
   const auto study = Study({{0.03, 45.0}});
   // 6301 rows: the rms of the noise scatters by 1/sqrt(2 N) = 0.9 %.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
@@ -31,6 +32,25 @@ TEST(CellComparison, SaysTheErrorOfEachParameterInPercentOfTheTruth) {
   EXPECT_NEAR(*Find(comparison, "r_s").error_percent, -1.0, kRounding);
   EXPECT_EQ(Find(comparison, "r_s").unit, "Ohm");
   EXPECT_NEAR(comparison.open_circuit_max_V, 0.0, kRounding);
+}
+
+// The same cell, its numbers written for 5 degC and for 25 degC.
+TEST(CellComparison, AnotherReferenceTemperatureIsTheSameCell) {
+  Cell truth = LoadCell("gifi-600mAh-1");
+  truth.temperature.emplace();
+  truth.temperature->reference_K = 278.15;
+  truth.temperature->series_J_per_mol = 2e4;
+  truth.temperature->branches_J_per_mol.assign(truth.branches.size(), 3e4);
+  truth.temperature->diffusion_J_per_mol = 4e4;
+  Cell estimate = truth;
+  estimate.temperature->reference_K = 298.15;
+  // Arrhenius' law, R = 8.314462618 J/(mol K).
+  const double warmer = (1.0 / 298.15 - 1.0 / 278.15) / 8.314462618;
+  SetCellParameter(estimate, "r_s", 0.1314 * std::exp(2e4 * warmer));
+  SetCellParameter(estimate, "beta", 0.1924 / std::sqrt(std::exp(4e4 * warmer)));
+  const auto comparison = CompareCells(truth, estimate);
+  EXPECT_NEAR(*Find(comparison, "r_s").error_percent, 0.0, 1e-9);
+  EXPECT_NEAR(*Find(comparison, "beta").error_percent, 0.0, 1e-9);
 }
 
 TEST(CellComparison, NamesWhatOnlyOneOfThemHas) {
