@@ -103,7 +103,36 @@ AgedValue Alone(const Estimate& now) {
           .verdict = ChangeVerdict::kOtherTemperature};
 }
 
+// Of what a capacity may have become.
+constexpr double kMostGrowth_percent = 5.0;
+constexpr double kMostLoss_percent = 50.0;
+
 }  // namespace
+
+std::vector<std::pair<std::size_t, std::string>> DoubtsAboutAges(
+    const std::vector<AgedQuantity>& quantities) {
+  std::vector<std::pair<std::size_t, std::string>> doubts;
+  for (const AgedQuantity& quantity : quantities) {
+    if (quantity.name != "capacity") continue;
+    for (std::size_t k = 1; k < quantity.at.size(); ++k) {
+      const AgedValue& aged = quantity.at[k];
+      if (aged.change_percent > kMostGrowth_percent &&
+          !(aged.change_low_percent <= kMostGrowth_percent)) {
+        doubts.emplace_back(
+            k,
+            fmt::format("has {:.0f} % more capacity than the first: are both one cell, "
+                        "and the youngest first?",
+                        aged.change_percent));
+      } else if (aged.change_percent < -kMostLoss_percent) {
+        doubts.emplace_back(
+            k,
+            fmt::format("has {:.0f} % less capacity than the first: are both one cell?",
+                        -aged.change_percent));
+      }
+    }
+  }
+  return doubts;
+}
 
 std::string AgeOf(const Cell& cell) {
   const Json& age = Metric(cell, "age");

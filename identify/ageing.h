@@ -7,9 +7,11 @@
 /// The estimates of two ages are independent: on a scale of logarithms each side of the 95 % interval
 /// of their ratio is the root of the squared sum of the sides that make it. A change whose interval
 /// holds zero is not shown by these logs, which does not mean that there was none. Resistances of
-/// another temperature than that of the first are shown and not compared, nor those of a cell that knows its temperature with those of one that does not. Tests: tests/identify/ageing_test.cc.
+/// another temperature than that of the first are shown and not compared, nor those of a cell that
+/// knows its temperature with those of one that does not. Tests: tests/identify/ageing_test.cc.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/battery/cell.h"
@@ -42,6 +44,11 @@ struct AgedQuantity {
 /// The cells in the order of their ages, with the run records that `identify` writes into them: from
 /// there the intervals come.
 [[nodiscard]] std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells);
+
+/// What makes it doubtful that these are ages of one cell, the youngest first: a capacity that grew, or
+/// of which more than half is gone. One sentence for each such cell, by its place in the list.
+[[nodiscard]] std::vector<std::pair<std::size_t, std::string>> DoubtsAboutAges(
+    const std::vector<AgedQuantity>& quantities);
 
 /// The age that the campaign of a cell gave it; "" where it gave none.
 [[nodiscard]] std::string AgeOf(const Cell& cell);

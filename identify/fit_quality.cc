@@ -13,11 +13,6 @@
 namespace lipoid {
 namespace {
 
-FitGrade GradeOf(double value, const GradeLimits& limits) {
-  if (value <= limits.good) return FitGrade::kGood;
-  return value <= limits.fair ? FitGrade::kFair : FitGrade::kPoor;  // NaN is poor
-}
-
 // The grade is the worst that any quantity gives, and its reasons say which.
 class Judgement {
  public:
@@ -61,6 +56,11 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
 
 }  // namespace
 
+FitGrade GradeOf(double value, const GradeLimits& limits) {
+  if (value <= limits.good) return FitGrade::kGood;
+  return value <= limits.fair ? FitGrade::kFair : FitGrade::kPoor;
+}
+
 std::string FitQuality::Sentence(std::string_view what) const {
   std::string text = fmt::format("predicts {} to {:.3g} mV ({:.2g} %): {}",
                                  what,
@@ -102,7 +102,7 @@ FitQuality JudgeFit(const Cell& cell,
         fmt::format("alpha is {:.3g} Ah for a cell of {:.4g} Ah", alpha_Ah, nominal_Ah));
   }
   judgement.Count(GradeOf(moved_C / cell.alpha_C(), kMovedLimits),
-                  fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah that a log takes out",
+                  fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah below full that a log reaches",
                               alpha_Ah,
                               moved_C / 3600.0));
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;

@@ -44,6 +44,9 @@ inline constexpr GradeLimits kMovedLimits{1.1, 1.3};
 inline constexpr double kLowestOpenCircuit_V = 1.0;
 inline constexpr double kHighestOpenCircuit_V = 5.0;
 
+/// NaN is poor.
+[[nodiscard]] FitGrade GradeOf(double value, const GradeLimits& limits);
+
 struct FitQuality {
   FitGrade grade = FitGrade::kPoor;
   double rmse_V = 0.0;               ///< over the fitted logs, each with the same weight

@@ -12,6 +12,7 @@
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
+#include "identify/joint/joint_request.h"
 #include "identify/joint/joint_trust.h"
 #include "identify/logs/columns.h"
 #include "identify/stages/staged_profile.h"
@@ -20,6 +21,7 @@
 #include "identify/trust/profile_report.h"
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
+#include "model/statistics/student.h"
 
 namespace lipoid {
 namespace {
@@ -141,10 +143,40 @@ double MeanError(const std::vector<LogErrors>& logs) {
   return sum / static_cast<double>(logs.size());
 }
 
+// Why a flight is of another cell than the lab logs, by its health against theirs; "" where it is not. The
+// capacity is held in the common fit, which a pack of another size would bend.
+std::string OfAnotherCell(const FlightHealth& flight) {
+  constexpr double kMost = 4.0 / 3.0;  // a third more or less
+  if (!flight.doubted_because.empty())
+    return "against the cell of the lab logs it makes no sense, as its health says; it is of another cell, or "
+           "--series and --parallel are wrong";
+  const double reach = Reach95(kFlightFreedom) * flight.log_capacity_deviation;
+  if (std::abs(flight.log_capacity) - reach <= std::log(kMost)) return "";
+  return fmt::format(
+      "it fits a pack of {:.2g} times the capacity of the cell of the lab logs; it is of another cell, or "
+      "--series and --parallel are wrong",
+      std::exp(flight.log_capacity));
+}
+
 // The cell becomes that of the lab logs and the flights together, and with it all that is said of it.
 void TakeFlights(Identification& found, const std::vector<LoadedLog>& logs) {
-  found.flights_with_lab = FitFlightsWithLab(found.cell, logs);
+  std::vector<LoadedLog> of_the_cell = logs;
+  std::vector<Diagnostic> of_others;
+  for (const FlightHealth& flight : found.health->flights) {
+    const std::string why = OfAnotherCell(flight);
+    if (why.empty()) continue;
+    of_others.push_back({{flight.file}, why});
+    std::erase_if(of_the_cell, [&](const LoadedLog& log) {
+      return log.entry.kind == LogKind::kFlight && log.entry.file == flight.file;
+    });
+  }
+  found.flights_with_lab = FitFlightsWithLab(found.cell, of_the_cell);
   FlightsWithLab& flights = *found.flights_with_lab;
+  if (!of_others.empty() && flights.flights.empty()) {
+    flights.not_taken_because =
+        fmt::format("{}: {}", of_others.front().position.file, of_others.front().message);
+  }
+  flights.refused.insert(flights.refused.end(), of_others.begin(), of_others.end());
   const auto errors_of = [&](const Cell& of, bool validation) {
     Cell one = of;
     one.series = one.parallel = 1;
@@ -182,7 +214,8 @@ FitQuality QualityOf(const Identification& found,
   if (found.flights_alone) {
     std::vector<LogErrors> fitted;
     for (const auto& flight : found.flights_alone->flights) fitted.push_back(flight.errors);
-    return JudgeFit(found.cell, fitted, {}, 0.0, campaign.capacity_Ah);
+    const double moved_C = (1.0 - found.flights_alone->lowest_soc) * found.cell.alpha_C();
+    return JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah);
   }
   double moved_C = 0.0;
   for (const LoadedLog& log : logs) {
@@ -204,6 +237,32 @@ FitQuality QualityOf(const Identification& found,
                   campaign.capacity_Ah);
 }
 
+// The first line is of the logs that were fitted. Where others are described far worse it says too much.
+void NoteOnOtherLogs(Identification& found) {
+  constexpr double kFarWorse = 5.0;
+  constexpr double kWorthSaying_percent = 2.0;
+  if (found.flights_alone) return;
+  const double own_percent = found.mean_error_percent();
+  const double other_percent =
+      MeanError(found.joint ? found.joint->validation : found.staged->validation);
+  if (other_percent > std::max(kFarWorse * own_percent, kWorthSaying_percent)) {
+    found.log_notes.push_back(fmt::format(
+        "the validation logs are predicted to {:.2g} %, {:.2g} times worse than the logs of "
+        "the fit: are they of this cell, in this state, from the start that is given?",
+        other_percent,
+        other_percent / own_percent));
+  }
+  const ExpectedError& expected = found.expected_error;
+  if (found.joint && own_percent > expected.high_percent) {
+    found.log_notes.push_back(fmt::format(
+        "the mean error to expect of new logs, {:.2g} %, is that of rows that can be left out "
+        "of the fit; the ends of discharges and low-rate logs, which cannot, are described "
+        "worse: {:.2g} % over all logs",
+        expected.percent,
+        own_percent));
+  }
+}
+
 }  // namespace
 
 std::string Identification::Verdict() const {
@@ -221,13 +280,10 @@ std::vector<LogKind> Identification::fitted_kinds() const {
 
 double Identification::mean_error_percent() const {
   if (staged) return staged->pulses.errors.mean_error_percent;
+  if (joint) return MeanError(joint->fitted);
   double sum = 0.0;
-  if (flights_alone) {
-    for (const auto& flight : flights_alone->flights) sum += flight.errors.all.mean_error_percent;
-    return sum / static_cast<double>(flights_alone->flights.size());
-  }
-  for (const LogErrors& log : joint->fitted) sum += log.all.mean_error_percent;
-  return sum / static_cast<double>(joint->fitted.size());
+  for (const auto& flight : flights_alone->flights) sum += flight.errors.all.mean_error_percent;
+  return sum / static_cast<double>(flights_alone->flights.size());
 }
 
 Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given) {
@@ -291,7 +347,9 @@ void AddRunRecord(Identification& found,
 
 void CheckIdentifyOptions(const IdentifyOptions& options) {
   if (options.method == IdentifyMethod::kJoint) {
-    CheckJointProfile(options.profiled);
+    const bool diffusion = options.staged.pulses.diffusion;
+    CheckJointRequest(options.given, options.joint, diffusion);
+    CheckJointProfile(options.profiled, options.given, options.joint, diffusion);
     if (options.given.reference && options.given.open_circuit_voltage) {
       throw OptionError(
           "--reference and --open-circuit-voltage: v_oc(A) is that of the reference; leave one out");
@@ -299,6 +357,8 @@ void CheckIdentifyOptions(const IdentifyOptions& options) {
   } else {
     if (options.given.reference)
       throw OptionError("--reference needs --method joint: the staged method holds no shapes");
+    const PulseFitOptions& pulses = options.staged.pulses;
+    CheckGiven(options.given.parameters, FitParameterNames(pulses.diffusion, pulses.branches));
     CheckStagedProfile(options.profiled, options.staged.pulses, options.given.parameters);
   }
 }
@@ -334,6 +394,7 @@ Identification Identify(const Campaign& campaign,
     if (!doubt.empty()) found.log_notes.push_back(fmt::format("{} {}", log.entry.file, doubt));
   }
   found.quality = QualityOf(found, campaign, logs);
+  NoteOnOtherLogs(found);
   return found;
 }
 

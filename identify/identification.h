@@ -71,7 +71,7 @@ struct Identification {
 [[nodiscard]] Json StagedOptionsToJson(const StagedOptions& options, const StagedGiven& given);
 [[nodiscard]] Json IdentifyOptionsToJson(const IdentifyOptions& options);
 
-/// Throws OptionError for what no campaign can change: a profile that the method does not have.
+/// Throws OptionError for what no campaign can change: a parameter or a profile that is not there.
 void CheckIdentifyOptions(const IdentifyOptions& options);
 
 /// Throws LoadError for logs that are not what the campaign says they are, OptionError for options

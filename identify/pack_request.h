@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "model/battery/cell.h"
+#include "model/battery/prediction.h"
 #include "model/battery/ranges.h"
 #include "model/core/options.h"
 
@@ -68,11 +69,11 @@ struct StartRequest {
 
   [[nodiscard]] bool given() const { return initial_soc || initial_voltage_V; }
   /// The state of charge of the first row; 1 where nothing was said. OptionError where both were,
-  /// or where the cell never rests at that voltage.
-  [[nodiscard]] double Soc(const Cell& cell) const;
+  /// or where the cell never rests at that voltage among these surroundings.
+  [[nodiscard]] double Soc(const Cell& cell, const Surroundings& surroundings = {}) const;
   /// The same of a cell drawn from one for which Soc() was right: where its v_oc ends before the
   /// voltage, the end.
-  [[nodiscard]] double SocOfDrawn(const Cell& cell) const;
+  [[nodiscard]] double SocOfDrawn(const Cell& cell, const Surroundings& surroundings = {}) const;
 };
 
 }  // namespace lipoid

@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <optional>
 
 #include "identify/logs/segments.h"
-#include "model/battery/cell_model.h"
 #include "model/battery/prediction.h"
-#include "model/core/errors.h"
 
 namespace lipoid {
 
@@ -81,60 +78,6 @@ std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
       soc,
       initial_soc,
       soc);
-}
-
-namespace {
-
-// Of one cell, at its reference temperature: with hysteresis it depends on where the cell came from.
-class RestVoltage {
- public:
-  explicit RestVoltage(const Cell& cell) : curve_(cell.open_circuit_voltage) {
-    if (!cell.hysteresis) return;
-    Cell one = cell;
-    one.series = one.parallel = 1;
-    model_.emplace(one.Parameters());
-  }
-  double operator()(double soc) const {
-    return model_ ? model_->Voltage(model_->Relaxed(soc), 0.0) : curve_(soc);
-  }
-  /// As OpenCircuitVoltage::SocAtVoltage(): an end of the curve for what lies beyond it.
-  [[nodiscard]] double Soc(double voltage_V) const {
-    if (!model_) return curve_.SocAtVoltage(voltage_V);
-    double low = curve_.soc_lo();
-    double high = curve_.soc_hi();
-    for (int n = 0; n < 100 && high - low > 1e-15; ++n) {
-      const double middle = 0.5 * (low + high);
-      ((*this)(middle) < voltage_V ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
-  }
-
- private:
-  const OpenCircuitVoltage& curve_;
-  std::optional<CellModel<double>> model_;
-};
-
-}  // namespace
-
-double NearestSocAtRest(const Cell& cell, double voltage_V) {
-  return RestVoltage(cell).Soc(voltage_V / cell.series);
-}
-
-double SocAtRestVoltage(const Cell& cell, double voltage_V) {
-  const double of_one_V = voltage_V / cell.series;
-  const RestVoltage rest_V(cell);
-  const double soc = rest_V.Soc(of_one_V);
-  // A voltage beyond the ends is none of this cell's.
-  constexpr double kTolerance_V = 1e-3;
-  if (!(std::abs(rest_V(soc) - of_one_V) <= kTolerance_V)) {
-    throw OptionError(
-        fmt::format("initial voltage: expected one that v_oc(A) of the cell has, {:.4g} .. {:.4g} "
-                    "V, found {} V",
-                    cell.series * rest_V(cell.open_circuit_voltage.soc_lo()),
-                    cell.series * rest_V(cell.open_circuit_voltage.soc_hi()),
-                    voltage_V));
-  }
-  return soc;
 }
 
 }  // namespace lipoid

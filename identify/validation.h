@@ -73,10 +73,4 @@ class Validation {
                                           const Record& record,
                                           double initial_soc);
 
-/// The state of charge at which the pack rests with this voltage, at its reference temperature and as a
-/// prediction begins: with hysteresis a rest is not on v_oc(A). OptionError where it never has it.
-[[nodiscard]] double SocAtRestVoltage(const Cell& cell, double voltage_V);
-/// The same; the end that is nearer where it never has it.
-[[nodiscard]] double NearestSocAtRest(const Cell& cell, double voltage_V);
-
 }  // namespace lipoid

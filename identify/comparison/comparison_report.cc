@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/stages/staged_report.h"
+#include "model/battery/cell_parameters.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
 
@@ -74,7 +75,8 @@ Json ComparisonToJson(const Comparison& comparison, bool diffusion) {
   for (std::size_t k = 0; k < comparison.variables.size(); ++k) {
     const PulseVariable& v = comparison.variables[k];
     problem.push_back({{"parameter", v.name},
-                       {"unit", v.unit},
+                       {"unit", std::string(CellParameterUnit(v.name))},
+                       {"scale", v.unit},
                        {"logarithmic", v.logarithmic},
                        {"start", Entry(comparison.start, v)},
                        {"lower", v.lower},

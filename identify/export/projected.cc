@@ -54,11 +54,10 @@ void AddBoundNotes(const Projection& projection, Exported& exported) {
         "The search for the best numbers was cut short: they may not be the best ones.");
   if (!projection.at_bound.empty()) {
     exported.notes.push_back(fmt::format(
-        "{} {} at the bound that keeps {} physical: beyond it this law would be nearer to "
-        "the cell over this mission, and farther over others.",
+        "{} {} at a bound, of what the target takes or of what is physical: beyond it this law would be "
+        "nearer to the cell over this mission.",
         fmt::join(projection.at_bound, ", "),
-        projection.at_bound.size() == 1 ? "stands" : "stand",
-        projection.at_bound.size() == 1 ? "it" : "them"));
+        projection.at_bound.size() == 1 ? "stands" : "stand"));
   }
 }
 

@@ -96,11 +96,21 @@ void CheckGiven(const GivenParameters& given, const std::vector<std::string>& na
                                     high,
                                     kind.expected));
     }
-    const auto fixed = given.Fixed(name);
-    if (fixed && !(*fixed >= low && *fixed <= high)) {
+    const auto within = [&, name = name, low = low, high = high](
+                            std::string_view option, const std::optional<double>& value) {
+      if (!value || (*value >= low && *value <= high)) return;
       throw OptionError(fmt::format(
-          "--fix {0}={1} lies outside --bounds {0}={2},{3}", name, *fixed, low, high));
-    }
+          "--{0} {1}={2} lies outside --bounds {1}={3},{4}", option, name, *value, low, high));
+    };
+    within("fix", given.Fixed(name));
+    within("start", given.Start(name));
+  }
+  for (const auto& [name, value] : given.start) {
+    if (!given.Fixed(name)) continue;
+    throw OptionError(fmt::format(
+        "--start {}={}: --fix holds it, and what is held is not searched; leave one of the two out",
+        name,
+        value));
   }
   for (const std::string& name : names) {
     const auto found = FindCellParameter(name);

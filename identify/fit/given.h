@@ -34,8 +34,8 @@ struct GivenParameters {
 [[nodiscard]] std::vector<std::string> FitParameterNames(bool diffusion, int branches);
 
 /// Throws OptionError for a name that is not among `names`, a value or bounds outside the range of
-/// the parameter, bounds upside down, a held value outside its bounds, and for tau_j and c_j of one
-/// branch together, since either follows from the other.
+/// the parameter, bounds upside down, a held value or a start outside its bounds, a start of what is
+/// held, and for tau_j and c_j of one branch together, since either follows from the other.
 void CheckGiven(const GivenParameters& given, const std::vector<std::string>& names);
 
 }  // namespace lipoid

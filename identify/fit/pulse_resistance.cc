@@ -15,7 +15,11 @@ namespace {
 
 std::string Name(double after_s) { return fmt::format("R({})", after_s); }
 
-// The test as a log: at rest first, then a point after each time.
+// The state of charge moves during the test, and with it the resistances: steps are no longer than this.
+constexpr double kLongestStep_s = 0.5;
+
+// The test as a log: at rest first, then a point after each time. Points on the way have no weight, and
+// no row.
 JointLogs TestOf(const JointRates& rates,
                  const JointSetup& setup,
                  double typical_A,
@@ -24,24 +28,33 @@ JointLogs TestOf(const JointRates& rates,
   log.delivered_C = setup.AxisCharge(rates.alpha_C) * (1.0 - question.soc);
   // Where alpha is searched a log says how full it begins, and not which charge is gone.
   if (std::isfinite(rates.alpha_C)) log.delivered_C *= setup.alpha_C / rates.alpha_C;
-  const auto add = [&](double time_s, double step_A, double current_A) {
+  const auto add = [&](double time_s, double step_A, double current_A, double weight) {
     log.time_s.push_back(time_s);
     log.step_A.push_back(step_A);
     log.current_A.push_back(current_A);
     log.voltage_V.push_back(0.0);
-    log.count.push_back(1.0);
-    log.weight.push_back(1.0);
+    log.count.push_back(weight);
+    log.weight.push_back(weight);
     log.group.push_back(JointLog::kAlways);
     log.unit.push_back(JointLog::kAlways);
   };
-  add(0.0, 0.0, 0.0);
+  add(0.0, 0.0, 0.0, 1.0);
   log.interval.push_back(0);
   for (const double after_s : question.after_s) {
-    log.interval.push_back(static_cast<std::uint32_t>(log.interval_s.size()));
-    log.interval_s.push_back(after_s - log.time_s.back());
+    const double from_s = log.time_s.back();
+    const int steps = static_cast<int>(std::ceil((after_s - from_s) / kLongestStep_s));
+    const double step_s = (after_s - from_s) / steps;
+    for (int k = 1; k <= steps; ++k) {
+      log.interval.push_back(static_cast<std::uint32_t>(log.interval_s.size()));
+      const bool last = k == steps;
+      add(last ? after_s : from_s + k * step_s,
+          question.current_A,
+          question.current_A,
+          last ? 1.0 : 0.0);
+    }
+    log.interval_s.push_back(step_s);
     if (question.temperature_degC)
       log.interval_K.push_back(*question.temperature_degC + kZeroCelsius_K);
-    add(after_s, question.current_A, question.current_A);
   }
   log.rows = log.size();
   if (question.temperature_degC)

@@ -67,7 +67,7 @@ FlightProblem::FlightProblem(const FlightSamples& flight,
   };
   // What a flight starts with is hardly known before; a pack is not fuller than full.
   set(U::kStart, 0.8, 0.5, -0.05, 1.05);
-  set(U::kCapacity, 0.0, spread.log_capacity, -3.0, 1.5);
+  set(U::kCapacity, 0.0, spread.log_capacity, kLowestLogCapacity, kHighestLogCapacity);
   set(U::kSeries, 0.0, spread.log_series, -5.0, 4.0);
   set(U::kBranches, 0.0, spread.log_branches, -5.0, 4.0);
   set(U::kBeta, 0.0, spread.log_beta, -2.0, 2.0);

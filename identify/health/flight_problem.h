@@ -26,6 +26,10 @@ struct SensorSpread {
   double lag_s = 0.5;
 };
 
+/// Between these the logarithm of the capacity over that of the reference is searched.
+inline constexpr double kLowestLogCapacity = -3.0;
+inline constexpr double kHighestLogCapacity = 1.5;
+
 /// Degrees of freedom of what a flight says: its errors are weighed by noise that is itself
 /// estimated, from few independent slow errors.
 inline constexpr double kFlightFreedom = 12.0;

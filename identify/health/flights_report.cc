@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "identify/trust/trust_report.h"
 #include "model/battery/cell_parameters.h"
@@ -34,6 +36,13 @@ class Moved {
   struct Change {
     double value = 0.0;
     double variance = 0.0;  // less by this
+    double of = 0.0;        // of the variance that the covariance says; what is left of it is not 0
+
+    // Of a standard error. The covariance may say more than the variance that is known of the quantity, which
+    // was found in another way; not all of that goes then.
+    [[nodiscard]] double Share(double known) const {
+      return std::sqrt(std::clamp(1.0 - variance / std::max(known, of), 0.0, 1.0));
+    }
   };
   template <class Quantity>
   [[nodiscard]] Change Of(const Quantity& quantity) const {
@@ -47,7 +56,9 @@ class Moved {
       slope[k] = (at(kStep) - at(-kStep)) / (2.0 * kStep);
     }
     const double left = slope.dot(flights_.coordinate_covariance * slope);
-    return {quantity(flights_.cell) - quantity(by_lab_), slope.squaredNorm() - left};
+    return {quantity(flights_.cell) - quantity(by_lab_),
+            slope.squaredNorm() - left,
+            slope.squaredNorm()};
   }
 
  private:
@@ -59,6 +70,15 @@ class Moved {
 Cell OneOf(Cell cell) {
   cell.series = cell.parallel = 1;
   return cell;
+}
+
+// What a quantity of a cell can be.
+std::pair<double, double> RangeOf(const std::string& name) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  const auto found = FindCellParameter(name);
+  if (!found) return {0.0, kAny};  // a resistance at one state of charge
+  if (found->kind == nullptr || found->kind->any_sign) return {-kAny, kAny};
+  return {0.0, found->kind->upper};
 }
 
 Json IntervalOf(const WithInterval& value) { return {value.low, value.high}; }
@@ -93,11 +113,13 @@ void MoveTrust(const Cell& by_lab, const FlightsWithLab& flights, TrustReport& t
     if (!std::isfinite(q.standard_error) || q.standard_error <= 0.0) continue;
     if (!CellQuantity(before, q.name)) continue;
     const auto change = moved.Of([&](const Cell& cell) { return *CellQuantity(cell, q.name); });
-    const double variance = q.standard_error * q.standard_error;
-    const double share = std::sqrt(std::clamp(1.0 - change.variance / variance, 0.0, 1.0));
+    const double share = change.Share(q.standard_error * q.standard_error);
     const double estimate = q.estimate + change.value;
-    q.low = estimate - further * share * (q.estimate - q.low);
-    q.high = estimate + further * share * (q.high - q.estimate);
+    const auto [least, most] = RangeOf(q.name);
+    q.low = std::clamp(
+        estimate - further * share * (q.estimate - q.low), std::min(least, estimate), estimate);
+    q.high = std::clamp(
+        estimate + further * share * (q.high - q.estimate), estimate, std::max(most, estimate));
     q.estimate = estimate;
     q.standard_error *= share;
     q.model_standard_error *= share;
@@ -109,9 +131,10 @@ void MoveTrust(const Cell& by_lab, const FlightsWithLab& flights, TrustReport& t
     const double reach_Ohm = 0.5 * (pulse.high_Ohm - pulse.low_Ohm);
     // The reach is a number of standard errors that is between 2 and some: 2 takes no more away than there is.
     const double variance = 0.25 * reach_Ohm * reach_Ohm;
-    const double share = std::sqrt(std::clamp(1.0 - change.variance / variance, 0.0, 1.0));
+    const double share = change.Share(variance);
     const double now_Ohm = pulse.resistance_Ohm + change.value;
-    pulse.low_Ohm = now_Ohm - further * share * (pulse.resistance_Ohm - pulse.low_Ohm);
+    pulse.low_Ohm = std::max(std::min(0.0, now_Ohm),
+                             now_Ohm - further * share * (pulse.resistance_Ohm - pulse.low_Ohm));
     pulse.high_Ohm = now_Ohm + further * share * (pulse.high_Ohm - pulse.resistance_Ohm);
     pulse.resistance_Ohm = now_Ohm;
   }

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/fit_quality.h"
 #include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/logs/plausibility.h"
+#include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
@@ -29,6 +31,12 @@ constexpr double kGuessedOverFlown = 2.0;
 constexpr double kGuessedLogCapacity = 2.0;
 // Standard deviations from what was believed of the capacity, beyond which that was wrong.
 constexpr double kFarFromReference = 2.0;
+
+// Where a search ended at a limit of the capacity, the best of the range is not the best.
+bool AtLimit(double log_capacity) {
+  constexpr double kClose = 0.02;
+  return log_capacity < kLowestLogCapacity + kClose || log_capacity > kHighestLogCapacity - kClose;
+}
 
 WithInterval Symmetric(double value, double deviation) {
   const double reach = Reach95(kFlightFreedom) * deviation;
@@ -88,7 +96,9 @@ void AddCautions(const FlightSamples& samples,
         "old");
   }
   const double spread = fit.noise.white_V;
-  if (health.mean_error_percent > 1.0 || spread > 0.1) {
+  if (health.doubted_because.empty() &&
+      (GradeOf(health.mean_error_percent, kMeanErrorLimits_percent) != FitGrade::kGood ||
+       spread > 0.1)) {
     cautions.push_back(fmt::format(
         "the prediction is {:.2g} % off on average: the reference may be of another chemistry, or "
         "`series` wrong",
@@ -105,12 +115,48 @@ void AddCautions(const FlightSamples& samples,
         "the start is at its upper limit: the pack was fuller than the reference's full");
 }
 
+// Of the resistance when new: a cold and old cell has some times of it, no cell has much less of it.
+constexpr double kLeastResistance = 1.0 / 3.0;
+constexpr double kMostResistance = 6.0;
+
+// Another cell, or one of another size, can be bent until it fits.
+void DoubtTheResistance(double new_Ohm, FlightHealth& health) {
+  if (!health.doubted_because.empty() || !health.resistance_Ohm.known() || !(new_Ohm > 0.0)) return;
+  const double of_new = health.resistance_Ohm.value / new_Ohm;
+  if (of_new >= kLeastResistance && of_new <= kMostResistance) return;
+  health.doubted_because = fmt::format(
+      "the resistance would be {:.0f} % of new, and no cell becomes like this: is the reference another "
+      "cell, or the pack of another size (--capacity-Ah, --parallel, --series)? Then the capacity is "
+      "not that of the pack either",
+      100.0 * of_new);
+}
+
+// A cell whose voltage is another one's altogether says nothing of its age, however narrow the intervals about it.
+void DoubtTheFit(FlightHealth& health) {
+  if (GradeOf(health.mean_error_percent, kMeanErrorLimits_percent) != FitGrade::kPoor) return;
+  health.doubted_because = fmt::format(
+      "the reference does not describe this flight (mean error {:.2g} %; beyond {:g} % a fit says "
+      "nothing): is --series, --columns or the reference wrong?",
+      health.mean_error_percent,
+      kMeanErrorLimits_percent.fair);
+  for (WithInterval* quantity : {&health.soc_start,
+                                 &health.soc_end,
+                                 &health.capacity_Ah,
+                                 &health.counted_capacity_Ah,
+                                 &health.resistance_Ohm,
+                                 &health.counted_resistance_Ohm,
+                                 &health.current_scale,
+                                 &health.current_offset_A,
+                                 &health.lag_s})
+    *quantity = Unknown("the reference does not describe this flight");
+}
+
 FlightHealth AssessFlight(const ReferenceCell& reference,
                           const Log& log,
                           const HealthOptions& options) {
   Log one = log;
   DivideByPack(one.record, options.series, 1);
-  CheckPlausible(one.record, reference.cell.alpha_C() / 3600.0);
+  CheckPlausible(one.record, reference.cell.alpha_C() / 3600.0, options.series);
   const FlightSamples samples = SampleFlight(one);
   const Record& record = samples.record;
 
@@ -144,6 +190,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   slope.setZero();
   slope[U::kCapacity] = 1.0;
   const double of_capacity = Deviation(slope, covariance);
+  health.log_capacity = x[U::kCapacity];
   health.log_capacity_deviation = Deviation(slope, given);
   const double span = 100.0 * std::abs(true_C / alpha_C);
   if (health.log_capacity_deviation > kUselessCapacity) {
@@ -152,6 +199,19 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         "that is of the whole",
         span);
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+  } else if (AtLimit(x[U::kCapacity])) {
+    // How full the pack was went with the capacity.
+    const std::string because = fmt::format(
+        "this flight does not tell it: the search ended at its limit, {:.2g} times the {:.3g} Ah of the new "
+        "pack; the flight takes too little of the charge, {}, or --capacity-Ah is of another pack. "
+        "Give a flight that begins at rest and takes half of the charge",
+        std::exp(x[U::kCapacity]),
+        reference.cell.alpha_C() / 3600.0,
+        fit.starts_at_rest ? "at a voltage that the reference does not have there"
+                           : "it starts under load, so that its start is not known");
+    health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+    health.soc_start = health.soc_end =
+        Unknown("the search for the capacity ended at its limit, and the state of charge with it");
   } else if (std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity) {
     // What was believed of the capacity and what the flight says exclude one another.
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
@@ -190,6 +250,9 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.coherence = samples.coherence;
   health.mean_error_percent = fit.mean_error_percent;
   health.max_error_percent = fit.max_error_percent;
+  DoubtTheFit(health);
+  if (!reference.typical)
+    DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
   AddCautions(samples, fit, reference, health);
   return health;
 }
@@ -201,7 +264,7 @@ std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
   std::vector<TrendPoint> points;
   for (std::size_t k = 0; k < flights.size(); ++k) {
     const WithInterval& quantity = flights[k].*counted;
-    if (quantity.known())
+    if (quantity.known() && flights[k].same_rows_as.empty())
       points.push_back({static_cast<double>(k), quantity.value, flights[k].*deviation});
   }
   return FitTrend(points);
@@ -272,6 +335,9 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   report.new_resistance_Ohm = reference.typical
                                   ? std::numeric_limits<double>::quiet_NaN()
                                   : options.series * reference.cell.series_resistance_Ohm(0.5);
+  report.activation_energy_J_per_mol = reference.cell.temperature->series_J_per_mol;
+  report.reference_degC = CelsiusOf(reference.cell.temperature->reference_K);
+  report.temperature_assumed = reference.cell.temperature_assumed;
   // A guess by the charge of the flights cannot say that they hardly took any.
   const double busy_Ah =
       (guessed ? options.parallel * cell.alpha_C() : reference.cell.alpha_C()) / 3600.0;
@@ -285,6 +351,19 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
       problems[k] = error.diagnostics();
     }
   });
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    if (!problems[k].empty()) continue;
+    const auto same = std::find_if(
+        logs.begin(), logs.begin() + static_cast<std::ptrdiff_t>(k), [&](const Log& log) {
+          return HoldTheSameRows(log.record, logs[k].record);
+        });
+    if (same == logs.begin() + static_cast<std::ptrdiff_t>(k)) continue;
+    flights[k].same_rows_as = same->record.file;
+    flights[k].cautions.push_back(fmt::format(
+        "holds the same rows as {}, so that the trend leaves it out: leave one of the two out, or look "
+        "whether one was copied by mistake",
+        same->record.file));
+  }
   for (std::size_t k = 0; k < logs.size(); ++k) {
     report.refused.insert(report.refused.end(), problems[k].begin(), problems[k].end());
     if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));

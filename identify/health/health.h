@@ -61,6 +61,7 @@ struct FlightHealth {
   WithInterval counted_capacity_Ah;
   WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where the flight tells its own
   WithInterval counted_resistance_Ohm;
+  double log_capacity = 0.0;  ///< over the reference, as fitted, whether that is known or not
   double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
   double log_resistance_deviation = 0.0;
   WithInterval current_scale;  ///< true over shown
@@ -71,6 +72,11 @@ struct FlightHealth {
   double mean_error_percent = 0.0;
   double max_error_percent = 0.0;
   bool temperature_known = false;
+  /// Why the flight makes no sense against the reference; empty: it does. One that the reference does
+  /// not describe has no quantity that is known.
+  std::string doubted_because;
+  /// An earlier flight that this one is a copy of; the trend counts them once. Empty: none.
+  std::string same_rows_as;
   std::vector<std::string> cautions;
 };
 
@@ -80,6 +86,10 @@ struct HealthReport {
   bool capacity_told = false;       ///< the capacity is what the autopilot was told
   double new_capacity_Ah = 0.0;     ///< NaN: nobody says it, and the reference is a typical curve
   double new_resistance_Ohm = 0.0;  ///< of the pack; NaN where the reference says nothing of it
+  /// By which the resistance of a flight whose temperature is known becomes that at the reference temperature.
+  double activation_energy_J_per_mol = 0.0;
+  double reference_degC = 0.0;
+  bool temperature_assumed = false;  ///< the energy is a typical one
   std::vector<FlightHealth> flights;
   std::vector<Diagnostic> refused;  ///< flights that say nothing, beside others that do
   std::optional<HealthTrend> capacity_trend, resistance_trend;

@@ -1,9 +1,12 @@
 #include "identify/health/health_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "identify/stages/staged_report.h"
 #include "identify/trust/trust_report.h"
@@ -53,6 +56,9 @@ Json FlightToJson(const FlightHealth& flight) {
           {"coherence", NumberOrNull(flight.coherence)},
           {"mean_error_percent", NumberOrNull(flight.mean_error_percent)},
           {"max_error_percent", NumberOrNull(flight.max_error_percent)},
+          {"doubted_because",
+           flight.doubted_because.empty() ? Json(nullptr) : Json(flight.doubted_because)},
+          {"same_rows_as", flight.same_rows_as.empty() ? Json(nullptr) : Json(flight.same_rows_as)},
           {"cautions", flight.cautions}};
 }
 
@@ -83,12 +89,15 @@ std::string OneQuantity(
 std::string OneTrend(const char* name, const std::optional<HealthTrend>& trend) {
   if (!trend) return "";
   const WithInterval& change = trend->change_percent;
+  const auto shown = [](double percent) {
+    return 0.1 * std::round(10.0 * percent) + 0.0;  // never -0
+  };
   return fmt::format("{} changed by {:+.1f} % over {} flights, 95 % from {:+.1f} to {:+.1f} %",
                      name,
-                     change.value,
+                     shown(change.value),
                      trend->flights,
-                     change.low,
-                     change.high);
+                     shown(change.low),
+                     shown(change.high));
 }
 
 }  // namespace
@@ -108,7 +117,10 @@ Json HealthToJson(const HealthReport& report) {
            {{"name", report.reference},
             {"typical", report.typical},
             {"capacity_Ah", NumberOrNull(report.new_capacity_Ah)},
-            {"resistance_Ohm", NumberOrNull(report.new_resistance_Ohm)}}},
+            {"resistance_Ohm", NumberOrNull(report.new_resistance_Ohm)},
+            {"reference_degC", report.reference_degC},
+            {"activation_energy_J_per_mol", report.activation_energy_J_per_mol},
+            {"temperature_assumed", report.temperature_assumed}}},
           {"flights", std::move(flights)},
           {"refused", std::move(refused)},
           {"trend", std::move(trend)}};
@@ -139,11 +151,52 @@ Json FlightsAloneToJson(const FlightsAlone& found) {
 
 std::string HealthSentence(const HealthReport& report, const FlightHealth& flight) {
   constexpr double kMilli = 1e3;
-  std::string text = OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
+  const bool says_nothing = !flight.capacity_Ah.known() && !flight.resistance_Ohm.known();
+  if (!flight.doubted_because.empty() && says_nothing) return flight.doubted_because;
+  std::string text;
+  if (!flight.doubted_because.empty())
+    text = fmt::format("{}. By the fit: ", flight.doubted_because);
+  text += OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
   text += "; ";
   text +=
       OneQuantity("resistance", flight.resistance_Ohm, kMilli, "mOhm", report.new_resistance_Ohm);
   return text;
+}
+
+std::vector<std::string> FirstLines(const HealthReport& report) {
+  std::vector<std::string> lines;
+  std::vector<std::string> doubted;
+  for (const FlightHealth& flight : report.flights) {
+    if (!flight.doubted_because.empty()) doubted.push_back(flight.file);
+  }
+  if (!doubted.empty() && report.flights.size() > 1) {
+    lines.push_back(fmt::format("{} of {} flights make no sense against {}: {}",
+                                doubted.size(),
+                                report.flights.size(),
+                                report.reference,
+                                fmt::join(doubted, ", ")));
+  }
+  if (std::string trend = TrendSentence(report); !trend.empty()) lines.push_back(std::move(trend));
+  const FlightHealth& last = report.flights.back();
+  lines.push_back((report.flights.size() > 1 ? last.file + ": " : "") +
+                  HealthSentence(report, last));
+  return lines;
+}
+
+std::string TemperatureSentence(const HealthReport& report) {
+  if (std::none_of(report.flights.begin(), report.flights.end(), [](const FlightHealth& flight) {
+        return flight.temperature_known && flight.resistance_Ohm.known();
+      }))
+    return "";
+  return fmt::format(
+      "The resistance is that at {:g} degC, by the temperature of the flight and an activation energy of {:g} "
+      "kJ/mol{}.",
+      report.reference_degC,
+      1e-3 * report.activation_energy_J_per_mol,
+      report.temperature_assumed
+          ? fmt::format(", a typical value that is assumed: {} knows no temperature",
+                        report.reference)
+          : fmt::format(", that of {}", report.reference));
 }
 
 std::string TrendSentence(const HealthReport& report) {

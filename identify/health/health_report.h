@@ -5,6 +5,7 @@
 /// tests/tools/health_test.cc.
 
 #include <string>
+#include <vector>
 
 #include "identify/health/flights_alone.h"
 #include "identify/health/health.h"
@@ -19,6 +20,12 @@ namespace lipoid {
 
 /// "capacity 1.21 Ah (81 % of new), 95 % from 1.15 to 1.27 Ah; resistance ...", of one flight.
 [[nodiscard]] std::string HealthSentence(const HealthReport& report, const FlightHealth& flight);
+
+/// What is to be read first: which flights make no sense, the trend, and what the last flight says.
+[[nodiscard]] std::vector<std::string> FirstLines(const HealthReport& report);
+
+/// "The resistance is that at 25 degC, by ...", where the temperature of a flight is known; else "".
+[[nodiscard]] std::string TemperatureSentence(const HealthReport& report);
 
 /// "capacity fell by 30 % over 60 flights, 95 % from 28 to 32 %"; "" where there is no trend.
 [[nodiscard]] std::string TrendSentence(const HealthReport& report);

@@ -5,11 +5,14 @@
 #include <algorithm>
 
 #include "identify/fit/fit_profile.h"
+#include "identify/joint/held_shape.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
-void CheckJointProfile(const std::vector<std::string>& names) {
+namespace {
+
+void RefuseConventions(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (name == "alpha") {
       throw OptionError(
@@ -26,11 +29,54 @@ void CheckJointProfile(const std::vector<std::string>& names) {
   }
 }
 
+// With every term that may be chosen, and as many branches.
+JointStructure Richest(const StagedGiven& given, const JointOptions& options) {
+  JointStructure structure;
+  const auto has = [&](Presence presence, bool of_reference) {
+    return given.reference ? of_reference : presence != Presence::kOff;
+  };
+  const Cell held = given.reference ? given.reference->cell : Cell();
+  structure.branches = given.reference         ? static_cast<int>(held.branches.size())
+                       : options.branches >= 0 ? options.branches
+                                               : options.most_branches + 1;
+  structure.self_heating = has(options.self_heating, held.self_heating.has_value());
+  structure.charge_transfer = has(options.charge_transfer, held.charge_transfer.has_value());
+  structure.temperature = has(options.temperature, held.temperature.has_value());
+  if (has(options.hysteresis, held.hysteresis.has_value())) structure.hysteresis_soc = {0.5};
+  return structure;
+}
+
+}  // namespace
+
+void CheckJointProfile(const std::vector<std::string>& names,
+                       const StagedGiven& given,
+                       const JointOptions& options,
+                       bool diffusion) {
+  RefuseConventions(names);
+  GivenParameters known = given.parameters;
+  if (given.reference) known.fixed.merge(given.reference->Rates());
+  JointStructure structure = Richest(given, options);
+  Profiled offered;
+  const auto add = [](const std::vector<std::string>& from, std::vector<std::string>& to) {
+    for (const std::string& name : from) {
+      if (std::find(to.begin(), to.end(), name) == to.end()) to.push_back(name);
+    }
+  };
+  for (const SharedEnergies shared :
+       {SharedEnergies::kNone, SharedEnergies::kAllButSeries, SharedEnergies::kAll}) {
+    structure.shared_energies = shared;
+    const Profiled one = ProfiledNames(structure, diffusion, false, known);
+    add(one.free, offered.free);
+    add(one.fixed, offered.fixed);
+  }
+  CheckProfileNames(names, offered.free, offered.fixed);
+}
+
 std::vector<Profile> ProfileJoint(const std::vector<std::string>& names,
                                   const JointResult& result,
                                   const TrustReport& trust,
                                   const std::map<std::string, std::pair<double, double>>& bounds) {
-  CheckJointProfile(names);
+  RefuseConventions(names);
   const JointSolution& best = result.choice.best;
   const GivenParameters known{.fixed = result.fixed, .bounds = bounds};
   const Profiled offered = ProfiledNames(best.structure, result.setup.diffusion, false, known);

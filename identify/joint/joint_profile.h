@@ -15,8 +15,11 @@
 
 namespace lipoid {
 
-/// Throws OptionError for names that no joint run can profile, whatever it chooses.
-void CheckJointProfile(const std::vector<std::string>& names);
+/// Throws OptionError for names that no joint run of these options can profile, whatever it chooses.
+void CheckJointProfile(const std::vector<std::string>& names,
+                       const StagedGiven& given,
+                       const JointOptions& options,
+                       bool diffusion);
 
 /// Names are those of the trust report: branches by rising time constant. `bounds` are those that
 /// the run had. Throws OptionError for a name that this run does not have, or that was given, and

@@ -10,7 +10,9 @@
 #include <exception>
 
 #include "identify/fit/cell_of_solution.h"
+#include "identify/joint/joint_request.h"
 #include "identify/validation.h"
+#include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/core/special_values.h"
@@ -31,34 +33,19 @@ OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, dou
   return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
 }
 
-// What is given, checked; without --branches the data say how many there are, and none has a name.
-const GivenParameters& Checked(const GivenParameters& given, int branches, bool diffusion) {
-  if (branches < 0 && given.NamesABranch()) {
-    throw OptionError(
-        "--fix and --bounds of a branch need --branches: without it the joint method chooses how "
-        "many branches there are");
-  }
-  CheckGiven(given, FitParameterNames(diffusion, branches));
-  for (const auto& [name, value] : given.fixed) {
-    if (!name.starts_with("c_")) continue;
-    throw OptionError(fmt::format(
-        "--fix {}: the joint method knows branches by their time constants; fix tau_{} instead",
-        name,
-        name.substr(2)));
-  }
-  for (const auto& [name, ends] : given.bounds) {
-    if (name == "beta" || name.starts_with("tau_")) continue;
-    throw OptionError(fmt::format("--bounds {}: the joint method bounds beta and tau_j", name));
-  }
-  if (!given.start.empty()) {
-    throw OptionError(fmt::format("--start {}: the joint method searches a grid and needs no start",
-                                  given.start.begin()->first));
-  }
-  return given;
+// A cell that is held diffuses, or does not.
+StagedOptions KeepingTo(const HeldShape* held, StagedOptions options) {
+  if (held != nullptr) options.pulses.diffusion = held->cell.diffusion.has_value();
+  return options;
 }
 
 // A fit by another alpha is better, and not only by what smoothness and nodes make of it.
 constexpr double kClearlyBetter = 0.9;
+
+// A capacity that the last slope of v_oc leads to, from one that the logs moved.
+bool IsNear(double alpha_C, double from_C) {
+  return alpha_C > 0.5 * from_C && alpha_C < 2.0 * from_C;
+}
 
 class JointRun {
  public:
@@ -70,11 +57,12 @@ class JointRun {
            const StageProgress& progress)
       : campaign_(campaign),
         logs_(logs),
-        staged_options_(staged_options),
+        staged_options_(KeepingTo(given.reference.get(), staged_options)),
         options_(options),
         given_(given),
         progress_(progress),
-        known_(Checked(given.parameters, options.branches, staged_options.pulses.diffusion)) {
+        known_(given.parameters) {
+    CheckJointRequest(given, options, staged_options.pulses.diffusion);
     if (given.reference) Hold(given.reference);
   }
 
@@ -103,25 +91,6 @@ class JointRun {
   }
 
  private:
-  // What a reference holds is not chosen beside it.
-  void RefuseBesideAReference() const {
-    const auto refuse = [](bool given, std::string_view option) {
-      if (given)
-        throw OptionError(fmt::format(
-            "option {}: --reference holds the terms of its cell; leave one of the two out",
-            option));
-    };
-    refuse(options_.branches >= 0, "--branches");
-    refuse(options_.resistance_nodes > 0, "--set joint.resistance_nodes");
-    for (const auto& [presence, name] : {std::pair{options_.self_heating, "self_heating"},
-                                         std::pair{options_.charge_transfer, "charge_transfer"},
-                                         std::pair{options_.temperature, "temperature"},
-                                         std::pair{options_.entropy, "entropy"},
-                                         std::pair{options_.hysteresis, "hysteresis"},
-                                         std::pair{options_.current_offset, "current_offset"}})
-      refuse(presence != Presence::kAuto, fmt::format("--set joint.{}", name));
-  }
-
   // The terms of the cell that is held, and its rates; only beta, alpha and resistances are left.
   void Hold(const std::shared_ptr<const HeldShape>& held) {
     const Cell& cell = held->cell;
@@ -131,7 +100,6 @@ class JointRun {
           return log.entry.kind == LogKind::kValidation || log.entry.ambient_degC ||
                  !log.log.record.temperature_degC.empty();
         });
-    RefuseBesideAReference();
     options_.branches = static_cast<int>(cell.branches.size());
     options_.self_heating = presence(cell.self_heating.has_value());
     options_.charge_transfer = presence(cell.charge_transfer.has_value());
@@ -248,9 +216,11 @@ class JointRun {
       return;
     }
     double alpha_C = staged.alpha_C;
+    source_of_start_ = staged.alpha_source;
     for (const LoadedLog& log : logs_) {
       if (log.entry.kind == LogKind::kLowRate && staged.low_rate_charge_C > 0.0) {
         alpha_C = staged.low_rate_charge_C / log.entry.initial_soc;
+        source_of_start_ = "low-rate-charge";
         break;
       }
     }
@@ -280,7 +250,7 @@ class JointRun {
       search();
       if (rough.x.size() == 0) return;
       const double next_C = alpha_C * (1.0 - Cutoff(rough).soc);
-      if (!(next_C > 0.5 * alpha_C && next_C < 2.0 * alpha_C)) return;
+      if (!IsNear(next_C, alpha_C)) return;
       const double change = std::abs(next_C / alpha_C - 1.0);
       alpha_C = next_C;
       if (change < 1e-5) break;
@@ -387,6 +357,7 @@ class JointRun {
     JointSolution& best = result_.choice.best;
     const CutoffPoint cutoff = Cutoff(best);
     if (!cutoff.found || best.structure.voltage_soc != CurveNodes()) return;
+    if (!IsNear(result_.setup.alpha_C * (1.0 - cutoff.soc), result_.setup.alpha_C)) return;
     Prepare(result_.setup.alpha_C * (1.0 - cutoff.soc));
     best.structure.voltage_soc = CurveNodes();
     const JointObservations seen(result_.logs, result_.setup);
@@ -417,8 +388,21 @@ class JointRun {
     // costs nothing.
     double alpha_C = setup.alpha_C;
     if (result_.alpha_source == "cut-off") {
-      result_.cutoff = Cutoff(best);
-      alpha_C *= 1.0 - result_.cutoff.soc;
+      const CutoffPoint cutoff = Cutoff(best);
+      const double at_cutoff_C = alpha_C * (1.0 - cutoff.soc);
+      if (IsNear(at_cutoff_C, alpha_C)) {
+        result_.cutoff = cutoff;
+        alpha_C = at_cutoff_C;
+      } else {
+        result_.alpha_source = source_of_start_;
+        result_.cautions.push_back(fmt::format(
+            "v_oc(A) of these logs does not lead to the cut-off of {:.4g} V within twice "
+            "their charge: alpha is {:.4g} Ah, as the first stage has it ({}). Look whether "
+            "the cut-off is that of one cell, and `series` right",
+            *campaign_.cutoff_V,
+            alpha_C / 3600.0,
+            result_.alpha_source));
+      }
     } else if (free_alpha_) {
       alpha_C = best.rates.alpha_C;
     }
@@ -504,6 +488,24 @@ class JointRun {
       result_.constant_current = ValidateConstantCurrents(result_.cell, logs_);
   }
 
+  // What a --fix says is not as in the reference.
+  [[nodiscard]] std::vector<std::string> HeldNames(const HeldShape& held) const {
+    std::vector<std::string> names = held.Names();
+    std::erase_if(names, [&](const auto& name) { return given_.parameters.Fixed(name); });
+    return names;
+  }
+
+  [[nodiscard]] std::vector<std::string> FittedBesideAReference(const HeldShape& held) const {
+    std::vector<std::string> fitted;
+    if (free_alpha_) fitted.emplace_back("alpha");
+    if (result_.setup.diffusion && !known_.Fixed("beta")) fitted.emplace_back("beta");
+    for (const std::string& name : CellResistanceNames(held.cell)) {
+      if (!known_.Fixed(name)) fitted.push_back(name);
+    }
+    if (held.cell.self_heating) fitted.emplace_back("rho_h");
+    return fitted;
+  }
+
   void NameCautions() {
     auto& say = result_.cautions;
     const JointSolution& best = result_.choice.best;
@@ -511,9 +513,10 @@ class JointRun {
     if (const auto& held = result_.setup.held) {
       say.push_back(fmt::format(
           "held as in {}: {}, and the shapes of the resistances over A where these logs "
-          "say nothing; fitted: alpha, beta and the resistances",
+          "say nothing; fitted: {}",
           held->source,
-          fmt::join(held->Names(), ", ")));
+          fmt::join(HeldNames(*held), ", "),
+          fmt::join(FittedBesideAReference(*held), ", ")));
     }
     for (const auto& name : best.at_bound) {
       say.push_back(
@@ -598,13 +601,14 @@ class JointRun {
 
   const Campaign& campaign_;
   const std::vector<LoadedLog>& logs_;
-  const StagedOptions& staged_options_;
+  StagedOptions staged_options_;
   JointOptions options_;
   const StagedGiven& given_;
   const StageProgress& progress_;
   GivenParameters known_;
   bool curve_given_ = false;
   bool free_alpha_ = false;        // alpha is one of the unknowns
+  std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most
   JointResult result_;
 };

@@ -323,8 +323,7 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
       log.initial_soc = arguments.initial_soc;
       for (const CampaignLog& other : campaign.logs) {
         if (SamePart(log, other)) {
-          throw OptionError(
-              fmt::format("--{}: '{}' is given twice; name each log once", NameOf(kind), file));
+          throw OptionError(fmt::format("'{}' is given twice; name each log once", file));
         }
       }
       campaign.logs.push_back(std::move(log));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace lipoid {
 namespace {
@@ -19,6 +20,40 @@ void PreferHugePages(void* begin, std::size_t bytes) {
   std::size_t room = bytes;
   void* const first = std::align(kPage, kPage, begin, room);
   if (first != nullptr) ::madvise(first, room / kPage * kPage, MADV_HUGEPAGE);
+}
+
+// A hole that a straight line may bridge: a few rows, or a short time.
+constexpr std::size_t kMostBridgedRows = 3;
+constexpr double kLongestBridge_s = 60.0;
+
+// Fills the rows without a number between rows that have one; at an end the nearest stands for them.
+// Returns how many there were, 0 where a hole is too large: then nothing changes.
+std::size_t BridgeHoles(const Column& time_s, Column& values) {
+  const std::size_t size = values.size();
+  std::vector<double> filled = values.ToVector();
+  std::size_t rows = 0;
+  for (std::size_t first = 0; first < size; ++first) {
+    if (!std::isnan(filled[first])) continue;
+    std::size_t next = first;
+    while (next < size && std::isnan(filled[next])) ++next;
+    const bool begins = first == 0;
+    const bool ends = next == size;
+    if (begins && ends) return 0;
+    const std::size_t from = begins ? 0 : first - 1;
+    const std::size_t to = ends ? size - 1 : next;
+    const double length_s = time_s[to] - time_s[from];
+    if (next - first > kMostBridgedRows && length_s > kLongestBridge_s) return 0;
+    for (std::size_t k = first; k < next; ++k) {
+      const double share = (time_s[k] - time_s[from]) / length_s;
+      filled[k] = begins ? filled[next]
+                  : ends ? filled[from]
+                         : filled[from] + share * (filled[next] - filled[from]);
+    }
+    rows += next - first;
+    first = next;
+  }
+  values = std::move(filled);
+  return rows;
 }
 
 }  // namespace
@@ -73,6 +108,10 @@ Log Collector::Finish() {
   }
   if (log_.record.size() == 0) FailUnselected();
   log_.report.thinned = thinning_.Finish(log_.record, directions_, log_.report.labels, Volt());
+  if (drops_temperature_ && !log_.report.thinned) {
+    bridged_temperatures_ = BridgeHoles(log_.record.time_s, log_.record.temperature_degC);
+    drops_temperature_ = bridged_temperatures_ == 0;
+  }
   if (drops_temperature_) log_.record.temperature_degC.clear();
   if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
     const double start_s = log_.record.time_s.front();

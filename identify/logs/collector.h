@@ -3,7 +3,8 @@
 /// @file
 /// Takes the blocks of a table into a record in SI units: row by row where something must be left out.
 /// Rows with a repeated time are dropped and counted, and so are those outside of what was chosen.
-/// More rows than memory should hold are thinned (thinning.h). Tests: tests/identify/logs/log_test.cc.
+/// More rows than memory should hold are thinned (thinning.h). A short hole in the temperature is
+/// bridged, a longer one leaves the column out. Tests: tests/identify/logs/log_test.cc.
 
 #include <cstddef>
 #include <cstdint>
@@ -44,6 +45,8 @@ class Collector {
   [[nodiscard]] Record HandOn();
   [[nodiscard]] std::vector<std::int8_t>& directions() { return directions_; }
   [[nodiscard]] bool drops_temperature() const { return drops_temperature_; }
+  /// Rows whose temperature is that of a straight line between their neighbours.
+  [[nodiscard]] std::size_t bridged_temperatures() const { return bridged_temperatures_; }
   [[nodiscard]] bool unix_clock() const { return unix_start_s_ != 0.0; }
 
  private:
@@ -89,6 +92,7 @@ class Collector {
   bool has_labels_ = false;
   bool clock_is_set_ = false;
   bool drops_temperature_ = false;
+  std::size_t bridged_temperatures_ = 0;
   bool hands_on_ = false;                                     // rows are not kept
   double last_s_ = -std::numeric_limits<double>::infinity();  // of the row taken last
   double unix_start_s_ = 0.0;

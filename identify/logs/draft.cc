@@ -7,8 +7,11 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <system_error>
+#include <utility>
 
 #include "model/core/foreign_text.h"
+#include "model/core/run_record.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -172,7 +175,13 @@ class Drafting {
   }
 
   void CollectTests(const std::vector<InspectedFile>& files) {
+    SameSize by_size;
     for (const InspectedFile& file : files) {
+      if (const std::string copied = CopiedFrom(file.file, by_size); !copied.empty()) {
+        draft_.unused.emplace_back(Relative(file.file),
+                                   fmt::format("holds the same bytes as {}", Relative(copied)));
+        continue;
+      }
       if (!file.inspection) {
         draft_.unused.emplace_back(Relative(file.file), file.problems.front().message);
         continue;
@@ -181,6 +190,32 @@ class Drafting {
       if (file.inspection->parts.empty()) tests_.push_back({&file, *file.inspection, series});
       for (const Inspection& part : file.inspection->parts) tests_.push_back({&file, part, series});
     }
+  }
+
+  // Files of one size by the SHA-256 of their bytes, which of a first one is not known yet.
+  struct OfOneSize {
+    std::string unread;
+    std::map<std::string, std::string> by_sum;
+  };
+  using SameSize = std::map<std::uintmax_t, OfOneSize>;
+
+  // The file before with the same bytes; "" where there is none. Only what has one size is read, once.
+  static std::string CopiedFrom(const std::string& file, SameSize& by_size) {
+    std::error_code none;
+    if (!fs::is_regular_file(file, none)) return "";
+    const std::uintmax_t size = fs::file_size(file, none);
+    if (none) return "";
+    OfOneSize& others = by_size[size];
+    if (others.by_sum.empty() && others.unread.empty()) {
+      others.unread = file;
+      return "";
+    }
+    if (!others.unread.empty()) {
+      const std::string first = std::exchange(others.unread, "");
+      others.by_sum.emplace(Sha256OfFile(first), first);
+    }
+    const auto [same, fresh] = others.by_sum.emplace(Sha256OfFile(file), file);
+    return fresh ? "" : same->second;
   }
 
   // The pack that most of the tests show.

@@ -6,12 +6,14 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
+#include "identify/logs/same_rows.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 
@@ -25,11 +27,19 @@ namespace {
 constexpr double kLeastOfFullDischarge = 0.2;
 constexpr double kLeastOfAnyLog = 0.003;
 
+[[noreturn]] void Refuse(const Campaign& campaign,
+                         std::string_view option,
+                         std::string_view key,
+                         const std::string& message) {
+  if (campaign.file.empty()) throw OptionError(fmt::format("option --{}: {}", option, message));
+  throw LoadError({campaign.file}, fmt::format("{}: {}", key, message));
+}
+
 // A capacity in mAh, or times in minutes under a header of seconds, are off by a factor of 60 or
 // 1000.
 void CheckCapacity(const Campaign& campaign,
                    const std::vector<LoadedLog>& logs,
-                   const std::vector<double>& range_C) {
+                   const std::vector<ChargeMoved>& moved) {
   if (!(campaign.capacity_Ah > 0.0)) return;
   double full_Ah = 0.0;
   double any_Ah = 0.0;
@@ -37,7 +47,7 @@ void CheckCapacity(const Campaign& campaign,
   for (std::size_t k = 0; k < logs.size(); ++k) {
     const LoadedLog& log = logs[k];
     if (log.entry.kind == LogKind::kValidation) continue;
-    const double range_Ah = range_C[k] / 3600.0;
+    const double range_Ah = moved[k].range_C() / 3600.0;
     any_Ah = std::max(any_Ah, range_Ah);
     fits = true;
     const bool discharge =
@@ -47,33 +57,88 @@ void CheckCapacity(const Campaign& campaign,
   const bool too_little = full_Ah > 0.0 ? full_Ah < kLeastOfFullDischarge * campaign.capacity_Ah
                                         : fits && any_Ah < kLeastOfAnyLog * campaign.capacity_Ah;
   if (!too_little) return;
-  const std::string message = fmt::format(
-      "expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at most; is the "
-      "capacity in mAh, or are times in minutes or currents in another unit than their headers say?",
-      campaign.capacity_Ah,
-      full_Ah > 0.0 ? full_Ah : any_Ah);
-  if (campaign.file.empty()) throw OptionError("option --capacity-Ah: " + message);
-  throw LoadError({campaign.file}, "capacity_Ah: " + message);
+  Refuse(campaign,
+         "capacity-Ah",
+         "capacity_Ah",
+         fmt::format("expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at "
+                     "most; is the capacity in mAh, or are times in minutes or currents in another "
+                     "unit than their headers say?",
+                     campaign.capacity_Ah,
+                     full_Ah > 0.0 ? full_Ah : any_Ah));
 }
 
-// A log of the pack becomes one of a cell. `range_C` becomes the charge that it moves.
-LoadedLog OneOfCell(const Campaign& campaign, const CampaignLog& entry, Log log, double& range_C) {
+// v_oc(A) would have to be followed upwards to it.
+void CheckCutoff(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
+  if (!campaign.cutoff_V) return;
+  double highest_V = 0.0;
+  for (const LoadedLog& log : logs) {
+    const auto& voltage_V = log.log.record.voltage_V;
+    if (log.entry.kind == LogKind::kValidation || log.entry.kind == LogKind::kFlight ||
+        voltage_V.empty())
+      continue;
+    // Most logs begin above it, and long ones need not be read again.
+    highest_V = std::max(highest_V,
+                         voltage_V.front() > *campaign.cutoff_V ? voltage_V.front()
+                                                                : FindExtent(voltage_V).most);
+  }
+  if (highest_V == 0.0 || highest_V > *campaign.cutoff_V) return;
+  Refuse(campaign,
+         "cutoff-V",
+         "cutoff_V",
+         fmt::format("expected a voltage that a discharge ends at, found {:.4g} V, and no log of this "
+                     "cell is above {:.4g} V; the cut-off is that of one cell",
+                     *campaign.cutoff_V,
+                     highest_V));
+}
+
+// No lithium cell takes so much more than its capacity: a sensor turned round does.
+void RefuseOverfull(const Campaign& campaign,
+                    const CampaignLog& entry,
+                    const Record& record,
+                    const ChargeMoved& moved) {
+  constexpr double kMostBeyondFull = 0.3;  // of the capacity
+  if (entry.kind != LogKind::kPulses || !(campaign.capacity_Ah > 0.0)) return;
+  const double charged_Ah = -moved.least_C / 3600.0;
+  const double beyond = entry.initial_soc + charged_Ah / campaign.capacity_Ah - 1.0;
+  if (beyond <= kMostBeyondFull) return;
+  throw LoadError(
+      {record.file},
+      fmt::format(
+          "expected pulses of a cell that is full at most, found {:.3g} Ah of charging from a "
+          "state of charge of {:.4g} of {:.4g} Ah on; turn the current round (`current_sign`), "
+          "or say where the log starts (`initial_soc`)",
+          charged_Ah,
+          entry.initial_soc,
+          campaign.capacity_Ah));
+}
+
+// A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
+LoadedLog OneOfCell(const Campaign& campaign,
+                    const CampaignLog& entry,
+                    Log log,
+                    ChargeMoved& moved) {
   RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
   DivideByPack(log.record, campaign.series, campaign.parallel);
-  range_C = CheckPlausible(log.record, campaign.capacity_Ah);
+  moved = CheckPlausible(log.record, campaign.capacity_Ah, campaign.series, campaign.parallel);
+  RefuseOverfull(campaign, entry, log.record, moved);
   return {entry, std::move(log)};
+}
+
+// Under two names; one file may stand under several kinds.
+bool AreCopies(const LoadedLog& a, const LoadedLog& b) {
+  return a.entry.path != b.entry.path && HoldTheSameRows(a.log.record, b.log.record);
 }
 
 }  // namespace
 
 std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
   std::vector<LoadedLog> logs(campaign.logs.size());
-  std::vector<double> range_C(logs.size());
+  std::vector<ChargeMoved> moved(logs.size());
   std::vector<LogToRead> files;
   files.reserve(campaign.logs.size());
   for (const CampaignLog& entry : campaign.logs) files.push_back({entry.path, entry.read});
   const auto problems = ReadLogs(files, [&](std::size_t k, Log log) {
-    logs[k] = OneOfCell(campaign, campaign.logs[k], std::move(log), range_C[k]);
+    logs[k] = OneOfCell(campaign, campaign.logs[k], std::move(log), moved[k]);
   });
   // In the order of the campaign, whatever the threads did. A file that stands in several places
   // speaks once; where several are bad, each has one line.
@@ -86,7 +151,8 @@ std::vector<LoadedLog> LoadCampaign(const Campaign& campaign) {
     all.insert(all.end(), problems[k].begin(), problems[k].end());
   }
   if (!bad.empty()) throw LoadError(bad.size() == 1 ? all : first);
-  CheckCapacity(campaign, logs, range_C);
+  CheckCapacity(campaign, logs, moved);
+  CheckCutoff(campaign, logs);
   return logs;
 }
 
@@ -94,10 +160,11 @@ std::vector<LoadedLog> TakeLogs(const Campaign& campaign, std::vector<Log> logs)
   Require(logs.size() == campaign.logs.size(), "one log for each entry of the campaign");
   std::vector<LoadedLog> taken;
   taken.reserve(logs.size());
-  std::vector<double> range_C(logs.size());
+  std::vector<ChargeMoved> moved(logs.size());
   for (std::size_t k = 0; k < logs.size(); ++k)
-    taken.push_back(OneOfCell(campaign, campaign.logs[k], std::move(logs[k]), range_C[k]));
-  CheckCapacity(campaign, taken, range_C);
+    taken.push_back(OneOfCell(campaign, campaign.logs[k], std::move(logs[k]), moved[k]));
+  CheckCapacity(campaign, taken, moved);
+  CheckCutoff(campaign, taken);
   return taken;
 }
 
@@ -132,6 +199,19 @@ std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {
                     other.current_sign,
                     loaded.entry.file,
                     report.current_sign));
+  }
+  const auto held_out = [](const LoadedLog& log) { return log.entry.kind == LogKind::kValidation; };
+  for (auto log = logs.begin(); log != logs.end(); ++log) {
+    const auto same = std::find_if(
+        logs.begin(), log, [&](const LoadedLog& other) { return AreCopies(other, *log); });
+    if (same == log) continue;
+    add(fmt::format(
+        "{} holds the same rows as {}, {}: leave one of the two out, or look whether one "
+        "was copied by mistake",
+        log->entry.file,
+        same->entry.file,
+        held_out(*same) == held_out(*log) ? "which therefore count twice"
+                                          : "and so does not test the fit, which has seen them"));
   }
   return notes;
 }

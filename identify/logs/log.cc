@@ -274,6 +274,11 @@ void AddNotes(const TextSource& source,
          fmt::format("dates such as 03/04/2021 are read with the {} first, as they say themselves",
                      *order == DateOrder::kMonthFirst ? "month" : "day"));
   }
+  if (const std::size_t rows = collector.bridged_temperatures(); rows > 0) {
+    report.warnings.push_back(fmt::format(
+        "{} without a temperature, which is taken from a straight line between the rows around",
+        rows == 1 ? "1 row" : fmt::format("{} rows", rows)));
+  }
   if (collector.drops_temperature()) {
     report.warnings.emplace_back(
         "temperature left out, for some rows hold no number: what needs it goes on without");
@@ -352,7 +357,10 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
 
 // The whole of an autopilot's log: what it says of one battery is a small part of it.
 Log ReadFlight(TextSource& source, const AutopilotFormat& format, const ReadOptions& options) {
-  return FlightLog(source.file(), format, format.read(source.Rest(kMostFlightBytes)), options);
+  Log log = FlightLog(source.file(), format, format.read(source.Rest(kMostFlightBytes)), options);
+  std::vector<std::int8_t> none;  // directions: the sign is that of the format
+  if (!options.voltage_optional) DropSpikes(log, none);
+  return log;
 }
 
 Log ReadSource(TextSource& source, const ReadOptions& options, const SignOfOthers& others) {

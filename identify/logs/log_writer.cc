@@ -7,6 +7,14 @@
 #include "model/core/errors.h"
 
 namespace lipoid {
+namespace {
+
+std::string_view StateOf(double current_A) {
+  if (current_A > 0.0) return "discharge";
+  return current_A < 0.0 ? "charge" : "rest";
+}
+
+}  // namespace
 
 void LogWriter::Add(const Record& rows) {
   if (!csv_) {
@@ -16,6 +24,7 @@ void LogWriter::Add(const Record& rows) {
     const std::string_view temperature =
         format_ == LogFileFormat::kBdf ? ",Temperature T1 / degC" : ",temperature_degC";
     if (has_temperature_) header += temperature;
+    if (states_) header += format_ == LogFileFormat::kBdf ? ",Step Type" : ",state";
     csv_.emplace(file_, header);
   }
   Require(rows.current_A.size() == rows.size() && rows.voltage_V.size() == rows.size() &&
@@ -23,7 +32,14 @@ void LogWriter::Add(const Record& rows) {
           "columns of equal length");
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double i_A = format_ == LogFileFormat::kBdf ? 0.0 - rows.current_A[k] : rows.current_A[k];
-    if (has_temperature_) {
+    if (states_) {
+      const std::string_view state = StateOf(rows.current_A[k]);
+      if (has_temperature_) {
+        csv_->RowWithWord(state, rows.time_s[k], i_A, rows.voltage_V[k], rows.temperature_degC[k]);
+      } else {
+        csv_->RowWithWord(state, rows.time_s[k], i_A, rows.voltage_V[k]);
+      }
+    } else if (has_temperature_) {
       csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k], rows.temperature_degC[k]);
     } else {
       csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k]);

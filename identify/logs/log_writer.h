@@ -25,7 +25,10 @@ constexpr std::array<std::pair<LogFileFormat, std::string_view>, 2> OptionNames(
 /// Rows that come in blocks, each with the same columns. The file appears with Commit().
 class LogWriter {
  public:
-  LogWriter(std::string file, LogFileFormat format) : file_(std::move(file)), format_(format) {}
+  /// With `states` a column says of each row whether it discharges, charges or rests: what readers know
+  /// the sign of the current by, where its voltage does not settle it.
+  LogWriter(std::string file, LogFileFormat format, bool states = false)
+      : file_(std::move(file)), format_(format), states_(states) {}
 
   void Add(const Record& rows);
   /// OptionError where the file cannot be written.
@@ -34,6 +37,7 @@ class LogWriter {
  private:
   std::string file_;
   LogFileFormat format_;
+  bool states_ = false;
   bool has_temperature_ = false;
   std::optional<CsvWriter> csv_;  // from the first block on
 };

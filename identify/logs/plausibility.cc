@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
-#include "identify/logs/columns.h"
 
 namespace lipoid {
 namespace {
@@ -18,6 +18,8 @@ constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 // One cell, from a half cell at rest to a lithium cell under fast charge.
 constexpr double kMostCell_V = 6.0;
 constexpr double kLeastCell_V = 0.02;
+// On average, of a pack that was divided by its cells: half of what any lithium cell has.
+constexpr double kLeastOfPack_V = 1.2;
 // A button cell of 1 mAh that is emptied in 100 hours.
 constexpr double kLeastCell_A = 1e-5;
 // Charge between the fullest and the emptiest moment of a log, in capacities; and C-rate.
@@ -38,6 +40,12 @@ bool LooksExchanged(const Record& record, const Extent& current, const Extent& v
   const bool voltage_is_none =
       voltage.least <= 0.02 * voltage.most || voltage.most - voltage.least < 0.01 * voltage.most;
   return current_is_a_voltage && voltage_is_none;
+}
+
+// What makes a voltage or a current larger than one cell's, where so many cells were said.
+std::string LargerPack(std::string_view option, int cells) {
+  return cells == 1 ? fmt::format("is it a pack (say `{}`)", option)
+                    : fmt::format("is `{}` more than {}", option, cells);
 }
 
 }  // namespace
@@ -107,8 +115,8 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
   }
 }
 
-double CheckPlausible(const Record& record, double capacity_Ah) {
-  if (record.voltage_V.empty()) return capacity_Ah > 0.0 ? CountCharge(record).range_C() : 0.0;
+ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series, int parallel) {
+  if (record.voltage_V.empty()) return capacity_Ah > 0.0 ? CountCharge(record) : ChargeMoved();
   const Extent voltage = FindExtent(record.voltage_V);
   if (voltage.most > kMostCell_V) {
     const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
@@ -116,9 +124,9 @@ double CheckPlausible(const Record& record, double capacity_Ah) {
       throw LoadError(
           {record.file},
           fmt::format(
-              "expected the voltage of one cell, found {:.4g} V on average; are these mV, or "
-              "is it a pack (say `series`)?",
-              mean_V));
+              "expected the voltage of one cell, found {:.4g} V on average; are these mV, or {}?",
+              mean_V,
+              LargerPack("series", series)));
     }
     const auto highest = std::max_element(record.voltage_V.begin(), record.voltage_V.end());
     throw LoadError(
@@ -137,6 +145,19 @@ double CheckPlausible(const Record& record, double capacity_Ah) {
             "that says mV, or is `series` too large?",
             most_V));
   }
+  if (series > 1) {
+    const double mean_V = Sum(record.voltage_V) / static_cast<double>(record.size());
+    if (mean_V < kLeastOfPack_V) {
+      throw LoadError(
+          {record.file},
+          fmt::format("expected the voltage of one lithium cell of {} in series, found "
+                      "{:.3g} V on average; is `series` less than {}, or is this log one "
+                      "of a single cell?",
+                      series,
+                      mean_V,
+                      series));
+    }
+  }
   const double most_A = LargestMagnitude(record.current_A);
   if (most_A > 0.0 && most_A < kLeastCell_A) {
     throw LoadError(
@@ -145,28 +166,29 @@ double CheckPlausible(const Record& record, double capacity_Ah) {
                     "header that says mA, or is `parallel` too large?",
                     most_A));
   }
-  if (!(capacity_Ah > 0.0)) return 0.0;
+  if (!(capacity_Ah > 0.0)) return {};
   if (most_A > kMostRate_per_h * capacity_Ah) {
     throw LoadError(
         {record.file},
         fmt::format(
-            "expected the current of one cell of {:.4g} Ah, found {:.4g} A; are these mA, is it a "
-            "pack (say `parallel`), or is the capacity wrong?",
+            "expected the current of one cell of {:.4g} Ah, found {:.4g} A; are these mA, {}, or is "
+            "the capacity wrong?",
             capacity_Ah,
-            most_A));
+            most_A,
+            LargerPack("parallel", parallel)));
   }
-  const double range_C = CountCharge(record).range_C();
-  if (const double range_Ah = range_C / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
+  const ChargeMoved moved = CountCharge(record);
+  if (const double range_Ah = moved.range_C() / 3600.0; range_Ah > kMostCapacities * capacity_Ah) {
     throw LoadError(
         {record.file},
         fmt::format(
             "expected charges of one cell of {:.4g} Ah, found {:.4g} Ah going one way; are the "
-            "units of time and current right, is it a pack (say `parallel`), or has the current "
-            "no sign?",
+            "units of time and current right, {}, or has the current no sign?",
             capacity_Ah,
-            range_Ah));
+            range_Ah,
+            LargerPack("parallel", parallel)));
   }
-  return range_C;
+  return moved;
 }
 
 }  // namespace lipoid

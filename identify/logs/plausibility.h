@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/record.h"
 #include "model/core/errors.h"
 
@@ -28,9 +29,9 @@ void CheckReadable(const Record& record, const ColumnPositions& positions);
 /// 1/3600 s apart, which are whole seconds of a clock in minutes or hours.
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
 
-/// For a record of one cell, after DivideByPack(). capacity_Ah is the cell's nominal one, 0 where
-/// it is not known. Returns the charge between its fullest and its emptiest moment in C, 0 where the
-/// capacity is not known. LoadError with advice.
-double CheckPlausible(const Record& record, double capacity_Ah);
+/// For a record of one cell, after DivideByPack() by that pack. capacity_Ah is the cell's nominal
+/// one, 0 where it is not known. Returns the charge that the record moves, none where the capacity is
+/// not known. LoadError with advice.
+ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series = 1, int parallel = 1);
 
 }  // namespace lipoid

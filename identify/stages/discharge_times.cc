@@ -108,15 +108,15 @@ std::vector<std::pair<double, double>> ChargeByCurrent(
     return a.of_full_A() != b.of_full_A() ? a.of_full_A() < b.of_full_A() : a.time_s < b.time_s;
   });
   std::vector<std::pair<double, double>> groups;
-  std::size_t members = 0;
+  double members = 0.0;
   for (const auto& d : sorted) {
     const double charge = d.of_full_A() * d.time_s;
     if (!groups.empty() && d.of_full_A() <= groups.back().first * (1.0 + kCurrentTolerance)) {
-      ++members;
-      groups.back().second += (charge - groups.back().second) / static_cast<double>(members);
+      members += d.weight;
+      groups.back().second += (charge - groups.back().second) * d.weight / members;
     } else {
       groups.emplace_back(d.of_full_A(), charge);
-      members = 1;
+      members = d.weight;
     }
   }
   return groups;
@@ -132,8 +132,8 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
                                        const DischargeTimesOptions& options,
                                        std::optional<double> given_alpha_C) {
   for (const auto& d : discharges) {
-    Require(d.current_A > 0.0 && d.time_s > 0.0 && d.initial_soc > 0.0,
-            "current, time and state of charge above 0",
+    Require(d.current_A > 0.0 && d.time_s > 0.0 && d.initial_soc > 0.0 && d.weight > 0.0,
+            "current, time, state of charge and weight above 0",
             {{"current_A", d.current_A}, {"time_s", d.time_s}});
   }
   const auto groups = ChargeByCurrent(discharges);

@@ -59,6 +59,7 @@ struct DischargeTime {
   double current_A = 0.0;
   double time_s = 0.0;
   double initial_soc = 1.0;  ///< > 0, A_0 of a cell at rest
+  double weight = 1.0;       ///< > 0, of the square of its error
 
   /// A cell that begins with A_0 alpha lasts as long as a full one at this current.
   [[nodiscard]] double of_full_A() const { return current_A / initial_soc; }

@@ -49,7 +49,8 @@ Time ExactTime(double alpha_C, double lag_s, double current_A) {
 }  // namespace
 
 double TimeWeight(const DischargeTime& discharge, TimeWeighting weighting) {
-  return weighting == TimeWeighting::kRelative ? 1.0 / discharge.time_s : 1.0;
+  return std::sqrt(discharge.weight) *
+         (weighting == TimeWeighting::kRelative ? 1.0 / discharge.time_s : 1.0);
 }
 
 DischargeTimesProblem::DischargeTimesProblem(const std::vector<DischargeTime>& discharges,

@@ -18,7 +18,7 @@ namespace lipoid {
 
 inline constexpr double kLargestBeta = 1.0;  ///< (4.53)
 
-/// 1, or 1/L.
+/// 1 or 1/L, times the root of the weight of its square.
 [[nodiscard]] double TimeWeight(const DischargeTime& discharge, TimeWeighting weighting);
 
 class DischargeTimesProblem : public LeastSquaresProblem {

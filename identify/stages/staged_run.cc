@@ -124,8 +124,11 @@ class StagedRun {
       switch (log.entry.kind) {
         case LogKind::kConstantCurrent: {
           const Discharge d = FindDischarge(log.log.record, *campaign_.cutoff_V);
-          discharges[place(constant, log)] = {
-              log.entry.file, d.current_A, d.time_s(), StartOfDischarge(log.entry)};
+          discharges[place(constant, log)] = {.file = log.entry.file,
+                                              .current_A = d.current_A,
+                                              .time_s = d.time_s(),
+                                              .initial_soc = StartOfDischarge(log.entry),
+                                              .weight = log.entry.weight};
           break;
         }
         case LogKind::kLowRate:

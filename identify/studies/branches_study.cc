@@ -7,6 +7,7 @@
 
 #include "identify/studies/effective_rows.h"
 #include "identify/studies/pulse_study.h"
+#include "model/core/errors.h"
 
 namespace lipoid {
 namespace {
@@ -70,6 +71,11 @@ std::vector<double> Criterion(const std::vector<PulseFitResult>& fits,
 }  // namespace
 
 StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress) {
+  if (input.options.pulses.branches != PulseFitOptions().branches) {
+    throw OptionError(fmt::format(
+        "option --branches: this study fits 0 to {} branches, one after the other; leave it out",
+        kMostBranches));
+  }
   progress("stages before", 0.0);
   const PulseStudy study(input);
   const auto sweep = study.Sweep(input.options.pulses.terms, input.options.pulses.tail);

@@ -26,6 +26,12 @@ StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
   if (!input.options.pulses.diffusion)
     throw OptionError(
         "study terms is about the diffusion, which pulses.diffusion=false leaves out");
+  const PulseFitOptions usual;
+  if (input.options.pulses.terms != usual.terms || input.options.pulses.tail != usual.tail) {
+    throw OptionError(
+        "options --set pulses.terms and pulses.tail: this study fits many numbers of terms, with and "
+        "without the tail; leave them out");
+  }
   progress("stages before", 0.0);
   const PulseStudy study(input);
   std::vector<Fitted> fitted;

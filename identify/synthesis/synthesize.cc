@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "identify/logs/discharge.h"
 #include "identify/synthesis/decimal_step.h"
 #include "identify/synthesis/plan_walk.h"
 #include "model/battery/cell_file.h"
@@ -45,7 +48,7 @@ class Noise {
   boost::random::normal_distribution<double> normal_;
 };
 
-void CheckPlan(const TestPlan& plan, const DecimalStep& sampling) {
+void CheckPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
   for (const auto& stage : plan.stages) {
     if (std::isinf(stage.length_s)) continue;
     const auto rows = sampling.Count(stage.length_s);
@@ -59,6 +62,30 @@ void CheckPlan(const TestPlan& plan, const DecimalStep& sampling) {
     }
   }
   Require(!plan.stages.empty() && plan.stages[0].length_s > 0.0, "a first stage that takes time");
+  // What is written is what its kind says: identify refuses anything else.
+  if (plan.kind == LogKind::kLowRate) {
+    const double rate_per_h = plan.stages[0].current_A / cell.capacity_Ah;
+    if (rate_per_h > kMaxLowRate_per_h) {
+      throw OptionError(fmt::format(
+          "{}: expected a low rate, at most {:.2g} C, found {:.3g} C; give a longer low_rate_h",
+          plan.file,
+          kMaxLowRate_per_h,
+          rate_per_h));
+    }
+  }
+  if (plan.kind == LogKind::kPulses) {
+    constexpr double kRestRows = 2;  // fewer show no relaxation
+    const bool rests = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const auto& stage) {
+      return stage.current_A == 0.0 && stage.length_s >= kRestRows * sampling.Times(1);
+    });
+    if (!rests) {
+      throw OptionError(fmt::format(
+          "{}: expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
+          plan.file,
+          kRestRows,
+          kRestRows * sampling.Times(1)));
+    }
+  }
 }
 
 struct Signals {
@@ -154,6 +181,25 @@ std::vector<std::string> SynthesizedNames(const Cell& cell,
   return names;
 }
 
+std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
+                                              const Protocol& protocol,
+                                              const SynthesisOptions& options) {
+  constexpr double kMostNoise = 0.1;  // of the current: beyond it a rest and a load look alike
+  std::vector<std::string> doubts;
+  double least_A = std::numeric_limits<double>::infinity();
+  for (const TestPlan& plan : protocol.plan(cell, options))
+    least_A = std::min(least_A, plan.stages[0].current_A * cell.parallel);
+  if (options.current_noise_A > kMostNoise * least_A) {
+    doubts.push_back(
+        fmt::format("the noise of the current, {:.4g} A, is {:.2g} of the least current of these "
+                    "logs, {:.4g} A: what reads them may not tell a load from a rest",
+                    options.current_noise_A,
+                    options.current_noise_A / least_A,
+                    least_A));
+  }
+  return doubts;
+}
+
 std::vector<SynthesizedFile> Synthesize(const Cell& cell,
                                         const Protocol& protocol,
                                         const SynthesisOptions& options,
@@ -172,7 +218,7 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
                     options.voltage_resolution_V));
   }
   const auto plans = protocol.plan(cell, options);
-  for (const auto& plan : plans) CheckPlan(plan, *sampling);
+  for (const auto& plan : plans) CheckPlan(cell, plan, *sampling);
   const Signals signals{cell, options, *sampling, resolution, run.seed};
 
   NewFolder made(folder);

@@ -32,6 +32,11 @@ struct SynthesizedFile {
                                                         const Protocol& protocol,
                                                         const SynthesisOptions& options);
 
+/// What makes such logs hard to read, in sentences: noise beside which a current is hardly seen.
+[[nodiscard]] std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
+                                                            const Protocol& protocol,
+                                                            const SynthesisOptions& options);
+
 /// Writes the logs, campaign.toml and truth.json into the folder, which is made where it is
 /// missing; all or none. `run` becomes part of truth.json. `progress` is called with a fraction,
 /// from any thread. OptionError where an option does not suit the cell or a file cannot be written.

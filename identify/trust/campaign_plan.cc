@@ -1,6 +1,7 @@
 #include "identify/trust/campaign_plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -26,8 +27,11 @@ Cell AsPlanned(Cell cell) {
   return cell;
 }
 
-// Where the joint fit of these logs would end if they had no noise.
-JointResult AtTheTruth(const Cell& cell, const std::vector<LoadedLog>& logs) {
+// Where the joint fit of these logs would end if they had no noise. What lies beyond the range that
+// they can show is planned at its limit: `beyond` then says so.
+JointResult AtTheTruth(const Cell& cell,
+                       const std::vector<LoadedLog>& logs,
+                       std::vector<std::string>& beyond) {
   const HeldShape shape{.source = "", .cell = cell};
   JointResult result;
   result.alpha_C = cell.alpha_C();
@@ -38,6 +42,7 @@ JointResult AtTheTruth(const Cell& cell, const std::vector<LoadedLog>& logs) {
     setup.terms = cell.diffusion->terms;
     setup.tail = cell.diffusion->tail;
   }
+  setup.slow_branches = true;  // the fit lets them in where left-out rows want them
   double deepest_C = 0.0;
   for (const LoadedLog& log : logs)
     deepest_C = std::max(deepest_C, DeliveredCharge(log.log.record).back());
@@ -63,7 +68,13 @@ JointResult AtTheTruth(const Cell& cell, const std::vector<LoadedLog>& logs) {
   for (const JointRate& rate : fit.Rates(structure)) {
     const double truth = CellParameter(cell, rate.name).value_or(rate.start);
     rate.In(rates) = std::clamp(truth, rate.lower, rate.upper);
-    if (!(truth > rate.lower && truth < rate.upper)) at_bound.push_back(rate.name);
+    if (truth > rate.lower && truth < rate.upper) continue;
+    at_bound.push_back(rate.name);
+    const std::string unit(CellParameterUnit(rate.name));
+    if (truth != rate.In(rates)) {
+      beyond.push_back(fmt::format(
+          "{} = {:.4g} {} instead of {:.4g} {}", rate.name, rate.In(rates), unit, truth, unit));
+    }
   }
   result.choice.best = fit.Solve(structure, rates, kTypicalSmoothness);
   result.choice.best.at_bound = std::move(at_bound);
@@ -138,8 +149,9 @@ PlannedExperiment PlanCampaign(const Cell& cell,
                                        .correlated_V = noise.coloured_V,
                                        .correlation_s = noise.correlation_s};
   const double mean_degC = sum_degC / static_cast<double>(plan.rows);
-  plan.trust =
-      AssessJoint(AtTheTruth(told ? planned : AtOneTemperature(planned, mean_degC), logs), assume);
+  std::vector<std::string> beyond;
+  plan.trust = AssessJoint(
+      AtTheTruth(told ? planned : AtOneTemperature(planned, mean_degC), logs, beyond), assume);
   auto& quantities = plan.trust.quantities;
   const auto heat = told ? PlanHeat(planned, logs, noise.temperature_K) : std::nullopt;
   if (!told) {
@@ -169,6 +181,12 @@ PlannedExperiment PlanCampaign(const Cell& cell,
         plan.warmest_degC,
         kLeastSpan_K,
         plan.trust.sentence);
+  }
+  if (!beyond.empty()) {
+    plan.trust.sentence =
+        fmt::format("such logs show no more than their limits, at which the plan is made ({}): {}",
+                    fmt::join(beyond, ", "),
+                    plan.trust.sentence);
   }
   return plan;
 }

@@ -143,6 +143,8 @@ std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s) {
   }
   if (cell.self_heating || cell.charge_transfer)
     left_out.emplace_back("self-heating and charge transfer of the cell are not in the plan");
+  if (cell.hysteresis)
+    left_out.emplace_back("hysteresis of the cell is not in the plan, whose log only discharges");
   return left_out;
 }
 

@@ -1,5 +1,6 @@
 #include "model/battery/cell_ensemble.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
@@ -53,6 +54,16 @@ CellEnsemble DrawCells(const Cell& cell, int count, std::uint64_t seed) {
   });
   ensemble.moved = static_cast<int>(std::count(moved.begin(), moved.end(), 1));
   return ensemble;
+}
+
+std::string DoubtAboutMoved(std::size_t moved, std::size_t cells) {
+  if (2 * moved <= cells) return "";
+  return fmt::format(
+      "{} of {} cells were drawn with what no cell has (a negative resistance, beta above 1, v_oc "
+      "that falls as charge comes in) and moved to the nearest that one may have: the interval lies "
+      "on one side of the estimate, and may leave it out",
+      moved,
+      cells);
 }
 
 }  // namespace lipoid

@@ -13,7 +13,9 @@
 /// Cell k depends on the seed and on k alone: not on the number of cells, not on threads. Tests:
 /// tests/model/battery/cell_ensemble_test.cc.
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "model/battery/cell.h"
@@ -28,5 +30,9 @@ struct CellEnsemble {
 /// PreconditionError where the cell has no uncertainty. Names and matrix are as a cell file has
 /// them.
 [[nodiscard]] CellEnsemble DrawCells(const Cell& cell, int count, std::uint64_t seed);
+
+/// What an interval means that is of drawn cells of which so many were moved, one sentence; empty
+/// where most of them are as they were drawn.
+[[nodiscard]] std::string DoubtAboutMoved(std::size_t moved, std::size_t cells);
 
 }  // namespace lipoid

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "generated/shipped_cells.h"
+#include "model/battery/cell_limits.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
 #include "model/battery/uncertain_cell.h"
@@ -36,7 +37,7 @@ std::string MethodName(OcvMethod method) {
 
 // Strictly increasing numbers; a table that is not sorted is refused at its first offender.
 std::vector<double> Increasing(const JsonReader& list) {
-  auto numbers = list.Numbers(-kInfinity, kInfinity);
+  auto numbers = list.Numbers(-kMostOfACell, kMostOfACell);
   for (std::size_t k = 1; k < numbers.size(); ++k) {
     if (!(numbers[k] > numbers[k - 1])) list.Item(k).Fail("a number greater than the one before");
   }
@@ -49,7 +50,7 @@ OpenCircuitVoltage ReadCurve(const JsonReader& json) {
     json.OnlyKeys({"method", "assumed", "soc", "voltage_V"});
     const std::size_t least = method == "linear" ? 2 : 4;
     auto soc = Increasing(json.At("soc"));
-    auto voltage = json.At("voltage_V").Numbers(-kInfinity, kInfinity);
+    auto voltage = json.At("voltage_V").Numbers(-kMostOfACell, kMostOfACell);
     if (soc.size() < least) json.At("soc").Fail(fmt::format("at least {} states of charge", least));
     if (voltage.size() != soc.size())
       json.At("voltage_V").Fail(fmt::format("{} voltages", soc.size()));
@@ -65,19 +66,19 @@ OpenCircuitVoltage ReadCurve(const JsonReader& json) {
   if (method == "polynomial") {
     json.OnlyKeys({"method", "assumed", "soc_range", "basis", "coefficients_V"});
     if (json.At("basis").Text() != "chebyshev") json.At("basis").Fail("chebyshev");
-    auto coefficients = json.At("coefficients_V").Numbers(-kInfinity, kInfinity);
+    auto coefficients = json.At("coefficients_V").Numbers(-kMostOfACell, kMostOfACell);
     if (coefficients.empty()) json.At("coefficients_V").Fail("at least one coefficient");
     return OpenCircuitVoltage::Polynomial(range[0], range[1], std::move(coefficients));
   }
   json.OnlyKeys({"method", "assumed", "soc_range", "frequency_rad", "cosine_V", "sine_V"});
-  auto cosine = json.At("cosine_V").Numbers(-kInfinity, kInfinity);
-  auto sine = json.At("sine_V").Numbers(-kInfinity, kInfinity);
+  auto cosine = json.At("cosine_V").Numbers(-kMostOfACell, kMostOfACell);
+  auto sine = json.At("sine_V").Numbers(-kMostOfACell, kMostOfACell);
   if (cosine.size() != sine.size() + 1) {
     json.At("sine_V").Fail("one coefficient less than cosine_V");
   }
   return OpenCircuitVoltage::Fourier(range[0],
                                      range[1],
-                                     json.At("frequency_rad").Number(0.0, kInfinity),
+                                     json.At("frequency_rad").Number(0.0, kMostOfACell),
                                      std::move(cosine),
                                      std::move(sine));
 }
@@ -110,11 +111,11 @@ std::pair<std::vector<double>, std::vector<double>> ReadOverSoc(const JsonReader
                                                                 const char* key,
                                                                 double least,
                                                                 const char* values_word) {
-  if (json.IsNumber()) return {{}, {json.Number(least, kInfinity)}};
+  if (json.IsNumber()) return {{}, {json.Number(least, kMostOfACell)}};
   if (!json.IsObject()) json.Fail(fmt::format("a number or a table of soc and {}", key));
   json.OnlyKeys({"soc", key});
   auto soc = Increasing(json.At("soc"));
-  auto values = json.At(key).Numbers(least, kInfinity);
+  auto values = json.At(key).Numbers(least, kMostOfACell);
   if (soc.empty()) json.At("soc").Fail("at least one state of charge");
   if (values.size() != soc.size()) json.At(key).Fail(fmt::format("{} {}", soc.size(), values_word));
   return {std::move(soc), std::move(values)};
@@ -149,13 +150,13 @@ Cell::Branch ReadBranch(const JsonReader& json) {
     json.Fail("either capacitance_F or time_constant_s");
   }
   if (time_constant) {
-    branch.time_constant_s = time_constant->Number(0.0, kInfinity);
+    branch.time_constant_s = time_constant->Number(0.0, kMostOfACell);
   } else {
     if (!branch.resistance_Ohm.constant()) {
       capacitance->FailWith(
           "expected time_constant_s, found capacitance_F beside a table of resistances");
     }
-    branch.capacitance_F = capacitance->Number(0.0, kInfinity);
+    branch.capacitance_F = capacitance->Number(0.0, kMostCapacitance_F);
     branch.time_constant_s = branch.resistance_Ohm.resistance_Ohm[0] * *branch.capacitance_F;
   }
   return branch;
@@ -163,9 +164,9 @@ Cell::Branch ReadBranch(const JsonReader& json) {
 
 Cell::SelfHeating ReadSelfHeating(const JsonReader& json) {
   json.OnlyKeys({"time_constant_s", "resistance_drop_Ohm_per_A2"});
-  return {
-      .time_constant_s = json.At("time_constant_s").Number(kLeast, kInfinity),
-      .resistance_drop_Ohm_per_A2 = json.At("resistance_drop_Ohm_per_A2").Number(0.0, kInfinity)};
+  return {.time_constant_s = json.At("time_constant_s").Number(kLeast, kMostOfACell),
+          .resistance_drop_Ohm_per_A2 =
+              json.At("resistance_drop_Ohm_per_A2").Number(0.0, kMostOfACell)};
 }
 
 // Of a cell whose branches are read.
@@ -205,13 +206,13 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
     json.Fail("both or none of heat_capacity_J_per_K and thermal_resistance_K_per_W");
   if (capacity) {
     term.heat =
-        HeatBalance<double>{.heat_capacity_J_per_K = capacity->Number(kLeast, kInfinity),
-                            .thermal_resistance_K_per_W = resistance->Number(kLeast, kInfinity)};
+        HeatBalance<double>{.heat_capacity_J_per_K = capacity->Number(kLeast, kMostOfACell),
+                            .thermal_resistance_K_per_W = resistance->Number(kLeast, kMostOfACell)};
   }
   if (const auto entropy = json.Find("entropy")) {
     term.entropy.emplace();
     std::tie(term.entropy->soc, term.entropy->slope_V_per_K) =
-        ReadOverSoc(*entropy, "slope_V_per_K", -kInfinity, "slopes");
+        ReadOverSoc(*entropy, "slope_V_per_K", -kMostOfACell, "slopes");
     if (const auto heat = json.Find("reversible_heat"))
       term.entropy->reversible_heat = heat->Boolean();
   }
@@ -262,14 +263,14 @@ Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusi
 Cell::Hysteresis ReadHysteresis(const JsonReader& json) {
   json.OnlyKeys({"folds", "half_V"});
   Cell::Hysteresis term;
-  term.folds = json.At("folds").Number(kLeast, kInfinity);
+  term.folds = json.At("folds").Number(kLeast, kMostOfACell);
   std::tie(term.soc, term.half_V) = ReadOverSoc(json.At("half_V"), "half_V", 0.0, "voltages");
   return term;
 }
 
 Cell::ChargeTransfer ReadChargeTransfer(const JsonReader& json) {
   json.OnlyKeys({"current_A", "resistance_Ohm"});
-  return {.current_A = json.At("current_A").Number(kLeast, kInfinity),
+  return {.current_A = json.At("current_A").Number(kLeast, kMostOfACell),
           .resistance_Ohm = ReadResistance(json.At("resistance_Ohm"))};
 }
 
@@ -376,12 +377,12 @@ Cell ParseCell(const std::string& text, const std::string& file) {
   cell.name = json.At("name").Text();
   if (const auto series = json.Find("series")) cell.series = Within(*series, kPackSizes);
   if (const auto parallel = json.Find("parallel")) cell.parallel = Within(*parallel, kPackSizes);
-  cell.capacity_Ah = json.At("capacity_Ah").Number(kLeast, kInfinity);
-  cell.cutoff_V = json.At("cutoff_V").Number(0.0, kInfinity);
+  cell.capacity_Ah = json.At("capacity_Ah").Number(kLeast, kMostOfACell);
+  cell.cutoff_V = json.At("cutoff_V").Number(0.0, kMostOfACell);
   if (const auto diffusion = json.At("diffusion"); !diffusion.IsNull()) {
     diffusion.OnlyKeys({"alpha_C", "beta_per_sqrt_s", "terms", "tail"});
     cell.diffusion =
-        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(kLeast, kInfinity),
+        Cell::Diffusion{.alpha_C = diffusion.At("alpha_C").Number(kLeast, kMostOfACell),
                         .beta_per_sqrt_s = diffusion.At("beta_per_sqrt_s").Number(kLeast, 1.0),
                         .terms = Within(diffusion.At("terms"), kModeNumbers),
                         .tail = diffusion.At("tail").Boolean()};

@@ -217,10 +217,12 @@ class CellModel {
     }
   }
 
-  /// Heat that the cell releases while current_A flows (heat_balance.h).
+  /// Heat that the cell releases while current_A flows (heat_balance.h). What hysteresis takes is lost
+  /// as well: over a loop, its area.
   [[nodiscard]] T Heat(const State& state, const T& current_A) const {
     const T soc = (p_.alpha_C - state.delivered_C) / p_.alpha_C;
-    T heat_W = current_A * (RestCurve(state, soc) - Voltage(state, current_A));
+    const T rest_V = p_.open_circuit_voltage(soc) + EntropicVoltage(state, soc);
+    T heat_W = current_A * (rest_V - Voltage(state, current_A));
     const auto* term = p_.temperature ? &p_.temperature->entropy : nullptr;
     if (term != nullptr && *term && (*term)->reversible_heat)
       heat_W = heat_W - current_A * state.temperature_K * (**term)(soc);
@@ -272,11 +274,7 @@ class CellModel {
 
   /// What temperature and hysteresis add to f(A).
   [[nodiscard]] T BesideTheCurve(const State& state, const T& soc) const {
-    T added_V(0.0);
-    if (p_.temperature && p_.temperature->entropy) {
-      added_V =
-          (state.temperature_K - T(p_.temperature->reference_K)) * (*p_.temperature->entropy)(soc);
-    }
+    T added_V = EntropicVoltage(state, soc);
     if (p_.hysteresis) added_V = added_V + p_.hysteresis->Voltage(soc, state.hysteresis);
     return added_V;
   }
@@ -299,6 +297,10 @@ class CellModel {
   }
   [[nodiscard]] T Factor(const T& energy_J_per_mol, const State& state) const {
     return p_.temperature->Factor(energy_J_per_mol, state.temperature_K);
+  }
+  [[nodiscard]] T EntropicVoltage(const State& state, const T& soc) const {
+    if (!p_.temperature || !p_.temperature->entropy) return T(0.0);
+    return (state.temperature_K - T(p_.temperature->reference_K)) * (*p_.temperature->entropy)(soc);
   }
   [[nodiscard]] T RestCurve(const State& state, const T& soc) const {
     const T curve_V = p_.open_circuit_voltage(soc);  // (4.49)

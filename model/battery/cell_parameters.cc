@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
@@ -431,6 +432,24 @@ void SetCellParameter(Cell& cell, std::string_view name, double value) {
     Check(constant, name, "tau, beside a table of resistances", value);
   }
   found.row->set(cell, found.branch, value);
+}
+
+void SetCellParameters(Cell& cell, const std::vector<std::pair<std::string, double>>& values) {
+  std::set<std::string> given;
+  for (const auto& [name, value] : values) {
+    if (!given.insert(name).second)
+      throw OptionError(fmt::format("{} is given twice; give it once", name));
+    SetCellParameter(cell, name, value);
+  }
+  for (std::size_t j = 1; j <= cell.branches.size(); ++j) {
+    const auto c = fmt::format("c_{}", j);
+    const auto tau = fmt::format("tau_{}", j);
+    if (given.contains(c) && given.contains(tau)) {
+      throw OptionError(
+          fmt::format("give either {0} or {1}, not both: {1} = r_{2} {0}", c, tau, j));
+    }
+  }
+  if (const auto missing = MissingCellParameter(cell)) throw OptionError(*missing);
 }
 
 std::optional<std::string> MissingCellParameter(const Cell& cell) {

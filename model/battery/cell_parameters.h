@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "model/battery/cell.h"
@@ -68,6 +69,11 @@ struct CellParameterName {
 /// A node changes its table alone: OptionError where there is none. OptionError names the
 /// parameters there are, or the range.
 void SetCellParameter(Cell& cell, std::string_view name, double value);
+
+/// Changes several, one after the other, which make a whole cell. OptionError moreover for a name
+/// that stands twice, for c_j beside tau_j of one branch, since either follows from the other and
+/// r_j, and for what MissingCellParameter() misses.
+void SetCellParameters(Cell& cell, const std::vector<std::pair<std::string, double>>& values);
 
 /// What SetCellParameter() began and did not complete, "r_2 needs c_2 or tau_2 beside it"; none
 /// where the cell is whole.

@@ -7,16 +7,24 @@
 #include <vector>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/cell_limits.h"
 #include "model/battery/ranges.h"
 
 namespace lipoid {
 namespace {
 
-Json AtLeast(double least) { return {{"type", "number"}, {"minimum", least}}; }
+Json Number() {
+  return {{"type", "number"}, {"minimum", -kMostOfACell}, {"maximum", kMostOfACell}};
+}
+Json AtLeast(double least, double most = kMostOfACell) {
+  return {{"type", "number"}, {"minimum", least}, {"maximum", most}};
+}
 Json Between(const Range& range) {
   return {{"type", "number"}, {"minimum", range.lo}, {"maximum", range.hi}};
 }
-Json Above(double bound) { return {{"type", "number"}, {"exclusiveMinimum", bound}}; }
+Json Above(double bound) {
+  return {{"type", "number"}, {"exclusiveMinimum", bound}, {"maximum", kMostOfACell}};
+}
 Json Whole(int least, int most) {
   return {{"type", "integer"}, {"minimum", least}, {"maximum", most}};
 }
@@ -29,7 +37,7 @@ Json ListOf(Json item, int least = 0) {
   if (least > 0) list["minItems"] = least;
   return list;
 }
-Json Numbers(int least = 0) { return ListOf({{"type", "number"}}, least); }
+Json Numbers(int least = 0) { return ListOf(Number(), least); }
 Json Constant(const char* text) { return {{"const", text}}; }
 
 // An object with these keys and no others; `optional` may be left out.
@@ -56,8 +64,7 @@ Json OverSoc(const char* key, const Json& value) {
 
 Json Curve() {
   Json forms = Json::array();
-  const Json range = {
-      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}};
+  const Json range = {{"type", "array"}, {"items", Number()}, {"minItems", 2}, {"maxItems", 2}};
   for (const auto& [method, least] : {std::pair{"linear", 2}, std::pair{"monotone-cubic", 4}}) {
     forms.push_back(Strict({{"method", Constant(method)},
                             {"assumed", Boolean()},
@@ -86,7 +93,7 @@ Json Curve() {
 Json CellSchema() {
   const Json resistance = {{"$ref", "#/$defs/resistance"}};
   Json branch = Strict({{"resistance_Ohm", resistance},
-                        {"capacitance_F", AtLeast(0.0)},
+                        {"capacitance_F", AtLeast(0.0, kMostCapacitance_F)},
                         {"time_constant_s", AtLeast(0.0)}},
                        {"capacitance_F", "time_constant_s"});
   branch["oneOf"] = {
@@ -123,7 +130,7 @@ Json CellSchema() {
                        {"diffusion", "charge_transfer"})},
                {"heat_capacity_J_per_K", Above(0.0)},
                {"thermal_resistance_K_per_W", Above(0.0)},
-               {"entropy", OverSoc("slope_V_per_K", {{"type", "number"}})},
+               {"entropy", OverSoc("slope_V_per_K", Number())},
                {"reversible_heat", Boolean()},
                {"shared_energies",
                 Described(ListOf({{"type", "string"}}),
@@ -139,8 +146,8 @@ Json CellSchema() {
       {"run", Described({{"type", "object"}}, "how the cell was made")},
       {"uncertainty",
        Strict({{"parameters", ListOf({{"type", "string"}})},
-               {"covariance", ListOf(Numbers())},
-               {"degrees_of_freedom", AtLeast(1.0)},
+               {"covariance", ListOf(ListOf({{"type", "number"}}))},
+               {"degrees_of_freedom", {{"type", "number"}, {"minimum", 1.0}}},
                {"soc_follows_alpha", Boolean()}},
               {"soc_follows_alpha"})}};
   Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},

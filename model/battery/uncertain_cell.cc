@@ -47,13 +47,6 @@ const CellParameterKind* KindOf(std::string_view name) {
 
 }  // namespace
 
-void UncertainCell::Range::Add(const Eigen::VectorXd& row, double bound) {
-  a.conservativeResize(a.rows() + 1, row.size());
-  a.bottomRows(1) = row.transpose();
-  least.conservativeResize(a.rows());
-  least[least.size() - 1] = bound;
-}
-
 UncertainCell::UncertainCell(const Cell& cell) : base_(cell) {
   Require(cell.uncertainty.has_value(), "a cell with its uncertainty");
   const Cell::Uncertainty& uncertainty = *cell.uncertainty;
@@ -84,12 +77,11 @@ void UncertainCell::FindRange() {
   const Eigen::Index n = estimate_.size();
   for (Eigen::Index k = 0; k < n; ++k) {
     if (Kind(k) == nullptr || Kind(k)->any_sign) continue;
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, k);
     if (Name(k) == "beta") {
-      range_.Add(unit, estimate_[k] + std::log(kLeastBeta));
-      range_.Add(-unit, -std::log(Kind(k)->upper));
+      range_.push_back({.more = k, .least = estimate_[k] + std::log(kLeastBeta)});
+      range_.push_back({.less = k, .least = -std::log(Kind(k)->upper)});
     } else {
-      range_.Add(unit, Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k]);
+      range_.push_back({.more = k, .least = Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k]});
     }
   }
   const auto& voltage_V = base_.open_circuit_voltage.voltage_V();
@@ -100,18 +92,28 @@ void UncertainCell::FindRange() {
     if (found != names_.end()) node_[node] = found - names_.begin();
   }
   for (std::size_t node = 0; node + 1 < voltage_V.size(); ++node) {
-    Eigen::VectorXd rise = Eigen::VectorXd::Zero(n);
-    double least = LeastRise(node);
-    node_[node + 1] < 0 ? least -= voltage_V[node + 1] : rise[node_[node + 1]] = 1.0;
-    node_[node] < 0 ? least += voltage_V[node] : rise[node_[node]] = -1.0;
-    if (!rise.isZero(0.0)) range_.Add(rise, least);
+    Bound rise{.more = node_[node + 1], .less = node_[node], .least = LeastRise(node)};
+    if (rise.more < 0) rise.least -= voltage_V[node + 1];
+    if (rise.less < 0) rise.least += voltage_V[node];
+    if (rise.more >= 0 || rise.less >= 0) range_.push_back(rise);
   }
-  carried_ = covariance_ * range_.a.transpose();
-  variance_ = (range_.a.transpose().cwiseProduct(carried_)).colwise().sum();
-  // What does not vary but for rounding cannot be moved.
-  const Eigen::VectorXd apart = range_.a.cwiseAbs2() * covariance_.diagonal();
-  for (Eigen::Index c = 0; c < variance_.size(); ++c) {
-    if (!(variance_[c] > kCovarianceRounding * apart[c])) variance_[c] = 0.0;
+  const auto bounds = static_cast<Eigen::Index>(range_.size());
+  carried_.setZero(n, bounds);
+  variance_.setZero(bounds);
+  for (Eigen::Index c = 0; c < bounds; ++c) {
+    const Bound& bound = range_[static_cast<std::size_t>(c)];
+    double apart = 0.0;
+    if (bound.more >= 0) {
+      carried_.col(c) += covariance_.col(bound.more);
+      apart += covariance_(bound.more, bound.more);
+    }
+    if (bound.less >= 0) {
+      carried_.col(c) -= covariance_.col(bound.less);
+      apart += covariance_(bound.less, bound.less);
+    }
+    // What does not vary but for rounding cannot be moved.
+    const double variance = bound.Of(carried_.col(c));
+    if (variance > kCovarianceRounding * apart) variance_[c] = variance;
   }
 }
 
@@ -121,21 +123,23 @@ double UncertainCell::LeastRise(std::size_t node) const {
   return std::min(0.0, voltage_V[node + 1] - voltage_V[node]);
 }
 
-// To the x with a . x >= least that minimizes the squared distance by the inverse covariance,
+// To the x within all bounds a . x >= least that minimizes the squared distance by the inverse covariance,
 // which is x + covariance a' lambda with lambda >= 0: Hildreth's method moves one lambda at a
 // time to where its own bound holds.
 bool UncertainCell::MoveIntoRange(Eigen::VectorXd& x) const {
   constexpr double kClose = 1e-6;  // of a standard error
   constexpr int kMostSweeps = 10000;
-  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(range_.least.size());
+  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(variance_.size());
+  const Eigen::VectorXd error = variance_.cwiseSqrt();
   bool moved = false;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double farthest = 0.0;
     for (Eigen::Index c = 0; c < lambda.size(); ++c) {
       if (variance_[c] == 0.0) continue;
-      const double missing = range_.least[c] - range_.a.row(c).dot(x);
+      const Bound& bound = range_[static_cast<std::size_t>(c)];
+      const double missing = bound.least - bound.Of(x);
       const double step = std::max(-lambda[c], missing / variance_[c]);
-      const double standard_errors = std::abs(step) * std::sqrt(variance_[c]);
+      const double standard_errors = std::abs(step) * error[c];
       if (standard_errors <= kClose) continue;
       farthest = std::max(farthest, standard_errors);
       lambda[c] += step;

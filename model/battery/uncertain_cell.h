@@ -63,11 +63,15 @@ class UncertainCell {
   void SetVoltages(Cell& cell, const Eigen::VectorXd& x) const;
   void KeepCharge(Cell& cell) const;
 
-  // The range, as a . x >= least for each of these rows.
-  struct Range {
-    Eigen::MatrixXd a;
-    Eigen::VectorXd least;
-    void Add(const Eigen::VectorXd& row, double bound);
+  // A bound of the range: x[more] - x[less] >= least, where -1 stands for none.
+  struct Bound {
+    Eigen::Index more = -1;
+    Eigen::Index less = -1;
+    double least = 0.0;
+
+    [[nodiscard]] double Of(const Eigen::VectorXd& x) const {
+      return (more < 0 ? 0.0 : x[more]) - (less < 0 ? 0.0 : x[less]);
+    }
   };
 
   Cell base_;
@@ -80,9 +84,9 @@ class UncertainCell {
   Eigen::MatrixXd factor_;
   Eigen::VectorXd variances_;
   std::vector<Eigen::Index> node_;  // which parameter a node of v_oc is; -1: none
-  Range range_;
-  Eigen::MatrixXd carried_;   // how all move with one unit of lambda of a row of the range
-  Eigen::VectorXd variance_;  // of each row of the range; 0: it does not vary
+  std::vector<Bound> range_;
+  Eigen::MatrixXd carried_;   // how all move with one unit of lambda of a bound
+  Eigen::VectorXd variance_;  // of what each bound is for; 0: it does not vary
 };
 
 /// The columns of F of at least this variance, that of a single parameter being 1; the largest first.

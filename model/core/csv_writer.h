@@ -35,6 +35,14 @@ class CsvWriter {
     (Number(numbers), ...);
     EndRow();
   }
+  /// The same with a word behind the numbers, which needs no quotes.
+  template <class... Numbers>
+  void RowWithWord(std::string_view word, Numbers... numbers) {
+    (Number(numbers), ...);
+    buffer_.append(word);
+    buffer_.push_back(',');
+    EndRow();
+  }
   /// The same of at least one number in a list.
   void RowOf(std::span<const double> numbers) {
     for (const double number : numbers) Number(number);

@@ -9,6 +9,7 @@
 #include "model/battery/aged_cell.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/ranges.h"
+#include "model/battery/rest_voltage.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/core/parallel.h"
@@ -128,9 +129,11 @@ void Check(const EnduranceRequest& request) {
         fmt::format("ensemble: expected at least 0 flights, found {}", request.ensemble));
 }
 
-double StartOf(const EnduranceRequest& request, const Cell& cell) {
+double StartOf(const EnduranceRequest& request,
+               const Cell& cell,
+               const Surroundings& surroundings) {
   return request.initial_voltage_V
-             ? cell.open_circuit_voltage.SocAtVoltage(*request.initial_voltage_V / cell.series)
+             ? NearestSocAtRest(cell, *request.initial_voltage_V, surroundings)
              : request.initial_soc;
 }
 
@@ -167,9 +170,9 @@ void RequireAdvanceRatio(const EnduranceRequest& request, const LevelFlight& fli
 
 EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const Values& values) {
   EnduranceSetup setup;
-  setup.initial_soc = StartOf(request, cell);
   setup.cell = Resized(Aged(cell, values.health, values.resistance_factor), request.size_factor);
   if (request.ambient_degC) setup.ambient_degC = values.ambient_degC;
+  setup.initial_soc = StartOf(request, cell, {.ambient_degC = setup.ambient_degC});
   setup.reserve = values.reserve;
   setup.options = request.options;
   if (request.power) {
@@ -191,8 +194,8 @@ EnduranceSetup SetupOf(const EnduranceRequest& request, const Cell& cell, const 
 // an ideal source are another thing: a faster flight also leaves more charge behind its cut-off. None
 // where it cannot hover.
 std::optional<BestSpeeds> SpeedsOnBattery(const EnduranceRequest& request, const Vehicle& vehicle) {
-  const double full_V =
-      request.cell.series * request.cell.open_circuit_voltage(StartOf(request, request.cell));
+  const double full_V = request.initial_voltage_V.value_or(
+      request.cell.series * request.cell.open_circuit_voltage(request.initial_soc));
   const std::optional<BestSpeeds> ideal = FindBestSpeeds(vehicle, full_V, request.air);
   if (!ideal) return std::nullopt;
   const auto setup_at = [&](double speed) {

@@ -18,6 +18,13 @@ void CheckLandingVoltage(const FlightSetup& setup) {
       setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
                  : setup.xi * setup.vehicle.nominal_voltage_V;
   if (setup.land_below_V < full_V) return;
+  if (setup.land_below_V == 0.0) {
+    throw OptionError(fmt::format(
+        "the battery is empty when it takes off: {:.4g} V at rest at a state of charge of "
+        "{:.4g}; start higher (--initial-soc, --initial-voltage-V)",
+        full_V,
+        setup.initial_soc));
+  }
   throw OptionError(fmt::format(
       "option --land-below-V: {:g} V is not below the {:.4g} V that the battery has at rest when it "
       "takes off; give less",

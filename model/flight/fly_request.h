@@ -4,10 +4,14 @@
 /// What a person may ask of a flight, declared once: the options of `lipoid fly` and the keywords of
 /// lipoid.fly(). Tests: tests/tools/fly_test.cc, tests/python/test_options.py.
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <optional>
 #include <string>
 
 #include "model/battery/ranges.h"
+#include "model/core/errors.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
 #include "model/flight/simulator.h"
@@ -58,8 +62,8 @@ struct FlyRequest {
     v("log_step_s",
       self.log_step_s,
       Range{kControlStep_s, 1e4},
-      "seconds between rows of the flight log; by default every control step, and one second where "
-      "the flight takes longer than ten minutes");
+      "seconds between rows of the flight log, a multiple of the control step; by default every "
+      "control step, and one second where the flight takes longer than ten minutes");
     v("waypoints",
       self.waypoints,
       Word{"FILE"},
@@ -76,9 +80,23 @@ struct FlyRequest {
     return setup.cell ? "mambo-coupled" : "mambo-thesis";
   }
   /// Between rows of the log of a flight that long. One of every control step takes 60 kB a second.
+  /// OptionError for one that no whole number of control steps takes.
   [[nodiscard]] double LogStep_s(double duration_s_of_flight) const {
     constexpr double kLongFlight_s = 600.0;
     constexpr double kLongFlightLogStep_s = 1.0;
+    constexpr double kWhole = 1e-6;  // steps; what is left of a decimal number divided by 0.005
+    if (log_step_s) {
+      const double steps = *log_step_s / kControlStep_s;
+      if (std::abs(steps - std::round(steps)) > kWhole * steps) {
+        throw OptionError(fmt::format(
+            "option --log-step-s: expected a multiple of the control step of {} s, found {} s; give "
+            "{:g} or {:g}",
+            kControlStep_s,
+            *log_step_s,
+            kControlStep_s * std::floor(steps),
+            kControlStep_s * std::ceil(steps)));
+      }
+    }
     return log_step_s.value_or(duration_s_of_flight > kLongFlight_s ? kLongFlightLogStep_s
                                                                     : kControlStep_s);
   }

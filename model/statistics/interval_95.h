@@ -4,18 +4,34 @@
 /// The interval that holds 95 % of what a sample was drawn from.
 /// Tests: tests/model/statistics/interval_95_test.cc.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace lipoid {
 
 /// With fewer values the interval is that from the least to the greatest.
 inline constexpr std::size_t kLeastForQuantiles = 39;
+
+/// What is to be said of an interval of so many `things` (cells, flights), one sentence; empty where
+/// they are enough.
+[[nodiscard]] inline std::string DoubtAboutFew(std::size_t count, std::string_view things) {
+  if (count == 0 || count >= kLeastForQuantiles) return "";
+  return fmt::format(
+      "of {} {} the interval is that from the lowest to the highest, which may leave out the "
+      "estimate: quantiles take {}",
+      count,
+      things,
+      kLeastForQuantiles);
+}
 
 /// The quantiles at 2.5 % and 97.5 %: of n values the one at place p (n + 1), with a straight line
 /// between two, because of n + 1 values from one distribution each is as likely the k-th. Changes

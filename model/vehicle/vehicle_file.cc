@@ -1,5 +1,7 @@
 #include "model/vehicle/vehicle_file.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <span>
@@ -306,6 +308,19 @@ Vehicle LoadVehicle(const std::string& name_or_file) {
       ReadTextFileOr(
           name_or_file, "a vehicle file or one of the shipped vehicles", ShippedVehicleNames()),
       name_or_file);
+}
+
+std::string DoubtAboutPack(const Vehicle& vehicle, int series) {
+  if (vehicle.series_cells == 0 || vehicle.series_cells == series) return "";
+  return fmt::format(
+      "{} is made for {} cells in series, and this pack has {}: {}",
+      vehicle.name,
+      vehicle.series_cells,
+      series,
+      series < vehicle.series_cells
+          ? fmt::format("it has less thrust; give --series {}", vehicle.series_cells)
+          : "motors and speed controllers see more voltage than they are made for, and "
+            "the mass is that with the vehicle's own battery");
 }
 
 }  // namespace lipoid

@@ -38,4 +38,8 @@ using VehicleSources = std::vector<std::pair<std::string, std::string>>;
 /// neither is.
 [[nodiscard]] Vehicle LoadVehicle(const std::string& name_or_file);
 
+/// What is doubtful about a pack of so many cells in series for this vehicle, in one sentence; "" where
+/// it has as many as the vehicle is made for, or nobody said how many these are.
+[[nodiscard]] std::string DoubtAboutPack(const Vehicle& vehicle, int series);
+
 }  // namespace lipoid

@@ -49,6 +49,22 @@ TEST(Ageing, TellsAChangeFromNone) {
   EXPECT_EQ(found[2].at[1].verdict, ChangeVerdict::kNotShown) << "10 % with 14 % each way";
 }
 
+// A cell loses capacity, and not most of it.
+TEST(Ageing, DoubtsWhatAreNoAgesOfOneCell) {
+  const auto doubts = [](double alpha_C) {
+    return DoubtsAboutAges(
+        CompareAges({Aged("a", 2000.0, 30.0, 0.1, 0.01), Aged("b", alpha_C, 30.0, 0.1, 0.01)}));
+  };
+  EXPECT_TRUE(doubts(1900.0).empty());
+  EXPECT_TRUE(doubts(2060.0).empty());
+  ASSERT_EQ(doubts(2400.0).size(), 1U);
+  EXPECT_EQ(doubts(2400.0)[0].first, 1U);
+  EXPECT_EQ(doubts(2400.0)[0].second,
+            "has 20 % more capacity than the first: are both one cell, and the youngest first?");
+  EXPECT_EQ(doubts(600.0).at(0).second,
+            "has 70 % less capacity than the first: are both one cell?");
+}
+
 // However wide the interval of the first: no resistance falls by more than all of it.
 TEST(Ageing, NothingFallsByMoreThanAHundredPerCent) {
   const auto found =

@@ -57,7 +57,7 @@ TEST(FitQuality, SeesWhatNoCellIs) {
             (std::vector<std::string>{"alpha is 0.376 Ah for a cell of 2.9 Ah"}));
   EXPECT_EQ(JudgeFit(TheCell(), well, {}, 3600, 0.0).reasons,
             (std::vector<std::string>{
-                "alpha is 0.376 Ah, less than the 1 Ah that a log takes out"}));
+                "alpha is 0.376 Ah, less than the 1 Ah below full that a log reaches"}));
   EXPECT_EQ(JudgeFit(TheCell(), well, {}, 1300, 0.0).grade, FitGrade::kGood);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(JudgeFit(TheCell(), {Fitted(nan, nan)}, {}, 1300, 0.4).grade, FitGrade::kPoor);

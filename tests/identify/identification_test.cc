@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "identify/validation.h"
@@ -49,6 +50,26 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
                             "validation", "constant_current", "cautions", "profiles", "not_drawn"})
       EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json.at("log_notes").size(), 1U);
+  }
+}
+
+// A log of a cell with 5 % more voltage took no part, and the first line says nothing of it.
+TEST(Identification, SaysThatOtherLogsAreDescribedFarWorse) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  for (const double factor : {1.0, 1.05}) {
+    LoadedLog other = logs.back();
+    other.entry.kind = LogKind::kValidation;
+    other.entry.path = other.entry.file = "other.csv";
+    for (double& voltage_V : other.log.record.voltage_V) voltage_V *= factor;
+    auto all = logs;
+    all.push_back(other);
+    for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
+      const auto notes = Identify(test::CampaignOf(all), all, {.method = method}).log_notes;
+      const bool said = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find("the validation logs are predicted to 4.8 %, ") == 0;
+      });
+      EXPECT_EQ(said, factor > 1.0);
+    }
   }
 }
 

@@ -5,22 +5,14 @@
 #include <cmath>
 
 #include "model/battery/prediction.h"
-#include "model/core/errors.h"
+#include "tests/support/charge_counter.h"
 #include "tests/support/constants.h"
-#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
+using test::ChargeCounter;
 using test::kEpsilon;
-
-// v_oc from 3 V to 4 V over 1000 C, and nothing else.
-Cell ChargeCounter() {
-  Cell cell;
-  cell.capacity_Ah = 1000.0 / 3600.0;
-  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.0});
-  return cell;
-}
 
 // From A = 1 to -0.02 in steps of 0.02, measured 1 % above what the cell says, and twice that below
 // A = 0.1 (0.09 leaves the rounding of 0.1 aside).
@@ -80,27 +72,6 @@ TEST(Validation, OfALoggedCampaignIsThatOfOneCellFromItsOwnStart) {
   EXPECT_NEAR(Validate(pack, of_pack).all.rmse,
               6.0 * Validate(ChargeCounter(), Discharge()).all.rmse,
               100.0 * kEpsilon);
-}
-
-TEST(Validation, FindsTheChargeAtWhichAPackRests) {
-  Cell pack = ChargeCounter();
-  pack.series = 2;
-  EXPECT_NEAR(SocAtRestVoltage(pack, 7.5), 0.75, 4.0 * kEpsilon);
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 3.7); }),
-            "initial voltage: expected one that v_oc(A) of the cell has, 6 .. 8 V, found 3.7 V");
-}
-
-// The rest of a cell with hysteresis is that with which a prediction begins.
-TEST(Validation, FindsTheChargeAtWhichAPackWithHysteresisRests) {
-  Cell pack = ChargeCounter();
-  pack.series = 2;
-  pack.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.02}};
-  const double soc = SocAtRestVoltage(pack, 7.5);
-  const std::vector<double> time_s{0.0, 1.0};
-  const std::vector<double> current_A{0.0, 0.0};
-  EXPECT_NEAR(Predict(pack, time_s, current_A, Hold::kBackward, soc).voltage_V[0], 7.5, 1e-12);
-  EXPECT_NEAR(std::abs(soc - 0.75), 0.02, 1e-12);
-  EXPECT_EQ(NearestSocAtRest(pack, 7.5), soc);
 }
 
 // v_oc is 3 V + A volts.

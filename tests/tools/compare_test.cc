@@ -224,6 +224,9 @@ TEST(Compare, HoldsBoundsAndFitsTimeConstants) {
   for (const Json& v : summary.at("problem")) names.push_back(v.at("parameter"));
   EXPECT_EQ(names, (std::vector<std::string>{"r_s", "r_1", "tau_1"}));
   EXPECT_EQ(summary.at("problem")[2].at("start"), 20.0);
+  EXPECT_EQ(summary.at("problem")[1].at("unit"), "Ohm");  // of start and bounds
+  EXPECT_EQ(summary.at("problem")[2].at("unit"), "s");
+  EXPECT_GT(summary.at("problem")[1].at("scale"), 0.0);
   for (const Json& r : summary.at("results")) {
     EXPECT_EQ(r.at("parameters").at("beta"), kBeta);
     EXPECT_NEAR(r.at("parameters").at("r_s").get<double>(), 0.12, 1e-6);  // 0.1314 is not allowed
@@ -241,7 +244,7 @@ TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
       RunLipoid(folder, Compare({"--optimizers", "levenberg-marquardt", "--set", "scaling=none"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json summary = ReadJson(folder, "s.json");
-  for (const Json& v : summary.at("problem")) EXPECT_EQ(v.at("unit"), 1.0);
+  for (const Json& v : summary.at("problem")) EXPECT_EQ(v.at("scale"), 1.0);
   EXPECT_EQ(summary.at("options").at("scaling"), "none");
 }
 

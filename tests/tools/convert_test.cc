@@ -49,6 +49,21 @@ TEST(Convert, WritesBdfByNameAndReadsItBack) {
   EXPECT_EQ(ReadText(folder + "/b.csv"), ReadText(folder + "/c.csv"));
 }
 
+// A smart battery's voltage lags its current, so that the rows alone do not tell the sign that the autopilot's format
+// defines.
+TEST(Convert, WritesTheSignThatTheRowsDoNotTell) {
+  const auto folder = TestFolder();
+  const std::string log = SourcePath("fixtures/flights/log171.bin");
+  for (const std::string name : {"l.csv", "l.bdf.csv"}) {
+    ASSERT_EQ(RunLipoid(folder, {"convert", log, "-o", name}).exit_code, 0);
+    const auto read = RunLipoid(folder, {"inspect", name, "--summary", "s.json"});
+    ASSERT_EQ(read.exit_code, 0) << name << read.err;
+    const auto file = ReadJson(folder, "s.json").at("files").at(0);
+    EXPECT_EQ(file.at("current_sign"),
+              name == "l.csv" ? "discharge-positive" : "discharge-negative");
+  }
+}
+
 TEST(Convert, TakesUnitsStepsAndSpans) {
   const auto folder = TestFolder();
   const std::string log = SourcePath("fixtures/logs/plain-csv/no_units.csv");

@@ -105,6 +105,22 @@ TEST(Fly, SaysWhichSettingsChangeNothing) {
   EXPECT_NE(hover.err.find("change nothing in a hover"), std::string::npos) << hover.err;
 }
 
+TEST(Fly, ARowOfTheLogIsAWholeNumberOfControlSteps) {
+  const auto folder = TestFolder();
+  const auto run = [&](const char* step_s) {
+    return RunLipoid(folder,
+                     {"fly", "hover", "--duration", "1", "--log-step-s", step_s, "-o", "f.csv"});
+  };
+  const auto odd = run("0.007");
+  EXPECT_EQ(odd.exit_code, 2);
+  EXPECT_EQ(
+      FirstLine(odd.err),
+      "lipoid fly: error: option --log-step-s: expected a multiple of the control step of 0.005 "
+      "s, found 0.007 s; give 0.005 or 0.01\n");
+  for (const char* step_s : {"0.005", "0.015", "0.1", "0.35"})
+    EXPECT_EQ(run(step_s).exit_code, 0) << step_s;
+}
+
 TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   const auto folder = TestFolder();
   auto run = RunLipoid(folder, {"fly", "hover", "--xi", "0.6", "--summary", "s.json"});
@@ -476,6 +492,11 @@ TEST(Design, SaysWhatIsWrong) {
   EXPECT_EQ(
       FirstLine(RunLipoid(folder, {"design", "altitude", "--aware", "--weights", "1,2"}).err),
       "lipoid design: error: option --weights: expected 21 numbers, one for each xi, found 2\n");
+  EXPECT_EQ(
+      FirstLine(
+          RunLipoid(folder, {"design", "altitude", "--xi", "0.9:0.1:1", "--weights", "0,0"}).err),
+      "lipoid design: error: option --weights: expected a number above 0 among them, found 0,0, "
+      "by which no gains are better than others\n");
   EXPECT_EQ(RunLipoid(folder, {"design", "altitude", "--optimizer", "guess"}).exit_code, 2);
 }
 
@@ -504,6 +525,19 @@ TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_GT(summary.at("minimum_voltage_V").get<double>(), 15.0);
   EXPECT_NEAR(summary.at("charge_C").get<double>() / 3.0, 13.0, 1.0);
+  const auto twelve = RunLipoid(folder,
+                                {"fly",
+                                 "hover",
+                                 "--vehicle",
+                                 "f450",
+                                 "--cell",
+                                 "grepow-32Ah-1",
+                                 "--series",
+                                 "12",
+                                 "--duration",
+                                 "1"});
+  EXPECT_NE(twelve.err.find("more voltage than they are made for"), std::string::npos)
+      << twelve.err;
   const auto ideal = RunLipoid(folder, {"fly", "hover", "--battery", "ideal", "--series", "4"});
   EXPECT_EQ(ideal.exit_code, 2);
   EXPECT_NE(ideal.err.find("are for cells"), std::string::npos) << ideal.err;

@@ -154,6 +154,135 @@ TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
       << flight.dump();
 }
 
+// From the middle of a flight on, under load: one capacity would call for another, and that for the
+// first.
+TEST(Health, TakesNoLimitOfTheSearchForACapacity) {
+  const std::string all = LabDataPath("flights/predictive-bms_30.csv");
+  LIPOID_SKIP_WITHOUT(all);
+  const std::string folder = TestFolder();
+  const std::string text = ReadText(all);
+  std::size_t from = text.size();
+  for (int row = 0; row <= 2500; ++row) from = text.rfind('\n', from - 1);
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--capacity-Ah",
+                              "1.5",
+                              "--series",
+                              "4",
+                              WriteText("tail.csv", text.substr(from + 1)),
+                              "--columns",
+                              "time_s=1",
+                              "voltage_V=2",
+                              "current_A=7",
+                              "--units",
+                              "ms,mA,V"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("this flight does not tell it"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("give the right capacity"), std::string::npos) << run.out;
+}
+
+// Of a pack of four taken for one of three no fit is near, however narrow the intervals about it.
+TEST(Health, SaysThatTheReferenceDoesNotDescribeTheFlight) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "3",
+                              "--capacity-Ah",
+                              "5.2",
+                              Flight("log171.bin"),
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.out.find("the reference does not describe this flight (mean error 14 %"), 0U)
+      << run.out;
+  EXPECT_NE(run.out.find("--series"), std::string::npos) << run.out;
+  const Json flight = ReadJson(folder, "s.json").at("flights")[0];
+  for (const char* quantity : {"soc_start", "soc_end", "capacity", "resistance", "current_scale"})
+    EXPECT_TRUE(flight.at(std::string(quantity) + "_interval_95").is_null()) << flight.dump();
+  EXPECT_TRUE(flight.at("doubted_because").is_string()) << flight.dump();
+}
+
+// A reference of ten times the resistance is no younger state of this pack.
+TEST(Health, DoubtsWhatNoCellBecomes) {
+  const std::string folder = TestFolder();
+  Json reference = Json::parse(ReadText(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  reference.at("open_circuit_voltage").erase("assumed");
+  reference["series_resistance_Ohm"] = 10.0 * reference.at("series_resistance_Ohm").get<double>();
+  const std::string file = WriteText("reference.json", reference.dump());
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              file,
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5.2",
+                              Flight("log171.bin"),
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.out.find("the resistance would be "), 0U) << run.out;
+  EXPECT_NE(run.out.find("is the reference another cell"), std::string::npos) << run.out;
+  const Json flight = ReadJson(folder, "s.json").at("flights")[0];
+  EXPECT_TRUE(flight.at("doubted_because").is_string()) << flight.dump();
+}
+
+TEST(Health, CountsAFlightOnce) {
+  const std::string folder = TestFolder();
+  const auto health = [&](std::vector<std::string> files) {
+    files.insert(files.begin(),
+                 {"health", "--cell", "gifi-600mAh-1", "--series", "4", "--capacity-Ah", "5.2"});
+    return RunLipoid(folder, files);
+  };
+  const auto twice = health({Flight("log171.bin"), SourcePath("fixtures/./flights/log171.bin")});
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(twice.err.find("is given twice; name each log once"), std::string::npos) << twice.err;
+
+  const std::string log = ReadText(Flight("log171.bin"));
+  const auto copies = health({Flight("log171.bin"),
+                              WriteText("b.bin", log),
+                              WriteText("c.bin", log),
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(copies.exit_code, 0) << copies.err;
+  EXPECT_NE(copies.out.find("holds the same rows as"), std::string::npos) << copies.out;
+  EXPECT_EQ(copies.out.find("changed by"), std::string::npos) << copies.out;
+  const Json summary = ReadJson(folder, "s.json");
+  EXPECT_TRUE(summary.at("trend").is_null());
+  EXPECT_TRUE(summary.at("flights")[0].at("same_rows_as").is_null());
+  EXPECT_TRUE(summary.at("flights")[2].at("same_rows_as").is_string());
+}
+
+// A resistance at another temperature than that of the flight needs an energy, and here it is assumed.
+TEST(Health, SaysByWhichEnergyAResistanceIsThatAt25DegC) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5.2",
+                              "--ambient-degC",
+                              "5",
+                              Flight("log171.bin"),
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("The resistance is that at 25 degC"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("kJ/mol"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("assumed"), std::string::npos) << run.out;
+  const Json reference = ReadJson(folder, "s.json").at("reference");
+  EXPECT_TRUE(reference.at("temperature_assumed").get<bool>());
+  EXPECT_GT(reference.at("activation_energy_J_per_mol").get<double>(), 1e4);
+}
+
 TEST(Health, AsksForTheCellsInSeries) {
   const auto run =
       RunLipoid(TestFolder(), {"health", "--cell", "gifi-600mAh-1", Flight("log171.bin")});
@@ -219,6 +348,29 @@ TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {
   EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
 }
 
+// More charge than the cell is said to have: the curve would go on below empty.
+TEST(IdentifyFlights, CannotGiveMoreThanTheCellHolds) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "--flight",
+                              Flight("log171.bin"),
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "0.52",
+                              "--initial-soc",
+                              "0.93",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err << run.out;
+  EXPECT_NE(run.out.find("poor: alpha is 0.52 Ah, less than the 0.75"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("fit").at("verdict"), "poor");
+}
+
 TEST(IdentifyFlights, AreNoProblemForOptimizers) {
   const auto run = RunLipoid(
       TestFolder(),
@@ -226,6 +378,41 @@ TEST(IdentifyFlights, AreNoProblemForOptimizers) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("expected logs of the lab, found flights alone"), std::string::npos)
       << run.err;
+}
+
+// A flight on a pack of twice the cell bends the cell of the lab logs until both fit badly.
+TEST(IdentifyFlights, OfAnotherPackAreNotTakenWithLabLogs) {
+  const std::string folder = TestFolder();
+  ASSERT_EQ(
+      RunLipoid(folder, {"convert", Flight("log171.bin"), "--series", "4", "-o", "l4.bdf.csv"})
+          .exit_code,
+      0);
+  const auto lab = [](const std::string& name) {
+    return SourcePath("fixtures/lab/dmegc_inr18650_26_r1/" + name);
+  };
+  const auto run = RunLipoid(folder,
+                             {"identify",
+                              "--low-rate",
+                              lab("low_rate.csv"),
+                              "--pulses",
+                              lab("pulse.csv"),
+                              "--flight",
+                              "l4.bdf.csv",
+                              "--cutoff-V",
+                              "2.5",
+                              "--capacity-Ah",
+                              "2.6",
+                              "-o",
+                              "cell.json",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json flights = ReadJson(folder, "s.json").at("flights_with_lab");
+  EXPECT_FALSE(flights.at("taken").get<bool>());
+  ASSERT_EQ(flights.at("refused").size(), 1U);
+  EXPECT_NE(flights.at("refused")[0].at("reason").get<std::string>().find("times the capacity"),
+            std::string::npos)
+      << flights.dump();
 }
 
 TEST(IdentifyFlights, AsksForTheCapacity) {

@@ -508,5 +508,23 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
   }
 }
 
+// Settings of what does not run.
+TEST(Identify, SaysWhichSettingsChangeNothing) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/c.toml", "[cell]\ncutoff_V = 3.0\n");
+  const auto said = [&](const std::string& method, const std::string& setting) {
+    return RunLipoid(folder,
+                     {"identify", "c.toml", "-o", "c.json", "--method", method, "--set", setting})
+        .err;
+  };
+  EXPECT_NE(said("staged", "joint.branches=1").find("options --set joint.* change nothing"),
+            std::string::npos);
+  EXPECT_EQ(said("joint", "joint.branches=1").find("change nothing"), std::string::npos);
+  EXPECT_NE(said("joint", "open_circuit_voltage.method=fourier").find("of the staged run alone"),
+            std::string::npos);
+  EXPECT_EQ(said("staged", "open_circuit_voltage.method=fourier").find("of the staged run alone"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace lipoid::test

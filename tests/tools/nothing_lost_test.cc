@@ -384,6 +384,22 @@ TEST(NothingLost, AReaderWhoLeavesEarlyIsNoErrorWhereverTheDataGo) {
   }
 }
 
+TEST(NothingLost, StandardOutputIsTheSameByAllOfItsNames) {
+  const auto folder = TestFolder();
+  Write(folder + "/log.csv", kLog);
+  const auto converted = [&](const std::string& output) {
+    const auto run = RunShell(folder,
+                              "\"$LIPOID\" convert log.csv --current-sign discharge-positive -o " +
+                                  output + " >taken.csv");
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return ReadTextFile(folder + "/taken.csv");
+  };
+  const std::string expected = converted("-");
+  EXPECT_NE(expected, "");
+  for (const std::string output : {"/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"})
+    EXPECT_EQ(converted(output), expected) << output;
+}
+
 TEST(NothingLost, ADraftKeepsTheCampaignThatWasThere) {
   const auto folder = TestFolder();
   ASSERT_EQ(

@@ -190,5 +190,13 @@ TEST(Plan, IdentifySaysHowFarToBelieveIt) {
   EXPECT_EQ(summary["trust"]["residual_correlation"].size(), 1U);
 }
 
+TEST(Plan, SaysWhatIsNotInIt) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder, {"plan", "gifi-600mAh-1", "--temperature-noise-degC", "0.5"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("option --temperature-noise-degC changes nothing here"), std::string::npos)
+      << run.err;
+}
+
 }  // namespace
 }  // namespace lipoid::test

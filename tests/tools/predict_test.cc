@@ -277,6 +277,8 @@ TEST(Simulate, AnEnsembleAddsTheBandOfEachRow) {
   EXPECT_EQ(ensemble.at("cells"), 400);
   EXPECT_EQ(ensemble.at("seed"), 3);
   EXPECT_EQ(ensemble.at("moved"), 0);
+  EXPECT_EQ(ensemble.at("rows_outside_band"), 0);
+  EXPECT_EQ(run.err.find("moved to the nearest"), std::string::npos) << run.err;
   EXPECT_NEAR(ensemble.at("band_mean_V").get<double>(), sum_V / 360.0, 1e-12);
   EXPECT_NEAR(ensemble.at("band_max_V").get<double>(), most_V, 1e-12);
   EXPECT_NE(run.err.find("95 % of 400 cells lie within a band of"), std::string::npos) << run.err;
@@ -296,8 +298,8 @@ TEST(Simulate, AnEnsembleAddsTheBandOfEachRow) {
 
   run = simulate("few.csv", {"--ensemble", "10"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_NE(run.err.find("of 10 cells the interval is that from the lowest to the highest: "
-                         "quantiles take 39"),
+  EXPECT_NE(run.err.find("of 10 cells the interval is that from the lowest to the highest, which "
+                         "may leave out the estimate: quantiles take 39"),
             std::string::npos)
       << run.err;
 }
@@ -491,6 +493,39 @@ TEST(Validate, EveryBadLogIsNamedAndTheSummaryHasThem) {
   EXPECT_EQ(error.at("diagnostics")[0].at("line"), 3);
   EXPECT_EQ(error.at("diagnostics")[0].at("column"), 3);
   EXPECT_EQ(error.at("diagnostics")[1].at("file"), "none.csv");
+}
+
+// A current that ends where the cut-off is reached is written whole, and it is said.
+TEST(Simulate, SaysThatTheLastRowLiesBelowTheCutOff) {
+  const auto folder = TestFolder();
+  // 0.376 Ah at 0.6 A last 2250 s less what diffusion holds back.
+  std::string text = "time_s,current_A\n0,0\n";
+  for (int t = 60; t <= 2100; t += 60) text += fmt::format("{},0.6\n", t);
+  WriteFileAtomically(folder + "/in.csv", text);
+  const auto whole =
+      RunLipoid(folder, {"simulate", "gifi-600mAh-1", "--current", "in.csv", "-o", "p.csv"});
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(whole.err.find("below the cut-off"), std::string::npos) << whole.err;
+  double before_V = Numbers(ReadTextFile(folder + "/p.csv")).back()[2];
+  for (int t = 2110; before_V > 3.0; t += 10) {
+    text += fmt::format("{},0.6\n", t);
+    WriteFileAtomically(folder + "/in.csv", text);
+    const auto run =
+        RunLipoid(folder, {"simulate", "gifi-600mAh-1", "--current", "in.csv", "-o", "p.csv"});
+    before_V = Numbers(ReadTextFile(folder + "/p.csv")).back()[2];
+    EXPECT_EQ(run.err.find("the last row, ") != std::string::npos, before_V < 2.995) << run.err;
+    if (before_V > 3.0) continue;
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  }
+}
+
+TEST(Validate, ALogGivenTwiceIsNamedWithoutAnOptionThatIsNot) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/a.csv", "time_s,current_A,voltage_V\n0,0,4.1\n10,0.6,4.0\n");
+  const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "a.csv", "a.csv"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("error: 'a.csv' is given twice; name each log once"), std::string::npos)
+      << run.err;
 }
 
 }  // namespace

@@ -86,7 +86,8 @@ TEST(Synthesize, TermsAreAddedByTheirParametersInAnyOrder) {
   const std::pair<const char*, const char*> unfinished[] = {
       {"tau_h=300", "option --with: tau_h needs rho_h beside it"},
       {"r_ct=0.02", "option --with: r_ct needs i_0 beside it"},
-      {"r_2=0.02", "option --with: r_2 needs c_2 or tau_2 beside it"}};
+      {"r_2=0.02", "option --with: r_2 needs c_2 or tau_2 beside it"},
+      {"tau_1=45,c_1=1500", "option --with: give either c_1 or tau_1, not both: tau_1 = r_1 c_1"}};
   for (const auto& [with, message] : unfinished) {
     const auto half = RunLipoid(folder, Arguments({"-o", "half", "--with", with}));
     EXPECT_EQ(half.exit_code, 2);
@@ -170,6 +171,36 @@ TEST(Synthesize, AFolderThatCannotBeWrittenIsSaid) {
   EXPECT_EQ(run.err,
             "lipoid synthesize: error: cannot make the folder 'file/logs': Not a directory\n"
             "Try 'lipoid synthesize --help'.\n");
+}
+
+// Logs that identify would refuse, or hardly read.
+TEST(Synthesize, SaysWhatMakesNoLogsOfALab) {
+  const auto folder = TestFolder();
+  const std::pair<std::vector<std::string>, const char*> refused[] = {
+      {{"--rest-s", "0"}, "pulses.csv: expected rests of at least 2 rows between the pulses"},
+      {{"--low-rate-h", "0.5"}, "low_rate.csv: expected a low rate, at most 0.2 C, found 1.25 C"}};
+  for (const auto& [options, message] : refused) {
+    std::vector<std::string> arguments{
+        "synthesize", "gifi-600mAh-1", "--sampling-s", "1", "-o", "none"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(folder + "/none"));
+  }
+  const auto noisy = RunLipoid(folder,
+                               {"synthesize",
+                                "gifi-600mAh-1",
+                                "--sampling-s",
+                                "1",
+                                "--current-noise-A",
+                                "0.6",
+                                "-o",
+                                "noisy"});
+  EXPECT_EQ(noisy.exit_code, 0) << noisy.err;
+  EXPECT_NE(noisy.err.find("the noise of the current, 0.6 A, is 21 of the least current"),
+            std::string::npos)
+      << noisy.err;
 }
 
 }  // namespace

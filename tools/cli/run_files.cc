@@ -158,6 +158,9 @@ void CheckWritable(const std::string& file) {
 
 bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(a) == PlaceOf(b); }
 
-std::string OutputPath(const std::string& text) { return text == "-" ? "/dev/stdout" : text; }
+std::string OutputPath(const std::string& text) {
+  const bool is_standard_output = text == "-" || text == "/dev/fd/1" || text == "/proc/self/fd/1";
+  return is_standard_output ? "/dev/stdout" : text;
+}
 
 }  // namespace lipoid::cli

@@ -66,7 +66,7 @@ void CheckWritable(const std::string& file);
 /// followed, and names that differ only in case are one, as they are on many disks.
 [[nodiscard]] bool LeadToOneFile(const std::string& a, const std::string& b);
 
-/// "-" means standard output.
+/// "-" means standard output, and so do the names that it has as descriptor 1.
 [[nodiscard]] std::string OutputPath(const std::string& text);
 
 }  // namespace lipoid::cli

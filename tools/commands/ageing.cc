@@ -69,6 +69,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
     }
     rows.push_back({{"name", quantity.name}, {"unit", quantity.unit}, {"at", std::move(at)}});
   }
+  for (const auto& [k, doubt] : DoubtsAboutAges(quantities)) line.Message("{} {}", files[k], doubt);
   line.summary()["cells"] = std::move(ages);
   line.summary()["quantities"] = std::move(rows);
   line.Print("{}", table.Text());

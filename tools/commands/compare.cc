@@ -7,6 +7,7 @@
 
 #include "identify/comparison/comparison_report.h"
 #include "identify/comparison/comparison_run.h"
+#include "model/battery/cell_parameters.h"
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
@@ -20,21 +21,6 @@ namespace {
 using cli::Align;
 using cli::Significant;
 using cli::TextTable;
-
-std::string UnitOf(const PulseVariable& v) {
-  switch (v.kind) {
-    case PulseVariable::Kind::kBeta:
-      return "s^-1/2";
-    case PulseVariable::Kind::kSeriesResistance:
-    case PulseVariable::Kind::kResistance:
-      return "Ohm";
-    case PulseVariable::Kind::kTimeConstant:
-      return "s";
-    case PulseVariable::Kind::kCapacitance:
-      break;
-  }
-  return "F";
-}
 
 std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
   std::string text = fmt::format("Problem {}: {} rows of {} logs, {} points after condensing\n",
@@ -54,7 +40,7 @@ std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
     const PulseVariable& v = comparison.variables[k];
     const std::string over = v.unit == 1.0 ? v.name : fmt::format("{}/{:.4g}", v.name, v.unit);
     table.Row({v.name,
-               UnitOf(v),
+               std::string(CellParameterUnit(v.name)),
                Significant(Entry(comparison.start, v)),
                fmt::format("{:.3g}", v.lower),
                std::isfinite(v.upper) ? fmt::format("{:.3g}", v.upper) : "none",
@@ -105,7 +91,7 @@ std::string ResultsText(const Comparison& comparison, int random_starts) {
 std::string ParametersText(const Comparison& comparison) {
   std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
   for (const auto& v : comparison.variables) {
-    columns.push_back({fmt::format("{} / {}", v.name, UnitOf(v))});
+    columns.push_back({fmt::format("{} / {}", v.name, CellParameterUnit(v.name))});
   }
   TextTable table(std::move(columns), "What each optimizer found.");
   for (const auto& r : comparison.results) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/all_rows.h"
+#include "identify/logs/current_sign.h"
 #include "identify/logs/inspection_report.h"
 #include "identify/logs/log.h"
 #include "identify/logs/log_writer.h"
@@ -108,7 +109,10 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   read.progress = [&](double share) { line.progress().Update(share, "reading"); };
   Log log = ReadLog(file, read);
   read.progress = [&](double share) { line.progress().Update(share, "writing"); };
-  LogWriter writer(output, format);
+  // What the reader of this log knows, the reader of what is written has to know, too.
+  const bool settled = log.record.voltage_V.empty() ||
+                       FindSignFromPhysics(log.record).sign == CurrentSign::kDischargePositive;
+  LogWriter writer(output, format, !settled);
   const Record& record = log.record;
   const double duration_s = record.time_s.back() - record.time_s.front();
   ForEachBlockOfRows(log, read, [&](Record& rows) {

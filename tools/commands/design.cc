@@ -1,4 +1,5 @@
 // lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "identify/gains/gain_design.h"
@@ -72,6 +73,12 @@ std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::st
   if (!w.empty() && w.size() != xi.size()) {
     throw OptionError(fmt::format(
         "option --weights: expected {} numbers, one for each xi, found {}", xi.size(), w.size()));
+  }
+  if (!w.empty() && *std::max_element(w.begin(), w.end()) == 0.0) {
+    throw OptionError(fmt::format(
+        "option --weights: expected a number above 0 among them, found {}, by which no gains are better "
+        "than others",
+        weights));
   }
   std::vector<WeightedXi> all;
   for (std::size_t k = 0; k < xi.size(); ++k) all.push_back({xi[k], w.empty() ? 1.0 : w[k]});
@@ -262,7 +269,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                options_internal::ToText(result.optimization.termination),
                result.optimization.message);
   line.Message("Levenberg-Marquardt from there on finds {:.3g} % less",
-               gap_percent(result.polished_cost));
+               100.0 * (result.cost - result.polished_cost) / result.cost);
   if (longer_run) {
     const auto& longer = summary["longer_run"];
     line.Message("a run ten times longer ({} evaluations, {:.1f} s) leaves a gap of {:.3g} %",

@@ -9,6 +9,7 @@
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
+#include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
@@ -54,8 +55,7 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
           "The motors need {}more than the {:.2f} V that the battery gives under load.{}",
           request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
           result.landing_voltage_V,
-          result.time_s == 0.0 ? " The vehicle cannot fly on this pack: give more cells (--series)."
-                               : "");
+          result.time_s == 0.0 ? "\nThe vehicle cannot fly with this mass on this pack." : "");
     case MissionEnd::kPower:
       return fmt::format("No current of the battery gives the power of the mission any more{}",
                          result.time_s == 0.0 ? ": give more cells (--series, --parallel)." : ".");
@@ -279,8 +279,6 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   pack.ApplyTo(request.cell);
   const std::string& vehicle_name = choices.vehicle.path;
   choices.ApplyTo(request);
-  request.initial_soc = start.Soc(request.cell);
-  request.initial_voltage_V = start.initial_voltage_V;
   request.cruise = mission == "cruise";
   for (std::size_t k = 0; k < quantities.size(); ++k)
     SetQuantity(EnduranceVariables()[k], quantities[k], request);
@@ -288,6 +286,10 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   if (!over_text.empty()) over = ReadOver(over_text);
   if (request.ambient_degC || (over && over->variable->name == "ambient-degC"))
     request.cell = KnowingTemperature(line, request.cell, cell_name, request.size_factor);
+  Surroundings among;
+  if (request.ambient_degC) among.ambient_degC = request.ambient_degC->value;
+  request.initial_soc = start.Soc(request.cell, among);
+  request.initial_voltage_V = start.initial_voltage_V;
   request.seed = line.seed();
   if (!vehicle_name.empty()) request.vehicle = LoadVehicle(vehicle_name);
   const bool flies_on_air = mission == "hover" || request.cruise;
@@ -333,6 +335,10 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
                     over->variable->name));
   }
 
+  if (!vehicle_name.empty()) {
+    if (const auto doubt = DoubtAboutPack(request.vehicle, request.cell.series); !doubt.empty())
+      line.Message("{}", doubt);
+  }
   const EnduranceAnswer answer = FindEndurance(
       request, [&](double fraction) { line.progress().Update(fraction, "flying the ensemble"); });
   line.summary() = EnduranceToJson(request, answer);
@@ -344,13 +350,12 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
     line.Message(
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
         cell_name);
-  } else if (!answer.flights.empty() && answer.flights.size() < kLeastForQuantiles) {
-    line.Message(
-        "of {} flights the interval is that from the lowest to the highest: quantiles "
-        "take {}",
-        answer.flights.size(),
-        kLeastForQuantiles);
+  } else if (const auto doubt = DoubtAboutFew(answer.flights.size(), "flights"); !doubt.empty()) {
+    line.Message("{}", doubt);
   }
+  const auto moved = static_cast<std::size_t>(answer.moved);
+  if (const auto doubt = DoubtAboutMoved(moved, answer.flights.size()); !doubt.empty())
+    line.Message("{}", doubt);
   if (request.cell.open_circuit_voltage_assumed)
     line.Message("the open-circuit voltage of {} is a typical one, not measured", cell_name);
   const MissionEnd end = answer.estimate.ended_by;

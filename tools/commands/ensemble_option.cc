@@ -17,7 +17,8 @@ void EnsembleOption::AddTo(cli::CommandLine& line, std::string_view what_is_show
 EnsembleOption::Drawn EnsembleOption::Draw(cli::CommandLine& line,
                                            const Cell& cell,
                                            const std::string& cell_file,
-                                           const StartRequest& start) const {
+                                           const StartRequest& start,
+                                           const Surroundings& surroundings) const {
   if (!cell.uncertainty) {
     throw LoadError({cell_file},
                     "expected the key 'uncertainty' for --ensemble, found none: identify the cell "
@@ -25,15 +26,15 @@ EnsembleOption::Drawn EnsembleOption::Draw(cli::CommandLine& line,
   }
   CellEnsemble ensemble = DrawCells(cell, count, line.seed());
   Drawn drawn;
-  for (const Cell& one : ensemble.cells) drawn.initial_soc.push_back(start.SocOfDrawn(one));
+  for (const Cell& one : ensemble.cells)
+    drawn.initial_soc.push_back(start.SocOfDrawn(one, surroundings));
   drawn.cells = std::move(ensemble.cells);
   drawn.json = {{"cells", count}, {"seed", line.seed()}, {"moved", ensemble.moved}};
-  if (count < static_cast<int>(kLeastForQuantiles)) {
-    line.Message(
-        "of {} cells the interval is that from the lowest to the highest: quantiles take {}",
-        count,
-        kLeastForQuantiles);
-  }
+  const auto moved = static_cast<std::size_t>(ensemble.moved);
+  if (const auto doubt = DoubtAboutMoved(moved, drawn.cells.size()); !doubt.empty())
+    line.Message("{}", doubt);
+  if (const auto doubt = DoubtAboutFew(drawn.cells.size(), "cells"); !doubt.empty())
+    line.Message("{}", doubt);
   return drawn;
 }
 

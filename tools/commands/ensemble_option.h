@@ -20,8 +20,8 @@ struct EnsembleOption {
   void AddTo(cli::CommandLine& line, std::string_view what_is_shown);
   [[nodiscard]] bool asked() const { return count > 0; }
 
-  /// Cells, each with the state of charge at its start. LoadError, naming the cell file, where the
-  /// cell does not say how uncertain it is.
+  /// Cells, each with the state of charge at its start among these surroundings. LoadError, naming the
+  /// cell file, where the cell does not say how uncertain it is.
   struct Drawn {
     std::vector<Cell> cells;
     std::vector<double> initial_soc;
@@ -30,7 +30,8 @@ struct EnsembleOption {
   [[nodiscard]] Drawn Draw(cli::CommandLine& line,
                            const Cell& cell,
                            const std::string& cell_file,
-                           const StartRequest& start) const;
+                           const StartRequest& start,
+                           const Surroundings& surroundings = {}) const;
 };
 
 }  // namespace lipoid

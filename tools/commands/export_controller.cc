@@ -80,6 +80,8 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.Group("estimator", request.estimator);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
+  if (line.Given("controller") && line.Sets("controller.law"))
+    throw OptionError("options --controller and --set controller.law: give one of them");
   std::vector<std::string> paths;
   for (const std::string& name : ExportedControllerNames())
     paths.push_back((std::filesystem::path(folder) / name).string());

@@ -202,8 +202,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
     setup.cell = LoadCell(cell_name);
     pack.ApplyTo(*setup.cell);
-    setup.initial_soc = start.Soc(*setup.cell);
     if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
+    setup.initial_soc = start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});
   } else if (setup.ambient_degC) {
     throw OptionError(
         "option --ambient-degC is for a cell; an ideal source has the same voltage in the cold");
@@ -218,6 +218,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
+  const double step_s = asked.LogStep_s(plan.duration_s);
   if (maneuver.changes && plan.commands.size() == 1) {
     line.Message(
         "{}: nothing is asked for within {:g} s; give a longer --duration, or earlier times (--set {}.*)",
@@ -226,8 +227,14 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
         maneuver.name);
   }
 
+  if (setup.cell) {
+    if (const auto doubt = DoubtAboutPack(setup.vehicle, setup.cell->series); !doubt.empty())
+      line.Message("{}", doubt);
+  }
   EnsembleOption::Drawn drawn;
-  if (ensemble.asked()) drawn = ensemble.Draw(line, *setup.cell, cell_name, start);
+  if (ensemble.asked())
+    drawn =
+        ensemble.Draw(line, *setup.cell, cell_name, start, {.ambient_degC = setup.ambient_degC});
 
   const auto hovers = CheckFlightLoops(setup);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
@@ -241,7 +248,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::optional<FlightLogWriter> log;
   std::optional<FlightSeries> series;
   FlightRecorder recorder;
-  const double step_s = asked.LogStep_s(plan.duration_s);
   if (!output.empty()) log.emplace(output, setup.vehicle.rotor_count());
   if (!line.report_file().empty()) series.emplace(setup.vehicle.rotor_count());
   if (log || series) {
@@ -292,12 +298,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.duty,
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
-    if (setup.cell && setup.vehicle.series_cells > setup.cell->series) {
-      line.Message("it is made for {} cells in series, and this pack has {}: give --series {}",
-                   setup.vehicle.series_cells,
-                   setup.cell->series,
-                   setup.vehicle.series_cells);
-    }
   }
   if (!flight.reason.empty()) line.Message("{}", flight.reason);
   return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "identify/health/health_report.h"
 #include "identify/logs/read_logs.h"
@@ -19,6 +21,11 @@ namespace {
 
 // The flights in the order they were named.
 std::vector<Log> ReadFlights(const std::vector<std::string>& files, const ReadOptions& read) {
+  std::set<std::filesystem::path> named;
+  for (const std::string& file : files) {
+    if (!named.insert(std::filesystem::path(file).lexically_normal()).second)
+      throw OptionError(fmt::format("'{}' is given twice; name each log once", file));
+  }
   std::vector<LogToRead> to_read;
   for (const std::string& file : files) to_read.push_back({file, read});
   std::vector<Log> logs(files.size());
@@ -77,11 +84,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
     line.Problem(LoadError(refused.position, refused.message));
 
   line.summary() = HealthToJson(report);
-  const FlightHealth& last = report.flights.back();
-  if (const std::string trend = TrendSentence(report); !trend.empty()) line.Print("{}\n", trend);
-  line.Print("{}{}\n",
-             report.flights.size() > 1 ? fmt::format("{}: ", last.file) : "",
-             HealthSentence(report, last));
+  for (const std::string& first : FirstLines(report)) line.Print("{}\n", first);
   if (report.typical && std::isfinite(report.new_capacity_Ah)) {
     line.Print(
         "{}",
@@ -98,6 +101,8 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                                         "--capacity-Ah for narrower intervals.\n",
                                         report.reference)));
   }
+  if (const std::string temperature = TemperatureSentence(report); !temperature.empty())
+    line.Print("{}", cli::Wrapped(temperature + "\n"));
   cli::TextTable table({{"flight", cli::Align::kFile},
                         {"SOC from"},
                         {"to"},
@@ -118,9 +123,16 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                cli::Significant(flight.mean_error_percent, 2)});
   }
   line.Print("\n{}", table.Text());
-  for (const FlightHealth& flight : report.flights)
-    line.Print("{}", cli::Bullets(flight.file, flight.cautions));
-  return cli::ExitCode::kDone;
+  bool doubted = false;
+  for (const FlightHealth& flight : report.flights) {
+    std::vector<std::string> cautions = flight.cautions;
+    if (!flight.doubted_because.empty()) {
+      doubted = true;
+      cautions.insert(cautions.begin(), flight.doubted_because);
+    }
+    line.Print("{}", cli::Bullets(flight.file, cautions));
+  }
+  return doubted ? cli::ExitCode::kIncomplete : cli::ExitCode::kDone;
 }
 
 }  // namespace lipoid

@@ -38,7 +38,9 @@ std::string IdentificationText(const Campaign& campaign,
                                const Identification& found,
                                bool verbose) {
   std::string text =
-      fmt::format("{} {}\n\n", campaign.name.empty() ? "The cell" : campaign.name, found.Verdict());
+      cli::Wrapped(fmt::format(
+          "{} {}", campaign.name.empty() ? "The cell" : campaign.name, found.Verdict())) +
+      "\n\n";
   if (found.flights_alone) {
     text += TrustText(found.trust, "") + "\n";
     return text + cli::Bullets("What flights alone do not tell", found.flights_alone->cautions);
@@ -203,6 +205,17 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
   const IdentifyOptions options = request.Resolve();
   const bool joint = options.method == IdentifyMethod::kJoint;
+  if (!joint && line.Sets("joint.")) {
+    line.Message(
+        "options --set joint.* change nothing with --method staged: leave them out, or take --method "
+        "joint");
+  }
+  if (joint && line.Sets("open_circuit_voltage.")) {
+    line.Message(
+        "options --set open_circuit_voltage.* shape the curve of the staged run alone, from which the "
+        "joint fit starts: v_oc(A) of the cell is a table (--set joint.voltage_nodes), or the curve "
+        "that is given");
+  }
   const bool by_options = campaign_options.ByOptions();
   const bool batch = campaign_files.size() > 1;
   std::vector<LoadError> failed;  // of a batch: the others are identified all the same
@@ -291,7 +304,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
       cells.back()["truth"] = ComparisonToJson(comparison);
     }
     line.Print("\nCell file: {}\n", paths[k]);
-    if (!batch) line.Print("Next: lipoid validate {} LOG...\n", paths[k]);
+    if (!batch && result.quality.grade != FitGrade::kPoor) {
+      line.Print("Next: lipoid {}\n",
+                 result.flights_alone ? fmt::format("health --cell {} FLIGHT...", paths[k])
+                                      : fmt::format("validate {} LOG...", paths[k]));
+    }
     if (k + 1 < campaigns.size()) line.Print("\n");
     mean_errors.push_back(result.mean_error_percent());
     found.push_back(std::move(result.cell));

@@ -110,14 +110,19 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   const PlanGridResult result =
       PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
 
+  if (!result.temperature && line.Given("temperature-noise-degC")) {
+    line.Message(
+        "option --temperature-noise-degC changes nothing here: this plan has no thermometer; "
+        "--ambient-degC plans with one");
+  }
   const std::vector<PlannedVariation>& all = result.variations;
   if (result.temperature) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       const PlannedVariation& one = all[k];
       if (one.second == SecondPulses::kNone) {
         line.Print(
-            "Standard errors that a campaign would give, in % of each parameter: pulses of {:g} s at "
-            "{:g}C, rests of {:g} s, rows every {:g} s\n\n{}\n",
+            "Standard errors that a campaign would give, in % of each parameter:\n"
+            "pulses of {:g} s at {:g}C, rests of {:g} s, rows every {:g} s\n\n{}\n",
             one.pulse_s,
             one.rate_C,
             one.rest_s,

@@ -137,7 +137,6 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
   TellWhatSaysNothing(line, cell, surroundings_request);
-  const double initial_soc = start.Soc(cell);
   auto read = reading.Resolve();
   read.voltage_optional = true;
   read.progress = [&](double share) { line.progress().Update(share, "reading"); };
@@ -145,6 +144,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   for (const auto& warning : log.report.warnings) line.Message("{}: {}", current_file, warning);
   const std::size_t rows_of_log = log.report.rows;
   const Surroundings surroundings = surroundings_request.Of(log.record);
+  const double initial_soc = start.Soc(cell, surroundings);
   const Hold hold = log.record.hold;
 
   PredictionBand band;
@@ -159,7 +159,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
     walk.Rows(log.record, surroundings, [](double, double, const PredictedRow&) {});
     const std::size_t rows = walk.way().rows;
-    auto drawn = ensemble.Draw(line, cell, cell_name, start);
+    auto drawn = ensemble.Draw(line, cell, cell_name, start, surroundings);
     const Record& record = log.record;
     band = PredictBand(drawn.cells,
                        drawn.initial_soc,
@@ -176,6 +176,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   if (ensemble.asked()) header += ",voltage_low_V,voltage_high_V";
   CsvWriter csv(output, header);
   std::vector<double> columns;
+  std::size_t outside_band = 0;
   Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
   read.progress = [&](double share) { line.progress().Update(share, "simulating"); };
   ForEachBlockOfRows(log, read, [&](Record& block) {
@@ -188,6 +189,10 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
       if (ensemble.asked()) {
         const std::size_t k = walk.way().rows - 1;
         columns.insert(columns.end(), {band.voltage_low_V[k], band.voltage_high_V[k]});
+        constexpr double kRounding_V = 1e-9;  // at rest a band may have no width
+        const bool within = row.voltage_V >= band.voltage_low_V[k] - kRounding_V &&
+                            row.voltage_V <= band.voltage_high_V[k] + kRounding_V;
+        if (!within) ++outside_band;
       }
       csv.RowOf(columns);
     });
@@ -232,13 +237,27 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         way.rows,
         rows_of_log);
   }
+  if (whole && !beyond_cutoff && way.rows > 0 &&
+      way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
+    line.Message(
+        "the last row, {:.4g} V, lies below the cut-off of {:.4g} V, which the cell reaches within the "
+        "row's time: a current that ends there is written whole",
+        way.voltage_V,
+        cutoff_V);
+  }
   if (ensemble.asked() && way.rows > 0) {
     const Json& of = line.summary()["ensemble"];
     line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
                  ensemble.count,
                  of["band_mean_V"].get<double>(),
                  of["band_max_V"].get<double>());
+    if (outside_band > 0) {
+      line.Message("in {} of {} rows the band leaves out what the cell itself predicts",
+                   outside_band,
+                   way.rows);
+    }
   }
+  if (ensemble.asked()) line.summary()["ensemble"]["rows_outside_band"] = outside_band;
   if (way.outside > 0) {
     line.Message(
         "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "

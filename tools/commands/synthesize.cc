@@ -56,10 +56,11 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(cell_name);
-  for (const auto& [name, value] : ParseAssignments("--with", changes))
-    SetCellParameter(cell, name, value);
-  if (const auto missing = MissingCellParameter(cell)) {
-    throw OptionError("option --with: " + *missing);
+  const auto changed = ParseAssignments("--with", changes);
+  try {
+    SetCellParameters(cell, changed);
+  } catch (const OptionError& error) {
+    throw OptionError(fmt::format("option --with: {}", error.what()));
   }
   pack.ApplyTo(cell);
   cell.uncertainty.reset();  // it is the truth now
@@ -68,6 +69,8 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   for (const auto& name : SynthesizedNames(cell, FindProtocol(protocol), options))
     outputs.push_back((std::filesystem::path(folder) / name).string());
   line.AddOutputs("-o", outputs);
+  for (const std::string& doubt : DoubtsAboutSynthesis(cell, FindProtocol(protocol), options))
+    line.Message("{}", doubt);
   RunRecord run;
   run.command = line.CommandText();
   run.options = OptionsToJson<Json>(options);

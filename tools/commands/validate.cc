@@ -29,7 +29,8 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.Describe(
       "Predicts the voltage of measured logs from their current and says how far off it is: mean "
       "and maximum of the relative error (4.57), (4.58) and the root mean square, over all rows "
-      "and over those above 10 % state of charge.",
+      "and over those above 10 % state of charge. The first line judges the prediction as `lipoid "
+      "identify` judges a fit; the exit code is 0 whatever it says.",
       "lipoid validate cell.json pulses.csv flight.csv");
   line.InputArgument("CELL", cell_name, "a cell file, or the name of a shipped cell");
   line.InputArguments("LOG", files, "logs of any known format");
@@ -43,7 +44,6 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   Cell cell = LoadCell(cell_name);
   pack.ApplyTo(cell);
   TellWhatSaysNothing(line, cell, surroundings);
-  const double initial_soc = start.Soc(cell);
   CampaignArguments arguments;
   arguments.validation = files;
   arguments.series = cell.series;
@@ -63,7 +63,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   auto logs = LoadLogs(line, CampaignFromArguments(arguments));
   std::vector<std::size_t> lengths;
   for (const auto& loaded : logs) {
-    (void)CheckPlausible(loaded.log.record, cell.capacity_Ah);
+    (void)CheckPlausible(loaded.log.record, cell.capacity_Ah, cell.series, cell.parallel);
     lengths.push_back(loaded.log.record.size());
   }
   constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature
@@ -72,6 +72,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::vector<LogErrors> all;
   for (auto& loaded : logs) {
     const Surroundings among = surroundings.Of(loaded.log.record);
+    const double initial_soc = start.Soc(cell, among);
     Validation validation(one, loaded.log.record.hold, initial_soc);
     if (!loaded.log.report.thinned) {  // every row is there, and one of the cell already
       validation.Add(loaded.log.record, among);
@@ -121,10 +122,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0);
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["logs"] = std::move(rows);
-  line.Print("{} {}\n\n{}",
-             cell.name.empty() ? cell_name : cell.name,
-             quality.Sentence(files.size() == 1 ? "this log" : "these logs"),
-             table.Text());
+  const std::string verdict =
+      fmt::format("{} {}",
+                  cell.name.empty() ? cell_name : cell.name,
+                  quality.Sentence(files.size() == 1 ? "this log" : "these logs"));
+  line.Print("{}\n\n{}", cli::Wrapped(verdict), table.Text());
   return cli::ExitCode::kDone;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/logs/flight/updates.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -17,6 +18,10 @@ constexpr double kLeastVoltage_V = 1.0;
 
 // More than any pack that flies gives: what is left of a damaged message.
 constexpr double kMostFlight_A = 2000.0;
+
+// A pack in flight is charged by motors that brake, and never with more than it gives; what is less
+// than this is not looked at.
+constexpr double kLeastCharge_A = 10.0;
 
 // A current that changes by so much moves the voltage of any real pack.
 constexpr double kLoad_A = 1.0;
@@ -99,6 +104,42 @@ std::vector<std::size_t> RowsInOrder(const std::vector<double>& time_s,
     kept.push_back(rows[static_cast<std::size_t>(k)]);
   std::reverse(kept.begin(), kept.end());
   return kept;
+}
+
+// Of rows in their order those in which the pack would be charged with more than it ever gives, while
+// it is not in the rows beside: what is left of a damaged message. None of a log that charges most of
+// the time.
+std::vector<std::size_t> ImpossibleCharges(const std::vector<double>& current_A,
+                                           const std::vector<std::size_t>& rows) {
+  std::vector<double> all;
+  for (const std::size_t row : rows) all.push_back(current_A[row]);
+  if (all.size() < 3 || Median(all) < 0.0) return {};
+  const double most_A = std::max(kLeastCharge_A, *std::max_element(all.begin(), all.end()));
+  const auto is_beyond = [&](std::size_t k) { return k < all.size() && all[k] < -most_A; };
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool alone = !is_beyond(k + 1) && (k == 0 || !is_beyond(k - 1));
+    if (is_beyond(k) && alone) found.push_back(rows[k]);
+  }
+  return found;
+}
+
+void DropImpossibleCharges(const BatteryTrack& track,
+                           std::vector<std::size_t>& kept,
+                           LogReport& report) {
+  const auto impossible = ImpossibleCharges(track.current_A, kept);
+  if (impossible.empty()) return;
+  std::erase_if(kept, [&](std::size_t row) {
+    return std::binary_search(impossible.begin(), impossible.end(), row);
+  });
+  report.dropped_unknown += impossible.size();
+  report.warnings.push_back(fmt::format(
+      "{} dropped: a current of {:.4g} A at {:.10g} s{}, with which the pack would be charged by "
+      "more than it ever gives; a damaged message may hold it",
+      impossible.size() == 1 ? "1 row" : fmt::format("{} rows", impossible.size()),
+      track.current_A[impossible[0]],
+      track.time_s[impossible[0]],
+      impossible.size() == 1 ? "" : ", the first of them"));
 }
 
 // Refuses what is no flight on a battery. Columns hold no NaN.
@@ -223,8 +264,9 @@ Log FlightLog(const std::string& file,
                           report.dropped_unknown,
                           track.number));
   }
-  const auto kept = RowsInOrder(track.time_s, rows);
+  auto kept = RowsInOrder(track.time_s, rows);
   report.dropped_repeated_times = rows.size() - kept.size();
+  DropImpossibleCharges(track, kept, report);
 
   Record& record = log.record;
   record.file = file;

@@ -56,6 +56,12 @@ TEST(Given, WhatNoCellMayHaveIsRefused) {
             "--bounds tau_1=0,0: expected a time constant above 0 s at the upper end");
   EXPECT_EQ(ErrorOf({.fixed = {{"r_s", 0.5}}, .bounds = {{"r_s", {0.0, 0.1}}}}),
             "--fix r_s=0.5 lies outside --bounds r_s=0,0.1");
+  EXPECT_EQ(ErrorOf({.start = {{"r_s", 0.5}}, .bounds = {{"r_s", {0.0, 0.1}}}}),
+            "--start r_s=0.5 lies outside --bounds r_s=0,0.1");
+  EXPECT_EQ(
+      ErrorOf({.fixed = {{"r_s", 0.5}}, .start = {{"r_s", 0.1}}}),
+      "--start r_s=0.1: --fix holds it, and what is held is not searched; leave one of the two "
+      "out");
   EXPECT_EQ(ErrorOf({.fixed = {{"tau_2", 1.0}}, .bounds = {{"c_2", {0.0, 1.0}}}}, 2),
             "give either c_2 or tau_2, not both");
 }

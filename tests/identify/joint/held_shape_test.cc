@@ -110,13 +110,47 @@ TEST(HeldShape, AShortTestGivesCapacityBetaAndResistances) {
   }
 }
 
+// The caution about what is held.
+std::string Said(const JointResult& result) {
+  for (const std::string& caution : result.cautions) {
+    if (caution.starts_with("held as in ")) return caution;
+  }
+  return "";
+}
+
 TEST(HeldShape, TheResultSaysWhatIsHeld) {
   const auto logs = ShortTest(Aged(), 1, 3.0);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, {}, Reference(New()));
-  bool said = false;
-  for (const std::string& caution : result.cautions)
-    said = said || caution.starts_with("held as in new.cell.json: v_oc(A), tau_1, and the shapes");
-  EXPECT_TRUE(said);
+  EXPECT_EQ(
+      Said(result),
+      "held as in new.cell.json: v_oc(A), tau_1, and the shapes of the resistances over A where "
+      "these logs say nothing; fitted: alpha, beta, r_s, r_1");
+  // What is given is neither.
+  StagedGiven given = Reference(New());
+  given.alpha_C = Aged().alpha_C();
+  given.parameters.fixed = {{"beta", 0.16}, {"tau_1", 40.0}};
+  EXPECT_EQ(Said(IdentifyJoint(test::CampaignOf(logs), logs, {}, {}, given)),
+            "held as in new.cell.json: v_oc(A), and the shapes of the resistances over A where "
+            "these logs say nothing; fitted: r_s, r_1");
+}
+
+// A cell without diffusion stays one.
+TEST(HeldShape, WithoutDiffusionIsKeptToo) {
+  Cell fresh = New();
+  fresh.capacity_Ah = fresh.alpha_C() / 3600.0;
+  fresh.diffusion.reset();
+  Cell aged = fresh;
+  aged.capacity_Ah *= 0.8;
+  const auto logs = ShortTest(aged, 1, 3.0);
+  const Campaign campaign = test::CampaignOf(logs);
+  const JointResult result = IdentifyJoint(campaign, logs, {}, {}, Reference(fresh));
+  EXPECT_FALSE(result.cell.diffusion);
+  EXPECT_NEAR(result.cell.capacity_Ah / aged.capacity_Ah, 1.0, 0.01);
+  EXPECT_TRUE(Said(result).ends_with("fitted: alpha, r_s, r_1")) << Said(result);
+  // Without it where the reference has it is another cell.
+  StagedOptions options;
+  options.pulses.diffusion = false;
+  EXPECT_THROW((void)IdentifyJoint(campaign, logs, options, {}, Reference(New())), OptionError);
 }
 
 TEST(HeldShape, IsRefusedWhereItCannotBeHeld) {

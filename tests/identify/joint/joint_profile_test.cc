@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 
+#include "identify/joint/held_shape.h"
 #include "identify/joint/joint_trust.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
@@ -76,6 +78,38 @@ TEST(JointProfile, RefusesWhatItCannotHold) {
             "option --profile: no parameter 'tau_2' in this fit; profiles can be had of tau_1");
   EXPECT_NE(Refusal({"c_1"}, result, trust).find("profile tau_1 instead"), std::string::npos);
   EXPECT_NE(Refusal({"alpha"}, result, trust).find("convention"), std::string::npos);
+}
+
+// What the structure may become is not known yet: only names that no choice has are refused.
+TEST(JointProfile, NamesThatNoRunHasAreRefusedBeforeALogIsRead) {
+  const auto refusal = [](const std::vector<std::string>& names,
+                          const StagedGiven& given,
+                          const JointOptions& options) -> std::string {
+    try {
+      CheckJointProfile(names, given, options, true);
+    } catch (const OptionError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::vector<std::string> some_run_has{
+      "beta", "r_s", "r_1", "tau_3", "tau_h", "i_0", "E", "E_s", "E_2", "gamma"};
+  EXPECT_EQ(refusal(some_run_has, {}, {}), "");
+  EXPECT_EQ(refusal({"bta"}, {}, kPlain),
+            "option --profile: no parameter 'bta' in this fit; profiles can be had of beta, r_s, "
+            "r_1, tau_1, E_d, E_s, E_1, gamma, E");
+  EXPECT_NE(refusal({"tau_4"}, {}, {}), "");
+  EXPECT_NE(refusal({"tau_2"}, {}, kPlain), "");
+  EXPECT_NE(refusal({"tau_h"}, {}, kPlain), "");
+  StagedGiven given;
+  given.parameters.fixed["beta"] = 0.1924;
+  EXPECT_NE(refusal({"beta"}, given, {}).find("'beta' is given"), std::string::npos);
+  HeldShape held;
+  held.cell = LoadCell("gifi-600mAh-1");
+  given = {};
+  given.reference = std::make_shared<const HeldShape>(held);
+  EXPECT_EQ(refusal({"beta", "r_s"}, given, {}), "");
+  EXPECT_NE(refusal({"tau_1"}, given, {}).find("'tau_1' is given"), std::string::npos);
 }
 
 }  // namespace

@@ -340,8 +340,7 @@ TEST(CampaignFromArguments, RefusesByOptionAndNotByFile) {
   };
   CampaignArguments arguments;
   arguments.constant_current = {"1c.csv", "./1c.csv"};
-  EXPECT_EQ(refusal(arguments),
-            "--constant-current: './1c.csv' is given twice; name each log once");
+  EXPECT_EQ(refusal(arguments), "'./1c.csv' is given twice; name each log once");
   arguments.constant_current = {"1c.csv"};
   EXPECT_EQ(refusal(arguments),
             "expected a low-rate log for the open-circuit voltage, or pulses with rests, found "

@@ -247,6 +247,22 @@ TEST(Draft, OfRealFoldersIsTheirCampaign) {
   }
 }
 
+TEST(Draft, TakesACopyOnce) {
+  const auto folder = test::FreshFolder("draft/copies");
+  for (const std::string name : {"1c.csv", "2c.csv", "copy.csv", "slow.csv"})
+    std::ofstream(folder + "/" + name) << (name == "copy.csv" ? "2c.csv" : name) << "\n";
+  const auto draft = DraftCampaign({Ending(folder + "/1c.csv", 2.0, 3550.0, 3.0),
+                                    Ending(folder + "/2c.csv", 4.0, 1750.0, 3.0),
+                                    Ending(folder + "/copy.csv", 4.0, 1750.0, 3.0),
+                                    Ending(folder + "/slow.csv", 0.1, 73000.0, 3.0)},
+                                   "lab",
+                                   folder + "/campaign.toml");
+  EXPECT_EQ(draft.campaign.logs.size(), 3U);
+  EXPECT_EQ(draft.unused,
+            (std::vector<std::pair<std::string, std::string>>{
+                {"copy.csv", "holds the same bytes as 2c.csv"}}));
+}
+
 TEST(FilesOfFolder, LeavesOutWhatIsNoLog) {
   const auto folder = test::FreshFolder("files_of_folder");
   for (const char* name :

@@ -118,6 +118,32 @@ TEST(LoadCampaign, NotesWhoSettledWhomAndWhoDisagrees) {
                 "one"});
 }
 
+TEST(LoadCampaign, SaysWhichLogsHoldTheSameRows) {
+  const auto folder = test::FreshFolder("load_campaign/copies");
+  std::string text = "time_s,current_A,voltage_V\n0,0,4.2\n";
+  for (int k = 1; k < 60; ++k) text += fmt::format("{},1,{}\n", 60 * k, 4.1 - 0.01 * k);
+  Write(folder + "/a.csv", text);
+  Write(folder + "/b.csv", text);
+  Write(folder + "/c.csv", text + "3600,1,3.4\n");
+  const auto notes = [&](const std::string& kind, const std::string& other) {
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n[[log]]\nkind = '" + kind + "'\nfile = '" +
+              other + "'\n");
+    return NotesOnLogs(LoadCampaign(ReadCampaign(folder + "/c.toml")));
+  };
+  EXPECT_EQ(
+      notes("pulses", "b.csv"),
+      std::vector<std::string>{"b.csv holds the same rows as a.csv, which therefore count twice: "
+                               "leave one of the two out, or look whether one was copied by "
+                               "mistake"});
+  EXPECT_EQ(
+      notes("validation", "b.csv"),
+      std::vector<std::string>{"b.csv holds the same rows as a.csv, and so does not test the fit, "
+                               "which has seen them: leave one of the two out, or look whether "
+                               "one was copied by mistake"});
+  EXPECT_EQ(notes("pulses", "c.csv"), std::vector<std::string>{});
+}
+
 TEST(LoadCampaign, ReadsThoseBesideTheProject) {
   for (const char* name : {"nissan_leaf_33ah", "dmegc_inr18650_26_r1", "lg_m50_5ah"}) {
     const auto file = test::LabDataPath(std::string(name) + "/campaign.toml");
@@ -147,6 +173,32 @@ TEST(LoadCampaign, ACapacityInOtherUnitsIsNamed) {
   EXPECT_EQ(complaint("20.0", "pulses"), "no error");
   EXPECT_NE(complaint("2000.0", "pulses"), "no error");
   EXPECT_EQ(complaint("2000.0", "validation"), "no error");
+}
+
+TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
+  const auto folder = test::FreshFolder("load_campaign/never");
+  Write(folder + "/a.csv",
+        "time_s,current_A,voltage_V\n0,0,4.2\n1200,2,4.0\n2400,2,3.5\n3600,2,3\n");
+  Write(folder + "/b.csv",
+        "time_s,current_A,voltage_V\n0,0,3.6\n1200,-2,3.8\n2400,-2,4.0\n3600,-2,4.1\n");
+  const auto complaint = [&](const std::string& cell, const std::string& log) {
+    Write(folder + "/c.toml",
+          "[cell]\ncapacity_Ah = 2.0\n" + cell + "\n[[log]]\nkind = 'pulses'\n" + log + "\n");
+    return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  };
+  EXPECT_EQ(complaint("cutoff_V = 3.0", "file = 'a.csv'"), "no error");
+  EXPECT_EQ(
+      complaint("cutoff_V = 4.5", "file = 'a.csv'"),
+      folder +
+          "/c.toml:1:1: error: cutoff_V: expected a voltage that a discharge ends at, found 4.5 V, "
+          "and no log of this cell is above 4.2 V; the cut-off is that of one cell");
+  const std::string charge = "current_sign = 'discharge-positive'\nfile = 'b.csv'";
+  EXPECT_EQ(complaint("", charge + "\ninitial_soc = 0.2"), "no error");
+  EXPECT_EQ(complaint("", charge),
+            folder +
+                "/b.csv:1:1: error: expected pulses of a cell that is full at most, found 2 Ah of "
+                "charging from a state of charge of 1 of 2 Ah on; turn the current round "
+                "(`current_sign`), or say where the log starts (`initial_soc`)");
 }
 
 // A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.

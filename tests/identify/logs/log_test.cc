@@ -1,6 +1,7 @@
 // Plain CSV in all its spellings, what the options do, and the exact text of every refusal.
 #include "identify/logs/log.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -142,6 +143,38 @@ TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
   EXPECT_EQ(log.report.warnings,
             (std::vector<std::string>{"1 row dropped: a voltage of 10 V at 3 s, far outside the "
                                       "range of all other rows"}));
+}
+
+TEST(PlainCsv, AShortHoleInTheTemperatureIsBridged) {
+  const auto read = [](int step_s, std::vector<std::string> degC) {
+    std::string text = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (std::size_t k = 0; k < 12; ++k) {
+      text += fmt::format("{},{},{},{}\n",
+                          static_cast<int>(k) * step_s,
+                          k == 0 ? 0 : 2,
+                          4.1 - 0.01 * static_cast<double>(k),
+                          degC[k]);
+    }
+    return Read(text);
+  };
+  const auto warned = [](const Log& log, const std::string& words) {
+    return std::any_of(log.report.warnings.begin(), log.report.warnings.end(), [&](const auto& w) {
+      return w.find(words) != std::string::npos;
+    });
+  };
+  // Three rows of ten minutes, and one at each end.
+  const Log few = read(600, {"", "20", "20", "21", "", "", "", "23", "23", "23", "23", ""});
+  EXPECT_EQ(few.record.temperature_degC,
+            (std::vector<double>{20, 20, 20, 21, 21.5, 22, 22.5, 23, 23, 23, 23, 23}));
+  EXPECT_TRUE(warned(few, "5 rows without a temperature, which is taken from a straight line"));
+  // More rows of a second each, as a slow thermometer has.
+  const Log slow = read(1, {"20", "", "", "", "", "25", "", "", "", "", "30", ""});
+  EXPECT_EQ(slow.record.temperature_degC,
+            (std::vector<double>{20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 30}));
+  // Too much is missing.
+  const Log hole = read(600, {"20", "20", "", "", "", "", "23", "23", "23", "23", "23", "23"});
+  EXPECT_TRUE(hole.record.temperature_degC.empty());
+  EXPECT_TRUE(warned(hole, "temperature left out, for some rows hold no number"));
 }
 
 TEST(PlainCsv, StepsAndCyclesAreReportedWhereAskedFor) {

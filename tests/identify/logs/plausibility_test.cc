@@ -50,6 +50,28 @@ TEST(Plausibility, MislabelledUnitsAndPacksAreNamed) {
             "current right, is it a pack (say `parallel`), or has the current no sign?");
 }
 
+// What was said is not asked for again.
+TEST(Plausibility, APackThatIsSaidToBeSmallerThanItIs) {
+  const auto complaint = [](const Record& record) {
+    return test::LoadErrorOf([&] { CheckPlausible(record, 2.0, 2, 3); });
+  };
+  EXPECT_EQ(
+      complaint(OneHour(1, 1, 3)),
+      "F:1:1: error: expected the voltage of one cell, found 11.1 V on average; are these mV, or "
+      "is `series` more than 2?");
+  EXPECT_EQ(
+      complaint(OneHour(1, 1000, 1)),
+      "F:1:1: error: expected the current of one cell of 2 Ah, found 2000 A; are these mA, is "
+      "`parallel` more than 3, or is the capacity wrong?");
+}
+
+TEST(Plausibility, ACellThatIsSaidToBeAPackIsNamed) {
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { CheckPlausible(OneHour(1, 1, 0.25), 2.0, 4, 1); }),
+      "F:1:1: error: expected the voltage of one lithium cell of 4 in series, found 0.925 V on "
+      "average; is `series` less than 4, or is this log one of a single cell?");
+}
+
 TEST(Plausibility, AVoltageThatNoCellHasIsNamedWithItsTime) {
   Record record = OneHour(1, 1, 1);
   record.voltage_V[30] = record.voltage_V[31] = 10.0;

@@ -372,5 +372,26 @@ TEST(DischargeTimesOptions, AreSetByName) {
   EXPECT_THROW(SetOption(options, "form", "approximate"), OptionError);
 }
 
+// A log of twice the weight counts as two, and one of next to none has no say.
+TEST(DischargeTimes, CountByTheirWeights) {
+  for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
+    auto weighted = Times(kCurrents_A, kAlpha_C, kBeta, form);
+    weighted[1].time_s += 20.0;
+    weighted[3].time_s -= 5.0;
+    auto repeated = weighted;
+    repeated.push_back(weighted[1]);
+    weighted[1].weight = 2.0;
+    const auto one = FitDischargeTimes(weighted, {.form = form});
+    const auto two = FitDischargeTimes(repeated, {.form = form});
+    constexpr double kSolver = 1e-6;
+    EXPECT_NEAR(one.alpha_C / two.alpha_C, 1.0, kSolver);
+    EXPECT_NEAR(one.beta_per_sqrt_s / two.beta_per_sqrt_s, 1.0, kSolver);
+    weighted[1].weight = weighted[3].weight = 1e-6;
+    const auto without = FitDischargeTimes(weighted, {.form = form});
+    EXPECT_NEAR(without.alpha_C / kAlpha_C, 1.0, 1e-4);
+    EXPECT_GT(std::abs(two.alpha_C / kAlpha_C - 1.0), 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -344,5 +344,23 @@ TEST(StagedRun, LgM50SaysThatBetaIsNotIdentifiable) {
   EXPECT_TRUE(json.at("stages").at("discharge_times").at("beta_per_sqrt_s").is_null());
 }
 
+// A constant current that ended early has no say in alpha where its weight is small.
+TEST(StagedRun, TheWeightOfALogCountsInStage1) {
+  const Cell truth = Truth();
+  Cell lesser = truth;
+  lesser.diffusion->alpha_C *= 0.9;
+  std::vector<LoadedLog> logs{ConstantCurrent(truth, 1.0),
+                              ConstantCurrent(truth, 2.0),
+                              ConstantCurrent(lesser, 3.0),
+                              LowRate(truth),
+                              Pulses(truth)};
+  const double even_C = Identify(logs).alpha_C;
+  logs[2].entry.weight = 1e-6;
+  const double weighted_C = Identify(logs).alpha_C;
+  const double without_C = Identify({logs[0], logs[1], logs[3], logs[4]}).alpha_C;
+  EXPECT_NEAR(weighted_C / without_C, 1.0, 1e-5);
+  EXPECT_GT(std::abs(even_C / without_C - 1.0), 1e-3);
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/campaign.h"
+#include "model/core/errors.h"
 #include "tests/identify/studies/study_logs.h"
 #include "tests/support/paths.h"
+#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
@@ -126,6 +128,16 @@ TEST(StudyBranches, IsNestedOnRealLogs) {
     ExpectNested(study);
     EXPECT_LE(study.facts.at("recommended_branches").get<int>(), 1);
   }
+}
+
+// The number of branches is what is studied.
+TEST(StudyBranches, RefusesANumberOfBranches) {
+  const Cell truth = StudyCell({{0.03, 45.0}});
+  KnownCampaign known(truth, {PulseLog(truth)});
+  known.options.pulses.branches = 2;
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)StudyBranches(known.Input(), NoProgress); }),
+      "option --branches: this study fits 0 to 5 branches, one after the other; leave it out");
 }
 
 }  // namespace

@@ -82,5 +82,15 @@ TEST(StudyTerms, NeedsTheDiffusion) {
   EXPECT_THROW(static_cast<void>(StudyTerms(known.Input(), NoProgress)), OptionError);
 }
 
+TEST(StudyTerms, RefusesANumberOfTerms) {
+  const Cell truth = StudyCell({{0.03, 45.0}});
+  KnownCampaign terms(truth, {PulseLog(truth)});
+  terms.options.pulses.terms = 3;
+  EXPECT_THROW(static_cast<void>(StudyTerms(terms.Input(), NoProgress)), OptionError);
+  KnownCampaign tail(truth, {PulseLog(truth)});
+  tail.options.pulses.tail = !tail.options.pulses.tail;
+  EXPECT_THROW(static_cast<void>(StudyTerms(tail.Input(), NoProgress)), OptionError);
+}
+
 }  // namespace
 }  // namespace lipoid

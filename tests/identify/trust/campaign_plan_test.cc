@@ -178,5 +178,22 @@ TEST(CampaignPlan, ACellThatKnowsNoTemperatureHasTypicalEnergies) {
             result.left_out.end());
 }
 
+// A branch that is slower than the rests is the one that is planned, as far as a fit would let it be.
+TEST(CampaignPlan, ABranchSlowerThanTheRestsIsThatOfTheCell) {
+  Cell cell = SlowlyWarming();
+  cell.branches[0].capacitance_F.reset();
+  cell.branches[0].time_constant_s = 4000.0;  // the longest time at one current is an hour of rest
+  const auto slow = Plan(cell, "25", {});
+  EXPECT_NEAR(FindQuantity(slow.trust, "tau_1")->estimate, 4000.0, 1e-6);
+  EXPECT_EQ(slow.trust.sentence.find("their limits"), std::string::npos) << slow.trust.sentence;
+  cell.branches[0].time_constant_s = 1e6;
+  const auto slower = Plan(cell, "25", {});
+  EXPECT_TRUE(slower.trust.sentence.starts_with(
+      "such logs show no more than their limits, at which the plan is made (tau_1 = "))
+      << slower.trust.sentence;
+  EXPECT_NE(slower.trust.sentence.find(" s instead of 1e+06 s): "), std::string::npos)
+      << slower.trust.sentence;
+}
+
 }  // namespace
 }  // namespace lipoid

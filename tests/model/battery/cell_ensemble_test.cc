@@ -123,6 +123,16 @@ TEST(CellEnsemble, WhatTheDataKnowStaysWhereADrawIsMovedIntoRange) {
   // r_1 of 0.03 +- 0.03: a sixth of a normal distribution lies below zero.
   EXPECT_NEAR(at_zero / 4000.0, 0.1587, 0.025);
   EXPECT_EQ(ensemble.moved, at_zero);
+  EXPECT_EQ(DoubtAboutMoved(static_cast<std::size_t>(ensemble.moved), 4000), "");
+}
+
+// Half of what is drawn about zero is below: then the estimate is an end of the interval, and not
+// outside.
+TEST(CellEnsemble, AnIntervalOfMovedCellsSaysSo) {
+  EXPECT_EQ(DoubtAboutMoved(0, 0), "");
+  EXPECT_EQ(DoubtAboutMoved(100, 200), "");
+  EXPECT_EQ(DoubtAboutMoved(101, 200).find("101 of 200 cells were drawn with what no cell has"),
+            0U);
 }
 
 TEST(CellEnsemble, EveryCellIsOneThatAFileMayHold) {

@@ -306,7 +306,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "5:15: error: /parallel: expected a whole number, found 2.5"},
       {"\"capacity_Ah\": 0.6",
        "\"capacity_Ah\": 0",
-       "6:18: error: /capacity_Ah: expected a number above 0, found 0"},
+       "6:18: error: /capacity_Ah: expected a number above 0 and at most 1000000000000, found 0"},
       {"\"capacity_Ah\": 0.6",
        "\"capacity_Ah\": NaN",
        "6:18: error: expected JSON, found a syntax error while parsing value - invalid literal; "
@@ -317,14 +317,21 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "6:18: error: expected a number that a double can hold, found 1e400"},
       {"\"cutoff_V\": 3.0",
        "\"cutoff_V\": -1",
-       "7:15: error: /cutoff_V: expected a number of at least 0, found -1"},
+       "7:15: error: /cutoff_V: expected a number from 0 to 1000000000000, found -1"},
       {"\"cutoff_V\": 3.0",
        "\"cutoff_V\": \"3.0\"",
        "7:15: error: /cutoff_V: expected a number, found \"3.0\""},
       {"\"cutoff_V\": 3.0,",
        "\"cutoff_V\": 3.0, \"cutoff_V\": 3.0,",
        "7:20: error: expected every key once, found 'cutoff_V' again"},
-      {"1353.6", "0", "9:16: error: /diffusion/alpha_C: expected a number above 0, found 0"},
+      {"1353.6",
+       "0",
+       "9:16: error: /diffusion/alpha_C: expected a number above 0 and at most 1000000000000, "
+       "found 0"},
+      {"1353.6",
+       "1e13",
+       "9:16: error: /diffusion/alpha_C: expected a number above 0 and at most 1000000000000, "
+       "found 10000000000000.0"},
       {"0.1924",
        "0",
        "10:24: error: /diffusion/beta_per_sqrt_s: expected a number above 0 and at most 1, found "
@@ -379,8 +386,8 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "18:16: error: /open_circuit_voltage/assumed: expected true or false, found \"yes\""},
       {"[0.2, 0.1]",
        "[0.2, -0.1]",
-       "22:29: error: /series_resistance_Ohm/resistance_Ohm/1: expected a number of at least 0, "
-       "found -0.1"},
+       "22:29: error: /series_resistance_Ohm/resistance_Ohm/1: expected a number from 0 to "
+       "1000000000000, found -0.1"},
       {"[0.2, 0.1]",
        "[0.2]",
        "22:23: error: /series_resistance_Ohm/resistance_Ohm: expected 2 resistances, found a list "
@@ -391,7 +398,8 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "found 0.1"},
       {"\"resistance_Ohm\": 0.03",
        "\"resistance_Ohm\": -0.03",
-       "26:25: error: /branches/0/resistance_Ohm: expected a number of at least 0, found -0.03"},
+       "26:25: error: /branches/0/resistance_Ohm: expected a number from 0 to 1000000000000, "
+       "found -0.03"},
       {"\"resistance_Ohm\": 0.03",
        "\"resistance_Ohm\": \"0.03\"",
        "26:25: error: /branches/0/resistance_Ohm: expected a number or a table of soc and "
@@ -407,7 +415,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "object"},
       {"\"capacitance_F\": 1500.0",
        "\"capacitance_F\": -1",
-       "27:24: error: /branches/0/capacitance_F: expected a number of at least 0, found -1"},
+       "27:24: error: /branches/0/capacitance_F: expected a number from 0 to 1e+30, found -1"},
       {"\"time_constant_s\": 0.7",
        "\"capacitance_F\": 70",
        "34:24: error: /branches/1/capacitance_F: expected time_constant_s, found capacitance_F "
@@ -608,11 +616,12 @@ TEST(CellFile, EveryBadTermIsRefusedWhereItStands) {
   } const all[] = {
       {"/self_heating/time_constant_s",
        0,
-       "56:22: error: /self_heating/time_constant_s: expected a number above 0, found 0"},
+       "56:22: error: /self_heating/time_constant_s: expected a number above 0 and at most "
+       "1000000000000, found 0"},
       {"/self_heating/resistance_drop_Ohm_per_A2",
        -1e-5,
-       "57:33: error: /self_heating/resistance_drop_Ohm_per_A2: expected a number of at least 0, "
-       "found -1e-05"},
+       "57:33: error: /self_heating/resistance_drop_Ohm_per_A2: expected a number from 0 to "
+       "1000000000000, found -1e-05"},
       {"/self_heating/tau",
        1,
        "58:3: error: /self_heating/tau: expected one of the keys time_constant_s, "
@@ -628,19 +637,20 @@ TEST(CellFile, EveryBadTermIsRefusedWhereItStands) {
        "'resistance_drop_Ohm_per_A2', found an object"},
       {"/charge_transfer/current_A",
        0,
-       "60:16: error: /charge_transfer/current_A: expected a number above 0, found 0"},
+       "60:16: error: /charge_transfer/current_A: expected a number above 0 and at most "
+       "1000000000000, found 0"},
       {"/charge_transfer/resistance_Ohm",
        -0.1,
-       "61:21: error: /charge_transfer/resistance_Ohm: expected a number of at least 0, found "
-       "-0.1"},
+       "61:21: error: /charge_transfer/resistance_Ohm: expected a number from 0 to 1000000000000, "
+       "found -0.1"},
       {"/charge_transfer/resistance_Ohm",
        "0.1",
        "61:21: error: /charge_transfer/resistance_Ohm: expected a number or a table of soc and "
        "resistance_Ohm, found \"0.1\""},
       {"/charge_transfer/resistance_Ohm/resistance_Ohm/1",
        -0.1,
-       "68:5: error: /charge_transfer/resistance_Ohm/resistance_Ohm/1: expected a number of at "
-       "least 0, found -0.1"},
+       "68:5: error: /charge_transfer/resistance_Ohm/resistance_Ohm/1: expected a number from 0 "
+       "to 1000000000000, found -0.1"},
       {"/charge_transfer",
        {{"resistance_Ohm", 0.1}},
        "59:21: error: /charge_transfer: expected an object with the key 'current_A', found an "
@@ -718,12 +728,22 @@ TEST(CellFile, EveryBadTemperatureIsRefusedWhereItStands) {
        "branch, found a list of 1"},
       {"/temperature/heat_capacity_J_per_K",
        0,
-       "/temperature/heat_capacity_J_per_K: expected a number above 0, found 0"},
+       "/temperature/heat_capacity_J_per_K: expected a number above 0 and at most 1000000000000, "
+       "found 0"},
+      {"/temperature/entropy/slope_V_per_K",
+       Json::array({0.0, 1e308}),
+       "/temperature/entropy/slope_V_per_K/1: expected a number from -1000000000000 to "
+       "1000000000000, found 1e+308"},
+      {"/hysteresis/half_V",
+       1e308,
+       "/hysteresis/half_V: expected a number from 0 to 1000000000000, found 1e+308"},
       {"/self_heating",
        {{"time_constant_s", 300.0}, {"resistance_drop_Ohm_per_A2", 1e-5}},
        "/temperature: expected one of temperature and self_heating, which are two laws for one "
        "thing, found both"},
-      {"/hysteresis/folds", 0, "/hysteresis/folds: expected a number above 0, found 0"},
+      {"/hysteresis/folds",
+       0,
+       "/hysteresis/folds: expected a number above 0 and at most 1000000000000, found 0"},
       {"/hysteresis/half_V/half_V",
        Json::array({0.01}),
        "/hysteresis/half_V/half_V: expected 2 voltages, found a list of 1"}};
@@ -792,8 +812,8 @@ TEST(CellFile, EveryBadSeriesIsRefused) {
   EXPECT_EQ(
       with_curve(
           R"({"method": "fourier", "soc_range": [0, 1], "frequency_rad": -2, "cosine_V": [3], "sine_V": []})"),
-      "x.json:20:20: error: /open_circuit_voltage/frequency_rad: expected a number of at least 0, "
-      "found -2");
+      "x.json:20:20: error: /open_circuit_voltage/frequency_rad: expected a number from 0 to "
+      "1000000000000, found -2");
   EXPECT_EQ(
       with_curve(
           R"({"method": "fourier", "soc_range": [0, 1], "soc": [], "frequency_rad": 2, "cosine_V": [3],

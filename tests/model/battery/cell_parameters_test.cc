@@ -6,6 +6,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
+#include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
@@ -236,6 +237,21 @@ TEST(CellParameters, WhatCannotBeIsRefused) {
             "C_th: expected a heat capacity above 0 J/K, found 0");
   EXPECT_EQ(OptionErrorOf(cell, "delta", 1.0),
             "'delta' is no parameter of this cell; it has alpha, beta, r_s, r_1, c_1, tau_1");
+}
+
+TEST(CellParameters, SeveralMakeAWholeCell) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  SetCellParameters(cell, {{"r_1", 0.03}, {"tau_1", 45.0}, {"r_2", 0.01}, {"c_2", 100.0}});
+  EXPECT_EQ(cell.branches[0].time_constant_s, 45.0);
+  EXPECT_EQ(cell.branches[1].time_constant_s, 1.0);
+  const auto error_of = [&](const std::vector<std::pair<std::string, double>>& values) {
+    Cell other = cell;
+    return test::MessageOf<OptionError>([&] { SetCellParameters(other, values); });
+  };
+  EXPECT_EQ(error_of({{"tau_1", 45.0}, {"c_1", 1500.0}}),
+            "give either c_1 or tau_1, not both: tau_1 = r_1 c_1");
+  EXPECT_EQ(error_of({{"r_1", 0.02}, {"r_1", 0.03}}), "r_1 is given twice; give it once");
+  EXPECT_EQ(error_of({{"r_3", 0.02}}), "r_3 needs c_3 or tau_3 beside it");
 }
 
 }  // namespace

@@ -141,8 +141,16 @@ TEST(Temperature, EntropyMovesTheOpenCircuitVoltageAlone) {
 
 // The energy of the cell is the integral of v_oc over the charge that left it: what it loses is
 // electrical work or heat, at every instant, and the heat is stored or carried away.
-TEST(Temperature, EnergyIn_IsHeatElectricalAndStored) {
+class TemperatureWithHysteresis : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Of, TemperatureWithHysteresis, testing::Values(0.0, 0.05));
+
+TEST_P(TemperatureWithHysteresis, EnergyIn_IsHeatElectricalAndStored) {
   auto cell = CellOfTemperature();
+  if (GetParam() > 0.0) {
+    cell.hysteresis.emplace();
+    cell.hysteresis->half_V = {GetParam()};
+    cell.hysteresis->folds = 20.0;
+  }
   cell.temperature->heat = HeatBalance<double>{40.0, 1e9};  // it keeps its heat
   const CellModel<double> model(cell);
   auto state = model.Relaxed(1.0);

@@ -85,6 +85,31 @@ TEST(FlightLog, ADamagedTimeCostsItsRowAlone) {
   }
 }
 
+TEST(FlightLog, ASingleChargeBeyondAllThatThePackGivesIsDamage) {
+  const auto rows_of = [](const std::vector<double>& current_A) {
+    BatteryTrack track = Track();
+    track.time_s.clear();
+    for (std::size_t k = 0; k < current_A.size(); ++k) track.time_s.push_back(10.0 + double(k));
+    track.current_A = current_A;
+    track.voltage_V.assign(current_A.size(), 12.0);
+    track.voltage_V[1] = 11.8;
+    track.temperature_degC.assign(current_A.size(), 20.0);
+    return Made(LogOf({track}));
+  };
+  const Log log = rows_of({0.5, 10.0, -322.0, 11.0, 12.0, 10.0});
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{0.5, 10.0, 11.0, 12.0, 10.0}));
+  EXPECT_EQ(log.report.dropped_unknown, 1U);
+  ASSERT_EQ(log.report.warnings.size(), 1U);
+  EXPECT_EQ(log.report.warnings[0],
+            "1 row dropped: a current of -322 A at 12 s, with which the pack would be charged by "
+            "more than it ever gives; a damaged message may hold it");
+  EXPECT_EQ(rows_of({-90.0, 10.0, 50.0, 20.0, -80.0}).report.dropped_unknown, 2U);
+  // Motors that brake, a pack that is charged for longer, and a sensor that is the other way round.
+  EXPECT_EQ(rows_of({0.5, 10.0, -9.0, 11.0, 12.0}).report.dropped_unknown, 0U);
+  EXPECT_EQ(rows_of({0.5, 10.0, -30.0, -31.0, 12.0}).report.dropped_unknown, 0U);
+  EXPECT_EQ(rows_of({-0.5, -10.0, -5.0, -12.0, -6.0}).report.dropped_unknown, 0U);
+}
+
 TEST(FlightLog, TakesAPartFromZeroOn) {
   ReadOptions options;
   options.start_s = 11.0;

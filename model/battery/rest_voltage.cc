@@ -1,0 +1,69 @@
+#include "model/battery/rest_voltage.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "model/battery/cell_model.h"
+#include "model/core/errors.h"
+
+namespace lipoid {
+namespace {
+
+// Of one cell: with hysteresis it depends on where the cell came from, with dv_oc/dT on how warm it
+// is.
+class RestVoltage {
+ public:
+  RestVoltage(const Cell& cell, const Surroundings& surroundings)
+      : curve_(cell.open_circuit_voltage), surroundings_(surroundings) {
+    if (!cell.hysteresis && !(cell.temperature && cell.temperature->entropy)) return;
+    Cell one = cell;
+    one.series = one.parallel = 1;
+    model_.emplace(one.Parameters());
+  }
+  double operator()(double soc) const {
+    return model_ ? model_->Voltage(StartAmong(*model_, soc, surroundings_), 0.0) : curve_(soc);
+  }
+  /// As OpenCircuitVoltage::SocAtVoltage(): an end of the curve for what lies beyond it.
+  [[nodiscard]] double Soc(double voltage_V) const {
+    if (!model_) return curve_.SocAtVoltage(voltage_V);
+    double low = curve_.soc_lo();
+    double high = curve_.soc_hi();
+    for (int n = 0; n < 100 && high - low > 1e-15; ++n) {
+      const double middle = 0.5 * (low + high);
+      ((*this)(middle) < voltage_V ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  }
+
+ private:
+  const OpenCircuitVoltage& curve_;
+  const Surroundings& surroundings_;
+  std::optional<CellModel<double>> model_;
+};
+
+}  // namespace
+
+double NearestSocAtRest(const Cell& cell, double voltage_V, const Surroundings& surroundings) {
+  return RestVoltage(cell, surroundings).Soc(voltage_V / cell.series);
+}
+
+double SocAtRestVoltage(const Cell& cell, double voltage_V, const Surroundings& surroundings) {
+  const double of_one_V = voltage_V / cell.series;
+  const RestVoltage rest_V(cell, surroundings);
+  const double soc = rest_V.Soc(of_one_V);
+  // A voltage beyond the ends is none of this cell's.
+  constexpr double kTolerance_V = 1e-3;
+  if (!(std::abs(rest_V(soc) - of_one_V) <= kTolerance_V)) {
+    throw OptionError(
+        fmt::format("initial voltage: expected one that v_oc(A) of the cell has, {:.4g} .. {:.4g} "
+                    "V, found {} V",
+                    cell.series * rest_V(cell.open_circuit_voltage.soc_lo()),
+                    cell.series * rest_V(cell.open_circuit_voltage.soc_hi()),
+                    voltage_V));
+  }
+  return soc;
+}
+
+}  // namespace lipoid
