@@ -279,7 +279,9 @@ class Cell:
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
         count = whole("cells", cells, least=1, most=100_000)
-        return self._core.band(t, i, measured, options, count, whole_seed(seed))
+        low_V, high_V, *doubts = self._core.band(t, i, measured, options, count, whole_seed(seed))
+        self._tell(*doubts)
+        return low_V, high_V
 
     def _driven(
         self,
@@ -305,6 +307,11 @@ class Cell:
             if temperature_degC is None:
                 temperature_degC = time_s.temperature_degC
             time_s, current_A = time_s.time_s, time_s.current_A
+        elif isinstance(time_s, Mapping) or hasattr(time_s, "columns"):
+            found = type(time_s).__name__
+            raise OptionError(
+                f"{what}: expected times or a Log, found a {found}; lipoid.Log(...) makes one"
+            )
         elif current_A is None:
             raise OptionError(f"{what}: current_A is missing")
         i = column(current_A, "current_A", dimensions)
@@ -325,6 +332,11 @@ class Cell:
         self._tell_what_says_nothing(ambient_degC)
         return t, i, measured, {"hold": hold, "ambient_degC": ambient_degC}
 
+    def _tell(self, *doubts: str) -> None:
+        for doubt in doubts:
+            if doubt:
+                logger.warning("%s: %s", self.name, doubt)
+
     def _tell_what_says_nothing(self, ambient_degC: float | None) -> None:
         if ambient_degC is not None and not self._core.knows_temperature:
             logger.warning(
@@ -343,7 +355,8 @@ class Cell:
         OptionError
             Where the cell carries no uncertainty: it was not identified.
         """
-        drawn = self._core.resample(whole("count", count), whole_seed(seed))
+        drawn, doubt = self._core.resample(whole("count", count), whole_seed(seed))
+        self._tell(doubt)
         return [Cell._of(one) for one in drawn]
 
     def to_pybamm(self, *, initial_soc: float = 1.0) -> interoperability.PybammCell:

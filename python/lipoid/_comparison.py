@@ -11,7 +11,7 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
-from lipoid._keywords import takes, whole, whole_seed
+from lipoid._keywords import takes, utf8, whole, whole_seed
 from lipoid._progress import Progress, Reporter
 from lipoid._report import report
 
@@ -145,7 +145,9 @@ def study(
     """
     made = as_campaign(campaign)
     with Reporter(progress, f"study {what}") as tell:
-        summary = _core.study(what, made._core, dict(options), whole("threads", threads), tell)
+        summary = _core.study(
+            utf8("what", what), made._core, dict(options), whole("threads", threads), tell
+        )
     table = pd.DataFrame(summary.pop("rows"))
     table.attrs.update(summary)
     return table

@@ -110,13 +110,14 @@ def endurance(
     >>> lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", reserve=0.4).ended_by
     'reserve'
     """
+    one = as_cell(cell)
     with Reporter(progress, "endurance") as tell:
-        return Endurance(
-            _core.endurance(
-                as_cell(cell)._core,
-                dict(options),
-                whole_seed(seed),
-                whole("threads", threads),
-                tell,
-            )
+        summary = _core.endurance(
+            one._core, dict(options), whole_seed(seed), whole("threads", threads), tell
         )
+    if flown := summary["ensemble"]:
+        one._tell(
+            _core.doubt_about_few(flown["flights"], "flights"),
+            _core.doubt_about_moved(flown["moved"], flown["flights"]),
+        )
+    return Endurance(summary)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipoid import _core
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes
+from lipoid._keywords import takes, utf8
 from lipoid._log import core_of
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def export(
     given: dict[str, Any] = dict(options)
     if "mission" in given:
         given["mission"] = core_of("mission", given["mission"])
-    return _core.export(as_cell(cell)._core, target, output, given)
+    return _core.export(as_cell(cell)._core, utf8("target", target), output, given)
 
 
 def targets() -> list[str]:

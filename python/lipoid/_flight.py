@@ -12,7 +12,7 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes, whole, whole_seed
+from lipoid._keywords import takes, utf8, whole, whole_seed
 from lipoid._log import Log
 from lipoid._progress import Progress, Reporter
 from lipoid._report import report
@@ -124,7 +124,12 @@ def fly(
     core = None if cell is None else as_cell(cell)._core
     with Reporter(progress, f"fly {maneuver}") as tell:
         summary, data = _core.fly(
-            maneuver, core, dict(options), whole_seed(seed), whole("threads", threads), tell
+            utf8("maneuver", maneuver),
+            core,
+            dict(options),
+            whole_seed(seed),
+            whole("threads", threads),
+            tell,
         )
     return Flight(pd.DataFrame(data), summary)
 

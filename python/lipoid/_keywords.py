@@ -8,6 +8,8 @@ from collections.abc import Callable
 from operator import index
 from typing import Any, TypeVar
 
+import numpy as np
+
 from lipoid.errors import OptionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -17,13 +19,24 @@ Description = dict[str, Any]
 def whole(name: str, value: Any, *, least: int = 0, most: int = 2**31 - 1) -> int:
     """Return a whole number within these limits, of whatever type it is, or say that it is none."""
     try:
-        number = index(value)
+        number = least - 1 if isinstance(value, (bool, np.bool_)) else index(value)
     except TypeError:
         number = least - 1
     if not least <= number <= most:
         bound = f"most {most}" if number > most else f"least {least}"
         raise OptionError(f"option {name}: expected a whole number of at {bound}, found {value!r}")
     return number
+
+
+def utf8(name: str, value: Any) -> str:
+    """Return a text of UTF-8, or say that it is none: names of files are texts that may not be."""
+    made = str(value)
+    try:
+        made.encode()
+    except UnicodeEncodeError:
+        found = ascii(made)
+        raise OptionError(f"option {name}: expected text of UTF-8, found {found}") from None
+    return made
 
 
 def whole_seed(value: Any) -> int:

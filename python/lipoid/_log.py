@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
 from html import escape
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, plots
-from lipoid._keywords import takes
+from lipoid._keywords import takes, utf8
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ def column(values: Any, name: str, dimensions: tuple[int, ...] = (1,)) -> FloatA
         array = np.asarray(values)
     elif hasattr(values, "to_numpy"):
         array = values.to_numpy()
-    elif isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        raise OptionError(f"{name}: expected a column of numbers, found {values!r}")
+    elif isinstance(values, (str, bytes, Mapping, Set)) or not isinstance(values, Iterable):
+        raise OptionError(f"{name}: expected a column of numbers, found {values!r:.200}")
     else:
         array = np.asarray(list(values))
     if array.ndim not in dimensions:
@@ -191,7 +191,7 @@ class Log:
             cast(FloatArray, arrays["current_A"]),
             arrays["voltage_V"],
             arrays["temperature_degC"],
-            str(name),
+            utf8("name", name),
             dict(options),
         )
 

@@ -115,7 +115,8 @@ def _matlab(file: str, library: Any) -> pd.DataFrame:
 
 
 def _parquet(file: str, library: Any) -> pd.DataFrame:
-    table: pd.DataFrame = library.read_table(file).to_pandas()
+    with open(file, "rb") as opened:  # of any name: that of a path has to be UTF-8
+        table: pd.DataFrame = library.read_table(opened).to_pandas()
     return table
 
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 #include <tbb/parallel_for.h>
 
@@ -20,6 +21,7 @@
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/stop.h"
+#include "model/statistics/interval_95.h"
 #include "python/src/convert.h"
 #include "python/src/keywords.h"
 #include "python/src/work.h"
@@ -59,7 +61,6 @@ std::size_t Simulate(const PythonCell& self,
                      const nb::dict& given,
                      int threads) {
   const PredictionKeywords asked(given);
-  const double initial_soc = asked.start.Soc(self.cell);
   const std::size_t count = current_A.shape(0);
   const std::size_t rows = current_A.shape(1);
   const std::size_t times = time_s.shape(0);
@@ -75,6 +76,7 @@ std::size_t Simulate(const PythonCell& self,
     Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
     if (measured_degC)
       among.measured_degC = {measured_degC->data() + (measured == 1 ? 0 : k * rows), rows};
+    const double initial_soc = asked.start.Soc(cell, among);
     double* const warm = temperature_degC ? temperature_degC->data() + k * rows : nullptr;
     double* const rest = open_circuit_V ? open_circuit_V->data() + k * rows : nullptr;
     double* const v = voltage_V.data() + k * rows;
@@ -117,13 +119,18 @@ const Cell& WithUncertainty(const PythonCell& self) {
       self.cell.name));
 }
 
-nb::list Resample(const PythonCell& self, int count, std::uint64_t seed) {
+// What is to be said of what was drawn; empty: nothing.
+std::string DoubtOf(const CellEnsemble& ensemble) {
+  return DoubtAboutMoved(static_cast<std::size_t>(ensemble.moved), ensemble.cells.size());
+}
+
+nb::tuple Resample(const PythonCell& self, int count, std::uint64_t seed) {
   CellEnsemble ensemble;
   const Cell& cell = WithUncertainty(self);
   Work([&](const Tell&) { ensemble = DrawCells(cell, count, seed); });
   nb::list cells;
   for (Cell& one : ensemble.cells) cells.append(nb::cast(PythonCell{std::move(one)}));
-  return cells;
+  return nb::make_tuple(std::move(cells), DoubtOf(ensemble));
 }
 
 nb::tuple Band(const PythonCell& self,
@@ -135,19 +142,22 @@ nb::tuple Band(const PythonCell& self,
                std::uint64_t seed) {
   const Cell& cell = WithUncertainty(self);
   const PredictionKeywords asked(given);
-  (void)asked.start.Soc(cell);  // a start that the cell itself cannot have is an error
   Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
   if (measured_degC) among.measured_degC = SpanOf(*measured_degC);
+  (void)asked.start.Soc(cell, among);  // a start that the cell itself cannot have is an error
   PredictionBand band;
+  CellEnsemble ensemble;
   Work([&](const Tell&) {
-    const CellEnsemble ensemble = DrawCells(cell, count, seed);
+    ensemble = DrawCells(cell, count, seed);
     std::vector<double> starts;
-    for (const Cell& one : ensemble.cells) starts.push_back(asked.start.SocOfDrawn(one));
+    for (const Cell& one : ensemble.cells) starts.push_back(asked.start.SocOfDrawn(one, among));
     band =
         PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), asked.hold, among);
   });
   return nb::make_tuple(ToArray(std::move(band.voltage_low_V)),
-                        ToArray(std::move(band.voltage_high_V)));
+                        ToArray(std::move(band.voltage_high_V)),
+                        DoubtAboutFew(ensemble.cells.size(), "cells"),
+                        DoubtOf(ensemble));
 }
 
 std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
@@ -234,6 +244,8 @@ void AddCells(nb::module_& module) {
       },
       nb::arg("text"),
       nb::arg("file"));
+  module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
+  module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
   module.def("cell_names", &ShippedCellNames);
 }
 

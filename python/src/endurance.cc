@@ -154,10 +154,12 @@ nb::object Endurance(const PythonCell& cell,
   EnduranceRequest& request = made.request;
   request.cell = cell.cell;
   made.pack.ApplyTo(request.cell);
-  request.initial_soc = made.start.Soc(request.cell);
-  request.initial_voltage_V = made.start.initial_voltage_V;
   const EnduranceChoices& choices = made.choices;
   choices.ApplyTo(request);
+  Surroundings among;
+  if (request.ambient_degC) among.ambient_degC = request.ambient_degC->value;
+  request.initial_soc = made.start.Soc(request.cell, among);
+  request.initial_voltage_V = made.start.initial_voltage_V;
   if (request.ambient_degC && !request.cell.temperature)
     request.cell = WithTypicalTemperature(request.cell, request.size_factor);
   RefuseWhatIsNotFlown(keywords, made);

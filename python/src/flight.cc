@@ -71,7 +71,7 @@ nb::tuple FlyManeuver(const std::string& name,
   if (!cell.is_none()) {
     setup.cell = nb::cast<const PythonCell&>(cell).cell;
     made.pack.ApplyTo(*setup.cell);
-    setup.initial_soc = made.start.Soc(*setup.cell);
+    setup.initial_soc = made.start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});
   } else if (made.pack.given() || made.start.given()) {
     throw OptionError(
         "options series, parallel, initial_soc and initial_voltage_V are for a cell; an ideal source "

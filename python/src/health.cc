@@ -46,8 +46,7 @@ nb::tuple Health(const PythonCell& cell,
   Work([&](const Tell&) {
     const HealthReport report = AssessHealth(cell.cell, std::move(logs), made.options);
     summary = HealthToJson(report);
-    sentence = TrendSentence(report);
-    if (sentence.empty()) sentence = HealthSentence(report, report.flights.back());
+    sentence = FirstLines(report).front();
   });
   return nb::make_tuple(ToPython(summary), sentence);
 }

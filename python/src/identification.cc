@@ -96,7 +96,6 @@ nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::d
   keywords.Each(start);
   keywords.Each(surroundings);
   keywords.Finish();
-  const double initial_soc = start.Soc(pack.cell);
   Json json;
   {
     const nb::gil_scoped_release release;
@@ -105,8 +104,10 @@ nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::d
     if (record.voltage_V.empty())
       throw LoadError({record.file}, "expected a voltage to compare with, found none");
     DivideByPack(record, pack.cell.series, pack.cell.parallel);
-    (void)CheckPlausible(record, one.capacity_Ah);
-    json = LogErrorsToJson(Validate(one, record, initial_soc, surroundings.Of(record)));
+    (void)CheckPlausible(record, one.capacity_Ah, pack.cell.series, pack.cell.parallel);
+    const Surroundings among = surroundings.Of(record);
+    const double initial_soc = start.Soc(pack.cell, among);
+    json = LogErrorsToJson(Validate(one, record, initial_soc, among));
     if (auto doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc); !doubt.empty())
       json["doubt"] = std::move(doubt);
   }

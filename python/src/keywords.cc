@@ -17,7 +17,12 @@ std::string TypeName(nb::handle value) {
   return nb::cast<std::string>(nb::str(nb::type_name(value.type())));
 }
 
-std::string Shown(nb::handle value) { return nb::cast<std::string>(nb::repr(value)); }
+// Of any object: what is no UTF-8 is shown by its escapes.
+std::string Shown(nb::handle value) {
+  const nb::object text = nb::repr(value);
+  const auto bytes = nb::cast<nb::bytes>(text.attr("encode")("utf-8", "backslashreplace"));
+  return {bytes.c_str(), bytes.size()};
+}
 
 double NumberOf(const std::string& name, nb::handle value) {
   return options_internal::ParseDouble(name, TextOf(name, value), Range{});
@@ -42,9 +47,17 @@ std::string PythonName(std::string_view name) {
   return python;
 }
 
+std::string Utf8Of(const std::string& name, nb::handle text) {
+  Py_ssize_t size = 0;
+  const char* const bytes = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
+  if (bytes != nullptr) return {bytes, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  throw OptionError(fmt::format("option {}: expected text of UTF-8, found {}", name, Shown(text)));
+}
+
 std::string TextOf(const std::string& name, nb::handle value) {
   if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
-  if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+  if (nb::isinstance<nb::str>(value)) return Utf8Of(name, value);
   if (nb::isinstance<nb::int_>(value)) return nb::cast<std::string>(nb::str(value));
   if (nb::isinstance<nb::float_>(value)) return Shown(nb::float_(value));
   // The numbers and truths of NumPy.
@@ -119,7 +132,7 @@ void Keywords::OfKind(std::string_view name,
     throw OptionError(
         fmt::format("option {}: expected {{name: value}}, found {}", shown, Shown(*given)));
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
-    const auto parameter = nb::cast<std::string>(nb::str(key));
+    const auto parameter = Utf8Of(shown, nb::str(key));
     values[parameter] = NumberOf(shown + " " + parameter, value);
   }
 }
@@ -137,7 +150,7 @@ void Keywords::OfKind(std::string_view name,
   };
   if (!nb::isinstance<nb::dict>(*given)) fail();
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
-    const auto parameter = nb::cast<std::string>(nb::str(key));
+    const auto parameter = Utf8Of(shown, nb::str(key));
     if (!nb::isinstance<nb::sequence>(value) || nb::len(value) != 2) fail();
     values[parameter] = {NumberOf(shown + " " + parameter, value[0]),
                          NumberOf(shown + " " + parameter, value[1])};
@@ -172,7 +185,7 @@ void Keywords::OfKind(std::string_view name,
   values.clear();
   if (nb::isinstance<nb::str>(*given)) {  // as on the command line
     const nb::object pieces = given->attr("split")(",");
-    for (const nb::handle word : pieces) values.push_back(nb::cast<std::string>(word));
+    for (const nb::handle word : pieces) values.push_back(Utf8Of(shown, word));
     return;
   }
   if (!nb::hasattr(*given, "__iter__"))
@@ -216,7 +229,7 @@ void Keywords::OfKind(std::string_view name,
     throw OptionError(
         fmt::format("option {}: expected {{key: name}}, found {}", shown, Shown(*given)));
   for (const auto& [key, value] : nb::cast<nb::dict>(*given))
-    values[nb::cast<std::string>(nb::str(key))] = TextOf(shown, value);
+    values[Utf8Of(shown, nb::str(key))] = TextOf(shown, value);
 }
 
 void Keywords::Group(std::string_view name,
@@ -251,7 +264,7 @@ void Keywords::Group(std::string_view name,
                                   Shown(*given)));
   }
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
-    const auto option = nb::cast<std::string>(nb::str(key));
+    const std::string option = Utf8Of(shown, nb::str(key));
     if (std::find(names.begin(), names.end(), option) == names.end())
       throw OptionError(UnknownName("option of " + shown, option, names));
     set(option, TextOf(shown + "." + option, value));
@@ -267,7 +280,7 @@ std::string Keywords::GroupName(std::string_view name) const {
 void Keywords::Finish() const {
   if (!given_.is_valid()) return;
   for (const auto& [key, value] : given_) {
-    const auto name = nb::cast<std::string>(nb::str(key));
+    const std::string name = Utf8Of("name", nb::str(key));
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
     const auto within = std::find_if(
         within_.begin(), within_.end(), [&](const auto& option) { return option.first == name; });

@@ -55,7 +55,8 @@ PythonLog Read(nb::handle file, const nb::dict& given) {
   return Shared(std::move(log));
 }
 
-PythonLog ReadText(const nb::bytes& text, const std::string& name, const nb::dict& given) {
+PythonLog ReadText(const nb::bytes& text, nb::handle file, const nb::dict& given) {
+  const std::string name = PathOf(file);
   const ReadOptions options = ReadingOf(given, true);
   Log log;
   {
@@ -371,7 +372,7 @@ void AddLogs(nb::module_& module) {
       });
   module.attr("most_rows_kept") = kMostRowsKept;
   module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
-  module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("name"), nb::arg("options"));
+  module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("file"), nb::arg("options"));
   module.def("take_log",
              &Take,
              nb::arg("time_s").noconvert(),

@@ -83,8 +83,7 @@ PythonCell Changed(const PythonCell& cell, const nb::dict& given) {
   keywords.Each(request);
   keywords.Finish();
   PythonCell changed = cell;
-  for (const auto& [name, value] : request.parameters) SetCellParameter(changed.cell, name, value);
-  if (const auto missing = MissingCellParameter(changed.cell)) throw OptionError(*missing);
+  SetCellParameters(changed.cell, {request.parameters.begin(), request.parameters.end()});
   return changed;
 }
 

@@ -158,6 +158,8 @@ def test_dates_and_durations_are_seconds(name: str, make: Callable[[Any], Any]) 
         ),
         ([pd.Timestamp(0), pd.Timestamp(1, tz="UTC")], [0.0, 1.0], "time_s: expected numbers"),
         (0.0, 1.0, "current_A: expected a column of numbers"),
+        (dict(enumerate(T)), I, "expected times or a Log, found a dict"),
+        (pd.DataFrame({"time_s": T, "current_A": I}), None, "times or a Log, found a DataFrame"),
         (T, np.zeros((1, 1, len(T))), "current_A: expected one dimension or two, found 3"),
     ],
 )
@@ -346,3 +348,33 @@ def test_a_cell_that_knows_no_temperature_says_so(caplog: pytest.LogCaptureFixtu
     caplog.clear()
     cell.with_typical_temperature().simulate(T, I, ambient_degC=-10.0)
     assert caplog.text == ""
+
+
+def test_drawn_cells_that_were_moved_are_said(caplog: pytest.LogCaptureFixture) -> None:
+    """Branches of no resistance with wide errors: nearly every draw has a negative one."""
+    given = lipoid.Cell.read("gifi-600mAh-1").to_dict()
+    branch = {"resistance_Ohm": 0.0, "time_constant_s": 30.0}
+    given["branches"] = [branch] * 3
+    names = ["r_s", "r_1", "r_2", "r_3"]
+    wide = [[1e-4 if i == j else 0.0 for j in range(4)] for i in range(4)]
+    given["uncertainty"] = {"parameters": names, "covariance": wide, "degrees_of_freedom": 50}
+    cell = lipoid.Cell.from_dict(given)
+    t, i = np.arange(0.0, 60.0), np.full(60, 0.6)
+    for ask in (
+        lambda: cell.resample(200),
+        lambda: cell.band(t, i),
+        lambda: lipoid.endurance(cell, vehicle="mambo-physical", reserve=0.7, ensemble=40),
+    ):
+        caplog.clear()
+        ask()
+        assert "moved to the nearest that one may have" in caplog.text
+    given["branches"] = []
+    given["uncertainty"] |= {"parameters": ["r_s"], "covariance": [[1e-6]]}
+    caplog.clear()
+    few = lipoid.Cell.from_dict(given)
+    few.resample(200)
+    assert not caplog.text
+    few.band(t, i, cells=20)
+    lipoid.endurance(few, vehicle="mambo-physical", reserve=0.7, ensemble=20)
+    assert "of 20 cells the interval is that from the lowest to the highest" in caplog.text
+    assert "of 20 flights the interval is that from the lowest to the highest" in caplog.text

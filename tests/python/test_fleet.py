@@ -193,6 +193,50 @@ def test_what_is_done_is_kept(cells: Path, tmp_path: Path) -> None:
     assert run("--branches", "2", "--replace") == (4, 0)
 
 
+def test_what_is_kept_counts_in_the_exit_code(
+    cells: Path, undisturbed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The second night says what the first one said."""
+    import shutil
+
+    results, told = tmp_path / "r.sqlite", tmp_path / "summary.json"
+    shutil.copy(undisturbed, results)
+    words = [str(cells), "-o", str(results), "--summary", str(told), *STAGED[:2]]
+    assert main(words) == 0
+    assert told_in(told)["kept_unusable"] == 0
+    with sqlite3.connect(results) as database:
+        database.execute("UPDATE campaigns SET usable = 0 WHERE id = 1")
+    assert main(words) == 1
+    assert (told_in(told)["kept"], told_in(told)["kept_unusable"]) == (CELLS, 1)
+    assert f"{CELLS} kept from before (1 not usable)" in capsys.readouterr().err
+
+
+def test_a_changed_reference_is_another_option(
+    cells: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = str(cells / "batch-0" / "cell-0")
+    reference = tmp_path / "reference.json"
+    cell = lipoid.Cell.read("gifi-600mAh-1").to_dict()
+    reference.write_text(json.dumps(cell))
+    told = tmp_path / "summary.json"
+    words = ["-o", str(tmp_path / "r.sqlite"), "--summary", str(told)]
+    words = [one, *words, "--quiet", "--reference", str(reference)]
+    assert main(words) in (0, 1)
+    assert main(words) in (0, 1)
+    assert told_in(told)["kept"] == 1
+    cell["open_circuit_voltage"]["voltage_V"][-1] = 4.25
+    reference.write_text(json.dumps(cell))
+    assert main(words) == 2
+    assert "--replace to do every campaign again" in capsys.readouterr().err
+    assert main([*words, "--replace"]) in (0, 1)
+    assert told_in(told)["kept"] == 0
+    # A shipped cell goes by its name, as with lipoid identify.
+    words[2] = str(tmp_path / "shipped.sqlite")
+    assert main([*words[:-1], "gifi-600mAh-1"]) in (0, 1)
+    (row,) = rows(tmp_path / "shipped.sqlite").values()
+    assert row["status"] == "done", row["reason"]
+
+
 def test_files_that_are_gone_are_not_the_same(tmp_path: Path) -> None:
     file = tmp_path / "a.csv"
     file.write_text("a")
@@ -302,6 +346,8 @@ def test_tables_of_all_kinds_name_the_same_campaigns(cells: Path, tmp_path: Path
     query = "SELECT campaign, batch, age FROM cells ORDER BY age"
     assert find([str(tmp_path / "t.sqlite")], query) == wanted
     assert find([f"sqlite:///{tmp_path}/t.sqlite"], query) == wanted
+    (near,) = find([str(tmp_path / "t.sqlite")], "SELECT 'a.toml' AS campaign")
+    assert near.campaign == str(tmp_path / "a.toml")
     assert [one.campaign for one in find([str(cells / "*" / "*")])] == [
         one.campaign for one in find([str(cells)])
     ]
@@ -311,6 +357,66 @@ def test_tables_of_all_kinds_name_the_same_campaigns(cells: Path, tmp_path: Path
         asked_of = [str(tmp_path / "t.sqlite"), "--query", asked]
         assert main([*asked_of, "-o", results, *STAGED]) in (2, 3)
     assert find([str(tmp_path / "t.sqlite")], query) == wanted  # nothing was deleted
+
+
+def test_exact_decimals_lose_nothing(tmp_path: Path) -> None:
+    """NUMERIC of a server, decimals of Parquet: as the fields of a CSV file."""
+    import decimal
+
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    from lipoid.fleet.sources import find
+
+    serials = ["9007199254740993", "12"]  # 2**53 + 1, which no float is
+    ages = ["1.50", "2.25"]
+    columns = {
+        "campaign": ["a", "b"],
+        "serial": pa.array([decimal.Decimal(one) for one in serials], pa.decimal128(20, 0)),
+        "age": pa.array([decimal.Decimal(one) for one in ages], pa.decimal128(8, 2)),
+        "count": pa.array([decimal.Decimal(3), None], pa.decimal128(8, 0)),
+    }
+    parquet.write_table(pa.table(columns), tmp_path / "t.parquet")
+    lines = [f"{a},{s},{age},{n}" for a, s, age, n in zip("ab", serials, ages, "3 ", strict=True)]
+    (tmp_path / "t.csv").write_text("\n".join(["campaign,serial,age,count", *lines]) + "\n")
+    found = find([str(tmp_path / "t.parquet")])
+    assert [one.metadata for one in found] == [
+        {"serial": "9007199254740993", "age": 1.5, "count": 3},
+        {"serial": "12", "age": 2.25, "count": None},
+    ]
+    assert found == find([str(tmp_path / "t.csv")])
+
+
+def test_folders_that_cannot_be_read_are_said(
+    cells: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fleet = tmp_path / "fleet"
+    (fleet / "open").mkdir(parents=True)
+    (fleet / "open" / "cell").symlink_to(cells / "batch-0" / "cell-0")
+    (fleet / "closed").mkdir()
+    scandir = os.scandir
+
+    def refuses(path: Any = ".") -> Any:  # as it does for all but root
+        if not isinstance(path, int) and Path(path).name == "closed":
+            raise PermissionError(13, "Permission denied", path)
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", refuses)
+    told = tmp_path / "summary.json"
+    words = ["-o", str(tmp_path / "r.sqlite"), "--summary", str(told), *STAGED[:2]]
+    assert main([str(fleet), *words]) == 0
+    said = capsys.readouterr().err
+    assert "1 folder cannot be read; campaigns in there are left out:" in said
+    assert f"{fleet / 'closed'}: Permission denied" in said
+    assert told_in(told)["unreadable_folders"] == 1
+    assert main([str(fleet / "closed"), *words]) == 3
+    assert "expected a readable folder, found none (Permission denied)" in capsys.readouterr().err
+    (fleet / "open" / "cell").unlink()
+    assert main([str(fleet), *words]) == 3
+    assert f"below; {fleet / 'closed'}: Permission denied" in capsys.readouterr().err
 
 
 def test_linked_folders_count_once(tmp_path: Path) -> None:
@@ -416,6 +522,9 @@ def test_columns_of_a_table_lose_nothing(
         (["--time-limit-s", "nan"], "--time-limit-s: expected"),
         (["--memory-limit", "1MB"], "--memory-limit: expected at least 300MB"),
         (["--memory-limit", "much"], "--memory-limit: expected a size as 2GB"),
+        (["--method", "joint", "--profile", "bta"], "no parameter 'bta' in this fit"),
+        (["--method", "joint", "--fix", "bta=1"], "bta"),
+        (["--fix", "bta=1"], "bta"),
         (["--query", "SELECT 1"], "--query needs one SOURCE that is a database"),
         (["--scheduler", "tcp://127.0.0.1:1"], "no scheduler answers"),
         (["--summary", "/no/such/folder/s.json"], "cannot be written"),
@@ -896,6 +1005,15 @@ def test_the_report_says_which_ages_it_leaves_out(
     assert "column age" not in found.page + found.told and "r_s" in set(found.drift["name"])
     found = report_of(tmp_path, capsys, values[:1] * 6, [{"age": str(k)} for k in range(6)])
     assert list(found.drift["name"]) == ["rmse_V"]
+
+
+def test_columns_that_no_result_has_are_refused(
+    undisturbed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    report = ["report", str(undisturbed), "-o", str(tmp_path / "r.csv")]
+    assert main([*report, "--batch", "btach"]) == 2
+    assert "--batch: expected a column of the results, none; found btach" in capsys.readouterr().err
+    assert main([*report, "--batch", "batch", "--age", "age"]) == 0
 
 
 def test_values_about_zero_have_no_percentage(

@@ -6,6 +6,7 @@ import copy
 import os
 import pickle
 import resource
+import struct
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
@@ -250,6 +251,10 @@ COLUMNS: dict[str, Any] = {"time_s": T, "current_A": I, "voltage_V": V}
     ("given", "message"),
     [
         ({"time_s": 1.0}, "time_s: expected a column of numbers, found 1.0"),
+        (
+            {"voltage_V": dict(enumerate(V))},
+            "voltage_V: expected a column of numbers, found {0",
+        ),
         ({"time_s": "abc"}, "time_s: expected a column of numbers, found 'abc'"),
         ({"current_A": ["1"] * N}, "current_A: expected numbers, found texts or other objects"),
         ({"current_A": I > 0}, "current_A: expected numbers, found truth values"),
@@ -342,3 +347,74 @@ def test_masked_numbers_are_refused() -> None:
         lipoid.Log(time_s=T, current_A=current, voltage_V=V)
     with pytest.raises(lipoid.OptionError, match="found masked ones"):
         lipoid.Cell.read("gifi-600mAh-1").simulate(T, current)
+
+
+def test_texts_that_are_no_utf8_are_refused(campaign: lipoid.Campaign, tmp_path: Path) -> None:
+    """What os.fsdecode() makes of the byte 0x80, which a name of a file may hold."""
+    t = np.arange(0.0, 60.0)
+    bad = "a\udc80"
+    group: Any = {bad: 1}
+    asked: list[Callable[[], object]] = [
+        lambda: lipoid.Log(time_s=t, current_A=np.ones_like(t), name=bad),
+        lambda: lipoid.Campaign(name=bad, cutoff_V=3.0),
+        lambda: lipoid.identify(campaign, fix={bad: 1.0}),
+        lambda: lipoid.identify(campaign, pulses=group),
+        lambda: lipoid.identify(campaign, profile=bad),
+        lambda: lipoid.identify(campaign, **group),
+        lambda: lipoid.study(bad, campaign),
+        lambda: lipoid.export("gifi-600mAh-1", bad, tmp_path / "out"),
+        lambda: lipoid.fly(bad),
+    ]
+    for ask in asked:
+        with pytest.raises(lipoid.OptionError, match=r"expected text of UTF-8, found 'a\\udc80'"):
+            ask()
+
+
+def test_tables_may_stand_in_files_of_any_name(tmp_path: Path) -> None:
+    t = np.arange(0.0, 600.0)
+    i = np.where(t < 300.0, 1.0, 0.0)
+    frame = pd.DataFrame({"time_s": t, "current_A": i, "voltage_V": 4.1 - 0.05 * i - 1e-4 * t})
+    file = tmp_path / "log\udc80.parquet"
+    with open(file, "wb") as opened:
+        frame.to_parquet(opened)
+    log = lipoid.read_log(file)
+    assert len(log) == 600
+    assert log.file == str(file)
+
+
+def test_a_flight_loses_the_row_of_a_damaged_message_alone(tmp_path: Path) -> None:
+    """A DataFlash log written by hand, of which bits of one current or one voltage are turned."""
+
+    def message(kind: int, *content: bytes) -> bytes:
+        return b"\xa3\x95" + bytes([kind]) + b"".join(content)
+
+    def form(of: int, size: int, name: bytes, letters: bytes, fields: bytes) -> bytes:
+        sized = bytes([of, size]) + name.ljust(4, b"\0") + letters.ljust(16, b"\0")
+        return message(0x80, sized, fields.ljust(64, b"\0"))
+
+    def flight(current_A: np.ndarray, voltage_V: np.ndarray) -> lipoid.Log:
+        head = form(0x80, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns")
+        head += form(1, 19, b"BAT", b"Qff", b"TimeUS,Volt,Curr")
+        rows = [
+            message(1, struct.pack("<Qff", 100_000 * k, v, i))
+            for k, (i, v) in enumerate(zip(current_A, voltage_V, strict=True))
+        ]
+        file = tmp_path / "flight.bin"
+        file.write_bytes(head + b"".join(rows))
+        return lipoid.read_log(file)
+
+    current_A = 20.0 + 5.0 * np.sin(np.arange(200))
+    voltage_V = 15.5 - 0.02 * current_A - 1e-3 * np.arange(200)
+    whole = flight(current_A, voltage_V)
+    assert len(whole) == 200 and not whole.warnings
+    for column, value, said in (
+        (current_A, -322.0, "1 row dropped: a current of -322 A at 9 s"),
+        (voltage_V, 7e8, "1 row dropped: a voltage of 7e+08 V at 9 s"),
+    ):
+        kept = column[90]
+        column[90] = value
+        log = flight(current_A, voltage_V)
+        column[90] = kept
+        assert len(log) == 199
+        assert log.warnings[0].startswith(said)
+        np.testing.assert_array_equal(log.current_A, np.delete(whole.current_A, 90))

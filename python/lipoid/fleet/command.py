@@ -24,6 +24,7 @@ from lipoid.fleet.worker import Settings
 PROG = "lipoid-fleet"
 # Python with NumPy and pandas alone needs most of it.
 LEAST_MEMORY_BYTES = 300_000_000
+MOST_SHOWN = 10
 
 WHAT = """Identifies every cell of a fleet: all campaigns of a folder, a pattern or a table go to
 the cores of this machine or to a cluster, and each gets its row in one SQLite file, also one that
@@ -162,7 +163,7 @@ def _settings(given: argparse.Namespace) -> Settings:
 def _check_outputs(given: argparse.Namespace) -> None:
     """No output may be one of the inputs, or another output."""
     inputs = [one for source in given.sources for one in paths(source)]
-    inputs += [given.slurm, getattr(given, "open_circuit_voltage", "")]
+    inputs += [given.slurm, *options.files(vars(given)).values()]
     seen = {os.path.realpath(one): one for one in inputs if one and os.path.isfile(one)}
     for output in (given.output, given.parquet, given.summary):
         if not output or output in STANDARD_OUTPUT:
@@ -195,6 +196,8 @@ def _sentence(counts: Counts, output: str) -> str:
         text += f" ({counts.poor} describe their logs poorly)"
     if counts.kept:
         text += f", {counts.kept} kept from before"
+        if counts.kept_unusable:
+            text += f" ({counts.kept_unusable} not usable)"
     if counts.failed:
         kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.failures.items()))
         text += f", {counts.failed} failed ({kinds})"
@@ -207,6 +210,18 @@ def _summary(counts: Counts, wall_s: float) -> dict[str, Any]:
     return {**vars(counts), "written": counts.written, "wall_s": wall_s}
 
 
+def _tell_unreadable(folders: list[str]) -> None:
+    """Say which folders may hold campaigns that this run does not see."""
+    if not folders:
+        return
+    counted = "1 folder" if len(folders) == 1 else f"{len(folders)} folders"
+    print(f"{PROG}: {counted} cannot be read; campaigns in there are left out:", file=sys.stderr)
+    for one in folders[:MOST_SHOWN]:
+        print(f"  {one}", file=sys.stderr)
+    if len(folders) > MOST_SHOWN:
+        print(f"  and {len(folders) - MOST_SHOWN} more", file=sys.stderr)
+
+
 def _run(given: argparse.Namespace) -> int:
     settings = _settings(given)
     _check_outputs(given)
@@ -214,7 +229,10 @@ def _run(given: argparse.Namespace) -> int:
         from lipoid.fleet import parquet
 
         parquet.check()
-    sources = find(given.sources, given.query)
+    unreadable: list[str] = []
+    sources = find(given.sources, given.query, unreadable)
+    if not given.quiet:
+        _tell_unreadable(unreadable)
     progress = Progress(len(sources), not given.quiet)
     began_s = time.monotonic()
     ended = ""
@@ -231,6 +249,7 @@ def _run(given: argparse.Namespace) -> int:
                 made = cluster.here(given.workers or cluster.cores())
             with made as client:
                 run = Run(client, results, sources, settings, progress)
+                run.counts.unreadable_folders = len(unreadable)
                 try:
                     run.go(signals)
                 except Stopped as why:
@@ -257,8 +276,8 @@ def _run(given: argparse.Namespace) -> int:
         rate = counts.written / wall_s if wall_s > 0.0 else 0.0
         print(_sentence(counts, given.output), file=sys.stderr)
         print(f"{duration(wall_s)}, {rate:.3g} campaigns per second", file=sys.stderr)
-    whole = not ended and not counts.failed and not counts.not_converged and not counts.poor
-    return DONE if whole else INCOMPLETE
+    unusable = counts.failed + counts.not_converged + counts.poor + counts.kept_unusable
+    return INCOMPLETE if ended or unusable else DONE
 
 
 def _end_by(number: int) -> NoReturn:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import concurrent.futures
 import contextlib
 import hashlib
 import json
@@ -19,6 +20,7 @@ from typing import Any
 
 import lipoid
 from lipoid.fleet.errors import Stopped
+from lipoid.fleet.options import files
 from lipoid.fleet.results import Results, Row
 from lipoid.fleet.sources import Source, metadata_text
 from lipoid.fleet.worker import Settings, identify_batch
@@ -38,11 +40,13 @@ class Counts:
 
     campaigns: int = 0
     kept: int = 0  # done before, with the same files and options
+    kept_unusable: int = 0  # of them; done again they would not converge or be poor again
     done: int = 0
     failed: int = 0
     not_converged: int = 0
     poor: int = 0  # converged, and yet the cell does not describe its logs
     retries: int = 0
+    unreadable_folders: int = 0  # below the sources; what campaigns they hold is not known
     failures: dict[str, int] = field(default_factory=dict)
 
     def add(self, row: Row) -> None:
@@ -203,13 +207,14 @@ class Run:
 
     def _not_done(self, sources: list[Source]) -> Iterator[str]:
         for source in sources:
-            inputs = self.results.done_inputs(source.campaign)
+            inputs, usable = self.results.done(source.campaign) or (None, False)
             same = None if inputs is None else still_the_same(inputs)
             if same is None:
                 yield source.campaign
                 continue
             self.results.renew(source, same)
             self.counts.kept += 1
+            self.counts.kept_unusable += not usable
             self.progress.tell(self.counts)
 
     def _next_batch(self) -> list[str]:
@@ -254,10 +259,15 @@ class Run:
     def _take(self, future: Any) -> None:
         _, batch = self.running.pop(future.key)
         status = future.status
-        if status == "finished":
-            self._write(future.result())
-        elif status == "error":
-            self._take_death(batch, future.exception())
+        try:
+            rows = future.result() if status == "finished" else None
+            error = future.exception() if status == "error" else None
+        except (OSError, concurrent.futures.CancelledError):  # asked when the scheduler died
+            rows = error = None
+        if rows is not None:
+            self._write(rows)
+        elif error is not None:
+            self._take_death(batch, error)
         else:  # lost with the scheduler, or cancelled by it
             self.again.append(batch)
         future.release()
@@ -315,7 +325,8 @@ class Run:
         """Take back what is out."""
         futures = [future for future, _ in self.running.values()]
         if futures and self.client.status == "running":
-            self.client.cancel(futures, force=True)
+            with contextlib.suppress(OSError):  # the scheduler is gone, and what was out with it
+                self.client.cancel(futures, force=True)
         self.running.clear()
 
 
@@ -324,7 +335,5 @@ def options_text(options: dict[str, Any]) -> str:
 
     A file among them counts by its bytes, too.
     """
-    named = dict(options)
-    if (file := named.get("open_circuit_voltage")) and os.path.exists(file):
-        named["open_circuit_voltage_sha256"] = sha256_of_file(file)
-    return json.dumps(named, sort_keys=True, allow_nan=False)
+    digests = {f"{name}_sha256": sha256_of_file(file) for name, file in files(options).items()}
+    return json.dumps(options | digests, sort_keys=True, allow_nan=False)

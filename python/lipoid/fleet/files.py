@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lipoid.fleet.errors import UsageError
 
-STANDARD_OUTPUT = ("-", "/dev/stdout")
+STANDARD_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 
 
 @contextlib.contextmanager

@@ -81,7 +81,7 @@ def add(to: argparse.ArgumentParser) -> None:
                 word = "NAME,..."
             shown.add_argument(name, nargs="+", action="extend", metavar=word, help=_help(option))
         else:
-            word = "FILE" if option["type"].startswith("Path") else "VALUE"
+            word = "FILE" if _is_file(option) else "VALUE"
             shown.add_argument(name, metavar=word, help=_help(option))
     shown.add_argument(
         "--seed", metavar="VALUE", type=int, help="seed of everything random (default 0)"
@@ -133,6 +133,22 @@ def _names(name: str, words: list[str]) -> list[str]:
     return names
 
 
+def files(given: dict[str, Any]) -> dict[str, str]:
+    """Return the files among these keywords of identification, by the option that names them."""
+    named = (one["name"] for one in _core.describe_identify() if _is_file(one))
+    return {name: given[name] for name in named if os.path.isfile(given.get(name) or "")}
+
+
+def _is_file(option: Description) -> bool:
+    return str(option.get("type", "")).startswith("Path")
+
+
+def _file_or_shipped(option: Description, text: str) -> str:
+    """Return a file by its absolute path, because workers may run elsewhere."""
+    is_shipped = "Cell" in option["type"] and text in _core.cell_names()
+    return text if is_shipped else os.path.abspath(text)
+
+
 def keywords(given: argparse.Namespace) -> dict[str, Any]:
     """Return the keywords of :func:`lipoid.identify` that were given, checked.
 
@@ -153,8 +169,8 @@ def keywords(given: argparse.Namespace) -> dict[str, Any]:
             continue
         elif option["type"].startswith("Mapping"):
             found[name] = _mapping(shown, option, getattr(given, name))
-        elif option["type"].startswith("Path"):
-            found[name] = os.path.abspath(getattr(given, name))
+        elif _is_file(option):
+            found[name] = _file_or_shipped(option, getattr(given, name))
         elif isinstance(getattr(given, name), list):
             found[name] = _names(shown, getattr(given, name))
         elif isinstance(getattr(given, name), str):

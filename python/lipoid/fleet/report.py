@@ -133,6 +133,17 @@ def _check(given: argparse.Namespace) -> None:
         check_writable(output)
 
 
+def _check_columns(database: sqlite3.Connection, given: argparse.Namespace) -> None:
+    """Refuse a column that no result has; those of the defaults may be missing."""
+    asked = {"--batch": given.batch, "--age": given.age}
+    rows = database.execute("SELECT DISTINCT key FROM campaigns, json_each(metadata) ORDER BY key")
+    known = [key for (key,) in rows]
+    for option, column in asked.items():
+        if column not in known and column != _parser().get_default(option.strip("-")):
+            have = ", ".join(known[:20]) or "none"
+            raise UsageError(f"{option}: expected a column of the results, {have}; found {column}")
+
+
 def command(words: list[str]) -> int:
     """Write what was asked for; return the exit code."""
     given = _parser().parse_args(words)
@@ -142,6 +153,7 @@ def command(words: list[str]) -> int:
     except (OSError, ValueError) as error:
         raise LoadError(str(error), [(given.results, 0, 0, str(error))]) from None
     try:
+        _check_columns(database, given)
         fleet = spread.read(database, given.batch, given.age)
         failed = database.execute(
             "SELECT campaign, failure, reason FROM campaigns WHERE status = 'failed' "

@@ -204,13 +204,14 @@ class Results:
         self.database.close()
         self._unlock()
 
-    def done_inputs(self, campaign: str) -> list[dict[str, Any]] | None:
-        """Return the inputs of a campaign that is done with these options, else None."""
+    def done(self, campaign: str) -> tuple[list[dict[str, Any]], bool] | None:
+        """Return the inputs of a campaign that is done with these options, and if it is usable."""
         row = self.database.execute(
-            "SELECT inputs FROM campaigns WHERE campaign = ? AND status = 'done' AND options = ?",
+            "SELECT inputs, usable FROM campaigns "
+            "WHERE campaign = ? AND status = 'done' AND options = ?",
             (campaign, self.options),
         ).fetchone()
-        return json.loads(row[0]) if row else None
+        return (json.loads(row[0]), bool(row[1])) if row else None
 
     def renew(self, source: Source, inputs: list[dict[str, Any]]) -> None:
         """Keep a result whose files have the same bytes as before, and what its table says now."""

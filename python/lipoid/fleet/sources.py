@@ -35,8 +35,12 @@ class Source(NamedTuple):
     metadata: dict[str, Value]
 
 
-def find(given: Iterable[str], query: str = "") -> list[Source]:
+def find(
+    given: Iterable[str], query: str = "", unreadable: list[str] | None = None
+) -> list[Source]:
     """Return the campaigns of all sources, each once, in their order.
+
+    Folders below a source that cannot be read are appended to `unreadable`, with the reason.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def find(given: Iterable[str], query: str = "") -> list[Source]:
         raise UsageError("--query needs one SOURCE that is a database: a file or an SQLAlchemy URL")
     found: dict[str, Source] = {}
     for source in several:
-        for one in _of_source(source, query):
+        for one in _of_source(source, query, [] if unreadable is None else unreadable):
             if one.campaign != one.campaign.encode(errors="replace").decode():
                 _fail(source, 0, f"expected paths in UTF-8, found {one.campaign!r}; rename it")
             before = found.setdefault(one.campaign, one)
@@ -80,9 +84,10 @@ def paths(source: str) -> list[str]:
     return sorted(matches, key=lambda one: os.path.realpath(one) != os.path.abspath(one))
 
 
-def _of_source(source: str, query: str) -> Iterator[Source]:
+def _of_source(source: str, query: str, unreadable: list[str]) -> Iterator[Source]:
     if is_database(source):
-        yield from _of_table(source, _read_query(source, query), ".")
+        folder = "." if "://" in source else os.path.dirname(source)
+        yield from _of_table(source, _read_query(source, query), folder)
         return
     matches = paths(source)
     if not matches:
@@ -97,7 +102,7 @@ def _of_source(source: str, query: str) -> Iterator[Source]:
             tables.append(one)
         else:
             campaigns.append(os.path.abspath(one))
-    for campaign in _once([*campaigns, *_of_folders(folders)]):
+    for campaign in _once([*campaigns, *_of_folders(folders, unreadable)]):
         yield Source(campaign, {})
     for table in tables:
         reads = _read_parquet if table.lower().endswith(".parquet") else _read_csv
@@ -118,18 +123,24 @@ def _once(campaigns: Iterable[str]) -> Iterable[str]:
     return known.values()
 
 
-def _of_folders(tops: list[str]) -> list[str]:
+def _of_folders(tops: list[str], unreadable: list[str]) -> list[str]:
     """Return the campaigns of these folders and of all below, each folder once.
 
     Linked folders come last, so that a campaign has the name without a link where there is one.
     """
+
+    def note(error: OSError) -> None:
+        if error.filename in tops:
+            _fail(error.filename, 0, f"expected a readable folder, found none ({error.strerror})")
+        unreadable.append(f"{error.filename}: {error.strerror}")
+
     campaigns = []
     seen: set[tuple[int, int]] = set()  # a link may lead back to a folder that it is in
     lacking = set(tops)
     waiting = collections.deque((top, top) for top in tops)
     while waiting:
         top, begin = waiting.popleft()
-        for path, folders, files in os.walk(begin):
+        for path, folders, files in os.walk(begin, onerror=note):
             identity = _identity(path)
             if identity in seen:
                 folders.clear()
@@ -144,7 +155,9 @@ def _of_folders(tops: list[str]) -> list[str]:
                 campaigns.append(os.path.abspath(os.path.join(path, CAMPAIGN_FILE)))
     for top in tops:
         if top in lacking or not campaigns:
-            _fail(top, 0, f"expected campaigns, found no {CAMPAIGN_FILE} in this folder or below")
+            but = f"; {unreadable[0]}" if unreadable else ""
+            found = f"found no {CAMPAIGN_FILE} in this folder or below{but}"
+            _fail(top, 0, f"expected campaigns, {found}")
     return campaigns
 
 
@@ -153,7 +166,7 @@ Row = tuple[int, dict[str, Any]]  # line (0: the table has none) and values by c
 
 def _of_table(source: str, rows: Iterable[Row], folder: str) -> Iterator[Source]:
     lines: dict[str, int] = {}
-    for line, row in rows:
+    for line, row in _without_decimals(list(rows)):
         campaign = row.get(COLUMN)
         if not isinstance(campaign, str) or not campaign.strip():
             _fail(source, line, f"expected a path in the column {COLUMN}, found {campaign!r}")
@@ -172,12 +185,27 @@ def _of_table(source: str, rows: Iterable[Row], folder: str) -> Iterator[Source]
         _fail(source, 0, "expected campaigns, found a table without rows")
 
 
+def _without_decimals(rows: list[Row]) -> list[Row]:
+    """Make exact decimals of a database or of Parquet what they are as the fields of a CSV file."""
+    columns = {
+        key for _, row in rows for key, value in row.items() if isinstance(value, decimal.Decimal)
+    }
+    for key in columns:
+        exact = [row.get(key) for _, row in rows]
+        texts = [
+            f"{one:f}" if isinstance(one, decimal.Decimal) and one.is_finite() else ""
+            for one in exact
+        ]
+        for (_, row), one, value in zip(rows, exact, _values(texts), strict=True):
+            if isinstance(one, decimal.Decimal):
+                row[key] = value
+    return rows
+
+
 def _plain(value: Any) -> Value:
     """Make a value of a table one of JSON; what is no number is text, what is not there is null."""
     if hasattr(value, "item"):  # of NumPy
         value = value.item()
-    if isinstance(value, decimal.Decimal):
-        value = float(value)
     if value is None or isinstance(value, (str, bool, int)):
         return value
     if isinstance(value, float):
