@@ -444,20 +444,46 @@ class Bench(unittest.TestCase):
     def test_a_person_changes_kinds_and_cell(self):
         state = self.serve.drop(LAB / "cc_1c.csv", LAB / "pulse.csv")
         keys = [row["key"] for row in state["rows"]]
-        self.assertEqual(self.serve.post("api/change", {"kinds": {keys[0]: "validation", keys[1]: ""}})[0], 200)
+        kinds = {keys[0]: {"kind": "validation"}, keys[1]: {"kind": ""}}
+        self.assertEqual(self.serve.post("api/change", {"tests": kinds})[0], 200)
         self.assertEqual(self.serve.post("api/change", {"cell": {"name": "\"]\n[[log]]", "cutoff_V": 2.75}})[0], 200)
         text = self.serve.get("campaign.toml").decode()
         self.assertIn('kind = "validation"\nfile = "cc_1c.csv"', text)
         self.assertNotIn("pulse.csv", text)
         self.assertIn("cutoff_V = 2.75", text)
         self.assertEqual(text.count("\n[[log]]"), 1)
-        self.serve.post("api/change", {"kinds": {keys[0]: None, keys[1]: None}})
-        self.assertEqual([row["kind"] for row in self.serve.json("api/state")["rows"]], ["constant-current", "pulses"])
-        for bad in ({"kinds": {"99": "pulses"}}, {"kinds": {keys[0]: "x"}}, {"kinds": []}, {"cell": {"cutoff_V": "3"}},
+        self.serve.post("api/change", {"tests": {keys[0]: {"kind": None, "initial_soc": 0.9, "ambient_degC": 5},
+                                                 keys[1]: {"kind": "low-rate-charge"}}})
+        rows = self.serve.json("api/state")["rows"]
+        self.assertEqual([row["kind"] for row in rows], ["constant-current", "low-rate-charge"])
+        self.assertEqual([row["initial_soc"] for row in rows], [0.9, None])
+        text = self.serve.get("campaign.toml").decode()
+        self.assertIn("initial_soc = 0.9\n", text)
+        self.assertIn("ambient_degC = 5.0\n", text)
+        for bad in ({"tests": {"99": {"kind": "pulses"}}}, {"tests": {keys[0]: {"kind": "x"}}}, {"tests": []},
+                    {"tests": {keys[0]: {"initial_soc": 1.6}}}, {"tests": {keys[0]: {"ambient_degC": "5"}}},
+                    {"tests": {keys[0]: "pulses"}}, {"tests": {keys[0]: {"weight": 1}}}, {"cell": {"cutoff_V": "3"}},
                     {"cell": {"cutoff_V": 99}}, {"cell": {"series": 1.5}}, {"cell": {"series": 0}}, {"cell": 3},
                     {"cell": {"color": 3}}, {"colour": {}}, {"reading": {"columns": ["a"] * 5}},
                     {"cell": {"name": "x" * 300}}, {"cell": {"name": "\0"}}):
             self.assertIn(self.serve.post("api/change", bad)[0], (400, 404), bad)
+
+    def test_offers_every_option_that_names_no_file(self):
+        # What names a file, what the page says elsewhere or gives by itself, and an ideal battery, which is no cell.
+        elsewhere = {"help", "output", "report", "latex", "summary", "threads", "quiet", "columns", "units",
+                     "current-sign", "hold", "battery", "most-rows"}
+        other = {"identify": {"constant-current", "low-rate", "pulses", "flight", "validation", "name",
+                              "capacity-Ah", "cutoff-V", "series", "parallel", "initial-soc",
+                              "initial-voltage-V", "open-circuit-voltage", "reference", "residuals", "truth",
+                              "verbose"},
+                 "fly": {"cell", "xi", "waypoints"},
+                 "validate": set()}
+        offered = self.serve.json("api/program")["commands"]
+        for command, without in other.items():
+            text = subprocess.run([LIPOID, command, "--help"], capture_output=True, text=True, check=True).stdout
+            options = set(re.findall(r"^  (?:-\w, )?--([\w-]+)", text, re.MULTILINE)) - elsewhere - without
+            names = {option["name"] for option in offered[command]["options"]} - {"set"}
+            self.assertEqual(names, options - {"set"}, command)
 
     def test_reads_logs_as_it_is_told(self):
         odd = SCRATCH / "odd.csv"

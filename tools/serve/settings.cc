@@ -32,8 +32,6 @@ std::optional<int> CountOf(const Json& value, const std::string& what) {
   return static_cast<int>(*number);
 }
 
-Json NullOr(const auto& value) { return value ? Json(*value) : Json(nullptr); }
-
 }  // namespace
 
 void OnlyKeys(const Json& object, std::initializer_list<std::string_view> known) {
@@ -51,6 +49,13 @@ std::string TextOf(const Json& value, const std::string& what) {
   auto text = value.get<std::string>();
   if (text.find('\0') != text.npos) throw HttpError(400, fmt::format("{}: expected text", what));
   return text;
+}
+
+std::optional<LogKind> KindNamed(std::string_view text) {
+  for (const auto& [kind, name] : OptionNames(LogKind{})) {
+    if (name == text) return kind;
+  }
+  return std::nullopt;
 }
 
 void CellSettings::Change(const Json& change) {
@@ -92,6 +97,30 @@ void ReadingSettings::Change(const Json& change) {
     for (const Json& column : value) changed[key].push_back(TextOf(column, key));
   }
   said_ = std::move(changed);
+}
+
+void RowSettings::Change(const Json& change) {
+  OnlyKeys(change, {"kind", "initial_soc", "ambient_degC"});
+  RowSettings changed = *this;
+  if (change.contains("kind")) {
+    const Json& said = change["kind"];
+    const std::string name = said.is_null() ? "" : TextOf(said, "kind");
+    changed.kind = KindNamed(name);
+    if (!name.empty() && !changed.kind)
+      throw HttpError(400, "kind: expected a kind of log, or \"\" to leave it out");
+    changed.left_out = said.is_string() && name.empty();
+  }
+  if (change.contains("initial_soc"))
+    changed.initial_soc = NumberOf(change["initial_soc"],
+                                   kInitialSocs.lo,
+                                   kInitialSocs.hi,
+                                   "state of charge at the start (1 is full)");
+  if (change.contains("ambient_degC"))
+    changed.ambient_degC = NumberOf(change["ambient_degC"],
+                                    kTemperatures_degC.lo,
+                                    kTemperatures_degC.hi,
+                                    "temperature of the surroundings in degC");
+  *this = changed;
 }
 
 std::vector<std::string> ReadingSettings::Arguments() const {

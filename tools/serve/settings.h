@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "identify/logs/campaign.h"
 #include "identify/logs/log.h"
 #include "model/core/json.h"
 
@@ -23,6 +24,11 @@ void OnlyKeys(const Json& object, std::initializer_list<std::string_view> known)
 /// A short text; HttpError for anything else, naming `what`.
 [[nodiscard]] std::string TextOf(const Json& value, const std::string& what);
 
+[[nodiscard]] std::optional<LogKind> KindNamed(std::string_view text);
+
+/// The value of an optional, or null.
+[[nodiscard]] Json NullOr(const auto& value) { return value ? Json(*value) : Json(nullptr); }
+
 struct CellSettings {
   std::optional<std::string> name;
   std::optional<double> capacity_Ah;
@@ -33,6 +39,17 @@ struct CellSettings {
   /// {"name": ..., "capacity_Ah": ..., "cutoff_V": ..., "series": ..., "parallel": ...}
   void Change(const Json& change);
   [[nodiscard]] Json ToJson() const;
+};
+
+/// What a person says of a test; what is not said is as lipoid finds it.
+struct RowSettings {
+  std::optional<LogKind> kind;
+  bool left_out = false;
+  std::optional<double> initial_soc;
+  std::optional<double> ambient_degC;
+
+  /// {"kind": ..., "initial_soc": ..., "ambient_degC": ...}; the kind "" leaves the test out.
+  void Change(const Json& change);
 };
 
 class ReadingSettings {

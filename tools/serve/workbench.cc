@@ -34,13 +34,6 @@ std::string_view NameOf(E value) {
   return "?";
 }
 
-std::optional<LogKind> KindNamed(std::string_view text) {
-  for (const auto& [kind, name] : OptionNames(LogKind{})) {
-    if (name == text) return kind;
-  }
-  return std::nullopt;
-}
-
 [[noreturn]] void DiskFull() {
   throw HttpError(507,
                   "the disk of the temporary folder has no room for this file; free some, or start "
@@ -240,7 +233,7 @@ void Workbench::RemoveFile(int id) {
     fs::remove(FilesFolder() + "/" + found->second.name, ignored);
     files_.erase(found);
     std::erase_if(rows_, [&](const Row& row) { return row.file == id; });
-    std::erase_if(kinds_, [&](const auto& each) {
+    std::erase_if(said_, [&](const auto& each) {
       return each.first == fmt::format("{}", id) || each.first.starts_with(fmt::format("{}.", id));
     });
     InspectAgain();
@@ -256,7 +249,7 @@ void Workbench::InspectAgain() {
 }
 
 void Workbench::Change(const Json& change) {
-  OnlyKeys(change, {"cell", "reading", "kinds"});
+  OnlyKeys(change, {"cell", "reading", "tests"});
   {
     const std::lock_guard lock(mutex_);
     if (change.contains("cell")) {
@@ -269,23 +262,16 @@ void Workbench::Change(const Json& change) {
       reading_.Change(change["reading"]);
       InspectAgain();
     }
-    if (change.contains("kinds")) {
-      if (!change["kinds"].is_object()) throw HttpError(400, "kinds: expected an object");
-      auto changed = kinds_;
-      for (const auto& [key, value] : change["kinds"].items()) {
+    if (change.contains("tests")) {
+      if (!change["tests"].is_object()) throw HttpError(400, "tests: expected an object");
+      auto changed = said_;
+      for (const auto& [key, value] : change["tests"].items()) {
         const bool known = std::any_of(
             rows_.begin(), rows_.end(), [&, k = key](const Row& row) { return row.key == k; });
-        if (!known) throw HttpError(404, "kinds: there is no such log");
-        if (value.is_null()) {
-          changed.erase(key);
-          continue;
-        }
-        auto kind = TextOf(value, "kinds");
-        if (!kind.empty() && !KindNamed(kind))
-          throw HttpError(400, "kinds: expected a kind of log, or \"\" to leave it out");
-        changed[key] = std::move(kind);
+        if (!known) throw HttpError(404, "tests: there is no such log");
+        changed[key].Change(value);
       }
-      kinds_ = std::move(changed);
+      said_ = std::move(changed);
     }
   }
   wake_.notify_all();
@@ -459,8 +445,14 @@ void Workbench::MakeRows(const Json& draft) {
 }
 
 std::optional<LogKind> Workbench::KindOf(const Row& row) const {
-  if (const auto said = kinds_.find(row.key); said != kinds_.end()) return KindNamed(said->second);
+  const RowSettings said = Said(row);
+  if (said.left_out || said.kind) return said.kind;
   return row.left_out.empty() ? row.kind : std::nullopt;
+}
+
+RowSettings Workbench::Said(const Row& row) const {
+  const auto said = said_.find(row.key);
+  return said == said_.end() ? RowSettings() : said->second;
 }
 
 Campaign Workbench::CampaignNow() const {
@@ -481,7 +473,11 @@ Campaign Workbench::CampaignNow() const {
     const auto kind = KindOf(row);
     if (!kind) continue;
     campaign.logs.push_back(row.log);
-    campaign.logs.back().kind = *kind;
+    CampaignLog& log = campaign.logs.back();
+    const RowSettings said = Said(row);
+    log.kind = *kind;
+    log.initial_soc = said.initial_soc.value_or(log.initial_soc);
+    log.ambient_degC = said.ambient_degC;
   }
   return campaign;
 }
@@ -577,13 +573,16 @@ Json Workbench::State() const {
   Json rows = Json::array();
   for (const Row& row : rows_) {
     const auto kind = KindOf(row);
+    const RowSettings said = Said(row);
     Json json = {
         {"key", row.key},
         {"file", row.file},
         {"kind", kind ? Json(NameOf(*kind)) : Json(nullptr)},
         {"suggested", row.kind && row.left_out.empty() ? Json(NameOf(*row.kind)) : Json(nullptr)},
-        {"said", kinds_.count(row.key) > 0},
-        {"initial_soc", row.log.initial_soc},
+        {"said", said.kind || said.left_out},
+        {"initial_soc", NullOr(said.initial_soc)},
+        {"found_initial_soc", row.log.initial_soc},
+        {"ambient_degC", NullOr(said.ambient_degC)},
         {"reason", row.reason},
         {"remarks", row.remarks},
         {"left_out", row.left_out}};

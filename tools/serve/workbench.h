@@ -58,7 +58,8 @@ class Workbench {
 
   /// What a person changes: {"cell": {"name": ..., "capacity_Ah": ..., "cutoff_V": ..., "series": ...,
   /// "parallel": ...}, "reading": {"columns": ..., "units": ..., "current_sign": ..., "hold": ...},
-  /// "kinds": {"3": "pulses"}}; each key may be missing, and null is as lipoid finds it.
+  /// "tests": {"3": {"kind": "pulses", "initial_soc": 0.9, "ambient_degC": 5}}}; each key may be missing, and
+  /// null is as lipoid finds it.
   void Change(const Json& change);
 
   /// Starts what JobOptions reads; its number.
@@ -109,6 +110,7 @@ class Workbench {
   void MakeRows(const Json& draft);
   [[nodiscard]] std::vector<std::string> InspectArguments(const std::vector<int>& ids) const;
   [[nodiscard]] std::optional<LogKind> KindOf(const Row& row) const;
+  [[nodiscard]] RowSettings Said(const Row& row) const;
   [[nodiscard]] Campaign CampaignNow() const;
   void LinkLogs(const std::vector<int>& ids, const std::string& folder) const;
 
@@ -126,8 +128,8 @@ class Workbench {
   std::uint64_t coming_bytes_ = 0;  // of these
   CellSettings cell_;
   ReadingSettings reading_;
-  std::map<std::string, std::string> kinds_;  // by key: a kind, or "" to leave it out
-  Json drafted_ = Json::object();             // what inspect drafts of the cell
+  std::map<std::string, RowSettings> said_;  // by key
+  Json drafted_ = Json::object();            // what inspect drafts of the cell
   std::vector<Row> rows_;
 
   bool inspect_again_ = false;

@@ -157,6 +157,30 @@ class Serve(PageTest):
         self.page.wait("document.querySelector('.terminal')?.textContent.includes('predicts its own logs')")
         self.fine()
 
+    def test_a_refused_value_does_not_stay_in_its_field(self):
+        self.drop(LOGS)
+        cutoff = """[...document.querySelectorAll('.label')].find(l => l.textContent === 'Cut-off / V')
+                      .parentElement.querySelector('input')"""
+        for typed, refusal, kept in (("2,75", "", "2.75"), ("27.5", "cut-off in V: expected a number from 0.5 to 6", "2.75"),
+                                     ("two", "expected a number, found “two”", "2.75")):
+            self.page.run(f"""const field = {cutoff}; field.focus(); field.value = '{typed}';
+                              field.dispatchEvent(new Event('input', {{ bubbles: true }})); field.blur();""")
+            self.page.wait(f"{cutoff}.value === '{kept}'")
+            if refusal:
+                self.page.wait(f"document.querySelector('[role=alert]')?.textContent.includes('{refusal}')")
+        start = """[...document.querySelectorAll('.kind .label')].find(l => l.textContent === 'State of charge at the start')
+                     .parentElement.querySelector('input')"""
+        self.page.run(f"""const field = {start}; field.closest('details').open = true;
+                          field.focus(); field.value = '0.95';
+                          field.dispatchEvent(new Event('input', {{ bubbles: true }})); field.blur();""")
+        deadline = time.monotonic() + 30
+        text = ""
+        while "initial_soc = 0.95" not in text and time.monotonic() < deadline:
+            with urllib.request.urlopen(self.address + "campaign.toml", timeout=60) as answer:
+                text = answer.read().decode()
+        self.assertIn("initial_soc = 0.95", text)
+        self.assertIn("cutoff_V = 2.75", text)
+
     def start_long_flight(self):
         self.page.run("document.getElementById('use-fly').open = true")
         self.page.run("""

@@ -30,15 +30,18 @@ function Bench({ program }) {
   if (!state) return lost ? <p class="error">{lost}</p> : null;
 
   const act = {
-    // Does what the server may refuse, and shows what it says.
+    // Does what the server may refuse, and shows what it says; whether it was done.
     run: async (action) => {
+      let done = true;
       try {
         setProblem("");
-        await action();
+        done = (await action()) !== false;
       } catch (error) {
         setProblem(error.message);
+        done = false;
       }
       ask();
+      return done;
     },
     change: (change) => act.run(() => post("api/change", change)),
     start: (asked) => act.run(() => post("api/jobs", asked)),

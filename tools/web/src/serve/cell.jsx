@@ -1,15 +1,7 @@
 // What a person says of the cell.
 import { significant } from "../format.js";
 import { TextField } from "./field.jsx";
-
-// What was typed as a number: a comma is a decimal point to many.
-function number(text) {
-  const trimmed = text.trim().replace(",", ".");
-  if (trimmed === "") return null;
-  const value = Number(trimmed);
-  if (!Number.isFinite(value)) throw new Error(`expected a number, found “${text.trim()}”`);
-  return value;
-}
+import { number } from "./words.js";
 
 export function CellForm({ state, act }) {
   const { cell, drafted } = state;

@@ -1,14 +1,19 @@
 // Fields of a form.
 import { useEffect, useRef, useState } from "preact/hooks";
 
-/** A line of text that is told when it is left or Enter is pressed, not at every key. */
+/**
+ * A line of text that is told when it is left or Enter is pressed, not at every key. Where `onCommit` promises false,
+ * the text was refused, and what holds is shown again: nothing runs with another value than the one that is seen.
+ */
 export function TextField({ label, hint, value, placeholder, onCommit, inputMode }) {
   const [text, setText] = useState(value);
   const input = useRef(null);
   useEffect(() => {
     if (document.activeElement !== input.current) setText(value);
   }, [value]);
-  const commit = ({ currentTarget: { value: typed } }) => typed !== value && onCommit(typed);
+  const commit = async ({ currentTarget: { value: typed } }) => {
+    if (typed !== value && (await onCommit(typed)) === false) setText(value);
+  };
   return (
     <label class="field">
       <span class="label">{label}</span>

@@ -4,7 +4,7 @@ import { useRef, useState } from "preact/hooks";
 import { significant } from "../format.js";
 import { remove, upload } from "./api.js";
 import { TextField, SelectField } from "./field.jsx";
-import { KINDS, bytes, count, duration, spread } from "./words.js";
+import { KINDS, bytes, count, duration, number, spread } from "./words.js";
 
 const LEFT_OUT = "";
 
@@ -113,26 +113,49 @@ export function DropZone({ program, ask }) {
   );
 }
 
-function Kind({ row, file, onKind }) {
+// What lipoid found of a test, and what a person says of it.
+function Test({ row, act }) {
   const suggested = row.suggested ?? LEFT_OUT;
   const shown = (name, words) => (name === suggested ? `${words} (suggested)` : words);
   const choices = [...KINDS, [LEFT_OUT, "leave out"]].map(([name, words]) => [name, shown(name, words)]);
   const part = row.start_s === undefined ? "" : `${significant(row.start_s, 6)} s to ${significant(row.end_s, 6)} s`;
+  const change = (said) => act.change({ tests: { [row.key]: said } });
+  const text = (value) => (value === null ? "" : String(value));
   return (
     <div class="kind">
       <SelectField
         label={part ? `Kind, ${part}` : "Kind"}
         value={row.kind ?? LEFT_OUT}
         choices={choices}
-        onCommit={(kind) => onKind(row.key, kind === suggested ? null : kind)}
+        onCommit={(kind) => change({ kind: kind === suggested ? null : kind })}
       />
       <div class="why">
         <p>{row.reason}</p>
         {row.left_out && <p>Left out: {row.left_out}.</p>}
-        {row.initial_soc !== 1 && <p>Starts at a state of charge of {significant(row.initial_soc, 3)}.</p>}
         {row.remarks.map((remark) => (
           <p key={remark}>{remark}</p>
         ))}
+        <details open={row.initial_soc !== null || row.ambient_degC !== null || row.found_initial_soc !== 1}>
+          <summary>Where it starts</summary>
+          <div class="fields">
+            <TextField
+              label="State of charge at the start"
+              hint="1 is full"
+              inputMode="decimal"
+              value={text(row.initial_soc)}
+              placeholder={row.found_initial_soc === 1 ? "1" : `${significant(row.found_initial_soc, 3)} (found)`}
+              onCommit={(typed) => act.run(() => change({ initial_soc: number(typed) }))}
+            />
+            <TextField
+              label="Surroundings / °C"
+              hint="where the log has no temperature"
+              inputMode="decimal"
+              value={text(row.ambient_degC)}
+              placeholder="not told"
+              onCommit={(typed) => act.run(() => change({ ambient_degC: number(typed) }))}
+            />
+          </div>
+        </details>
       </div>
     </div>
   );
@@ -180,7 +203,6 @@ function Facts({ inspection }) {
 
 export function LogCards({ state, act }) {
   if (state.files.length === 0) return null;
-  const onKind = (key, kind) => act.change({ kinds: { [key]: kind } });
   return (
     <ul class="cards" id="logs">
       {state.files.map((file) => (
@@ -199,7 +221,7 @@ export function LogCards({ state, act }) {
           {state.rows
             .filter((row) => row.file === file.id)
             .map((row) => (
-              <Kind key={row.key} row={row} file={file} onKind={onKind} />
+              <Test key={row.key} row={row} act={act} />
             ))}
         </li>
       ))}

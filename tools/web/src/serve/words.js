@@ -23,9 +23,20 @@ export function count(number, thing) {
   return `${number} ${thing}${number === 1 ? "" : "s"}`;
 }
 
+/** What was typed as a number: a comma is a decimal point to many. */
+export function number(text) {
+  const trimmed = text.trim().replace(",", ".");
+  if (trimmed === "") return null;
+  const value = Number(trimmed);
+  if (!Number.isFinite(value)) throw new Error(`expected a number, found “${text.trim()}”`);
+  return value;
+}
+
 export const KINDS = [
   ["constant-current", "constant current"],
   ["low-rate", "low rate"],
+  ["low-rate-charge", "charge at a low rate"],
   ["pulses", "pulses"],
+  ["flight", "flight"],
   ["validation", "validation"],
 ];
