@@ -1,6 +1,7 @@
 #include "identify/vehicle/bench_fit.h"
 
 #include <ceres/ceres.h>
+#include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -156,6 +157,30 @@ Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<i
   return solved;
 }
 
+// As many values as unknowns leave nothing from which their errors could be told.
+void CheckOperatingPoints(const BenchTable& table, int channels, int unknowns) {
+  constexpr double kSame = 0.01;  // relative, of the mean voltage at the motor
+  std::vector<double> pulse_V;
+  for (const BenchRow& row : table.rows) pulse_V.push_back(row.duty * row.voltage_V);
+  std::sort(pulse_V.begin(), pulse_V.end());
+  int points = 1;
+  for (double last_V = pulse_V.front(); const double next_V : pulse_V) {
+    if (next_V <= (1.0 + kSame) * last_V) continue;
+    last_V = next_V;
+    ++points;
+  }
+  const int least = unknowns / channels + 1;
+  if (points >= least) return;
+  throw OptionError(
+      fmt::format("the bench table has {} operating point{}, and a fit of {} numbers needs {}: give rows "
+                  "at other throttles, or leave --bench-table out and say what is known of motor and "
+                  "propeller",
+                  points,
+                  points == 1 ? "" : "s",
+                  unknowns,
+                  least));
+}
+
 // Root mean squares of the relative residuals of each channel.
 std::array<double, kChannels> Spread(const Solved& solved,
                                      const std::array<double, kChannels>& sigma,
@@ -205,6 +230,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
 
   const double rows = double(table.rows.size());
   const double channels = table.has_speed ? 3.0 : 2.0;
+  CheckOperatingPoints(table, int(channels), kUnknowns - int(held.size()));
   std::array<double, kChannels> sigma{0.01, 0.01, 0.01};
   constexpr double kLeastSigma = 1e-6;  // a table that fits to the last digit
   Solved solved{Start(table, given, scales), false, {}, {}, {}};

@@ -58,7 +58,8 @@ struct BenchFit {
   [[nodiscard]] std::vector<BenchQuantity> Quantities() const;
 };
 
-/// OptionError where the table has no speeds and no motor constant is given.
+/// OptionError where the table has no speeds and no motor constant is given, and where it has too few
+/// operating points to tell the errors of what is fitted.
 [[nodiscard]] BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given);
 
 }  // namespace lipoid

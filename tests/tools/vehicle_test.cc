@@ -112,6 +112,12 @@ TEST(VehicleCommand, RefusalsSayWhatToGive) {
   EXPECT_NE(slow.err.find("expected at most half a period of esc_switching_frequency_Hz, found 48"),
             std::string::npos)
       << slow.err;
+  const auto twice = RunLipoid(
+      folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--no-load-A", "1.2"}));
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(twice.err.find("option --no-load-A: --bench-table says what motor and propeller do"),
+            std::string::npos)
+      << twice.err;
   const auto missing = RunLipoid(folder, Body({"--bench-table", "no.csv"}));
   EXPECT_EQ(missing.exit_code, 3) << missing.err;
   EXPECT_TRUE(FilesIn(folder).empty());
