@@ -551,6 +551,23 @@ TEST(ExportController, RefusesWhatItCannotExportAndWritesNothing) {
       0);
 }
 
+// Gains of zero hold nothing, and at 1 V no Mambo hovers: the code is written, and this is said first.
+TEST(ExportController, SaysWhatIsNotToBeFlown) {
+  const auto folder = TestFolder();
+  Gains none = LoadGains("aware");
+  none.altitude = none.attitude = none.yaw = {};
+  std::ofstream(folder + "/none.json") << GainsToJson(none).dump();
+  const auto loose = RunLipoid(folder, {"export-controller", "--gains", "none.json", "-o", "code"});
+  EXPECT_EQ(loose.exit_code, 1) << loose.err;
+  EXPECT_EQ(loose.err.find("the altitude loop is unstable at xi = "), 0U) << loose.err;
+  EXPECT_NE(loose.err.find("this controller is not to be flown"), std::string::npos) << loose.err;
+  const auto low =
+      RunLipoid(folder, {"export-controller", "--lowest-V", "1", "-o", "low", "--summary", "s.json"});
+  EXPECT_EQ(low.exit_code, 0) << low.err;
+  EXPECT_NE(low.err.find("\nmambo-coupled cannot hover at 1 V, "), std::string::npos) << low.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("loops").size(), 4U);  // at take-off alone
+}
+
 // A vehicle of four cells in series does not end its flight at the cut-off of one.
 TEST(ExportController, TakesThePackThatTheVehicleIsMadeFor) {
   const auto folder = TestFolder();

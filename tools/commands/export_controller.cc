@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "model/analysis/placed_gains.h"
+#include "model/analysis/stability.h"
+#include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/errors.h"
@@ -28,6 +30,21 @@ std::string OriginOfGains(const std::string& name, const ControllerExportRequest
   if (request.gains.name == kPlacedGains)
     return fmt::format("The {}.", PlaceGains(request.vehicle).Brief());
   return OriginOf("Gains", name.empty() ? request.gains.name : name, ShippedGainsNames());
+}
+
+// At the voltage of a full pack, and at the lowest one under which it is to fly.
+std::vector<HoverStability> LoopsOf(const ControllerExportRequest& request) {
+  FlightSetup setup;
+  setup.vehicle = request.vehicle;
+  setup.gains = request.gains;
+  setup.controller = request.controller;
+  std::vector<HoverStability> hovers = CheckFlightLoops(setup);
+  setup.xi = request.lowest_V / request.vehicle.nominal_voltage_V;
+  for (HoverStability& hover : CheckFlightLoops(setup)) {
+    hover.when = "lowest voltage";
+    hovers.push_back(std::move(hover));
+  }
+  return hovers;
 }
 
 }  // namespace
@@ -112,6 +129,16 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   }
   request.lowest_V = *lowest_V;
   const auto files = ExportController(request);
+  const auto hovers = LoopsOf(request);
+  const bool hovers_at_lowest = hovers.size() == 2;
+  const bool stable =
+      std::all_of(hovers.begin(), hovers.end(), [](const auto& at) { return at.stable(); });
+  for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
+  if (!stable) line.Message("this controller is not to be flown; --gains placed has gains for the motors of this vehicle");
+  if (!hovers_at_lowest) {
+    line.Message("{} cannot hover at {:.3g} V, the lowest voltage that this code is made for: give the voltage at which its flights end as --lowest-V",
+                 request.vehicle.name, request.lowest_V);
+  }
 
   NewFolder made(folder);
   for (std::size_t k = 0; k < files.size(); ++k) WriteFileAtomically(paths[k], files[k].content);
@@ -127,6 +154,7 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   line.summary()["controller"] = request.controller.law;
   line.summary()["precision"] = options_internal::ToText(request.precision);
   line.summary()["lowest_V"] = request.lowest_V;
+  line.summary()["loops"] = StabilityToJson(hovers);
   for (const std::string& path : paths) line.Message("{}", path);
   const double follow_rad_per_s = 1.0 / (MotorLag_s(request.vehicle) + 0.5 * kControlStep_s);
   const References references = ReferencesOf(request.gains.references, request.controller);
@@ -146,7 +174,7 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
       "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "
       "example, in {}",
       folder);
-  return cli::ExitCode::kDone;
+  return stable ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid
