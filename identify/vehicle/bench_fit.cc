@@ -171,14 +171,14 @@ void CheckOperatingPoints(const BenchTable& table, int channels, int unknowns) {
   }
   const int least = unknowns / channels + 1;
   if (points >= least) return;
-  throw OptionError(
-      fmt::format("the bench table has {} operating point{}, and a fit of {} numbers needs {}: give rows "
-                  "at other throttles, or leave --bench-table out and say what is known of motor and "
-                  "propeller",
-                  points,
-                  points == 1 ? "" : "s",
-                  unknowns,
-                  least));
+  throw OptionError(fmt::format(
+      "the bench table has {} operating point{}, and a fit of {} numbers needs {}: give rows "
+      "at other throttles, or leave --bench-table out and say what is known of motor and "
+      "propeller",
+      points,
+      points == 1 ? "" : "s",
+      unknowns,
+      least));
 }
 
 // Root mean squares of the relative residuals of each channel.

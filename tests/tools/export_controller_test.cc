@@ -561,8 +561,8 @@ TEST(ExportController, SaysWhatIsNotToBeFlown) {
   EXPECT_EQ(loose.exit_code, 1) << loose.err;
   EXPECT_EQ(loose.err.find("the altitude loop is unstable at xi = "), 0U) << loose.err;
   EXPECT_NE(loose.err.find("this controller is not to be flown"), std::string::npos) << loose.err;
-  const auto low =
-      RunLipoid(folder, {"export-controller", "--lowest-V", "1", "-o", "low", "--summary", "s.json"});
+  const auto low = RunLipoid(
+      folder, {"export-controller", "--lowest-V", "1", "-o", "low", "--summary", "s.json"});
   EXPECT_EQ(low.exit_code, 0) << low.err;
   EXPECT_NE(low.err.find("\nmambo-coupled cannot hover at 1 V, "), std::string::npos) << low.err;
   EXPECT_EQ(ReadJson(folder, "s.json").at("loops").size(), 4U);  // at take-off alone

@@ -131,13 +131,19 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   const auto files = ExportController(request);
   const auto hovers = LoopsOf(request);
   const bool hovers_at_lowest = hovers.size() == 2;
-  const bool stable =
-      std::all_of(hovers.begin(), hovers.end(), [](const auto& at) { return at.stable(); });
+  const bool flies = hovers.empty() || hovers.front().stable();
+  const bool stable = flies && (!hovers_at_lowest || hovers.back().stable());
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
-  if (!stable) line.Message("this controller is not to be flown; --gains placed has gains for the motors of this vehicle");
+  if (!stable) {
+    line.Message(
+        "this controller is not to be flown{}; --gains placed has gains for the motors of this vehicle",
+        flies ? " down to that voltage" : "");
+  }
   if (!hovers_at_lowest) {
-    line.Message("{} cannot hover at {:.3g} V, the lowest voltage that this code is made for: give the voltage at which its flights end as --lowest-V",
-                 request.vehicle.name, request.lowest_V);
+    line.Message(
+        "{} cannot hover at {:.3g} V, the lowest voltage that this code is made for: give the voltage at which its flights end as --lowest-V",
+        request.vehicle.name,
+        request.lowest_V);
   }
 
   NewFolder made(folder);
@@ -174,7 +180,7 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
       "Next: cc -std=c99 -O2 -ffp-contract=off lipoid_example.c lipoid_controller.c -lm -o "
       "example, in {}",
       folder);
-  return stable ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+  return flies ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

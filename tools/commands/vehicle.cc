@@ -253,8 +253,12 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
   }
   std::optional<BenchFit> fit;
   if (!bench_file.empty()) {
-    for (const char* name :
-         {"no-load-A", "no-load-V", "pitch-in", "blades", "thrust-coefficient", "power-coefficient"}) {
+    for (const char* name : {"no-load-A",
+                             "no-load-V",
+                             "pitch-in",
+                             "blades",
+                             "thrust-coefficient",
+                             "power-coefficient"}) {
       if (line.Given(name))
         throw OptionError(fmt::format(
             "option --{}: --bench-table says what motor and propeller do; leave one of the two out",

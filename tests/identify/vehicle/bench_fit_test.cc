@@ -104,9 +104,10 @@ TEST(BenchFit, NeedsMoreValuesThanUnknowns) {
   const BenchGiven given{.motor_constant_N_m_per_A = truth.k_e};
   BenchTable table = Table(truth, true, 0.01, 1);
   table.rows = {table.rows[2], table.rows[2], table.rows[2]};
-  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)FitBenchTable(table, given); }),
-            "the bench table has 1 operating point, and a fit of 4 numbers needs 2: give rows at other "
-            "throttles, or leave --bench-table out and say what is known of motor and propeller");
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)FitBenchTable(table, given); }),
+      "the bench table has 1 operating point, and a fit of 4 numbers needs 2: give rows at other "
+      "throttles, or leave --bench-table out and say what is known of motor and propeller");
   table.rows.back() = RowAt(truth, 0.9, 16.3);
   EXPECT_GT(FitBenchTable(table, given).degrees_of_freedom, 0.0);
   table.has_speed = false;
