@@ -109,7 +109,7 @@ class Description {
         "initial_soc",
         "1",
         kParameter,
-        R"(start="1")",
+        R"(min="-0.5" max="1.5" start="1")",
         "state of charge at the start, relaxed");
     Add(kScale,
         "series_resistance_scale",

@@ -10,6 +10,7 @@
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
 #include "model/flight/flight_clock.h"
+#include "model/flight/simulator.h"
 
 namespace lipoid {
 namespace {
@@ -172,12 +173,7 @@ class Live : public LivePlant {
 }  // namespace
 
 std::unique_ptr<LivePlant> MakeLivePlant(const LiveSetup& setup) {
-  if (!(setup.initial_soc > 0.0)) {
-    throw OptionError(fmt::format(
-        "the cell is empty at a state of charge of {}: nothing to fly with. Give --initial-soc "
-        "between 0 and 1",
-        setup.initial_soc));
-  }
+  CheckStart(setup.initial_soc);
   if (Blows(setup.wind)) RequireDrag(setup.vehicle);
   RequireQuadX(setup.vehicle, "an autopilot's interface");
   if (setup.vehicle.armature_inductance_H > 0.0) {

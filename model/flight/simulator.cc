@@ -88,12 +88,7 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
         dt_s,
         std::ceil(kControlStep_s / (1.4 * constant_s))));
   }
-  if (setup.cell && !(setup.initial_soc > 0.0)) {
-    throw OptionError(
-        fmt::format("the cell is empty at a state of charge of {}: nothing to fly with. Give "
-                    "--initial-soc between 0 and 1",
-                    setup.initial_soc));
-  }
+  if (setup.cell) CheckStart(setup.initial_soc);
 }
 
 // Follows the plan, and leaves it for the ground when the battery is low.
@@ -448,6 +443,17 @@ class Simulation {
 };
 
 }  // namespace
+
+void CheckStart(double initial_soc) {
+  constexpr double kFullest = 1.1;  // what a charger that is a tenth of a volt too high leaves
+  if (initial_soc > 0.0 && initial_soc <= kFullest) return;
+  throw OptionError(
+      fmt::format("the cell is {} at a state of charge of {}: {}. Give --initial-soc "
+                  "between 0 and 1",
+                  initial_soc > 0.0 ? "beyond full" : "empty",
+                  initial_soc,
+                  initial_soc > 0.0 ? "no charger leaves it so" : "nothing to fly with"));
+}
 
 ControllerOptions FlownController(const FlightSetup& setup) {
   ControllerOptions options = setup.controller;

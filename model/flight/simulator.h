@@ -88,6 +88,9 @@ struct FlightSetup {
   FlightCode* flight_code = nullptr;
 };
 
+/// OptionError where a flight cannot start at this state of charge: empty, or far beyond full.
+void CheckStart(double initial_soc);
+
 /// The controller's options as they are flown. By sensors the attitude's reference is no faster than
 /// the motors, where no frequency is given: the noise of the optical flow becomes tilts, and motors
 /// that cannot follow turn what is asked of them into errors that swing a weak attitude loop up. A

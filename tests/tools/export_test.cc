@@ -184,11 +184,24 @@ TEST(ExportCommand, SaysWhatIsWrong) {
     EXPECT_NE(run.err.find(wrong.message), std::string::npos) << run.err << "\n" << wrong.message;
     EXPECT_FALSE(std::filesystem::exists(folder + "/new.json")) << wrong.message;
   }
-  const auto piped = RunLipoid(folder, {"export", "gifi-600mAh-1", "--to", "ardupilot", "-o", "-"});
-  EXPECT_EQ(piped.exit_code, 2);
-  EXPECT_NE(piped.err.find("option -o: ardupilot writes 2 files; name the first one"),
+  // Before, a second file stood in /dev.
+  for (const char* output : {"-", "/dev/null"}) {
+    const auto piped =
+        RunLipoid(folder, {"export", "gifi-600mAh-1", "--to", "ardupilot", "-o", output});
+    EXPECT_EQ(piped.exit_code, 2);
+    EXPECT_NE(piped.err.find("option -o: ardupilot writes 2 files; name the first one"),
+              std::string::npos)
+        << piped.err;
+  }
+  const auto second = RunLipoid(folder, {"export", "gifi-600mAh-1", "--to", "c", "-o", "cell.c"});
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.err.find("option -o: the first file of c is its .h; give cell.h"),
             std::string::npos)
-      << piped.err;
+      << second.err;
+  const auto odd = RunLipoid(folder, {"export", "gifi-600mAh-1", "--to", "c", "-o", "cell.txt"});
+  EXPECT_EQ(odd.exit_code, 0);
+  EXPECT_NE(odd.err.find("cell.txt: a file for c usually ends in .h"), std::string::npos)
+      << odd.err;
 }
 
 TEST(ImportCommand, WhatWasExportedSimulatesAlike) {

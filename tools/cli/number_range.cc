@@ -28,6 +28,7 @@ std::vector<double> ReadRange(const std::string& option,
   const double step = number(parts[1], Range{});
   const double last = number(parts[2], valid);
   const double count = (last - first) / step;
+  if (step == 0.0) fail(": a step of 0 leads nowhere");
   if (!(count >= 0.0)) fail(": the step does not lead from the first to the last");
   if (!(count < kMost)) fail(": more than a million numbers");
   std::vector<double> values;

@@ -115,9 +115,21 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     RequireTaken(line, target, option);
   std::vector<std::string> outputs;
   for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(FileBeside(output, suffix));
-  if (!outputs.empty() && output == cli::OutputPath("-")) {
+  const std::filesystem::path first(output);
+  const bool special = output == cli::OutputPath("-") ||
+                       (std::filesystem::exists(first) && !std::filesystem::is_regular_file(first));
+  if (!outputs.empty() && special) {
     throw OptionError(fmt::format(
         "option -o: {} writes {} files; name the first one", target.name, outputs.size() + 1));
+  }
+  if (std::find(outputs.begin(), outputs.end(), output) != outputs.end()) {
+    throw OptionError(fmt::format("option -o: the first file of {} is its {}; give {}",
+                                  target.name,
+                                  target.extension,
+                                  FileBeside(output, std::string(target.extension))));
+  }
+  if (!special && first.extension() != target.extension) {
+    line.Message("{}: a file for {} usually ends in {}", output, target.name, target.extension);
   }
   line.AddOutputs("-o", outputs);
 

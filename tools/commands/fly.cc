@@ -285,7 +285,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (setup.gains.name == kPlacedGains) line.Message("{}", PlaceGains(setup.vehicle).Brief());
   line.Message("{} on {}, {} gains{}",
                setup.vehicle.name,
-               setup.cell ? setup.cell->name
+               setup.cell ? (setup.cell->name.empty() ? cell_name : setup.cell->name)
                           : fmt::format("an ideal source of {:.3f} V",
                                         setup.xi * setup.vehicle.nominal_voltage_V),
                setup.gains.name,

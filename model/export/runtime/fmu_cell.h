@@ -343,7 +343,8 @@ static int fmu_set(fmu_cell *cell, unsigned reference, double value) {
       saved[FMU_SAVED_SCALE] = value;
       return 1;
     case FMU_INITIAL_SOC:
-      if (!fmu_adjustable(cell)) return 0;
+      // As lipoid's --initial-soc; 80 is a share in per cent.
+      if (!fmu_adjustable(cell) || value < -0.5 || value > 1.5) return 0;
       saved[FMU_SAVED_INITIAL_SOC] = value;
       fmu_start(cell);
       return 1;

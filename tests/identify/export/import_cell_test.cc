@@ -199,6 +199,18 @@ TEST(ImportCell, RefusesWhatIsNoBatteryWithLineAndColumn) {
       "cut-off of 4 V (--cutoff-V)");
 }
 
+TEST(ImportCell, SaysThatOtherProgramsGotItFromLipoid) {
+  const ExportRequest request = RequestOf(LoadCell("gifi-600mAh-1"));
+  for (const char* target : {"c", "px4", "pybamm", "spice"}) {
+    const Exported exported = Export(FindExportTarget(target), request);
+    EXPECT_EQ(
+        MessageOf(exported.files.front().content),
+        "f:1:1: error: this is a cell that lipoid exported to a program whose files it does not "
+        "read; use the cell file that its first lines name, which holds more")
+        << target;
+  }
+}
+
 TEST(ImportCell, RefusesSdfsThatHoldNoOneBattery) {
   const auto plugin = [](const std::string& inside) {
     return "<plugin name='gz::sim::systems::LinearBatteryPlugin'>\n" + inside + "</plugin>";

@@ -312,6 +312,10 @@ TEST(Fly, RefusesWhatCannotBeSimulated) {
   EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
             "the cell is empty at a state of charge of 0: nothing to fly with. Give --initial-soc "
             "between 0 and 1");
+  setup.initial_soc = 1.5;
+  EXPECT_EQ(test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); }),
+            "the cell is beyond full at a state of charge of 1.5: no charger leaves it so. Give "
+            "--initial-soc between 0 and 1");
   setup = Coupled();
   setup.vehicle.linear_drag_N_s_per_m = 0.0;
   setup.wind.wind_x_m_per_s = 1.0;
