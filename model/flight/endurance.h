@@ -117,6 +117,17 @@ struct EnduranceResult {
   int rounds = 0;           ///< how often the whole mission was flown
 };
 
+/// A flight lasts for more than the second after which a voltage that is too low ends it.
+inline constexpr double kLasts_s = 10.0;
+
+/// Whether the battery carries the mission at all: a voltage or a power that it does not have from the
+/// start is no flight.
+[[nodiscard]] inline bool IsFlight(const EnduranceResult& result) {
+  return result.time_s >= kLasts_s ||
+         (result.ended_by != MissionEnd::kCutOff && result.ended_by != MissionEnd::kMotorVoltage &&
+          result.ended_by != MissionEnd::kPower);
+}
+
 /// Flies the mission until it ends.
 [[nodiscard]] EnduranceResult FlyMission(const EnduranceSetup& setup);
 

@@ -226,8 +226,6 @@ std::optional<BestSpeeds> SpeedsOnBattery(const EnduranceRequest& request, const
   BestSpeeds speeds = *ideal;
   speeds.endurance = Cruise(vehicle, best([](const auto& r) { return r.time_s; }), request.air);
   speeds.range = Cruise(vehicle, best([](const auto& r) { return r.distance_m; }), request.air);
-  // It has to last for more than the second after which a voltage that is too low ends a flight.
-  constexpr double kLasts_s = 10.0;
   double slow = speeds.endurance.airspeed_m_per_s;
   double fast = ideal->fastest_m_per_s;
   const auto lasts = [&](double v) { return FlyMission(setup_at(v)).time_s >= kLasts_s; };

@@ -264,7 +264,7 @@ stay_s = 10.0
   EXPECT_NEAR(route.at("range_km").get<double>(), 0.004 * route.at("rounds").get<int>(), 0.005);
 }
 
-TEST(EnduranceCommand, APackThatCannotCarryTheVehicleIsAnAnswer) {
+TEST(EnduranceCommand, APackThatCannotCarryTheMissionIsNoFlight) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder,
                              {"endurance",
@@ -276,9 +276,20 @@ TEST(EnduranceCommand, APackThatCannotCarryTheVehicleIsAnAnswer) {
                               "200",
                               "--summary",
                               "s.json"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_EQ(ReadJson(folder, "s.json").at("minutes"), 0.0);
-  EXPECT_NE(run.out.find("more cells"), std::string::npos) << run.out;
+  EXPECT_TRUE(run.out.starts_with(
+      "This pack cannot carry this mission: the flight ends after 0 s. Give more cells"))
+      << run.out;
+  // The pack has the power, but not at a voltage above its cut-off.
+  WriteFileAtomically(folder + "/p.csv", "time_s,power_W\n0,29\n60,29\n");
+  const auto low = RunLipoid(
+      folder,
+      {"endurance", "--cell", kCell, "--mission", "power=p.csv", "--once", "--summary", "low.json"});
+  EXPECT_EQ(low.exit_code, 1) << low.err;
+  EXPECT_EQ(ReadJson(folder, "low.json").at("ended_by"), "cut-off");
+  EXPECT_TRUE(low.out.starts_with("This pack cannot carry this mission: the flight ends after 1"))
+      << low.out;
 }
 
 TEST(EnduranceCommand, SaysWhatIsWrong) {

@@ -52,13 +52,11 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
           100.0 * result.rest_soc);
     case MissionEnd::kMotorVoltage:
       return fmt::format(
-          "The motors need {}more than the {:.2f} V that the battery gives under load.{}",
+          "The motors need {}more than the {:.2f} V that the battery gives under load.",
           request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
-          result.landing_voltage_V,
-          result.time_s == 0.0 ? "\nThe vehicle cannot fly with this mass on this pack." : "");
+          result.landing_voltage_V);
     case MissionEnd::kPower:
-      return fmt::format("No current of the battery gives the power of the mission any more{}",
-                         result.time_s == 0.0 ? ": give more cells (--series, --parallel)." : ".");
+      return "No current of the battery gives the power of the mission any more.";
     case MissionEnd::kMissionDone:
       return "The mission was flown to its end.";
     case MissionEnd::kFull:
@@ -76,6 +74,14 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
 void PrintAnswer(cli::CommandLine& line,
                  const EnduranceRequest& request,
                  const EnduranceAnswer& answer) {
+  if (!IsFlight(answer.estimate)) {
+    line.Print(
+        "{}",
+        cli::Wrapped(fmt::format(
+            "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
+            "(--series, --parallel) or a fuller pack, or take less payload or power.\n\n",
+            answer.estimate.time_s)));
+  }
   const bool intervals = !answer.flights.empty();
   std::vector<cli::TextTable::Column> columns{{"until landing", Align::kLeft}, {"estimate"}};
   if (intervals) columns.insert(columns.end(), {{"95 % from"}, {"to"}});
@@ -359,8 +365,9 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   if (request.cell.open_circuit_voltage_assumed)
     line.Message("the open-circuit voltage of {} is a typical one, not measured", cell_name);
   const MissionEnd end = answer.estimate.ended_by;
-  return end == MissionEnd::kTimeLimit || end == MissionEnd::kFull ? cli::ExitCode::kIncomplete
-                                                                   : cli::ExitCode::kDone;
+  const bool answered =
+      IsFlight(answer.estimate) && end != MissionEnd::kTimeLimit && end != MissionEnd::kFull;
+  return answered ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid
