@@ -13,6 +13,7 @@
 #include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
 #include "model/core/errors.h"
+#include "model/core/counted.h"
 #include "model/core/parallel.h"
 #include "model/statistics/student.h"
 
@@ -78,10 +79,10 @@ void AddCautions(const FlightSamples& samples,
                     100.0 * samples.gap_C / (reference.cell.alpha_C())));
   }
   if (samples.dropped_rows > 0) {
-    cautions.push_back(
-        fmt::format("the last {} rows were left out: their voltage falls without a "
-                    "load, as while the plug is pulled",
-                    samples.dropped_rows));
+    cautions.push_back(fmt::format(
+        "{} at the end left out: the voltage falls there without a load, as while the plug is "
+        "pulled",
+        Counted(samples.dropped_rows, "row")));
   }
   if (samples.coherence < kCoherent) {
     cautions.push_back(fmt::format(

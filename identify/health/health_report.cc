@@ -170,9 +170,10 @@ std::vector<std::string> FirstLines(const HealthReport& report) {
     if (!flight.doubted_because.empty()) doubted.push_back(flight.file);
   }
   if (!doubted.empty() && report.flights.size() > 1) {
-    lines.push_back(fmt::format("{} of {} flights make no sense against {}: {}",
+    lines.push_back(fmt::format("{} of {} flights {} no sense against {}: {}",
                                 doubted.size(),
                                 report.flights.size(),
+                                doubted.size() == 1 ? "makes" : "make",
                                 report.reference,
                                 fmt::join(doubted, ", ")));
   }

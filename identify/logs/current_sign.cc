@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "identify/logs/columns.h"
+#include "model/core/counted.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -388,9 +389,9 @@ std::string Describe(const Look& look, const Edges& edges, double side, double l
   std::string text = "the voltage";
   const bool has_edges = side * edges.evidence > 0.0;
   if (has_edges) {
-    text += fmt::format(" {} where the current rises ({} edges, {:.3g} Ohm)",
+    text += fmt::format(" {} where the current rises ({}, {:.3g} Ohm)",
                         moves,
-                        edges.all.size(),
+                        Counted(edges.all.size(), "edge"),
                         edges.drop_V / largest_A);
   }
   if (side * fall_V > 0.0 || !has_edges) {
@@ -488,10 +489,10 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
     return static_cast<double>(count[which]) >= kMost * static_cast<double>(total(count));
   };
   const auto describe = [](std::string_view what, const std::size_t(&count)[2]) {
-    return fmt::format("{} where the current is {} ({} rows)",
+    return fmt::format("{} where the current is {} ({})",
                        what,
                        count[0] >= count[1] ? "positive" : "negative",
-                       std::max(count[0], count[1]));
+                       Counted(std::max(count[0], count[1]), "row"));
   };
   std::string reason = "the state column says ";
   if (total(discharge) > 0) reason += describe("discharge", discharge);
@@ -505,9 +506,9 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
     if (!mostly(discharge, sign) || !mostly(charge, sign)) continue;
     if (total(neither) > 0) {
       return {CurrentSign::kUnclear,
-              fmt::format("the current has no sign of its own, and in {} rows with current the "
+              fmt::format("the current has no sign of its own, and in {} with current the "
                           "state column says neither charge nor discharge",
-                          total(neither)),
+                          Counted(total(neither), "row")),
               true};
     }
     return {CurrentSign::kUnsigned, reason};

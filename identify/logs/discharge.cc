@@ -10,6 +10,7 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -42,7 +43,7 @@ Found LookForDischarge(const Record& record) {
     if (!IsRest(segment)) (segment.charge_C > 0.0 ? out_C : in_C) += std::abs(segment.charge_C);
   }
   if (out_C == 0.0 && in_C == 0.0) {
-    return {{}, fmt::format("no current but rest over {} rows", record.size())};
+    return {{}, "no current but rest over " + Counted(record.size(), "row")};
   }
   if (in_C > kMaxChargingShare * out_C) {
     return {{},
@@ -258,7 +259,7 @@ std::vector<Segment> FindPulses(const Record& record) {
   }
   if (loads == 0)
     Refuse(record,
-           fmt::format("expected pulses, found no current but rest over {} rows", record.size()));
+           "expected pulses, found no current but rest over " + Counted(record.size(), "row"));
   Refuse(record,
          fmt::format("expected pulses with rests between them, found {} load{} and no rest after "
                      "any; a discharge is of kind \"constant-current\", any other load of kind "

@@ -21,6 +21,7 @@
 #include "identify/logs/spikes.h"
 #include "model/battery/arrhenius.h"
 #include "model/battery/ranges.h"
+#include "model/core/counted.h"
 
 namespace lipoid {
 namespace {
@@ -261,10 +262,9 @@ void AddNotes(const TextSource& source,
   note(source.had_byte_order_mark(), "byte order mark skipped");
   note(reader.trailing_delimiter(), "a delimiter at the end of lines skipped");
   note(reader.decimal_comma(), "numbers have a decimal comma");
-  note(reader.blank_lines() > 0, fmt::format("{} blank lines skipped", reader.blank_lines()));
-  note(reader.comment_lines() > 0, fmt::format("{} comment lines skipped", reader.comment_lines()));
-  note(plan.header_line > 1,
-       fmt::format("{} lines before the header skipped", plan.header_line - 1));
+  note(reader.blank_lines() > 0, Counted(reader.blank_lines(), "blank line") + " skipped");
+  note(reader.comment_lines() > 0, Counted(reader.comment_lines(), "comment line") + " skipped");
+  note(plan.header_line > 1, Counted(plan.header_line - 1, "line") + " before the header skipped");
   note(reader.last_line_has_no_end(), "the last line has no line end and was taken as complete");
   note(plan.clock_restarts_with_step,
        "the clock starts anew with each step; the steps were joined");
@@ -277,7 +277,7 @@ void AddNotes(const TextSource& source,
   if (const std::size_t rows = collector.bridged_temperatures(); rows > 0) {
     report.warnings.push_back(fmt::format(
         "{} without a temperature, which is taken from a straight line between the rows around",
-        rows == 1 ? "1 row" : fmt::format("{} rows", rows)));
+        Counted(rows, "row")));
   }
   if (collector.drops_temperature()) {
     report.warnings.emplace_back(

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/core/counted.h"
+
 namespace lipoid {
 namespace {
 
 constexpr std::size_t kRestRows = 2;  // fewer show no relaxation
-
-std::string Plural(std::size_t count, std::string_view thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
 
 }  // namespace
 
@@ -36,8 +34,9 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
   }
   if (loads == 0) return {{}, "only rest"};
   if (relaxations > 0) {
-    return {LogKind::kPulses,
-            fmt::format("{}, {} of them followed by a rest", Plural(pulses, "pulse"), relaxations)};
+    return {
+        LogKind::kPulses,
+        fmt::format("{}, {} of them followed by a rest", Counted(pulses, "pulse"), relaxations)};
   }
   if (discharge) {
     const double charge_Ah = discharge->charge_C / 3600.0;
@@ -61,7 +60,7 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
             "charges and discharges; for another kind choose a part with steps, cycles or times"};
   }
   return {LogKind::kValidation,
-          fmt::format("{} without a pulse followed by a rest", Plural(loads, "load"))};
+          fmt::format("{} without a pulse followed by a rest", Counted(loads, "load"))};
 }
 
 Suggestion SuggestKind(const Record& record, double capacity_Ah) {

@@ -10,6 +10,7 @@
 #include "identify/logs/discharge.h"
 #include "identify/logs/segments.h"
 #include "model/battery/discharge_time.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 
@@ -392,8 +393,8 @@ class StagedRun {
     }
     if (result_.pulses.rows_outside_curve > 0) {
       say.push_back(fmt::format(
-          "{} rows reach states of charge beyond v_oc(A), which goes on with its end slope there",
-          result_.pulses.rows_outside_curve));
+          "{} at states of charge beyond v_oc(A), which goes on with its end slope there",
+          Counted(result_.pulses.rows_outside_curve, "row")));
     }
     for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
       const double tau = p.time_constant_s[j];

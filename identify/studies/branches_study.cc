@@ -83,7 +83,7 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
   std::vector<PulseFitResult> fits;
   std::vector<double> mean_square;
   for (int n = 0; n <= kMostBranches; ++n) {
-    progress(fmt::format("{} branches", n), 0.1 + 0.15 * n);
+    progress(fmt::format("{} branch{}", n, n == 1 ? "" : "es"), 0.1 + 0.15 * n);
     if (n == 0) {
       fits.push_back(study.Fit(sweep, n, nullptr));
       mean_square.push_back(MeanSquare(study, sweep, fits.back()));

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "generated/shipped_vehicles.h"
+#include "model/core/counted.h"
 #include "model/core/json.h"
 #include "model/core/options.h"
 #include "model/core/toml_reader.h"
@@ -313,9 +314,9 @@ Vehicle LoadVehicle(const std::string& name_or_file) {
 std::string DoubtAboutPack(const Vehicle& vehicle, int series) {
   if (vehicle.series_cells == 0 || vehicle.series_cells == series) return "";
   return fmt::format(
-      "{} is made for {} cells in series, and this pack has {}: {}",
+      "{} is made for {} in series, and this pack has {}: {}",
       vehicle.name,
-      vehicle.series_cells,
+      Counted(vehicle.series_cells, "cell"),
       series,
       series < vehicle.series_cells
           ? fmt::format("it has less thrust; give --series {}", vehicle.series_cells)

@@ -49,6 +49,7 @@ TEST(Compare, RunsTheSevenOfTheThesisUnlessToldOtherwise) {
   SynthesizeLogs(folder);
   const auto run = RunLipoid(folder, Compare({"--csv", "table.csv"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find(" rows of 1 log, "), std::string::npos) << run.out;
   const Json summary = ReadJson(folder, "s.json");
   const std::vector<std::string> seven{"interior-point",
                                        "sqp",

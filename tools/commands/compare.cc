@@ -9,6 +9,7 @@
 #include "identify/comparison/comparison_run.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/atomic_file.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
@@ -23,11 +24,11 @@ using cli::Significant;
 using cli::TextTable;
 
 std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
-  std::string text = fmt::format("Problem {}: {} rows of {} logs, {} points after condensing\n",
+  std::string text = fmt::format("Problem {}: {} of {}, {} after condensing\n",
                                  task.sweep.setup().diffusion ? "(4.61)" : "without diffusion",
-                                 task.sweep.rows(),
-                                 task.sweep.logs().size(),
-                                 task.sweep.points());
+                                 Counted(task.sweep.rows(), "row"),
+                                 Counted(task.sweep.logs().size(), "log"),
+                                 Counted(task.sweep.points(), "point"));
   TextTable table({{"unknown", Align::kLeft},
                    {"unit", Align::kLeft},
                    {"start"},
@@ -52,8 +53,9 @@ std::string ProblemText(const PulseTask& task, const Comparison& comparison) {
 
 std::string ResultsText(const Comparison& comparison, int random_starts) {
   const std::string starts =
-      random_starts > 0 ? fmt::format("Of {} random starts, the same for all", random_starts)
-                        : "Of the data's start alone (--starts N tries random ones)";
+      random_starts > 0
+          ? fmt::format("Of {}, the same for all", Counted(random_starts, "random start"))
+          : "Of the data's start alone (--starts N tries random ones)";
   TextTable table({{"optimizer", Align::kLeft},
                    {"mean / %"},
                    {"max / %"},

@@ -10,6 +10,7 @@
 #include "identify/logs/log_writer.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "tools/cli/split.h"
 #include "tools/commands.h"
@@ -122,10 +123,10 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   writer.Commit();
 
   line.summary()["files"] = Json::array({Describe(file, log.report, duration_s, output, format)});
-  line.Message("{}: {}, {} rows kept, {} dropped; {} ({})",
+  line.Message("{}: {}, {} kept, {} dropped; {} ({})",
                file,
                log.report.format,
-               log.report.rows,
+               Counted(log.report.rows, "row"),
                log.report.dropped_rows(),
                log.report.current_sign,
                log.report.current_sign_reason);

@@ -8,6 +8,7 @@
 #include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/controller_export.h"
@@ -115,7 +116,8 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
     Cell cell = LoadCell(cell_name);
     if (cell.series == 1 && request.vehicle.series_cells > 1) {
       cell.series = request.vehicle.series_cells;
-      line.Message("{} cells in series, for which {} is made", cell.series, request.vehicle.name);
+      line.Message(
+          "{} in series, for which {} is made", Counted(cell.series, "cell"), request.vehicle.name);
     }
     lowest_V = cell.series * cell.cutoff_V;
     request.origin.push_back(OriginOf("Cut-off of the cell", cell_name, ShippedCellNames()));

@@ -10,6 +10,7 @@
 #include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/flight/flight_ensemble.h"
 #include "model/flight/flight_log.h"
@@ -70,7 +71,7 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
 void PrintEnsemble(cli::CommandLine& line,
                    const FlightResult& flight,
                    const std::vector<FlightResult>& flights) {
-  cli::TextTable table({{fmt::format("{} cells drawn", flights.size()), Align::kLeft},
+  cli::TextTable table({{Counted(flights.size(), "cell") + " drawn", Align::kLeft},
                         {"estimate"},
                         {"95 % from"},
                         {"to"}},

@@ -353,7 +353,7 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
         {{"campaign", failed_files[k]}, {"message", failed[k].what()}});
   }
   if (!failed.empty()) {
-    line.Message("{} of {} campaigns are not identified ({}); the cells of the others are written",
+    line.Message("not identified: {} of {} campaigns ({}); the cells of the others are written",
                  failed.size(),
                  campaign_files.size(),
                  fmt::join(failed_files, ", "));

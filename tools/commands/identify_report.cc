@@ -9,6 +9,7 @@
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
+#include "model/core/counted.h"
 #include "model/core/csv_writer.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands/trust_text.h"
@@ -99,8 +100,8 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
                             method,
                             stage.curve.coefficients_V().size() + stage.curve.sine_V().size())
               : fmt::format("   {}, {} nodes", method, stage.curve.soc().size());
-  text += fmt::format(" from {} rows; on held-out rows: mean {} %, max {} %, rmse {} mV\n",
-                      stage.rows,
+  text += fmt::format(" from {}; on held-out rows: mean {} %, max {} %, rmse {} mV\n",
+                      Counted(stage.rows, "row"),
                       Significant(stage.mean_error_percent, 3),
                       Significant(stage.max_error_percent, 3),
                       Significant(1e3 * stage.rmse_V, 3));

@@ -129,7 +129,7 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
   const auto below = std::count_if(
       all.begin(), all.end(), [&](const PolesRow& row) { return row.xi < lowest_xi; });
   if (below > 0) {
-    line.Message("{} cannot hover below xi = {:.3f}: {} of {} rows are of flights that cannot be",
+    line.Message("{} cannot hover below xi = {:.3f}: rows of flights that cannot be: {} of {}",
                  vehicle.name,
                  lowest_xi,
                  below,

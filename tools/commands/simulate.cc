@@ -13,6 +13,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
+#include "model/core/counted.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
 #include "tools/commands.h"
@@ -219,9 +220,9 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     told["final_soc"] = way.soc;
     told["final_voltage_V"] = way.voltage_V;
     told["minimum_voltage_V"] = way.lowest_V;
-    line.Message("{}: {} rows, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
+    line.Message("{}: {}, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
                  output,
-                 way.rows,
+                 Counted(way.rows, "row"),
                  initial_soc,
                  way.soc,
                  way.lowest_V);
@@ -229,13 +230,13 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   line.summary()["logs"] = Json::array({std::move(told)});
   if (!whole) {
     line.Message(
-        "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} rows "
+        "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} "
         "before it were written (--beyond-cutoff writes all)",
         cutoff_V,
         *way.cutoff_s,
         way.cutoff_A,
         way.rows,
-        rows_of_log);
+        Counted(rows_of_log, "row"));
   }
   if (whole && !beyond_cutoff && way.rows > 0 &&
       way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
@@ -252,17 +253,16 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                  of["band_mean_V"].get<double>(),
                  of["band_max_V"].get<double>());
     if (outside_band > 0) {
-      line.Message("in {} of {} rows the band leaves out what the cell itself predicts",
+      line.Message("in {} of {} the band leaves out what the cell itself predicts",
                    outside_band,
-                   way.rows);
+                   Counted(way.rows, "row"));
     }
   }
   if (ensemble.asked()) line.summary()["ensemble"]["rows_outside_band"] = outside_band;
   if (way.outside > 0) {
     line.Message(
-        "{} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
-        "there",
-        way.outside);
+        "{} outside the soc that v_oc(A) was made for: it goes on with its end slope there",
+        Counted(way.outside, "row"));
   }
   constexpr double kMore = 0.1;  // than full, or than the cell began with
   const bool overfull = way.highest_soc > std::max(1.0, initial_soc) + kMore;

@@ -9,6 +9,7 @@
 #include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "tools/cli/assignments.h"
 #include "tools/commands.h"
@@ -85,7 +86,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   for (const auto& file : files) {
     const auto path = (std::filesystem::path(folder) / file.file).string();
     rows.push_back({{"file", path}, {"rows", file.rows}, {"bytes", file.bytes}});
-    line.Message("{}{}", path, file.rows > 0 ? fmt::format(": {} rows", file.rows) : "");
+    line.Message("{}{}", path, file.rows > 0 ? ": " + Counted(file.rows, "row") : "");
   }
   line.summary()["files"] = std::move(rows);
   line.Message("Next: lipoid identify {} -o cell.json",

@@ -11,6 +11,7 @@
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
+#include "model/core/counted.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
@@ -114,10 +115,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
     }
     if (errors.rows_outside_curve == 0) continue;
     line.Message(
-        "{}: {} rows lie outside the soc that v_oc(A) was made for: it goes on with its end slope "
-        "there",
+        "{}: {} outside the soc that v_oc(A) was made for: it goes on with its end slope there",
         errors.file,
-        errors.rows_outside_curve);
+        Counted(errors.rows_outside_curve, "row"));
   }
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0);
   line.summary()["fit"] = FitToJson(quality);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "identify/logs/flight/updates.h"
+#include "model/core/counted.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -27,7 +28,7 @@ constexpr double kLeastCharge_A = 10.0;
 constexpr double kLoad_A = 1.0;
 
 std::string Described(const BatteryTrack& track) {
-  std::string text = fmt::format("battery {} ({} rows", track.number, track.size());
+  std::string text = fmt::format("battery {} ({}", track.number, Counted(track.size(), "row"));
   if (track.size() > 0) {
     const auto [least, largest] =
         std::minmax_element(track.voltage_V.begin(), track.voltage_V.end(), [](double a, double b) {
@@ -136,7 +137,7 @@ void DropImpossibleCharges(const BatteryTrack& track,
   report.warnings.push_back(fmt::format(
       "{} dropped: a current of {:.4g} A at {:.10g} s{}, with which the pack would be charged by "
       "more than it ever gives; a damaged message may hold it",
-      impossible.size() == 1 ? "1 row" : fmt::format("{} rows", impossible.size()),
+      Counted(impossible.size(), "row"),
       track.current_A[impossible[0]],
       track.time_s[impossible[0]],
       impossible.size() == 1 ? "" : ", the first of them"));
@@ -255,13 +256,13 @@ Log FlightLog(const std::string& file,
     throw LoadError(
         position,
         without_current == report.dropped_unknown
-            ? fmt::format("expected a current, found none in any of the {} rows of battery {}: the "
+            ? fmt::format("expected a current, found none in the {} of battery {}: the "
                           "autopilot had no current sensor",
-                          without_current,
+                          Counted(without_current, "row"),
                           track.number)
-            : fmt::format("expected the voltage of a battery, found none in any of the {} rows of "
+            : fmt::format("expected the voltage of a battery, found none in the {} of "
                           "battery {}: none was connected, or its voltage was not measured",
-                          report.dropped_unknown,
+                          Counted(report.dropped_unknown, "row"),
                           track.number));
   }
   auto kept = RowsInOrder(track.time_s, rows);

@@ -213,9 +213,9 @@ TEST(PlainCsv, WhatIsSkippedIsCounted) {
   EXPECT_EQ(log.report.notes,
             (std::vector<std::string>{"byte order mark skipped",
                                       "a delimiter at the end of lines skipped",
-                                      "1 blank lines skipped",
-                                      "1 comment lines skipped",
-                                      "1 lines before the header skipped"}));
+                                      "1 blank line skipped",
+                                      "1 comment line skipped",
+                                      "1 line before the header skipped"}));
 }
 
 TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {

@@ -149,16 +149,14 @@ TEST(FlightLog, RefusesWithTheReason) {
       "1 (4 rows, 11.9 V to 12.6 V)");
   BatteryTrack track = Track();
   track.current_A.assign(4, kUnknown);
-  EXPECT_EQ(
-      Refusal(LogOf({track})),
-      "f.ulg:1:1: error: expected a current, found none in any of the 4 rows of battery 1: the "
-      "autopilot had no current sensor");
+  EXPECT_EQ(Refusal(LogOf({track})),
+            "f.ulg:1:1: error: expected a current, found none in the 4 rows of battery 1: the "
+            "autopilot had no current sensor");
   track = Track();
   track.voltage_V.assign(4, 0.0);
-  EXPECT_EQ(
-      Refusal(LogOf({track})),
-      "f.ulg:1:1: error: expected the voltage of a battery, found none in any of the 4 rows of "
-      "battery 1: none was connected, or its voltage was not measured");
+  EXPECT_EQ(Refusal(LogOf({track})),
+            "f.ulg:1:1: error: expected the voltage of a battery, found none in the 4 rows of "
+            "battery 1: none was connected, or its voltage was not measured");
   track.voltage_V.assign(4, 0.4);
   EXPECT_EQ(Refusal(LogOf({track})),
             "f.ulg:1:1: error: expected the voltage of a battery, found at most 0.4 V: none was "
