@@ -184,6 +184,13 @@ std::vector<std::string> FirstLines(const HealthReport& report) {
   return lines;
 }
 
+std::vector<std::string> FilesWithReasons(const std::vector<Diagnostic>& refused) {
+  std::vector<std::string> sentences;
+  for (const Diagnostic& one : refused)
+    sentences.push_back(fmt::format("{}: {}", one.position.file, one.message));
+  return sentences;
+}
+
 std::string TemperatureSentence(const HealthReport& report) {
   if (std::none_of(report.flights.begin(), report.flights.end(), [](const FlightHealth& flight) {
         return flight.temperature_known && flight.resistance_Ohm.known();

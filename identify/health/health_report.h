@@ -24,6 +24,9 @@ namespace lipoid {
 /// What is to be read first: which flights make no sense, the trend, and what the last flight says.
 [[nodiscard]] std::vector<std::string> FirstLines(const HealthReport& report);
 
+/// "flight.bin: why", of each that was refused.
+[[nodiscard]] std::vector<std::string> FilesWithReasons(const std::vector<Diagnostic>& refused);
+
 /// "The resistance is that at 25 degC, by ...", where the temperature of a flight is known; else "".
 [[nodiscard]] std::string TemperatureSentence(const HealthReport& report);
 

@@ -312,7 +312,10 @@ TEST(Health, NamesWhatItLeavesOut) {
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_EQ(summary.at("flights").size(), 1U);
   EXPECT_EQ(summary.at("refused").size(), 1U);
-  EXPECT_NE(run.err.find("sample_log_small.ulg"), std::string::npos) << run.err;
+  const auto refused = run.out.find("Refused\n");
+  ASSERT_NE(refused, std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("sample_log_small.ulg: expected a flight", refused), std::string::npos)
+      << run.out;
 }
 
 TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {

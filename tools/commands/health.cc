@@ -80,9 +80,6 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
       line.Message("{}: {}", log.record.file, warning);
   }
   const HealthReport report = AssessHealth(cell, std::move(logs), options);
-  for (const Diagnostic& refused : report.refused)
-    line.Problem(LoadError(refused.position, refused.message));
-
   line.summary() = HealthToJson(report);
   for (const std::string& first : FirstLines(report)) line.Print("{}\n", first);
   if (report.typical && std::isfinite(report.new_capacity_Ah)) {
@@ -122,7 +119,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                Interval(flight.resistance_Ohm, 1e3),
                cli::Significant(flight.mean_error_percent, 2)});
   }
-  line.Print("\n{}", table.Text());
+  line.Print("\n{}{}", table.Text(), cli::Bullets("Refused", FilesWithReasons(report.refused)));
   bool doubted = false;
   for (const FlightHealth& flight : report.flights) {
     std::vector<std::string> cautions = flight.cautions;

@@ -49,7 +49,8 @@ std::string IdentificationText(const Campaign& campaign,
   text += found.joint ? JointReport(*found.joint, found.trust, verbose)
                       : IdentifyReport(*found.staged, verbose);
   if (found.flights_with_lab)
-    text += "\n" + cli::Wrapped(FlightsWithLabText(*found.flights_with_lab), 0) + "\n";
+    text += "\n" + cli::Wrapped(FlightsWithLabText(*found.flights_with_lab), 0) + "\n" +
+            cli::Bullets("Flights left out", FilesWithReasons(found.flights_with_lab->refused));
   if (found.health) {
     text += "\nThe flights, against the cell of the lab logs\n";
     for (const FlightHealth& flight : found.health->flights) {

@@ -54,6 +54,14 @@ class Aloft(PageTest):
         self.assertEqual(data[0], [1, 2, 3])
         self.assertEqual(data[1], [one["counted_capacity_Ah"] for one in summary["flights"]])
 
+    def test_health_says_which_flight_is_doubted(self):
+        self.lipoid("health", "--cell", CELL, "--capacity-Ah", 5.2, "--series", 3, SOLO,
+                    "--report", "page.html", "--summary", "s.json", code=1)
+        (flight,) = json.loads((self.folder / "s.json").read_text())["flights"]
+        page = self.open("page.html")
+        self.assertEqual(page.run(ROWS)[0][0], "log171.bin (doubted)")
+        self.assertIn(flight["doubted_because"], page.run("return document.querySelector('.notice.warning').textContent"))
+
     def test_identify_shows_what_flights_add(self):
         self.lipoid("synthesize", CELL, "--with", "r_1=0.03,c_1=1500", "--sampling-s", 1, "--voltage-noise-V", 0.001, "-o", "logs")
         self.lipoid("identify", "--low-rate", "logs/low_rate.csv", "--pulses", "logs/pulses.csv", "--flight", "logs/cc_6C.csv",

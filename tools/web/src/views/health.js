@@ -44,7 +44,7 @@ export const health = {
       summary.trend ? section("Over the flights", trendFacts(summary.trend)) : null,
       table(
         [
-          { title: "flight", of: ({ file }) => baseName(file) },
+          { title: "flight", of: ({ file, doubted_because }) => baseName(file) + (doubted_because ? " (doubted)" : "") },
           { title: "duration", of: (one) => duration(one.duration_s), by: (one) => one.duration_s, class: "number" },
           { title: "charge at start / %", of: (one) => times(100, one.soc_start), digits: 3 },
           { title: "at the end / %", of: (one) => times(100, one.soc_end), digits: 3 },
@@ -64,8 +64,9 @@ export const health = {
       listOf(summary.refused).map(({ file, reason }) => notice("warning", `${file}: ${reason}`)),
       flights.map((one) => {
         const all = [one.capacity_unknown_because, one.resistance_unknown_because, ...listOf(one.cautions)].filter(Boolean);
-        return all.length > 0
-          ? section(baseName(one.file), element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
+        const doubted = one.doubted_because ? notice("warning", one.doubted_because) : null;
+        return doubted || all.length > 0
+          ? section(baseName(one.file), doubted, element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
       }),
       provenance(summary.run),
     ];
