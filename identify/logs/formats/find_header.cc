@@ -80,13 +80,32 @@ bool IsColumnNumber(std::string_view name) {
          name.find_first_not_of("0123456789") == name.npos;
 }
 
+bool AllNumbered(const ReadOptions& options) {
+  return !options.columns.empty() &&
+         std::all_of(options.columns.begin(), options.columns.end(), [](const auto& column) {
+           return IsColumnNumber(column.second);
+         });
+}
+
+// Numbers of columns are clear below a line of names, none of them a number, that rows of numbers
+// follow at once or after a line of units.
+bool IsNumbered(const std::vector<HeadLine>& lines, const FoundHeader& header) {
+  constexpr std::size_t kUnits = 1;
+  if (std::any_of(header.names.begin(), header.names.end(), [](const HeaderName& name) {
+        return IsNumber(name.text);
+      }))
+    return false;
+  for (std::size_t k = header.line; k < std::min(header.line + 1 + kUnits, lines.size()); ++k) {
+    const auto cells = CellsOf(lines[k].text, header.delimiter);
+    if (cells.size() >= header.names.size() && LooksLikeData(cells)) return true;
+  }
+  return false;
+}
+
 // A table without a header, whose columns the user names by their numbers: "time_s=1 voltage_V=2".
 std::optional<FoundHeader> FindNumbered(const std::vector<HeadLine>& lines,
                                         const ReadOptions& options) {
-  if (options.columns.empty()) return std::nullopt;
-  for (const auto& [key, name] : options.columns) {
-    if (!IsColumnNumber(name)) return std::nullopt;
-  }
+  if (!AllNumbered(options)) return std::nullopt;
   for (std::size_t index = 0; index < lines.size(); ++index) {
     const std::string_view text = Trimmed(lines[index].text);
     if (text.empty() || text.front() == '#') continue;
@@ -136,6 +155,7 @@ std::optional<FoundHeader> SearchHeader(const std::vector<HeadLine>& lines,
                          .line = index + 1,
                          .names = NamesOf(lines[index].text, delimiter)};
       if (header.names.size() < 2) continue;
+      header.numbered = IsNumbered(lines, header);
       for (const Layout* layout : formats) {
         header.layout = layout;
         header.levels.clear();
@@ -167,6 +187,15 @@ std::string_view Suspicion(std::string_view line) {
   return "";
 }
 
+// Of a line, for a message.
+std::string Beginning(std::string_view line) {
+  std::string found(Trimmed(line).substr(0, 60));
+  for (char& c : found) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return found;
+}
+
 [[noreturn]] void RefuseUnknown(const TextSource& source,
                                 const std::vector<HeadLine>& lines,
                                 const FoundHeader& nearest,
@@ -193,6 +222,15 @@ std::string_view Suspicion(std::string_view line) {
         "time_s,current_A,voltage_V, or number the columns from 1 (--columns time_s=1 current_A=2 "
         "voltage_V=3 --units s,A,V)");
   }
+  if (AllNumbered(options)) {
+    throw LoadError(
+        {source.file(), line, 1},
+        fmt::format(
+            "expected rows with the columns that --columns numbers, below at most a line of names and "
+            "one of units, found '{}'; this file has a header: name the columns as it does "
+            "(--columns time_s=\"...\")",
+            Beginning(first->text)));
+  }
   if (nearest.layout) {
     std::vector<std::string> missing;
     for (const Quantity quantity : kNeeded) {
@@ -210,16 +248,12 @@ std::string_view Suspicion(std::string_view line) {
             fmt::join(missing, " and "),
             Listed(nearest.names)));
   }
-  std::string found(Trimmed(first->text).substr(0, 60));
-  for (char& c : found) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
   throw LoadError(
       {source.file(), line, 1},
       fmt::format(
           "expected a header that names time, current and voltage, such as "
           "time_s,current_A,voltage_V, found '{}'; {}`lipoid list formats` shows what is read",
-          found,
+          Beginning(first->text),
           Suspicion(first->text)));
 }
 
@@ -249,7 +283,8 @@ std::vector<HeaderMatch> FoundHeader::Find(Quantity quantity, const ReadOptions&
   std::vector<HeaderMatch> matches;
   for (std::size_t field = 0; field < names.size(); ++field) {
     const HeaderName& name = names[field];
-    if (LowerCase(name.text) != LowerCase(Trimmed(named->second))) continue;
+    const bool by_number = numbered && Trimmed(named->second) == std::to_string(field + 1);
+    if (!by_number && LowerCase(name.text) != LowerCase(Trimmed(named->second))) continue;
     HeaderMatch match{.field = field, .unit = name.unit};
     if (match.unit.empty() && FindUnit(quantity, name.suffix)) match.unit = name.suffix;
     if (match.unit.empty() && FindUnit(quantity, name.name)) match.unit = name.name;

@@ -35,6 +35,8 @@ struct FoundHeader {
   char delimiter = ',';
   std::size_t line = 1;  ///< number of the header's line; of the first row where it is implied
   bool implied = false;
+  /// Rows of numbers follow, so that the user's names may be numbers of columns.
+  bool numbered = false;
   std::vector<HeaderName> names = {};                ///< of the rows' level, its indent included
   std::vector<std::vector<HeaderName>> levels = {};  ///< above it
 

@@ -268,6 +268,19 @@ TEST(PlainCsv, ColumnsCanBeNamed) {
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99}));
 }
 
+// Numbers say the same as names where rows of numbers follow the header; its units count.
+TEST(PlainCsv, ColumnsOfAHeaderCanBeNumbered) {
+  const ReadOptions numbers{.columns = {{"time_s", "1"}, {"current_A", "2"}, {"voltage_V", "4"}}};
+  const std::string rows = "0,0,9,4100\n1,0,9,4100\n2,2,9,4000\n3,2,9,3990\n";
+  for (const std::string header : {"Zeit [s],I1 [A],I2 [A],Spannung [mV]\n",
+                                   "Prüfer,Maier\n\nZeit,I1,I2,Spannung\ns,A,A,mV\n"}) {
+    SCOPED_TRACE(header);
+    const Log log = Read(header + rows, numbers);
+    EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2}));
+    EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99}));
+  }
+}
+
 TEST(PlainCsv, TheSignCanBeGiven) {
   const std::string text = "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,0,4.1\n";
   EXPECT_EQ(Read(text, {.current_sign = "discharge-negative"}).report.current_sign,
@@ -350,6 +363,18 @@ const Wrong kWrong[] = {
      "voltage_V; name the columns with `columns = {time_s = \"...\", current_A = \"...\", "
      "voltage_V = \"...\"}`",
      {.columns = {{"time_s", "Zeit"}}}},
+    {"more columns numbered than there are",
+     kHeader + kRows,
+     "F:1:1: error: expected rows with the columns that --columns numbers, below at most a line of "
+     "names and one of units, found 'time_s,current_A,voltage_V'; this file has a header: name the "
+     "columns as it does (--columns time_s=\"...\")",
+     {.columns = {{"time_s", "1"}, {"current_A", "2"}, {"voltage_V", "7"}}}},
+    {"numbers among names that are numbers",
+     "zeit,2,3\n0,1,4\n",
+     "F:1:1: error: expected rows with the columns that --columns numbers, below at most a line of "
+     "names and one of units, found 'zeit,2,3'; this file has a header: name the columns as it "
+     "does (--columns time_s=\"...\")",
+     {.columns = {{"time_s", "1"}, {"current_A", "2"}, {"voltage_V", "3"}}}},
     {"text",
      kHeader + "0,0,4.1\n1,abc,4\n",
      "F:3:3: error: expected a number in column 'current_A', found 'abc'"},
