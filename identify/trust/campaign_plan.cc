@@ -204,8 +204,8 @@ std::vector<std::string> LeftOutOfCampaign(const Cell& cell, double sampling_s) 
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     if (auto said = TooFastForPlan(cell, j, sampling_s)) left_out.push_back(std::move(*said));
   }
-  if (cell.hysteresis)
-    left_out.emplace_back("hysteresis of the cell is not in the plan, whose logs only discharge");
+  for (const std::string& term : TermsLeftOut(cell, false))
+    left_out.push_back(term + " of the cell is not in the plan");
   if (cell.temperature && !cell.temperature->heat) {
     left_out.emplace_back(
         "the cell file has no heat balance: the cell has the temperature of its surroundings");

@@ -129,22 +129,29 @@ std::optional<std::string> TooFastForPlan(const Cell& cell, std::size_t j, doubl
       branch.resistance_Ohm(kTypicalSoc));
 }
 
+std::vector<std::string> TermsLeftOut(const Cell& cell, bool constants) {
+  std::vector<std::string> terms;
+  bool tables = !cell.series_resistance_Ohm.constant();
+  for (const auto& branch : cell.branches) tables = tables || !branch.resistance_Ohm.constant();
+  if (constants && tables) terms.emplace_back("resistance over the state of charge");
+  if (constants && cell.charge_transfer) terms.emplace_back("charge transfer");
+  if (cell.self_heating) terms.emplace_back("self-heating");
+  if (cell.hysteresis) terms.emplace_back("hysteresis");
+  return terms;
+}
+
 std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s) {
   std::vector<std::string> left_out{
       "alpha and v_oc(A) are taken as known, as the staged fit takes them"};
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     if (auto said = TooFastForPlan(cell, j, sampling_s)) left_out.push_back(std::move(*said));
   }
-  bool tables = !cell.series_resistance_Ohm.constant();
-  for (const auto& branch : cell.branches) tables = tables || !branch.resistance_Ohm.constant();
-  if (tables) {
-    left_out.emplace_back(
-        "resistances that depend on the state of charge count with their value at half charge");
-  }
-  if (cell.self_heating || cell.charge_transfer)
-    left_out.emplace_back("self-heating and charge transfer of the cell are not in the plan");
-  if (cell.hysteresis)
-    left_out.emplace_back("hysteresis of the cell is not in the plan, whose log only discharges");
+  for (const std::string& term : TermsLeftOut(cell, true))
+    left_out.push_back(fmt::format("{} of the cell is not in the plan{}",
+                                   term,
+                                   term.starts_with("resistance")
+                                       ? ": resistances count with their value at half charge"
+                                       : ""));
   return left_out;
 }
 

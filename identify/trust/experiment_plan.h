@@ -60,6 +60,9 @@ struct PlannedExperiment {
                                                         std::size_t j,
                                                         double sampling_s);
 
+/// The terms of the cell that are in no plan, by name; with `constants` a resistance is one number.
+[[nodiscard]] std::vector<std::string> TermsLeftOut(const Cell& cell, bool constants);
+
 /// What of the cell a plan with rows every sampling_s leaves out, in words.
 [[nodiscard]] std::vector<std::string> LeftOutOfPlan(const Cell& cell, double sampling_s);
 

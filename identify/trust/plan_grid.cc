@@ -94,6 +94,18 @@ class Variations {
     }
     result_.left_out = result_.temperature ? LeftOutOfCampaign(cell_, shortest_s)
                                            : LeftOutOfPlan(cell_, shortest_s);
+    if (grid_.rate_C.empty()) {
+      result_.left_out.push_back(fmt::format(
+          "the largest current that the cell may carry is not in its file: pulses of {:g}C ({:.3g} A) are chosen "
+          "by the voltage alone; keep to the data sheet of the cell (--rate-C)",
+          rates.front(),
+          result_.variations.front().plan.current_A));
+    }
+    result_.terms_left_out = TermsLeftOut(cell_, !result_.temperature);
+    if (result_.terms_left_out.empty()) return std::move(result_);
+    for (PlannedVariation& one : result_.variations)
+      one.plan.trust.sentence += fmt::format("; the plan says nothing of {}, which the cell has",
+                                             fmt::join(result_.terms_left_out, ", "));
     return std::move(result_);
   }
 

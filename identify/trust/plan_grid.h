@@ -91,6 +91,7 @@ struct PlannedVariation {
 struct PlanGridResult {
   std::vector<PlannedVariation> variations;  ///< by rate, pulse, rest and sampling
   std::vector<std::string> left_out;         ///< of the cell, in words
+  std::vector<std::string> terms_left_out;   ///< of the cell, by name
   bool temperature = false;                  ///< whether it takes part
   bool temperature_assumed = false;          ///< energies and heat of the cell are typical values
 };

@@ -483,7 +483,10 @@ class Assessment {
       trust.low = std::clamp(q.value - reach * trust.standard_error, q.lower, q.upper);
       trust.high = std::clamp(q.value + reach * trust.standard_error, q.lower, q.upper);
       const double spread = term.dot(inverse * term);
-      trust.white_standard_error = known_at_all ? std::sqrt(white * spread) : trust.standard_error;
+      // A plan has no residuals from which the formula could take the noise.
+      trust.white_standard_error = options_.assumed ? kNaN
+                                   : known_at_all   ? std::sqrt(white * spread)
+                                                    : trust.standard_error;
       trust.objective_rise_95 = known_at_all ? reach * reach * variance / spread : kNaN;
       for (Eigen::Index n = 0; n < term.size(); ++n)
         trust.insensitive = trust.insensitive || (term[n] != 0.0 && !(information_(n, n) > 0.0));

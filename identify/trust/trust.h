@@ -110,7 +110,7 @@ struct QuantityTrust {
   std::vector<std::string> with;  ///< partners of kOnlyInCombination
   bool insensitive = false;       ///< no prediction of any log is sensitive to it
   double degrees_of_freedom = 0.0;
-  /// What the formula for independent residuals of the same size would have said.
+  /// What the formula for independent residuals of the same size would have said; NaN of a plan.
   double white_standard_error = 0.0;
   /// The objective with this quantity moved to the end of its interval and the others refitted
   /// lies so much above its least.

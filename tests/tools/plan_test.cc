@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "model/battery/cell_file.h"
+#include "model/core/atomic_file.h"
+#include "model/core/json_text.h"
 #include "model/core/run_record.h"
 #include "tests/support/run_lipoid.h"
 
@@ -55,6 +58,38 @@ TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
   const Json parameters = ReadJson(folder, "s.json").at("rows")[0].at("parameters");
   ASSERT_EQ(parameters.size(), 2U);  // beta, r_s
   EXPECT_NEAR(parameters[1].at("estimate").get<double>(), 0.1314 + 2.3643e-5, 1e-12);
+}
+
+// Terms of the cell that the analysis does not have are none of "every parameter".
+TEST(Plan, NamesTheTermsThatItLeavesOut) {
+  const auto folder = TestFolder();
+  Json cell = CellToJson(LoadCell("gifi-600mAh-1"));
+  cell["charge_transfer"] = {{"resistance_Ohm", 0.02}, {"current_A", 0.5}};
+  cell["series_resistance_Ohm"] = {{"soc", {0.0, 1.0}}, {"resistance_Ohm", {0.2, 0.13}}};
+  WriteFileAtomically(folder + "/cell.json", JsonText(cell));
+  const auto run = RunLipoid(folder, {"plan", "cell.json", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  const Json& row = summary.at("rows")[0];
+  EXPECT_TRUE(
+      row.at("sentence")
+          .get<std::string>()
+          .ends_with(
+              "; the plan says nothing of resistance over the state of charge, charge transfer, which the "
+              "cell has"))
+      << row.at("sentence");
+  EXPECT_NE(run.out.find("charge transfer of the cell is not in the plan"), std::string::npos)
+      << run.out;
+  EXPECT_TRUE(summary.at("left_out")
+                  .back()
+                  .get<std::string>()
+                  .ends_with("keep to the data sheet of the cell (--rate-C)"))
+      << summary.at("left_out");
+  // Noise that is assumed leaves no residuals to take it from.
+  for (const Json& parameter : row.at("parameters")) {
+    EXPECT_TRUE(parameter.at("white_standard_error").is_null()) << parameter;
+    EXPECT_GT(parameter.at("standard_error").get<double>(), 0.0);
+  }
 }
 
 TEST(Plan, RefusesWhatIsNoPlan) {

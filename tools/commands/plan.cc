@@ -20,13 +20,14 @@ std::string ErrorText(const QuantityTrust& q) {
                                       : cli::Significant(100.0 * q.relative_standard_error, 3);
 }
 
-std::string DoubtsOf(const TrustReport& trust) {
+std::string DoubtsOf(const TrustReport& trust, bool whole) {
   std::string doubts;
   for (const auto& q : trust.quantities) {
     if (q.verdict != Verdict::kIdentified)
       doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", q.name, VerdictText(q));
   }
-  return doubts.empty() ? "all identified" : doubts;
+  if (!doubts.empty()) return doubts;
+  return whole ? "all identified" : "all identified but what is left out";
 }
 
 // One row each.
@@ -47,7 +48,7 @@ std::string TableOfExperiments(const PlanGridResult& result) {
       cells.push_back(ErrorText(q));
     }
     columns.push_back({"verdict", cli::Align::kLeft});
-    cells.push_back(DoubtsOf(plan.trust));
+    cells.push_back(DoubtsOf(plan.trust, result.terms_left_out.empty()));
     if (!table) table.emplace(columns, "What each experiment would tell: standard errors in %.");
     table->Row(cells);
   }

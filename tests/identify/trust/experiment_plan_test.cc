@@ -109,8 +109,7 @@ TEST(ExperimentPlan, SaysWhatDoesNotFitTogether) {
   cell.charge_transfer.emplace();
   EXPECT_EQ(LeftOutOfPlan(cell, 1.0).size(), 2U);
   cell.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.02}};
-  EXPECT_EQ(LeftOutOfPlan(cell, 1.0).back(),
-            "hysteresis of the cell is not in the plan, whose log only discharges");
+  EXPECT_EQ(LeftOutOfPlan(cell, 1.0).back(), "hysteresis of the cell is not in the plan");
 }
 
 }  // namespace
