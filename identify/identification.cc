@@ -389,9 +389,11 @@ Identification Identify(const Campaign& campaign,
   found.log_notes = NotesOnLogs(logs);
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
-    const std::string doubt =
-        DoubtAboutStart(found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
-    if (!doubt.empty()) found.log_notes.push_back(fmt::format("{} {}", log.entry.file, doubt));
+    auto doubt =
+        DoubtOfStart(found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
+    if (!doubt) continue;
+    doubt->file = log.entry.file;
+    starts.push_back(std::move(*doubt));
   }
   found.quality = QualityOf(found, campaign, logs);
   NoteOnOtherLogs(found);
@@ -418,3 +420,8 @@ Json IdentificationToJson(const Identification& found) {
 }
 
 }  // namespace lipoid
+  std::vector<StartDoubt> starts;
+  if (auto doubts = DoubtsAboutStarts(
+          std::move(starts), "one wrong start bends v_oc(A) for all, so mend the first one first");
+      !doubts.empty())
+    found.log_notes.push_back(std::move(doubts));

@@ -1,8 +1,11 @@
 #include "identify/validation.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/logs/segments.h"
 #include "model/battery/prediction.h"
@@ -57,27 +60,64 @@ LogErrors Validate(const Cell& cell, const LoadedLog& log) {
   return errors;
 }
 
-std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
-                            const Record& record,
-                            double initial_soc) {
-  constexpr double kSoc = 0.03;
-  constexpr double kVoltage_V = 0.02;
-  if (record.size() < 2 || record.voltage_V.empty()) return "";
-  const double rest_A = RestThreshold(record);
-  std::size_t rows = 0;
-  while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
-  if (rows == 0 || rows == record.size()) return "";
-  const double rest_V = record.voltage_V[rows - 1];
-  const double soc = std::round(100.0 * curve.SocAtVoltage(rest_V)) / 100.0 + 0.0;  // no -0.00
-  if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
-    return "";
+namespace {
+
+std::string Sentence(const StartDoubt& doubt) {
   return fmt::format(
       "rests at {:.4g} V before its first load, where v_oc(A) has a state of charge of {:.2f}, not "
       "{:g}; if it had rested long enough, say initial_soc {:.2f}",
-      rest_V,
-      soc,
-      initial_soc,
-      soc);
+      doubt.rest_V,
+      doubt.soc,
+      doubt.given,
+      doubt.soc);
+}
+
+}  // namespace
+
+std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
+                                       const Record& record,
+                                       double initial_soc) {
+  constexpr double kSoc = 0.03;
+  constexpr double kVoltage_V = 0.02;
+  if (record.size() < 2 || record.voltage_V.empty()) return std::nullopt;
+  const double rest_A = RestThreshold(record);
+  std::size_t rows = 0;
+  while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
+  if (rows == 0 || rows == record.size()) return std::nullopt;
+  const double rest_V = record.voltage_V[rows - 1];
+  const double soc = std::round(100.0 * curve.SocAtVoltage(rest_V)) / 100.0 + 0.0;  // no -0.00
+  if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
+    return std::nullopt;
+  return StartDoubt{record.file, rest_V, soc, initial_soc};
+}
+
+std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
+                            const Record& record,
+                            double initial_soc) {
+  const auto doubt = DoubtOfStart(curve, record, initial_soc);
+  return doubt ? Sentence(*doubt) : "";
+}
+
+std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view of_others) {
+  constexpr std::size_t kNamed = 5;
+  if (doubts.empty()) return "";
+  // Beyond full there is no start: another log has bent the curve.
+  const auto order = [](const StartDoubt& one) {
+    return std::pair(one.soc < 0.0 || one.soc > 1.0, -std::abs(one.soc - one.given));
+  };
+  std::stable_sort(doubts.begin(), doubts.end(), [&](const auto& a, const auto& b) {
+    return order(a) < order(b);
+  });
+  std::string text = doubts[0].file + " " + Sentence(doubts[0]);
+  if (doubts.size() == 1) return text;
+  std::vector<std::string> others;
+  for (std::size_t k = 1; k < std::min(doubts.size(), 1 + kNamed); ++k)
+    others.push_back(
+        fmt::format("{} ({:.2f}, not {:g})", doubts[k].file, doubts[k].soc, doubts[k].given));
+  if (doubts.size() > 1 + kNamed)
+    others.push_back(fmt::format("{} more", doubts.size() - 1 - kNamed));
+  return fmt::format(
+      "{}; the starts of {} are doubtful, too: {}", text, fmt::join(others, ", "), of_others);
 }
 
 }  // namespace lipoid

@@ -7,7 +7,10 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "identify/logs/load_campaign.h"
 #include "identify/logs/record.h"
@@ -72,5 +75,22 @@ class Validation {
 [[nodiscard]] std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
                                           const Record& record,
                                           double initial_soc);
+
+/// A log whose start is doubted.
+struct StartDoubt {
+  std::string file;
+  double rest_V = 0.0;
+  double soc = 0.0;    ///< of the curve at that voltage
+  double given = 1.0;  ///< the initial_soc
+};
+
+[[nodiscard]] std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
+                                                     const Record& record,
+                                                     double initial_soc);
+
+/// One sentence of all: the log that is furthest off with what to do, then the others by name, and
+/// `of_others`, what to do of them; "" of none.
+[[nodiscard]] std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts,
+                                            std::string_view of_others);
 
 }  // namespace lipoid

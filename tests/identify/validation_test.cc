@@ -94,5 +94,19 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   EXPECT_EQ(DoubtAboutStart(curve, Record{}, 1.0), "");
 }
 
+// Of hints that contradict one another the first is of the log that is furthest off, within full.
+TEST(Validation, SaysOfManyStartsTheWorstFirst) {
+  std::vector<StartDoubt> doubts{{"a.csv", 4.25, 1.6, 1.0}, {"b.csv", 3.9, 0.9, 1.0}};
+  doubts.push_back({"c.csv", 3.5, 0.5, 1.0});
+  EXPECT_EQ(DoubtsAboutStarts(doubts, "mend the first"),
+            "c.csv rests at 3.5 V before its first load, where v_oc(A) has a state of charge of "
+            "0.50, not 1; if it had rested long enough, say initial_soc 0.50; the starts of "
+            "b.csv (0.90, not 1), a.csv (1.60, not 1) are doubtful, too: mend the first");
+  doubts.assign(8, {"d.csv", 3.9, 0.9, 1.0});
+  EXPECT_TRUE(DoubtsAboutStarts(doubts, "mend")
+                  .ends_with("d.csv (0.90, not 1), 2 more are doubtful, too: mend"));
+  EXPECT_EQ(DoubtsAboutStarts({}, "mend"), "");
+}
+
 }  // namespace
 }  // namespace lipoid

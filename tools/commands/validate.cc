@@ -71,6 +71,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   const auto most_rows = RowsOfPage(lengths, kColumns);
   const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
   std::vector<LogErrors> all;
+  std::vector<StartDoubt> starts;
   for (auto& loaded : logs) {
     const Surroundings among = surroundings.Of(loaded.log.record);
     const double initial_soc = start.Soc(cell, among);
@@ -87,10 +88,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
     }
     LogErrors errors = validation.Result();
     errors.file = loaded.entry.file;
-    if (const std::string doubt =
-            DoubtAboutStart(cell.open_circuit_voltage, loaded.log.record, initial_soc);
-        !doubt.empty())
-      line.Message("{} {} (--initial-soc)", errors.file, doubt);
+    if (auto doubt = DoubtOfStart(cell.open_circuit_voltage, loaded.log.record, initial_soc)) {
+      doubt->file = errors.file;
+      starts.push_back(std::move(*doubt));
+    }
     table.Row({errors.file,
                fmt::format("{}", errors.all.rows),
                cli::Significant(errors.all.mean_error_percent),
@@ -119,6 +120,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
         errors.file,
         Counted(errors.rows_outside_curve, "row"));
   }
+  const bool one_start = starts.size() == 1;
+  if (const auto doubts = DoubtsAboutStarts(
+          std::move(starts), "--initial-soc is one for all logs, so validate these one by one");
+      !doubts.empty())
+    line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0);
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["logs"] = std::move(rows);
