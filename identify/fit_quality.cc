@@ -71,6 +71,11 @@ std::string FitQuality::Sentence(std::string_view what) const {
   return text;
 }
 
+void FitQuality::Doubt(std::string reason) {
+  grade = std::max(grade, FitGrade::kFair);
+  reasons.push_back(std::move(reason));
+}
+
 FitQuality JudgeFit(const Cell& cell,
                     const std::vector<LogErrors>& fitted,
                     const std::vector<ConstantCurrentErrors>& times,

@@ -53,6 +53,9 @@ struct FitQuality {
   double mean_error_percent = 0.0;   ///< the same
   std::vector<std::string> reasons;  ///< why it is no better; empty where it is good
 
+  /// Good becomes fair for this reason; worse keeps its own.
+  void Doubt(std::string reason);
+
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
   [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;
 };

@@ -134,6 +134,7 @@ void AssessFlights(Identification& found, const std::vector<LoadedLog>& logs) {
     flights.back().record.file = log.entry.file;
   }
   if (!flights.empty())
+    flights.back().report.flight.reset();  // of the pack; the record is of one cell
     found.health = AssessHealth(found.cell, std::move(flights), HealthOptions());
 }
 
@@ -215,7 +216,9 @@ FitQuality QualityOf(const Identification& found,
     std::vector<LogErrors> fitted;
     for (const auto& flight : found.flights_alone->flights) fitted.push_back(flight.errors);
     const double moved_C = (1.0 - found.flights_alone->lowest_soc) * found.cell.alpha_C();
-    return JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah);
+    FitQuality quality = JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah);
+    for (const std::string& doubt : found.flights_alone->doubts) quality.Doubt(doubt);
+    return quality;
   }
   double moved_C = 0.0;
   for (const LoadedLog& log : logs) {

@@ -14,6 +14,7 @@
 #include "identify/health/refuse_flight.h"
 #include "identify/joint/joint_sweep.h"
 #include "identify/trust/cell_uncertainty.h"
+#include "model/battery/cell_file.h"
 #include "model/battery/error_metrics.h"
 
 namespace lipoid {
@@ -127,6 +128,37 @@ std::optional<double> RestVoltage(const Record& record) {
   return sum_V / rows;
 }
 
+// What no lithium-polymer cell has, by the curve of a typical one.
+void DoubtThePack(const Campaign& campaign, FlightsAlone& found) {
+  constexpr double kMost_V = 0.25;  // between chemistries of 4.2 to 4.35 V, and starts roughly told
+  constexpr double kMost = 0.3;     // of the charge
+  const OpenCircuitVoltage typical = LoadCell("gifi-600mAh-1").open_circuit_voltage;
+  const OpenCircuitVoltage& curve = found.cell.open_circuit_voltage;
+  const double high_V = curve(found.highest_soc);
+  const double low_V = curve(found.lowest_soc);
+  const double usual_V = typical(found.highest_soc);
+  const double span = found.highest_soc - found.lowest_soc;
+  const double usual_span = typical.SocAtVoltage(high_V) - typical.SocAtVoltage(low_V);
+  if (std::abs(high_V - usual_V) > kMost_V) {
+    found.doubts.push_back(fmt::format(
+        "a cell would rest at {:.3g} V at a state of charge of {:.2f}, where a lithium-polymer cell has {:.3g} V: "
+        "is `series` wrong ({}), or `initial_soc`?",
+        high_V,
+        found.highest_soc,
+        usual_V,
+        campaign.series));
+  } else if (usual_span - span > kMost) {
+    found.doubts.push_back(fmt::format(
+        "v_oc falls from {:.3g} to {:.3g} V over {:.0f} % of the capacity of {:.4g} Ah, as a lithium-polymer cell "
+        "does over {:.0f} %: is the capacity too large?",
+        high_V,
+        low_V,
+        100.0 * span,
+        campaign.capacity_Ah,
+        100.0 * usual_span));
+  }
+}
+
 FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
   FlightsAlone found;
   const double alpha_C = 3600.0 * campaign.capacity_Ah;
@@ -149,6 +181,14 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
                              flight.window_s,
                              flight.coherence,
                              {}});
+    if (const auto& told = loaded.log.report.flight) {
+      const int series = campaign.series == 1 ? told->cells : campaign.series;  // 1: not said
+      for (std::string& doubt :
+           DoubtsAboutPack(*told, series, campaign.parallel * campaign.capacity_Ah)) {
+        if (std::find(found.doubts.begin(), found.doubts.end(), doubt) == found.doubts.end())
+          found.doubts.push_back(std::move(doubt));
+      }
+    }
     if (flight.coherence < kCoherent) {
       found.cautions.push_back(fmt::format(
           "{}: voltage and current are not of the same instant (their changes agree to {:.0f} %): "
@@ -192,6 +232,7 @@ FlightsAlone FitFlightsAlone(const Campaign& campaign, const std::vector<LoadedL
   cell.open_circuit_voltage = CurveOf(found.solution, found.setup.open_circuit_voltage);
   PutInto(cell, found.solution, found.logs.typical_A);
   AssessInto(found, seen, known);
+  DoubtThePack(campaign, found);
 
   const auto rows = seen.Rows(structure, found.solution.rates, found.solution.x);
   for (std::size_t l = 0; l < rows.size(); ++l) {

@@ -41,6 +41,7 @@ struct FlightsAlone {
   double lowest_soc = 0.0;  ///< of the range that was flown, as counted
   double highest_soc = 1.0;
   double total_resistance_Ohm = 0.0;
+  std::vector<std::string> doubts;  ///< why the pack that was given is none of these flights
   std::vector<std::string> cautions;
   JointLogs logs;  ///< as the fit saw them
   JointSetup setup;

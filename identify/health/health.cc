@@ -252,6 +252,11 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.mean_error_percent = fit.mean_error_percent;
   health.max_error_percent = fit.max_error_percent;
   DoubtTheFit(health);
+  if (log.report.flight) {
+    for (std::string& doubt :
+         DoubtsAboutPack(*log.report.flight, options.series, options.capacity_Ah.value_or(0.0)))
+      health.cautions.push_back(std::move(doubt));
+  }
   if (!reference.typical)
     DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
   AddCautions(samples, fit, reference, health);

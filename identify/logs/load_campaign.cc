@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "identify/logs/columns.h"
+#include "identify/logs/draft.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
@@ -118,8 +119,18 @@ LoadedLog OneOfCell(const Campaign& campaign,
                     Log log,
                     ChargeMoved& moved) {
   RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
-  DivideByPack(log.record, campaign.series, campaign.parallel);
-  moved = CheckPlausible(log.record, campaign.capacity_Ah, campaign.series, campaign.parallel);
+  // Nobody said how large the pack of a flight is, but the autopilot.
+  const int told = log.report.flight ? log.report.flight->cells : 0;
+  const bool pack =
+      campaign.series == 1 && told > 1 && CellsInSeries(FindExtent(log.record.voltage_V).most) > 1;
+  const int series = pack ? told : campaign.series;
+  if (pack) {
+    log.report.warnings.push_back(fmt::format(
+        "the voltage is divided by the {} cells in series that the autopilot was told; `series` says otherwise",
+        told));
+  }
+  DivideByPack(log.record, series, campaign.parallel);
+  moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);
   RefuseOverfull(campaign, entry, log.record, moved);
   return {entry, std::move(log)};
 }

@@ -92,6 +92,12 @@ struct FlightFacts {
   bool cut_last_message = false;
 };
 
+/// What contradicts what an autopilot was told of its pack, one sentence each. A capacity that is not
+/// known is 0 or NaN.
+[[nodiscard]] std::vector<std::string> DoubtsAboutPack(const FlightFacts& told,
+                                                       int series,
+                                                       double capacity_Ah);
+
 /// What was done to a table of more rows than ReadOptions::most_rows (thinning.h).
 struct ThinningFacts {
   std::size_t rows_of_log = 0;

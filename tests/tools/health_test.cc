@@ -1,6 +1,7 @@
 // lipoid health, as a user runs it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "model/core/json.h"
@@ -372,6 +373,41 @@ TEST(IdentifyFlights, CannotGiveMoreThanTheCellHolds) {
   EXPECT_NE(run.out.find("poor: alpha is 0.52 Ah, less than the 0.75"), std::string::npos)
       << run.out;
   EXPECT_EQ(ReadJson(folder, "s.json").at("fit").at("verdict"), "poor");
+}
+
+// A flight alone fits with any pack; what the pack cannot be is said in the first line.
+TEST(IdentifyFlights, SayThatThePackIsNotThatOfTheFlight) {
+  const std::string folder = TestFolder();
+  const auto first_line = [&](const std::string& flight, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"identify", "--flight", Flight(flight), "-o", "cell.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_LE(run.exit_code, 1) << run.err;
+    std::string line = run.out.substr(0, run.out.find("\n\n")) + run.err;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+  };
+  const auto with = [&](const std::string& series, const std::string& capacity_Ah) {
+    return first_line("log171.bin",
+                      {"--initial-soc", "0.93", "--series", series, "--capacity-Ah", capacity_Ah});
+  };
+  EXPECT_NE(with("4", "5.2").find(": good"), std::string::npos);
+  EXPECT_NE(with("5", "5.2")
+                .find("fair: a cell would rest at 3.31 V at a state of charge of 0.93, "
+                      "where a lithium-polymer cell has 4.14 V: is `series` wrong (5)"),
+            std::string::npos);
+  EXPECT_NE(with("4", "52").find("fair: the capacity is 52 Ah, and the autopilot was told 5.2 Ah"),
+            std::string::npos);
+  const std::vector<std::string> pack{"--capacity-Ah", "20", "--initial-soc", "0.5"};
+  const std::string by_log = first_line("quadrotor_local.ulg", pack);
+  EXPECT_NE(by_log.find("divided by the 8 cells in series that the autopilot was told"),
+            std::string::npos)
+      << by_log;
+  auto other = pack;
+  other.insert(other.end(), {"--series", "7"});
+  const std::string by_option = first_line("quadrotor_local.ulg", other);
+  EXPECT_NE(by_option.find("`series` is 7, and the autopilot was told 8"), std::string::npos)
+      << by_option;
 }
 
 TEST(IdentifyFlights, AreNoProblemForOptimizers) {
