@@ -9,6 +9,7 @@
 #include "identify/constant_current_validation.h"
 #include "identify/health/flights_report.h"
 #include "identify/health/health_report.h"
+#include "identify/joint/held_shape.h"
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/joint_profile.h"
 #include "identify/joint/joint_report.h"
@@ -21,6 +22,7 @@
 #include "identify/trust/profile_report.h"
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
+#include "model/battery/cell_parameters.h"
 #include "model/statistics/student.h"
 
 namespace lipoid {
@@ -132,9 +134,9 @@ void AssessFlights(Identification& found, const std::vector<LoadedLog>& logs) {
     if (log.entry.kind != LogKind::kFlight) continue;
     flights.push_back(log.log);
     flights.back().record.file = log.entry.file;
+    flights.back().report.flight.reset();  // of the pack; the record is of one cell
   }
   if (!flights.empty())
-    flights.back().report.flight.reset();  // of the pack; the record is of one cell
     found.health = AssessHealth(found.cell, std::move(flights), HealthOptions());
 }
 
@@ -238,6 +240,33 @@ FitQuality QualityOf(const Identification& found,
                   found.staged->constant_current,
                   moved_C,
                   campaign.capacity_Ah);
+}
+
+// Why the cell is no older or younger state of the reference; "" where it may be. With alpha, beta and
+// the resistances bent, a short test fits with the file of quite another cell.
+std::string DoubtAboutReference(const HeldShape& held, const Identification& found) {
+  const auto total_Ohm = [](const Cell& cell) {
+    double sum_Ohm = 0.0;
+    for (const std::string& name : CellResistanceNames(cell))
+      sum_Ohm += (*CellResistance(cell, name))(0.5);
+    return sum_Ohm;
+  };
+  const QuantityTrust* alpha = FindQuantity(found.trust, "alpha");
+  const bool known = alpha != nullptr && std::isfinite(alpha->standard_error);
+  const double least_C = known ? alpha->low : found.cell.alpha_C();
+  const double most_C = known ? alpha->high : found.cell.alpha_C();
+  const double of_charge = found.cell.alpha_C() / held.cell.alpha_C();
+  const double of_resistance = total_Ohm(found.cell) / total_Ohm(held.cell);
+  if (least_C <= kMostCapacityOfNew * held.cell.alpha_C() &&
+      most_C >= kLeastCapacityOfNew * held.cell.alpha_C() &&
+      of_resistance >= kLeastResistanceOfNew && of_resistance <= kMostResistanceOfNew)
+    return "";
+  return fmt::format(
+      "the cell would have {:.2g} times the charge and {:.2g} times the resistance of the reference {}, and no "
+      "cell ages so: is that the file of another cell? Then leave --reference out, or give the right one",
+      of_charge,
+      of_resistance,
+      held.source);
 }
 
 // The first line is of the logs that were fitted. Where others are described far worse it says too much.
@@ -390,6 +419,7 @@ Identification Identify(const Campaign& campaign,
     TakeFlights(found, logs);
   }
   found.log_notes = NotesOnLogs(logs);
+  std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
     auto doubt =
@@ -398,7 +428,15 @@ Identification Identify(const Campaign& campaign,
     doubt->file = log.entry.file;
     starts.push_back(std::move(*doubt));
   }
+  if (auto doubts = DoubtsAboutStarts(
+          std::move(starts), "one wrong start bends v_oc(A) for all, so mend the first one first");
+      !doubts.empty())
+    found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (const auto& held = options.given.reference) {
+    if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
+      found.quality.Doubt(std::move(doubt));
+  }
   NoteOnOtherLogs(found);
   return found;
 }
@@ -423,8 +461,3 @@ Json IdentificationToJson(const Identification& found) {
 }
 
 }  // namespace lipoid
-  std::vector<StartDoubt> starts;
-  if (auto doubts = DoubtsAboutStarts(
-          std::move(starts), "one wrong start bends v_oc(A) for all, so mend the first one first");
-      !doubts.empty())
-    found.log_notes.push_back(std::move(doubts));

@@ -9,11 +9,12 @@
 #include "identify/fit_quality.h"
 #include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
+#include "identify/joint/held_shape.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
-#include "model/core/errors.h"
 #include "model/core/counted.h"
+#include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/statistics/student.h"
 
@@ -116,15 +117,11 @@ void AddCautions(const FlightSamples& samples,
         "the start is at its upper limit: the pack was fuller than the reference's full");
 }
 
-// Of the resistance when new: a cold and old cell has some times of it, no cell has much less of it.
-constexpr double kLeastResistance = 1.0 / 3.0;
-constexpr double kMostResistance = 6.0;
-
 // Another cell, or one of another size, can be bent until it fits.
 void DoubtTheResistance(double new_Ohm, FlightHealth& health) {
   if (!health.doubted_because.empty() || !health.resistance_Ohm.known() || !(new_Ohm > 0.0)) return;
   const double of_new = health.resistance_Ohm.value / new_Ohm;
-  if (of_new >= kLeastResistance && of_new <= kMostResistance) return;
+  if (of_new >= kLeastResistanceOfNew && of_new <= kMostResistanceOfNew) return;
   health.doubted_because = fmt::format(
       "the resistance would be {:.0f} % of new, and no cell becomes like this: is the reference another "
       "cell, or the pack of another size (--capacity-Ah, --parallel, --series)? Then the capacity is "
@@ -252,14 +249,14 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.mean_error_percent = fit.mean_error_percent;
   health.max_error_percent = fit.max_error_percent;
   DoubtTheFit(health);
+  if (!reference.typical)
+    DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
+  AddCautions(samples, fit, reference, health);
   if (log.report.flight) {
     for (std::string& doubt :
          DoubtsAboutPack(*log.report.flight, options.series, options.capacity_Ah.value_or(0.0)))
       health.cautions.push_back(std::move(doubt));
   }
-  if (!reference.typical)
-    DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
-  AddCautions(samples, fit, reference, health);
   return health;
 }
 

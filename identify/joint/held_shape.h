@@ -18,6 +18,13 @@
 
 namespace lipoid {
 
+/// Of the resistance when new: a cold and old cell has some times of it, no cell has much less.
+inline constexpr double kLeastResistanceOfNew = 1.0 / 3.0;
+inline constexpr double kMostResistanceOfNew = 6.0;
+/// Age takes charge and brings none; a third more is another cell.
+inline constexpr double kMostCapacityOfNew = 4.0 / 3.0;
+inline constexpr double kLeastCapacityOfNew = 1.0 / 3.0;
+
 struct HeldShape {
   std::string source;  ///< a file or a name, for reports
   Cell cell;           ///< one cell, in amperes and volts of its own

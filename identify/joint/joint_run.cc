@@ -517,6 +517,11 @@ class JointRun {
           held->source,
           fmt::join(HeldNames(*held), ", "),
           fmt::join(FittedBesideAReference(*held), ", ")));
+      say.push_back(fmt::format(
+          "that {} is this very cell is an assumption: these logs would show another one only where they reach, "
+          "above a state of charge of {:.2f}",
+          held->source,
+          LowestSoc(result_.alpha_C)));
     }
     for (const auto& name : best.at_bound) {
       say.push_back(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "identify/identification.h"
@@ -151,6 +152,30 @@ TEST(HeldShape, WithoutDiffusionIsKeptToo) {
   StagedOptions options;
   options.pulses.diffusion = false;
   EXPECT_THROW((void)IdentifyJoint(campaign, logs, options, {}, Reference(New())), OptionError);
+}
+
+// The curve of a smaller cell with ten times the resistance fits a short test as well.
+TEST(HeldShape, OfAnotherCellIsDoubted) {
+  const auto logs = ShortTest(Aged(), 1, 3.0);
+  Campaign campaign = test::CampaignOf(logs);
+  campaign.capacity_Ah = 0.3;  // of now
+  IdentifyOptions options{.given = Reference(New())};
+  const Identification same = Identify(campaign, logs, options);
+  EXPECT_EQ(same.quality.grade, FitGrade::kGood) << same.Verdict();
+  const auto& cautions = same.joint->cautions;
+  EXPECT_TRUE(std::any_of(cautions.begin(), cautions.end(), [](const auto& one) {
+    return one.starts_with("that new.cell.json is this very cell is an assumption: ");
+  }));
+  Cell other = New();
+  other.diffusion->alpha_C *= 0.5;
+  for (double& r : other.series_resistance_Ohm.resistance_Ohm) r *= 10.0;
+  options.given = Reference(other);
+  const Identification doubted = Identify(campaign, logs, options);
+  EXPECT_EQ(doubted.quality.grade, FitGrade::kFair) << doubted.Verdict();
+  EXPECT_NE(doubted.Verdict().find("times the resistance of the reference new.cell.json, and no "
+                                   "cell ages so"),
+            std::string::npos)
+      << doubted.Verdict();
 }
 
 TEST(HeldShape, IsRefusedWhereItCannotBeHeld) {
