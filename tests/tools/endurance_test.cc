@@ -283,9 +283,15 @@ TEST(EnduranceCommand, APackThatCannotCarryTheMissionIsNoFlight) {
       << run.out;
   // The pack has the power, but not at a voltage above its cut-off.
   WriteFileAtomically(folder + "/p.csv", "time_s,power_W\n0,29\n60,29\n");
-  const auto low = RunLipoid(
-      folder,
-      {"endurance", "--cell", kCell, "--mission", "power=p.csv", "--once", "--summary", "low.json"});
+  const auto low = RunLipoid(folder,
+                             {"endurance",
+                              "--cell",
+                              kCell,
+                              "--mission",
+                              "power=p.csv",
+                              "--once",
+                              "--summary",
+                              "low.json"});
   EXPECT_EQ(low.exit_code, 1) << low.err;
   EXPECT_EQ(ReadJson(folder, "low.json").at("ended_by"), "cut-off");
   EXPECT_TRUE(low.out.starts_with("This pack cannot carry this mission: the flight ends after 1"))
