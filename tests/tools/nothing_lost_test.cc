@@ -157,7 +157,6 @@ TEST(NothingLost, TwoOutputsAreTwoFiles) {
       {"convert", "logs/cc.csv", "-o", "new.csv", "--summary", "linked/../new.csv"},
       {"inspect", "logs", "--write-campaign", "new.toml", "--summary", "new.toml"},
       {"export-controller", "-o", "code", "--summary", "code/lipoid_numbers.h"},
-      {"export", "cell.json", "--to", "ardupilot", "-o", "new.parm"},
   };
   const auto before = Contents(folder);
   for (const auto& arguments : all) {
@@ -166,6 +165,14 @@ TEST(NothingLost, TwoOutputsAreTwoFiles) {
     EXPECT_NE(run.err.find("is named twice; name two files"), std::string::npos) << run.err;
     ASSERT_EQ(Contents(folder), before) << arguments.back();
   }
+  // The second file of this target would have the name of the first.
+  const auto second =
+      RunLipoid(folder, {"export", "cell.json", "--to", "ardupilot", "-o", "new.parm"});
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.err.find("the first file of ardupilot is its .json; give new.json"),
+            std::string::npos)
+      << second.err;
+  EXPECT_EQ(Contents(folder), before);
 }
 
 TEST(NothingLost, FilesInAFolderOfOutputsAreOutputs) {
