@@ -434,6 +434,9 @@ TEST(Run, UsageErrorsSayWhatIsKnownAndWhatWasMeant) {
       {{"succeed", "--threads", "0"},
        "lipoid succeed: error: option --threads: expected a whole number, 1 .. 4096, found '0'\n"
        "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "word", ""},  // of a variable that is not set
+       "lipoid succeed: error: WORD is an empty text; expected words\n"
+       "Try 'lipoid succeed --help'.\n"},
       {{"load", "word"},
        "lipoid load: error: 'word' is one argument too many\nTry 'lipoid load --help'.\n"},
   };

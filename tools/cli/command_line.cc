@@ -454,8 +454,12 @@ void CommandLine::AssignArguments(const std::vector<std::string>& words) {
       positional.rest->assign(words.begin() + static_cast<std::ptrdiff_t>(next), words.end());
       next = words.size();
     }
-    if (positional.input) {
-      for (std::size_t k = first; k < next; ++k) files_.AddInput(words[k]);
+    for (std::size_t k = first; k < next; ++k) {
+      if (words[k].empty()) {
+        throw OptionError(
+            fmt::format("{} is an empty text; expected {}", positional.name, positional.help));
+      }
+      if (positional.input) files_.AddInput(words[k]);
     }
   }
   if (next < words.size()) {

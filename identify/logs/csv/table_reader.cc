@@ -350,7 +350,9 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
     --fields;
     trailing_delimiter_ = true;
   }
-  if (!has_end && (fields < spec_.fields || IsCut(line, cells_))) {
+  // A line in quotes as a whole has its last digit before the closing quote.
+  const bool closed = inside.size() < line.size();
+  if (!has_end && (fields < spec_.fields || (!closed && IsCut(line, cells_)))) {
     ++cut_last_lines_;
     return Row::kSkipped;
   }

@@ -202,6 +202,18 @@ TEST(TableReader, PiecesReadSideBySideAreAsIfReadInTurn) {
   }
 }
 
+// Each row is one text in quotes: its closing quote shows that the last row is whole.
+TEST(TableReader, ALastRowInQuotesNeedsNoLineEnd) {
+  const std::string rows = "header\n\"0,4.125\"\n\"1,4.125\"\n\"2,4.125\"\n";
+  for (const char* const last : {"\"3,4.125\"", "\"3,4.1\""}) {
+    const auto columns = ReadAll(WriteText("quoted.csv", rows + last), ',', 2);
+    ASSERT_EQ(columns[0].size(), 4U) << last;
+    EXPECT_EQ(columns[0][3], 3.0);
+  }
+  // Without the closing quote it is cut off.
+  EXPECT_EQ(ReadAll(WriteText("quoted.csv", rows + "\"3,4.1"), ',', 2)[0].size(), 3U);
+}
+
 TEST(Cells, QuotesAndColumns) {
   std::vector<TextCell> cells;
   SplitLine(R"(a, "b;c" ,"d ""e""",, "open)", ',', cells);
