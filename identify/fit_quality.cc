@@ -54,6 +54,40 @@ void CountTimes(const std::vector<ConstantCurrentErrors>& times, Judgement& judg
                         worst->measured_s));
 }
 
+// alpha is the charge down to the cut-off, by definition.
+void CountCutoff(const Cell& cell, Judgement& judgement) {
+  const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
+  constexpr double kReached_V = 0.02;
+  if (!(curve(curve.soc_lo()) <= cell.cutoff_V + kReached_V)) return;
+  const double soc = std::max(curve.SocAtVoltage(cell.cutoff_V), curve.soc_lo());
+  judgement.Count(
+      GradeOf(soc, kCutoffLimits),
+      fmt::format(
+          "v_oc(A) is down to the cut-off of {:.4g} V at a state of charge of {:.2f}, so that "
+          "alpha, {:.3g} Ah, is not the charge that these logs show: look at initial_soc and "
+          "at what was given for alpha",
+          cell.cutoff_V,
+          soc,
+          cell.alpha_C() / 3600.0));
+}
+
+void CountDrop(const Cell& cell, Judgement& judgement) {
+  constexpr double kHalf = 0.5;
+  double resistance_Ohm = cell.series_resistance_Ohm(kHalf);
+  for (const auto& branch : cell.branches) resistance_Ohm += branch.resistance_Ohm(kHalf);
+  const double one_C_A = cell.alpha_C() / 3600.0;
+  const double room_V = cell.open_circuit_voltage(kHalf) - cell.cutoff_V;
+  judgement.Count(
+      GradeOf(one_C_A * resistance_Ohm / std::max(room_V, 1e-3), kDropLimits),
+      fmt::format(
+          "r_s and the branches have {:.3g} Ohm at half charge, which at 1C takes {:.3g} V of the "
+          "{:.3g} V above the cut-off: they stand in for something that these logs do not "
+          "tell apart from them",
+          resistance_Ohm,
+          one_C_A * resistance_Ohm,
+          room_V));
+}
+
 }  // namespace
 
 FitGrade GradeOf(double value, const GradeLimits& limits) {
@@ -106,11 +140,14 @@ FitQuality JudgeFit(const Cell& cell,
         GradeOf(std::max(alpha_Ah / nominal_Ah, nominal_Ah / alpha_Ah), kCapacityLimits),
         fmt::format("alpha is {:.3g} Ah for a cell of {:.4g} Ah", alpha_Ah, nominal_Ah));
   }
-  judgement.Count(GradeOf(moved_C / cell.alpha_C(), kMovedLimits),
-                  fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah below full that a log reaches",
-                              alpha_Ah,
-                              moved_C / 3600.0));
+  judgement.Count(
+      GradeOf(moved_C / cell.alpha_C(), kMovedLimits),
+      fmt::format("alpha is {:.3g} Ah, less than the {:.3g} Ah below full that a log reaches",
+                  alpha_Ah,
+                  moved_C / 3600.0));
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
+  CountCutoff(cell, judgement);
+  CountDrop(cell, judgement);
   const double empty_V = curve(std::max(0.0, curve.soc_lo()));
   const double full_V = curve(std::min(1.0, curve.soc_hi()));
   const bool possible =

@@ -40,6 +40,11 @@ inline constexpr GradeLimits kTimeLimits_percent{10.0, 35.0};
 inline constexpr GradeLimits kCapacityLimits{1.75, 3.0};
 /// The charge that the logs move over alpha: a cell cannot give more than it holds.
 inline constexpr GradeLimits kMovedLimits{1.1, 1.3};
+/// The state of charge at which v_oc(A) is the cut-off, where it should be 0.
+inline constexpr GradeLimits kCutoffLimits{0.1, 0.3};
+/// What all resistances take at half charge and 1C over what v_oc there is above the cut-off: a cell
+/// that loses more of it cannot be discharged in an hour.
+inline constexpr GradeLimits kDropLimits{1.0, 4.0};
 /// A lithium-polymer cell at rest, in V; v_oc(A) beyond these is no cell's.
 inline constexpr double kLowestOpenCircuit_V = 1.0;
 inline constexpr double kHighestOpenCircuit_V = 5.0;

@@ -42,9 +42,10 @@ TEST(FitQuality, OfAGoodFitIsOneSentence) {
 }
 
 TEST(FitQuality, TheWorstOfItsReasonsCounts) {
-  EXPECT_EQ(JudgeFit(TheCell(), {Fitted(2.0, 0.01)}, {Time(1700, 1400)}, 1300, 0.4).Sentence(),
-            "predicts its own logs to 10 mV (2 %): fair: a mean error of 2 %; up to 1 % is good, up "
-            "to 3 % fair; at 0.6 A it predicts 1400 s until the cut-off, where 1700 s were measured");
+  EXPECT_EQ(
+      JudgeFit(TheCell(), {Fitted(2.0, 0.01)}, {Time(1700, 1400)}, 1300, 0.4).Sentence(),
+      "predicts its own logs to 10 mV (2 %): fair: a mean error of 2 %; up to 1 % is good, up "
+      "to 3 % fair; at 0.6 A it predicts 1400 s until the cut-off, where 1700 s were measured");
   EXPECT_EQ(JudgeFit(TheCell(), {Fitted(2.0, 0.01)}, {Time(1700, 34)}, 1300, 0.4).Sentence(),
             "predicts its own logs to 10 mV (2 %): poor: at 0.6 A it predicts 34 s until the "
             "cut-off, where 1700 s were measured");
@@ -68,6 +69,41 @@ TEST(FitQuality, SeesWhatNoCellIs) {
   cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.0, 1.0}, {-3.0, 9.0});
   EXPECT_EQ(JudgeFit(cell, well, {}, 1300, 0.4).reasons,
             (std::vector<std::string>{"v_oc(A) runs from -3 to 9 V, which no cell does"}));
+}
+
+// alpha is the charge down to the cut-off; a wrong initial_soc makes another of it.
+TEST(FitQuality, SeesThatTheCutOffIsNotWhereTheCellIsEmpty) {
+  const std::vector<LogErrors> well{Fitted(0.1, 0.003)};
+  Cell cell = TheCell();
+  const auto down_to = [&](double soc) {
+    cell.open_circuit_voltage = OpenCircuitVoltage::Linear({soc, 1.0}, {cell.cutoff_V, 4.2});
+    return JudgeFit(cell, well, {}, 800, 0.4);
+  };
+  EXPECT_EQ(down_to(0.05).grade, FitGrade::kGood);
+  EXPECT_EQ(down_to(0.2).grade, FitGrade::kFair);
+  EXPECT_EQ(down_to(0.375).grade, FitGrade::kPoor);
+  EXPECT_EQ(
+      down_to(0.375).reasons,
+      (std::vector<std::string>{
+          "v_oc(A) is down to the cut-off of 3 V at a state of charge of 0.38, so that alpha, "
+          "0.376 Ah, is not the charge that these logs show: look at initial_soc and at what "
+          "was given for alpha"}));
+  // Where no log went so deep nothing is known of it.
+  cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.375, 1.0}, {3.6, 4.2});
+  EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4).grade, FitGrade::kGood);
+}
+
+// 0.376 A through 8.13 Ohm.
+TEST(FitQuality, SeesABranchThatStandsInForSomethingElse) {
+  const std::vector<LogErrors> well{Fitted(0.1, 0.003)};
+  Cell cell = TheCell();
+  cell.branches = {{Resistance<double>(8.0), 17700.0, 2212.5}};
+  const auto quality = JudgeFit(cell, well, {}, 1300, 0.4);
+  EXPECT_EQ(quality.grade, FitGrade::kFair);
+  ASSERT_EQ(quality.reasons.size(), 1U);
+  EXPECT_TRUE(quality.reasons[0].starts_with(
+      "r_s and the branches have 8.13 Ohm at half charge, which at 1C takes 3.06 V of the "))
+      << quality.reasons[0];
 }
 
 TEST(FitQuality, AsJson) {
