@@ -419,11 +419,12 @@ Identification Identify(const Campaign& campaign,
     TakeFlights(found, logs);
   }
   found.log_notes = NotesOnLogs(logs);
+  const auto of_low_rate = found.joint ? LowRateCurve(found.joint->staged, logs) : std::nullopt;
+  const OpenCircuitVoltage& curve = of_low_rate ? *of_low_rate : found.cell.open_circuit_voltage;
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere
-    auto doubt =
-        DoubtOfStart(found.cell.open_circuit_voltage, log.log.record, log.entry.initial_soc);
+    auto doubt = DoubtOfStart(curve, log.log.record, log.entry.initial_soc);
     if (!doubt) continue;
     doubt->file = log.entry.file;
     starts.push_back(std::move(*doubt));

@@ -64,8 +64,8 @@ namespace {
 
 std::string Sentence(const StartDoubt& doubt) {
   return fmt::format(
-      "rests at {:.4g} V before its first load, where v_oc(A) has a state of charge of {:.2f}, not "
-      "{:g}; if it had rested long enough, say initial_soc {:.2f}",
+      "rests at {:.4g} V before its first load, where v_oc(A) has a state of charge of {:g}, not "
+      "{:g}; if it had rested long enough, say initial_soc {:g}",
       doubt.rest_V,
       doubt.soc,
       doubt.given,
@@ -85,7 +85,7 @@ std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
   while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
   if (rows == 0 || rows == record.size()) return std::nullopt;
   const double rest_V = record.voltage_V[rows - 1];
-  const double soc = std::round(100.0 * curve.SocAtVoltage(rest_V)) / 100.0 + 0.0;  // no -0.00
+  const double soc = std::round(1e3 * curve.SocAtVoltage(rest_V)) / 1e3 + 0.0;  // no -0
   if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
     return std::nullopt;
   return StartDoubt{record.file, rest_V, soc, initial_soc};
@@ -113,7 +113,7 @@ std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view o
   std::vector<std::string> others;
   for (std::size_t k = 1; k < std::min(doubts.size(), 1 + kNamed); ++k)
     others.push_back(
-        fmt::format("{} ({:.2f}, not {:g})", doubts[k].file, doubts[k].soc, doubts[k].given));
+        fmt::format("{} ({:g}, not {:g})", doubts[k].file, doubts[k].soc, doubts[k].given));
   if (doubts.size() > 1 + kNamed)
     others.push_back(fmt::format("{} more", doubts.size() - 1 - kNamed));
   return fmt::format(

@@ -483,7 +483,8 @@ class CellRows {
         slope_[slots_.hysteresis()] = half.value * hysteresis_by_folds_;
         by_offset_V += half.value * hysteresis_by_offset_per_A_;
         // The e-folds over a charge are those over A where the axis follows alpha.
-        if (setup_.held) by_alpha_V = -half.value * hysteresis_by_folds_ * folds_per_C_;
+        if (setup_.axis_follows_alpha)
+          by_alpha_V = -half.value * hysteresis_by_folds_ * folds_per_C_;
       }
     }
     if (structure_.temperature && x_ != nullptr) {

@@ -45,13 +45,16 @@ struct JointSetup {
   bool slow_branches = false;
   /// At which the parameters are those of the cell.
   double reference_K = kUsual_K;
-  /// What an earlier cell lends. Then A is counted from the alpha that is searched, and curves and
-  /// tables are held over A.
+  /// What an earlier cell lends: curves and tables are held over A.
   std::shared_ptr<const HeldShape> held = {};
+  /// A is counted from the alpha that is searched, as it must where v_oc(A) is given.
+  bool axis_follows_alpha = false;
+  /// The charge about which alpha is searched; NaN: alpha_C.
+  double search_about_C = std::numeric_limits<double>::quiet_NaN();
 
   /// The charge of which A is a share.
   [[nodiscard]] double AxisCharge(double searched_C) const {
-    return held && !std::isnan(searched_C) ? searched_C : alpha_C;
+    return axis_follows_alpha && !std::isnan(searched_C) ? searched_C : alpha_C;
   }
 };
 

@@ -39,6 +39,14 @@ StagedOptions KeepingTo(const HeldShape* held, StagedOptions options) {
   return options;
 }
 
+// From full to the end of the low-rate log; 0 without one.
+double LowRateCharge(const StagedResult& staged, const std::vector<LoadedLog>& logs) {
+  const auto low_rate = std::find_if(logs.begin(), logs.end(), [](const LoadedLog& log) {
+    return log.entry.kind == LogKind::kLowRate;
+  });
+  return low_rate == logs.end() ? 0.0 : staged.low_rate_charge_C / low_rate->entry.initial_soc;
+}
+
 // A fit by another alpha is better, and not only by what smoothness and nodes make of it.
 constexpr double kClearlyBetter = 0.9;
 
@@ -111,6 +119,7 @@ class JointRun {
       if (warm || !name.starts_with("E_")) known_.fixed.try_emplace(name, value);
     }
     result_.setup.held = held;
+    result_.setup.axis_follows_alpha = true;
     if (cell.temperature) result_.setup.reference_K = cell.temperature->reference_K;
   }
 
@@ -184,65 +193,75 @@ class JointRun {
     return curve_given_ ? std::vector<double>{} : result_.setup.open_circuit_voltage.soc();
   }
 
-  // alpha is an unknown of the fit itself, from anywhere; its weights and its axis want one that is
-  // near.
-  void FindAlphaOfHeld() {
-    free_alpha_ = true;
-    result_.alpha_source = "least-squares";
-    double alpha_C = given_.reference->cell.alpha_C();
-    for (int pass = 0; pass < 2; ++pass) {
-      Tell("alpha", 0.2 + 0.05 * pass);
-      Prepare(alpha_C);
-      const JointObservations seen(result_.logs, result_.setup);
-      JointStructure structure;
+  // What the search for alpha fits: enough to bring the logs together, and no more.
+  [[nodiscard]] JointStructure RoughStructure(double alpha_C) const {
+    JointStructure structure;
+    structure.free_alpha = free_alpha_;
+    if (given_.reference) {
       structure.branches = options_.branches;
       structure.resistance_soc = given_.reference->ResistanceNodes();
       structure.charge_transfer = options_.charge_transfer == Presence::kOn;
-      structure.free_alpha = true;
-      const JointSolution rough = JointFit(seen, known_).Search(structure, 1e-3);
+      return structure;
+    }
+    structure.branches = options_.branches >= 0 ? options_.branches : 1;
+    structure.resistance_soc =
+        OnAxis(ResistanceNodes(options_.resistance_nodes > 0 ? options_.resistance_nodes
+                               : result_.logs.groups >= 2    ? 13
+                                                             : 1),
+               LowestSoc(alpha_C));
+    structure.voltage_soc = CurveNodes();
+    structure.temperature = result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K &&
+                            options_.temperature != Presence::kOff;
+    return structure;
+  }
+
+  // A fit about that alpha, near another one if there was one.
+  [[nodiscard]] JointSolution RoughFit(double alpha_C, const JointSolution& near) {
+    Prepare(alpha_C);
+    const JointObservations seen(result_.logs, result_.setup);
+    return JointFit(seen, known_)
+        .Search(RoughStructure(alpha_C), 1e-3, near.x.size() > 0 ? &near : nullptr);
+  }
+
+  // v_oc(A) is given over the whole charge, or held: alpha is an unknown of the fit itself, what
+  // brings the logs onto that curve. Weights and axis want one that is near.
+  void FindAlphaOfCurve(double alpha_C) {
+    result_.setup.axis_follows_alpha = free_alpha_ = true;
+    result_.alpha_source = "least-squares";
+    if (!given_.reference) result_.setup.search_about_C = alpha_C;
+    for (int pass = 0; pass < 2; ++pass) {
+      Tell("alpha", 0.2 + 0.05 * pass);
+      const JointSolution rough = RoughFit(alpha_C, {});
       if (rough.x.size() == 0) break;
       alpha_C = rough.rates.alpha_C;
     }
     Prepare(alpha_C);
   }
 
+  // The charge of the low-rate log, or else alpha of the staged run.
+  [[nodiscard]] double ChargeOfLogs() {
+    const double charge_C = LowRateCharge(result_.staged, logs_);
+    source_of_start_ = charge_C > 0.0 ? "low-rate-charge" : result_.staged.alpha_source;
+    return charge_C > 0.0 ? charge_C : result_.staged.alpha_C;
+  }
+
   // alpha with which v_oc(0) is the cut-off, by a first fit.
   void FindAlpha() {
     const StagedResult& staged = result_.staged;
-    if (given_.reference && !given_.alpha_C) return FindAlphaOfHeld();
-    if (given_.alpha_C || curve_given_ || !campaign_.cutoff_V) {
+    if (given_.alpha_C || (!curve_given_ && !campaign_.cutoff_V)) {
       Prepare(staged.alpha_C);
       result_.alpha_source = staged.alpha_source;
       return;
     }
-    double alpha_C = staged.alpha_C;
-    source_of_start_ = staged.alpha_source;
-    for (const LoadedLog& log : logs_) {
-      if (log.entry.kind == LogKind::kLowRate && staged.low_rate_charge_C > 0.0) {
-        alpha_C = staged.low_rate_charge_C / log.entry.initial_soc;
-        source_of_start_ = "low-rate-charge";
-        break;
-      }
-    }
+    if (given_.reference) return FindAlphaOfCurve(given_.reference->cell.alpha_C());
+    double alpha_C = ChargeOfLogs();
+    if (curve_given_) return FindAlphaOfCurve(alpha_C);
     result_.alpha_source = "cut-off";
     // Twice: the nodes move with the capacity reference, and where they lie matters a little.
     const double charge_C = alpha_C;
     JointSolution rough;
     const auto search = [&] {
-      Prepare(alpha_C);
-      const JointObservations seen(result_.logs, result_.setup);
-      JointStructure structure;
-      structure.branches = options_.branches >= 0 ? options_.branches : 1;
-      structure.resistance_soc =
-          OnAxis(ResistanceNodes(options_.resistance_nodes > 0 ? options_.resistance_nodes
-                                 : result_.logs.groups >= 2    ? 13
-                                                               : 1),
-                 LowestSoc(alpha_C));
-      structure.voltage_soc = CurveNodes();
-      structure.temperature = result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K &&
-                              options_.temperature != Presence::kOff;
-      structure.free_alpha = free_alpha_;
-      rough = JointFit(seen, known_).Search(structure, 1e-3, rough.x.size() > 0 ? &rough : nullptr);
+      rough = RoughFit(alpha_C, rough);
       return std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
     };
     for (int pass = 0; pass < 2; ++pass) {
@@ -263,7 +282,7 @@ class JointRun {
       free_alpha_ = true;
       // From the charge of the low-rate log; again where alpha moved, since the nodes lie where the
       // logs went by the alpha before.
-      alpha_C = charge_C;
+      result_.setup.search_about_C = alpha_C = charge_C;
       constexpr int kMostPasses = 5;
       constexpr double kSettled = 1e-3;
       double rmse_V = kInfinity;
@@ -406,7 +425,7 @@ class JointRun {
     } else if (free_alpha_) {
       alpha_C = best.rates.alpha_C;
     }
-    if (setup.held) {
+    if (setup.axis_follows_alpha) {
       // Every curve is over A already.
     } else if ((AllStartFull(logs_) || free_alpha_) && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
@@ -534,6 +553,7 @@ class JointRun {
                             "better beyond it",
                             name));
     }
+    NameStartsThatAlphaRestsOn();
     NameTemperatureCautions();
     if (best.structure.current_offset) {
       say.push_back(fmt::format(
@@ -564,6 +584,23 @@ class JointRun {
             j + 1));
       }
     }
+  }
+
+  // A log that starts at A_0 after the charge q has A_0 = 1 - q/alpha: dalpha/dA_0 = alpha/(1 - A_0).
+  void NameStartsThatAlphaRestsOn() {
+    if (!free_alpha_ || result_.setup.axis_follows_alpha) return;
+    constexpr double kStep = 0.01;
+    std::vector<std::string> starts;
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind == LogKind::kValidation || log.entry.initial_soc == 1.0) continue;
+      const double change_percent = 100.0 * kStep / (1.0 - log.entry.initial_soc);
+      starts.push_back(fmt::format("{} ({:.2g} %)", log.entry.file, std::abs(change_percent)));
+    }
+    result_.cautions.push_back(fmt::format(
+        "alpha rests on the initial_soc of these logs, which are taken as exact. In brackets is how "
+        "much another alpha a start that is off by {:g} would ask for: {}",
+        kStep,
+        fmt::join(starts, ", ")));
   }
 
   void NameTemperatureCautions() {
@@ -627,6 +664,13 @@ JointResult IdentifyJoint(const Campaign& campaign,
                           const StagedGiven& given,
                           const StageProgress& progress) {
   return JointRun(campaign, logs, staged_options, options, given, progress).Run();
+}
+
+std::optional<OpenCircuitVoltage> LowRateCurve(const StagedResult& staged,
+                                               const std::vector<LoadedLog>& logs) {
+  const double charge_C = LowRateCharge(staged, logs);
+  if (!staged.open_circuit_voltage || !(charge_C > 0.0)) return std::nullopt;
+  return Rescaled(staged.cell.open_circuit_voltage, staged.alpha_C, charge_C);
 }
 
 }  // namespace lipoid

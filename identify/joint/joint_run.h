@@ -54,4 +54,9 @@ struct JointResult {
                                         const StagedGiven& given = {},
                                         const StageProgress& progress = {});
 
+/// v_oc over the charge of the low-rate log, by that log alone, which no wrong start of another one
+/// has bent; none where there is no such log, or another curve was given.
+[[nodiscard]] std::optional<OpenCircuitVoltage> LowRateCurve(const StagedResult& staged,
+                                                             const std::vector<LoadedLog>& logs);
+
 }  // namespace lipoid

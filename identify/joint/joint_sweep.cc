@@ -157,9 +157,10 @@ SocTrace TraceSoc(const JointLogs& logs,
     const auto slopes_at = [&](double shown_A) {
       const double current_A = rates.Flowing(shown_A);
       // A = A_0 - charge/alpha where the axis follows alpha; else only A_0 moves.
-      const double by_alpha = !with_alpha  ? 0.0
-                              : setup.held ? (1.0 - spent - state.Soc(current_A)) / axis_C
-                                           : -spent / axis_C;
+      const double by_alpha = !with_alpha ? 0.0
+                              : setup.axis_follows_alpha
+                                  ? (1.0 - spent - state.Soc(current_A)) / axis_C
+                                  : -spent / axis_C;
       return SocSlopes{.beta = state.Slope(current_A),
                        .energy = warm ? state.EnergySlope(current_A) : 0.0,
                        .offset = state.OffsetSlope(rates.FlowingSlope(shown_A)),

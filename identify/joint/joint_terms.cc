@@ -197,9 +197,10 @@ std::vector<JointRate> AllRates(const JointStructure& structure,
                      .unit = kFine * scales.slowest_A});
   }
   if (structure.free_alpha) {
+    const double about_C = std::isnan(setup.search_about_C) ? setup.alpha_C : setup.search_about_C;
     rates.push_back({.name = "alpha",
-                     .lower = setup.alpha_C / (setup.held ? kAgedReach : kAlphaReach),
-                     .upper = setup.alpha_C * kAlphaReach,
+                     .lower = about_C / (setup.held ? kAgedReach : kAlphaReach),
+                     .upper = about_C * kAlphaReach,
                      .entry = [](JointRates& r, int) { return &r.alpha_C; },
                      .index = 0,
                      .slot = slots.alpha(),

@@ -9,7 +9,7 @@ namespace {
 
 // The axis of the cell against that of the fit.
 double AlphaRatio(const JointResult& result) {
-  return result.setup.held ? 1.0 : result.alpha_C / result.setup.alpha_C;
+  return result.setup.axis_follows_alpha ? 1.0 : result.alpha_C / result.setup.alpha_C;
 }
 
 // alpha' = alpha (1 - A_0), A_0 where the line through two nodes is the cut-off.

@@ -81,11 +81,14 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   record.time_s = {0, 1, 2, 3};
   record.current_A = {0, 0, 2, 2};
   record.voltage_V = {3.52, 3.5, 3.4, 3.4};
-  EXPECT_EQ(
-      DoubtAboutStart(curve, record, 1.0),
-      "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.50, not "
-      "1; if it had rested long enough, say initial_soc 0.50");
+  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0),
+            "rests at 3.5 V before its first load, where v_oc(A) has a state of charge of 0.5, not "
+            "1; if it had rested long enough, say initial_soc 0.5");
   EXPECT_EQ(DoubtAboutStart(curve, record, 0.5), "");
+  // A hundredth of the charge may be a good part of alpha (docs/joint.md, 3): three digits.
+  record.voltage_V[1] = 3.4624;
+  EXPECT_EQ(DoubtOfStart(curve, record, 1.0)->soc, 0.462);
+  record.voltage_V[1] = 3.5;
   EXPECT_EQ(DoubtAboutStart(curve, record, 0.52), "");
   record.current_A[0] = record.current_A[1] = 2.0;  // no rest to be seen
   EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
@@ -100,11 +103,11 @@ TEST(Validation, SaysOfManyStartsTheWorstFirst) {
   doubts.push_back({"c.csv", 3.5, 0.5, 1.0});
   EXPECT_EQ(DoubtsAboutStarts(doubts, "mend the first"),
             "c.csv rests at 3.5 V before its first load, where v_oc(A) has a state of charge of "
-            "0.50, not 1; if it had rested long enough, say initial_soc 0.50; the starts of "
-            "b.csv (0.90, not 1), a.csv (1.60, not 1) are doubtful, too: mend the first");
+            "0.5, not 1; if it had rested long enough, say initial_soc 0.5; the starts of "
+            "b.csv (0.9, not 1), a.csv (1.6, not 1) are doubtful, too: mend the first");
   doubts.assign(8, {"d.csv", 3.9, 0.9, 1.0});
   EXPECT_TRUE(DoubtsAboutStarts(doubts, "mend")
-                  .ends_with("d.csv (0.90, not 1), 2 more are doubtful, too: mend"));
+                  .ends_with("d.csv (0.9, not 1), 2 more are doubtful, too: mend"));
   EXPECT_EQ(DoubtsAboutStarts({}, "mend"), "");
 }
 

@@ -119,6 +119,53 @@ TEST(JointRun, LogsThatDoNotStartFullAreNoTrouble) {
   }
 }
 
+// On a curve that is given over the whole charge alpha is an unknown like any other.
+TEST(JointRun, AGivenCurveTellsAlpha) {
+  const Cell truth = Truth();
+  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  StagedGiven given;
+  given.open_circuit_voltage = truth.open_circuit_voltage;
+  const JointResult result = Identify(logs, given);
+  EXPECT_EQ(result.alpha_source, "least-squares");
+  for (const char* parameter : {"alpha", "beta", "r_s", "r_1", "tau_1"}) {
+    const double is = *CellParameter(truth, parameter);
+    EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.002 * is) << parameter;
+  }
+  // The curve is the very one, not one at nodes: nothing is left but noise.
+  EXPECT_LT(result.rmse_V, 1.1 * kNoise_V);
+  const TrustReport trust = AssessJoint(result);
+  const auto alpha = std::find_if(trust.quantities.begin(),
+                                  trust.quantities.end(),
+                                  [](const auto& one) { return one.name == "alpha"; });
+  ASSERT_NE(alpha, trust.quantities.end());
+  EXPECT_NEAR(alpha->estimate, truth.alpha_C(), 4.0 * alpha->standard_error);
+  EXPECT_LT(alpha->standard_error, 0.002 * truth.alpha_C());
+  given.alpha_C = 1300.0;
+  EXPECT_EQ(Identify(logs, given).alpha_C, 1300.0);
+}
+
+// Pulses from 0.761 of the charge of which it is said that they begin at 0.85: alpha is looked for
+// about the charge of the low-rate log, and not further away with every pass.
+TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
+  auto logs = test::SyntheticLogs(test::Truth(), 5.0, kNoise_V);
+  Record& record = logs.back().log.record;
+  const auto first = std::find_if(record.time_s.begin(),
+                                  record.time_s.end(),
+                                  [](double t) {
+                                    return t >= 5000.0;  // in the rest after the third pulse
+                                  }) -
+                     record.time_s.begin();
+  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+    column->erase(column->begin(), column->begin() + first);
+  logs.back().entry.initial_soc = 0.95;
+  const JointResult result = Identify(logs);
+  EXPECT_EQ(result.alpha_source, "least-squares");
+  EXPECT_LE(result.alpha_C, 1.501 * result.staged.low_rate_charge_C);
+  EXPECT_TRUE(OneSays(result.cautions, "alpha is at a limit of its range"));
+  EXPECT_TRUE(OneSays(result.cautions, "alpha rests on the initial_soc of these logs"));
+  EXPECT_TRUE(OneSays(result.cautions, "pulses.csv (20 %)"));
+}
+
 // ---- little data -------------------------------------------------------------------------------
 
 TEST(JointRun, AGivenCurveAndOnePulseAreAProblem) {
