@@ -175,7 +175,7 @@ TEST(EnduranceCommand, APackIsChargedNoFurtherThanFull) {
   WriteFileAtomically(folder + "/q.csv", "time_s,power_W\n0,-1\n10,-1\n600,2\n");
   EXPECT_EQ(
       SummaryOf(folder,
-                {"--cell", kCell, "--mission", "power=q.csv", "--once", "--initial-soc", "1.2"})
+                {"--cell", kCell, "--mission", "power=q.csv", "--once", "--initial-soc", "1.1"})
           .at("ended_by"),
       "mission-done");
 }
@@ -373,6 +373,8 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
         "best-range"},
        "option --airspeed-m-per-s: best-range is for --mission cruise"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--initial-soc", "1.5"},
+       "the cell is beyond full at a state of charge of 1.5: no charger leaves it so"},
   };
   for (const auto& [arguments, message] : cases) {
     const auto run = RunLipoid(folder, arguments);
