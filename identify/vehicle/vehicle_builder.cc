@@ -240,7 +240,23 @@ class Draft {
   void TakeResistance() {
     Vehicle& v = draft_.vehicle;
     const BenchQuantity& r = bench_->resistance_Ohm;
+    if (n_.esc.resistance_Ohm > 0.0) {
+      throw OptionError(fmt::format(
+          "option --esc-resistance-mOhm: the fit to {} finds winding and controller together, "
+          "which would count it twice; leave it out, or give --winding-resistance-Ohm instead, "
+          "which leaves the rest to the controller",
+          n_.bench_name));
+    }
     const double rest = r.estimate - n_.winding_resistance_Ohm.value_or(r.estimate);
+    if (rest < 0.0 && !(*n_.winding_resistance_Ohm <= r.high_95)) {
+      throw OptionError(fmt::format(
+          "option --winding-resistance-Ohm: {:g} Ohm are more than the {:.3g} Ohm that the fit to "
+          "{} finds for winding and controller together; leave the option out, or give the resistance "
+          "between two of the three wires",
+          *n_.winding_resistance_Ohm,
+          r.estimate,
+          n_.bench_name));
+    }
     if (!n_.winding_resistance_Ohm || rest <= 0.0) {
       v.armature_resistance_Ohm = Rounded(r.estimate);
       From("armature_resistance_Ohm", Fitted(r) + "; winding, controller and commutation together");
@@ -277,6 +293,13 @@ class Draft {
                        bench_->switching_share.estimate,
                        bench_->switching_share.standard_error));
       From("esc_switching_frequency_Hz", "given");
+    } else if ((n_.esc.switching_time_s > 0.0) != (n_.esc.switching_frequency_Hz > 0.0)) {
+      throw OptionError(fmt::format(
+          "option --{}: the losses by switching are the product of time and frequency, and there "
+          "is no {}; give --{} too, or leave both out",
+          n_.esc.switching_time_s > 0.0 ? "esc-switching-ns" : "esc-pwm-kHz",
+          n_.esc.switching_time_s > 0.0 ? "frequency" : "time",
+          n_.esc.switching_time_s > 0.0 ? "esc-pwm-kHz" : "esc-switching-ns"));
     } else if (n_.esc.SwitchingShare() > 0.0) {
       From("esc_switching_time_s", "given");
       From("esc_switching_frequency_Hz", "given");

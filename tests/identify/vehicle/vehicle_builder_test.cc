@@ -124,6 +124,18 @@ TEST(VehicleBuilder, RefusesWhatNoVehicleCanBe) {
             "give --layout y6 or x8");
 }
 
+TEST(VehicleBuilder, LossesBySwitchingNeedTimeAndFrequency) {
+  BuilderNumbers n = Racer();
+  n.esc.switching_time_s = 1e-7;
+  EXPECT_EQ(Refusal(n),
+            "option --esc-switching-ns: the losses by switching are the product of time and "
+            "frequency, and there is no frequency; give --esc-pwm-kHz too, or leave both out");
+  n.esc.switching_frequency_Hz = 24e3;
+  EXPECT_NEAR(BuildVehicle(n, {}).vehicle.esc.SwitchingShare(), 2.4e-3, 1e-15);
+  n.esc.switching_time_s = 0.0;
+  EXPECT_TRUE(Refusal(n).starts_with("option --esc-pwm-kHz: "));
+}
+
 // What the bench sees in series is winding and controller.
 TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   BuilderNumbers n = Racer();
@@ -139,6 +151,22 @@ TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   EXPECT_DOUBLE_EQ(v.armature_resistance_Ohm, 0.06);
   EXPECT_DOUBLE_EQ(v.esc.resistance_Ohm, 0.02);
   EXPECT_EQ(v.thrust_coefficient_N_s2, 1.4e-6);
+  // A winding that the fit cannot tell from its own leaves nothing; a larger one cannot be.
+  n.winding_resistance_Ohm = 0.083;
+  EXPECT_EQ(BuildVehicle(n, fit).vehicle.armature_resistance_Ohm, 0.08);
+  n.winding_resistance_Ohm = 5.0;
+  const auto refusal = [&] {
+    return test::MessageOf<OptionError>([&] { (void)BuildVehicle(n, fit); });
+  };
+  EXPECT_EQ(refusal(),
+            "option --winding-resistance-Ohm: 5 Ohm are more than the 0.08 Ohm that the fit to "
+            "bench.csv finds for winding and controller together; leave the option out, or give the "
+            "resistance between two of the three wires");
+  n.winding_resistance_Ohm = 0.06;
+  n.esc.resistance_Ohm = 0.005;
+  EXPECT_TRUE(refusal().starts_with(
+      "option --esc-resistance-mOhm: the fit to bench.csv finds winding and controller together"));
+  n.esc.resistance_Ohm = 0.0;
   EXPECT_TRUE(BuildVehicle(n, fit).cautions.empty());
   fit.current_rms = 0.08;
   fit.switching_share.estimate = 0.1;
