@@ -65,6 +65,7 @@ class Draft {
     CheckPropeller();
     if (bench_) CheckBench();
     Hover();
+    CheckSizes();
     return std::move(draft_);
   }
 
@@ -145,6 +146,7 @@ class Draft {
           "nothing says what the propeller does: give --bench-table, or "
           "--thrust-coefficient and --power-coefficient, or --pitch-in");
     }
+    if (!n_.thrust_coefficient) CheckPitch(*n_.pitch_in);
     const PropellerCoefficients c =
         n_.thrust_coefficient ? PropellerCoefficients{*n_.thrust_coefficient, *n_.power_coefficient}
                               : TypicalPropeller(*n_.pitch_in / n_.propeller_in, n_.blades);
@@ -169,6 +171,24 @@ class Draft {
                      c.power,
                      kTypicalMerit,
                      air));
+  }
+
+  void CheckPitch(double pitch_in) {
+    if (pitch_in == 0.0) {
+      throw OptionError(
+          "option --pitch-in: a propeller without pitch is a flat plate; give the second of the "
+          "two numbers on the propeller, or its coefficients");
+    }
+    constexpr Range kUsual{0.2, 1.5};
+    const double ratio = pitch_in / n_.propeller_in;
+    if (kUsual.Contains(ratio)) return;
+    draft_.cautions.push_back(fmt::format(
+        "a pitch of {:g} inch is {:.3g} diameters of the propeller, where {:g} to {:g} are usual: "
+        "--pitch-in and --propeller-in are in inch of 25.4 mm",
+        pitch_in,
+        ratio,
+        kUsual.lo,
+        kUsual.hi));
   }
 
   void Motor() {
@@ -211,6 +231,7 @@ class Draft {
     } else {
       const double propeller_g =
           n_.propeller_g.value_or(kTypicalPropeller_g_per_in2 * n_.propeller_in * n_.propeller_in);
+      RefuseHeavyPropellers(propeller_g);
       v.rotor_inertia_kg_m2 =
           Rounded(1e-3 * propeller_g * v.propeller_diameter_m * v.propeller_diameter_m / 12.0);
       From("rotor_inertia_kg_m2",
@@ -218,6 +239,19 @@ class Draft {
                        n_.propeller_g ? "derived" : "assumed",
                        propeller_g));
     }
+  }
+
+  void RefuseHeavyPropellers(double propeller_g) const {
+    const double all_g = propeller_g * static_cast<double>(draft_.vehicle.rotor_count());
+    if (all_g < n_.mass_g) return;
+    throw OptionError(fmt::format(
+        "the propellers would outweigh the vehicle: {} of {:.4g} g{} are {:.4g} g, and --mass-g is "
+        "{:g} g with them. Check --mass-g and --propeller-g, both in g",
+        draft_.vehicle.rotor_count(),
+        propeller_g,
+        n_.propeller_g ? "" : " (assumed from their diameter)",
+        all_g,
+        n_.mass_g));
   }
 
   // b of k_e I_0 = b omega_0; the speed without load is that of the voltage less what the winding
@@ -240,7 +274,23 @@ class Draft {
   void TakeResistance() {
     Vehicle& v = draft_.vehicle;
     const BenchQuantity& r = bench_->resistance_Ohm;
+    if (n_.esc.resistance_Ohm > 0.0) {
+      throw OptionError(fmt::format(
+          "option --esc-resistance-mOhm: the fit to {} finds winding and controller together, "
+          "which would count it twice; leave it out, or give --winding-resistance-Ohm instead, "
+          "which leaves the rest to the controller",
+          n_.bench_name));
+    }
     const double rest = r.estimate - n_.winding_resistance_Ohm.value_or(r.estimate);
+    if (rest < 0.0 && !(*n_.winding_resistance_Ohm <= r.high_95)) {
+      throw OptionError(fmt::format(
+          "option --winding-resistance-Ohm: {:g} Ohm are more than the {:.3g} Ohm that the fit to "
+          "{} finds for winding and controller together; leave the option out, or give the resistance "
+          "between two of the three wires",
+          *n_.winding_resistance_Ohm,
+          r.estimate,
+          n_.bench_name));
+    }
     if (!n_.winding_resistance_Ohm || rest <= 0.0) {
       v.armature_resistance_Ohm = Rounded(r.estimate);
       From("armature_resistance_Ohm", Fitted(r) + "; winding, controller and commutation together");
@@ -277,6 +327,13 @@ class Draft {
                        bench_->switching_share.estimate,
                        bench_->switching_share.standard_error));
       From("esc_switching_frequency_Hz", "given");
+    } else if ((n_.esc.switching_time_s > 0.0) != (n_.esc.switching_frequency_Hz > 0.0)) {
+      throw OptionError(fmt::format(
+          "option --{}: the losses by switching are the product of time and frequency, and there "
+          "is no {}; give --{} too, or leave both out",
+          n_.esc.switching_time_s > 0.0 ? "esc-switching-ns" : "esc-pwm-kHz",
+          n_.esc.switching_time_s > 0.0 ? "frequency" : "time",
+          n_.esc.switching_time_s > 0.0 ? "esc-pwm-kHz" : "esc-switching-ns"));
     } else if (n_.esc.SwitchingShare() > 0.0) {
       From("esc_switching_time_s", "given");
       From("esc_switching_frequency_Hz", "given");
@@ -365,6 +422,38 @@ class Draft {
     }
     draft_.hover = HoverTrim(v, Supply<double>{voltage_V, 0.0});
     draft_.hover_power_W = draft_.hover.battery_V * draft_.hover.battery_A;
+  }
+
+  // Numbers that can be, and are hardly meant.
+  void CheckSizes() {
+    const Vehicle& v = draft_.vehicle;
+    const Trim& hover = draft_.hover;
+    constexpr double kMostThrust = 20.0;  // over the weight; racers have up to 15
+    if (draft_.thrust_to_weight > kMostThrust) {
+      draft_.cautions.push_back(fmt::format(
+          "the largest thrust is {:.4g} times the weight, and no multirotor has more than {:g} "
+          "times: check --mass-g (in g), --series, --kv-rpm-per-V and --propeller-in (in inch)",
+          draft_.thrust_to_weight,
+          kMostThrust));
+    }
+    constexpr double kLeastEfficiency = 0.3;
+    const double efficiency = v.torque_coefficient_N_m_s2 * std::pow(hover.speed_rad_per_s, 3) /
+                              (hover.duty * hover.battery_V * hover.motor_A);
+    if (efficiency < kLeastEfficiency) {
+      draft_.cautions.push_back(fmt::format(
+          "in the hover the motors turn {:.2g} % of their power into that of the propellers, where "
+          "60 to 85 % are usual: check {}--kv-rpm-per-V against the propeller",
+          100.0 * efficiency,
+          bench_ ? "" : "--winding-resistance-Ohm (in Ohm, not mOhm), --no-load-A, and "));
+    }
+    const double motors_W = draft_.hover_power_W - v.avionics_power_W;
+    if (v.avionics_power_W > motors_W) {
+      draft_.cautions.push_back(fmt::format(
+          "--avionics-W {:g} is more than the {:.3g} W that the motors take in the hover: it is in "
+          "W, and is the power of everything but the motors",
+          v.avionics_power_W,
+          motors_W));
+    }
   }
 
   [[nodiscard]] std::string Fitted(const BenchQuantity& quantity) const {

@@ -56,7 +56,7 @@ struct VehicleDraft {
   double thrust_to_weight = 0.0;  ///< at full throttle there
   double hover_power_W = 0.0;
   std::vector<std::string> assumed;   ///< keys of the vehicle file
-  std::vector<std::string> cautions;  ///< what in the bench table does not fit
+  std::vector<std::string> cautions;  ///< what can hardly be meant, or does not fit in the bench table
 };
 
 /// The coefficients of a propeller of which only diameter, pitch and blades are known: blade element
@@ -73,7 +73,8 @@ struct PropellerCoefficients {
 [[nodiscard]] PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades);
 
 /// OptionError where a number is missing, or where no such vehicle can be: propellers that overlap,
-/// a figure of merit above 1, less thrust than weight.
+/// propellers that outweigh the vehicle or have no pitch, a figure of merit above 1, less thrust than
+/// weight, a winding of more resistance than the bench table has, switching without its frequency.
 [[nodiscard]] VehicleDraft BuildVehicle(const BuilderNumbers& numbers,
                                         const std::optional<BenchFit>& bench);
 

@@ -168,7 +168,10 @@ class FlightController {
   [[nodiscard]] const ReferenceModel& angle_reference(std::size_t axis) const {
     return angles_[axis];
   }
-  [[nodiscard]] const ReferenceModel& position_reference() const { return position_[0]; }
+  /// Of x, or of y.
+  [[nodiscard]] const ReferenceModel& position_reference(std::size_t axis = 0) const {
+    return position_[axis];
+  }
   [[nodiscard]] double yaw_limit_N_m() const { return yaw_limit_N_m_; }
   /// The gaps to which commands are cut.
   [[nodiscard]] double position_reach_m() const { return position_reach_m_; }

@@ -12,22 +12,27 @@
 namespace lipoid {
 namespace {
 
-// A share of the time that the charge lasts at half of it, at the mission's mean power.
-double StepFor(const EnduranceSetup& setup) {
-  constexpr double kShortest_s = 0.005;
-  constexpr double kLongest_s = 10.0;
-  constexpr double kSteps = 50'000.0;
+// What flows back counts as nothing.
+double MeanPower(const PowerMission& mission) {
   double time_s = 0.0;
   double energy_J = 0.0;
-  for (const MissionLeg& leg : setup.mission.legs) {
+  for (const MissionLeg& leg : mission.legs) {
     const double duration_s = std::isfinite(leg.duration_s) ? leg.duration_s : 1.0;
     time_s += duration_s;
     energy_J += duration_s * std::max(0.0, leg.power_W + leg.drive_W);
   }
+  return energy_J / time_s;
+}
+
+// A share of the time that the charge lasts at half of it, at the mission's mean power.
+double StepFor(const EnduranceSetup& setup, double mean_W) {
+  constexpr double kShortest_s = 0.005;
+  constexpr double kLongest_s = 10.0;
+  constexpr double kSteps = 50'000.0;
   const double battery_J = setup.cell.series * setup.cell.parallel * setup.cell.alpha_C() *
                            setup.cell.open_circuit_voltage(0.5);
-  if (!(energy_J > 0.0)) return kLongest_s;
-  return std::clamp(battery_J / (energy_J / time_s) / kSteps, kShortest_s, kLongest_s);
+  if (!(mean_W > 0.0)) return kLongest_s;
+  return std::clamp(battery_J / mean_W / kSteps, kShortest_s, kLongest_s);
 }
 
 class Mission {
@@ -37,7 +42,9 @@ class Mission {
     warms_ = setup.cell.temperature.has_value();
     if (warms_) result_.hottest_degC = battery_.temperature_degC();
     result_.minimum_voltage_V = std::numeric_limits<double>::infinity();
-    step_s_ = setup.options.step_s > 0.0 ? setup.options.step_s : StepFor(setup);
+    result_.mission_power_W = MeanPower(setup.mission);
+    step_s_ = setup.options.step_s > 0.0 ? setup.options.step_s
+                                         : StepFor(setup, result_.mission_power_W);
   }
 
   // What the flight begins with; ends it where it cannot begin.

@@ -115,17 +115,18 @@ struct EnduranceResult {
   double hottest_degC = std::numeric_limits<double>::quiet_NaN();
   double distance_m = 0.0;  ///< over the ground
   int rounds = 0;           ///< how often the whole mission was flown
+  double mission_power_W = 0.0;  ///< that the mission takes on the mean
 };
 
 /// A flight lasts for more than the second after which a voltage that is too low ends it.
 inline constexpr double kLasts_s = 10.0;
 
-/// Whether the battery carries the mission at all: a voltage or a power that it does not have from the
-/// start is no flight.
+/// Whether the battery carries the mission at all: a voltage, power or charge that it does not have
+/// from the start is no flight. Judged by the energy, because a mission may begin with waiting.
 [[nodiscard]] inline bool IsFlight(const EnduranceResult& result) {
-  return result.time_s >= kLasts_s ||
+  return result.energy_J >= kLasts_s * result.mission_power_W ||
          (result.ended_by != MissionEnd::kCutOff && result.ended_by != MissionEnd::kMotorVoltage &&
-          result.ended_by != MissionEnd::kPower);
+          result.ended_by != MissionEnd::kPower && result.ended_by != MissionEnd::kEmpty);
 }
 
 /// Flies the mission until it ends.

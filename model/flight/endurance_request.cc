@@ -13,6 +13,7 @@
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/core/parallel.h"
+#include "model/flight/simulator.h"
 
 namespace lipoid {
 namespace {
@@ -300,6 +301,7 @@ EnduranceAnswer FindEndurance(const EnduranceRequest& asked, const EnduranceProg
                     setup.initial_soc,
                     setup.reserve));
   }
+  CheckStart(setup.initial_soc);
   answer.estimate = FlyMission(setup);
   if (!request.uncertain() || request.ensemble == 0) return answer;
 

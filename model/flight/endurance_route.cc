@@ -37,12 +37,13 @@ PowerMission FlyRoute(const EnduranceRequest& request,
                             .ground_speed_m_per_s = std::hypot(sample.velocity_m_per_s[0],
                                                                sample.velocity_m_per_s[1])});
   });
-  if (flight.outcome == Outcome::kCrashed) {
+  if (flight.outcome == Outcome::kCrashed || flight.outcome == Outcome::kOffCourse) {
     throw OptionError(fmt::format(
-        "{} crashes on the route of {}: {}. See how with `lipoid fly "
+        "{} {} the route of {}: {}. See how with `lipoid fly "
         "waypoints --waypoints {} --compensate` and the same --vehicle, --cell and pack "
         "(the duty cycles follow the voltage here), or give other --gains",
         request.vehicle.name,
+        flight.outcome == Outcome::kCrashed ? "crashes on" : "does not fly",
         waypoints_file,
         flight.reason,
         waypoints_file));

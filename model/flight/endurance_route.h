@@ -13,8 +13,8 @@ namespace lipoid {
 
 /// What the battery gives while the vehicle of the request, with its payload, flies the waypoints of
 /// a file: a leg for each control step of 5 ms. The power hardly depends on the battery, so that the
-/// route may be repeated on an emptier one. OptionError where the vehicle crashes on its way, LoadError
-/// for a file that is no list of waypoints.
+/// route may be repeated on an emptier one. OptionError where the vehicle crashes on its way or misses a
+/// waypoint, LoadError for a file that is no list of waypoints.
 [[nodiscard]] PowerMission FlyRoute(const EnduranceRequest& request,
                                     const Gains& gains,
                                     const std::string& waypoints_file);

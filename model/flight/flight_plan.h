@@ -20,6 +20,8 @@ struct FlightPlan {
   std::vector<TimedCommand>
       commands;  ///< in time, the first at 0: the flight starts hovering there
   double duration_s = 0.0;
+  /// When the vehicle should be at the place of each command; none where nobody expects it there.
+  std::vector<double> arrivals_s = {};
 
   /// Times at which the commanded altitude changes.
   [[nodiscard]] std::vector<double> AltitudeSteps() const {

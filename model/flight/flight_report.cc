@@ -65,6 +65,9 @@ Json FlightToJson(const FlightResult& flight) {
                   {"peak_altitude_error_m", flight.peak_altitude_error_m},
                   {"mse_altitude_m2", NumberOrNull(flight.mse_altitude_m2)},
                   {"mse_pitch_deg2", NumberOrNull(flight.mse_pitch_deg2)},
+                  {"mse_position_m2", NumberOrNull(flight.mse_position_m2)},
+                  {"largest_position_error_m", NumberOrNull(flight.largest_position_error_m)},
+                  {"waypoint_distance_m", flight.waypoint_distance_m},
                   {"charge_C", NumberOrNull(flight.charge_C)},
                   {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
                   {"final_soc", NumberOrNull(flight.final_soc)},
@@ -104,6 +107,7 @@ Json FlightsToJson(std::span<const FlightResult> flights) {
   return {{"completed", CountOf(flights, Outcome::kCompleted)},
           {"crashed", CountOf(flights, Outcome::kCrashed)},
           {"battery_empty", CountOf(flights, Outcome::kBatteryEmpty)},
+          {"off_course", CountOf(flights, Outcome::kOffCourse)},
           {"interval_95", std::move(intervals)}};
 }
 

@@ -1,6 +1,6 @@
 #include "model/flight/simulator.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <boost/numeric/odeint/algebra/array_algebra.hpp>
@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
 #include "model/flight/flight_clock.h"
@@ -23,6 +24,11 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 
 constexpr double kWatched_s = 5.0;  // after each altitude step
+// A vehicle is at a place within it, and has lost a place when for so long it tilts as far as it may
+// and only gets further away. A gust that is overcome is shorter.
+constexpr double kAtPlace_m = 1.0;
+constexpr double kLost_s = 5.0;
+constexpr double kAtLimit = 0.99;  // of the tilt, which its reference approaches
 constexpr double kHardestTouch_m_per_s = 1.5;
 constexpr double kSteepestTouch = 0.7;  // cosine of the tilt
 constexpr double kDescent_m_per_s = 0.5;
@@ -44,11 +50,20 @@ class Metrics {
       peaks_[next_ - 1] = std::max(peaks_[next_ - 1], altitude_error_m);
     }
   }
+  void AddPosition(double error_m) {
+    ++positions_;
+    position_ += error_m * error_m;
+    farthest_m_ = std::max(farthest_m_, error_m);
+  }
   void Report(FlightResult& result) const {
     const double n = double(std::max<std::size_t>(count_, 1));
     result.mse_altitude_m2 = altitude_ / n;
     result.mse_pitch_deg2 = pitch_ / n * kDegrees * kDegrees;
     result.minimum_voltage_V = lowest_V_;
+    if (positions_ > 0) {
+      result.mse_position_m2 = position_ / double(positions_);
+      result.largest_position_error_m = farthest_m_;
+    }
     // Steps that the flight did not live to see have no peak.
     result.peak_altitude_error_m.assign(peaks_.begin(), peaks_.begin() + std::ptrdiff_t(next_));
   }
@@ -60,6 +75,9 @@ class Metrics {
   std::size_t count_ = 0;
   double altitude_ = 0.0;
   double pitch_ = 0.0;
+  std::size_t positions_ = 0;
+  double position_ = 0.0;
+  double farthest_m_ = 0.0;
   double lowest_V_ = std::numeric_limits<double>::infinity();
 };
 
@@ -168,6 +186,7 @@ class Simulation {
     metrics_.Report(result_);
     result_.minimum_voltage_V = std::min(result_.minimum_voltage_V, result_.final_voltage_V);
     if (result_.steps > 0) result_.saturated_share = double(saturated_) / double(result_.steps);
+    JudgeCourse();
     return result_;
   }
 
@@ -272,6 +291,7 @@ class Simulation {
                  x_[plant::kPosition + 2] - reference.down.value,
                  reference.angles[1].value - x_[plant::kAngles + 1],
                  battery_V_);
+    if (command_.hold_position) WatchPlace();
     if (record) record(Sample(measured, electrical));
   }
 
@@ -334,6 +354,80 @@ class Simulation {
     }
   }
 
+  // Notes when tilting as far as it may no longer keeps the vehicle from drifting off.
+  void WatchPlace() {
+    const double off_m =
+        std::hypot(x_[plant::kPosition] - controller_.position_reference(0).value(),
+                   x_[plant::kPosition + 1] - controller_.position_reference(1).value());
+    metrics_.AddPosition(off_m);
+    if (lost_) return;
+    const auto& angles = controller_.references().angles;
+    const double tilt_rad = std::max(std::abs(angles[0].value), std::abs(angles[1].value));
+    if (tilt_rad < kAtLimit * setup_.gains.position.tilt_limit_rad) {
+      at_limit_.reset();
+    } else if (!at_limit_) {
+      at_limit_ = AtLimit{time_s_, off_m};
+    } else if (time_s_ - at_limit_->since_s >= kLost_s) {
+      lost_ = off_m > std::max(at_limit_->off_m, kAtPlace_m);
+      if (!lost_) at_limit_ = AtLimit{time_s_, off_m};
+    }
+  }
+
+  void WatchArrivals(double now_s) {
+    auto& distances_m = result_.waypoint_distance_m;
+    while (distances_m.size() < plan_.arrivals_s.size() &&
+           now_s >= plan_.arrivals_s[distances_m.size()] - kRounding_s) {
+      const FlightCommand& place = plan_.commands[distances_m.size()].command;
+      distances_m.push_back(std::hypot(x_[plant::kPosition] - place.x_m,
+                                       x_[plant::kPosition + 1] - place.y_m,
+                                       x_[plant::kPosition + 2] + place.altitude_m));
+    }
+  }
+
+  // A flight whose vehicle was not where it should be is not completed.
+  void JudgeCourse() {
+    std::vector<std::string> reasons;
+    if (lost_) {
+      reasons.push_back(
+          fmt::format("it could not hold its place: from {:.3f} s on it tilted by the {:.3g} "
+                      "degrees that it may and drifted off all the same, up to {:.4g} m. Give less "
+                      "wind, or gains with a larger tilt_limit_rad",
+                      at_limit_->since_s,
+                      setup_.gains.position.tilt_limit_rad * kDegrees,
+                      result_.largest_position_error_m));
+    }
+    const auto& distances_m = result_.waypoint_distance_m;
+    std::size_t missed = 0;
+    for (std::size_t k = 0; k < distances_m.size(); ++k) missed += Missed(k) ? 1 : 0;
+    if (missed > 0) {
+      const auto worst = std::max_element(distances_m.begin(), distances_m.end());
+      reasons.push_back(
+          fmt::format("it missed {} of {}: {:.4g} m were left to waypoint {} at the end of its "
+                      "stay. Give a longer stay_s, which begins with the command and includes the way",
+                      missed,
+                      Counted(distances_m.size(), "waypoint"),
+                      *worst,
+                      worst - distances_m.begin() + 1));
+    }
+    if (reasons.empty()) return;
+    if (!result_.reason.empty()) reasons.insert(reasons.begin(), result_.reason);
+    if (result_.outcome == Outcome::kCompleted) result_.outcome = Outcome::kOffCourse;
+    result_.reason = fmt::format("{}", fmt::join(reasons, "; "));
+  }
+
+  // Of a short way half is not there yet.
+  [[nodiscard]] bool Missed(std::size_t k) const {
+    double reach_m = kAtPlace_m;
+    if (k > 0) {
+      const FlightCommand& from = plan_.commands[k - 1].command;
+      const FlightCommand& to = plan_.commands[k].command;
+      const double way_m =
+          std::hypot(to.x_m - from.x_m, to.y_m - from.y_m, to.altitude_m - from.altitude_m);
+      if (way_m > 0.0) reach_m = std::min(reach_m, 0.5 * way_m);
+    }
+    return result_.waypoint_distance_m[k] > reach_m;
+  }
+
   void End(Outcome outcome, std::string reason) {
     if (ended_) return;
     ended_ = true;
@@ -361,6 +455,7 @@ class Simulation {
     }
     if (setup_.simulation.ground) JudgeGround(now_s);
     if (battery_) JudgeBattery(now_s);
+    if (!pilot_.landing()) WatchArrivals(now_s);
   }
 
   void JudgeGround(double now_s) {
@@ -438,6 +533,12 @@ class Simulation {
   double battery_V_ = 0.0;
   double below_cutoff_s_ = 0.0;
   double low_s_ = 0.0;
+  struct AtLimit {
+    double since_s;
+    double off_m;
+  };
+  std::optional<AtLimit> at_limit_;  // of the tilt
+  bool lost_ = false;
   std::size_t saturated_ = 0;
   bool ended_ = false;
 };

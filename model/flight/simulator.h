@@ -97,12 +97,14 @@ void CheckStart(double initial_soc);
 /// flight of code that was exported has that code's own frequencies.
 [[nodiscard]] ControllerOptions FlownController(const FlightSetup& setup);
 
-enum class Outcome { kCompleted, kCrashed, kBatteryEmpty };
+/// Off course: it flew to the end, but could not hold its place or missed a waypoint.
+enum class Outcome { kCompleted, kCrashed, kBatteryEmpty, kOffCourse };
 
-constexpr std::array<std::pair<Outcome, std::string_view>, 3> OptionNames(Outcome) {
+constexpr std::array<std::pair<Outcome, std::string_view>, 4> OptionNames(Outcome) {
   return {{{Outcome::kCompleted, "completed"},
            {Outcome::kCrashed, "crashed"},
-           {Outcome::kBatteryEmpty, "battery-empty"}}};
+           {Outcome::kBatteryEmpty, "battery-empty"},
+           {Outcome::kOffCourse, "off-course"}}};
 }
 
 struct FlightResult {
@@ -116,6 +118,11 @@ struct FlightResult {
   std::vector<double> peak_altitude_error_m;
   double mse_altitude_m2 = 0.0;
   double mse_pitch_deg2 = 0.0;
+  /// Horizontal, from the reference of the place; NaN where the maneuver commands angles alone.
+  double mse_position_m2 = std::numeric_limits<double>::quiet_NaN();
+  double largest_position_error_m = std::numeric_limits<double>::quiet_NaN();
+  /// Of each waypoint whose stay was flown: how far the vehicle was from it at the end of the stay.
+  std::vector<double> waypoint_distance_m;
   double charge_C = 0.0;
   double final_voltage_V = 0.0;
   double minimum_voltage_V = 0.0;

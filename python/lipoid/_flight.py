@@ -41,7 +41,7 @@ class Flight:
 
     @property
     def outcome(self) -> str:
-        """How it ended: "completed", "crashed" or "battery-empty"."""
+        """How it ended: "completed", "crashed", "battery-empty" or "off-course"."""
         return str(self.summary["outcome"])
 
     def log(self) -> Log:

@@ -1,4 +1,5 @@
 // lipoid endurance, end to end. What it finds: tests/model/flight/endurance_test.cc.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -174,7 +175,7 @@ TEST(EnduranceCommand, APackIsChargedNoFurtherThanFull) {
   WriteFileAtomically(folder + "/q.csv", "time_s,power_W\n0,-1\n10,-1\n600,2\n");
   EXPECT_EQ(
       SummaryOf(folder,
-                {"--cell", kCell, "--mission", "power=q.csv", "--once", "--initial-soc", "1.2"})
+                {"--cell", kCell, "--mission", "power=q.csv", "--once", "--initial-soc", "1.1"})
           .at("ended_by"),
       "mission-done");
 }
@@ -298,6 +299,44 @@ TEST(EnduranceCommand, APackThatCannotCarryTheMissionIsNoFlight) {
       << low.out;
 }
 
+// Neither a charge that is used up at once nor a wait before the load is a flight.
+TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
+  const auto folder = TestFolder();
+  const auto used_up = RunLipoid(folder,
+                                 {"endurance",
+                                  "--vehicle",
+                                  "mambo-physical",
+                                  "--cell",
+                                  kCell,
+                                  "--initial-soc",
+                                  "0.02",
+                                  "--reserve",
+                                  "0",
+                                  "--summary",
+                                  "s.json"});
+  EXPECT_EQ(used_up.exit_code, 1);
+  EXPECT_EQ(ReadJson(folder, "s.json").at("ended_by"), "empty");
+  EXPECT_TRUE(used_up.out.starts_with("This pack cannot carry this mission")) << used_up.out;
+  for (const char* idle_W : {"0", "1"}) {
+    std::string rows = "time_s,power_W\n";
+    for (int k = 0; k <= 40; ++k) rows += fmt::format("{},{}\n", k, k <= 20 ? idle_W : "50");
+    WriteText(folder + "/waits.csv", rows);
+    const auto waits = RunLipoid(
+        folder,
+        {"endurance", "--cell", kCell, "--mission", "power=waits.csv", "--summary", "s.json"});
+    EXPECT_EQ(waits.exit_code, 1) << idle_W;
+    EXPECT_GT(ReadJson(folder, "s.json").at("minutes"), 20.0 / 60.0);
+    EXPECT_TRUE(waits.out.starts_with("This pack cannot carry this mission")) << waits.out;
+  }
+  // A load that it carries for a while is one.
+  std::string rows = "time_s,power_W\n";
+  for (int k = 0; k <= 80; ++k) rows += fmt::format("{},{}\n", k, k <= 60 ? "10" : "50");
+  WriteText(folder + "/climbs.csv", rows);
+  const auto climbs =
+      RunLipoid(folder, {"endurance", "--cell", kCell, "--mission", "power=climbs.csv"});
+  EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
+}
+
 TEST(EnduranceCommand, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
@@ -334,6 +373,8 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
         "best-range"},
        "option --airspeed-m-per-s: best-range is for --mission cruise"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--initial-soc", "1.5"},
+       "the cell is beyond full at a state of charge of 1.5: no charger leaves it so"},
   };
   for (const auto& [arguments, message] : cases) {
     const auto run = RunLipoid(folder, arguments);

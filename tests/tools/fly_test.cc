@@ -135,6 +135,41 @@ TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
 }
 
+TEST(Fly, WhatIsBlownAwayIsSaidFirst) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, {"fly", "hover", "--wind", "30", "--duration", "30", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(run.out.starts_with("Off course: it could not hold its place: from 0.")) << run.out;
+  EXPECT_NE(run.out.find("position error"), std::string::npos) << run.out;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("outcome"), "off-course");
+  EXPECT_GT(summary.at("largest_position_error_m"), 100.0);
+  EXPECT_GT(summary.at("mse_position_m2"), 1e4);
+  // An empty battery is the outcome, and that it was blown away is said too.
+  const auto empty =
+      RunLipoid(folder, {"fly", "endurance", "--wind", "30", "--initial-soc", "0.5"});
+  EXPECT_EQ(empty.exit_code, 1);
+  EXPECT_NE(empty.err.find("; it could not hold its place: from "), std::string::npos) << empty.err;
+}
+
+TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/far.toml",
+            "[[waypoint]]\naltitude_m = 1\n"
+            "[[waypoint]]\naltitude_m = 60\nx_m = 200\nstay_s = 5\n");
+  const auto run =
+      RunLipoid(folder, {"fly", "waypoints", "--waypoints", "far.toml", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(run.out.starts_with("Off course: it missed 1 of 2 waypoints: 19")) << run.out;
+  EXPECT_NE(run.out.find("m away at the end of its stay"), std::string::npos) << run.out;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("outcome"), "off-course");
+  ASSERT_EQ(summary.at("waypoint_distance_m").size(), 2U);
+  EXPECT_LT(summary.at("waypoint_distance_m")[0], 0.1);
+  EXPECT_GT(summary.at("waypoint_distance_m")[1], 150.0);
+}
+
 TEST(Fly, EnduranceEndsOnlyWithTheBattery) {
   // 33 Ah at 3 A are eleven hours.
   const auto folder = TestFolder();
@@ -178,6 +213,7 @@ TEST(Fly, AnEnsembleSaysHowFarTheOutcomeIsKnown) {
   EXPECT_EQ(ensemble.at("completed"), 40);
   EXPECT_EQ(ensemble.at("crashed"), 0);
   EXPECT_EQ(ensemble.at("battery_empty"), 0);
+  EXPECT_EQ(ensemble.at("off_course"), 0);
   for (const char* key :
        {"final_soc", "minimum_voltage_V", "simulated_s", "mse_altitude_m2", "charge_C"}) {
     const auto interval = ensemble.at("interval_95").at(key);

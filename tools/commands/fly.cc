@@ -39,6 +39,8 @@ constexpr std::array<std::pair<Battery, std::string_view>, 2> OptionNames(Batter
 }
 
 void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const FlightResult& flight) {
+  if (flight.outcome == Outcome::kOffCourse)
+    line.Print("{}", cli::Wrapped(fmt::format("Off course: {}.\n\n", flight.reason)));
   cli::TextTable table({{std::string(maneuver), Align::kLeft}, {"value"}, {"unit", Align::kLeft}},
                        "The flight.");
   const auto row = [&](std::string what, std::string value, std::string unit) {
@@ -50,6 +52,15 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   row("hover current", fmt::format("{:.3f}", flight.trim.battery_A), "A");
   row("altitude error", Significant(std::sqrt(flight.mse_altitude_m2)), "m rms");
   row("pitch error", Significant(std::sqrt(flight.mse_pitch_deg2)), "degrees rms");
+  if (std::isfinite(flight.mse_position_m2)) {
+    row("position error", Significant(std::sqrt(flight.mse_position_m2)), "m rms");
+    row("", Significant(flight.largest_position_error_m), "m at the largest");
+  }
+  for (std::size_t k = 0; k < flight.waypoint_distance_m.size(); ++k) {
+    row(fmt::format("waypoint {}", k + 1),
+        Significant(flight.waypoint_distance_m[k]),
+        "m away at the end of its stay");
+  }
   for (std::size_t k = 0; k < flight.peak_altitude_error_m.size(); ++k) {
     row(fmt::format("peak after step {}", k + 1),
         fmt::format("{:.4f}", flight.peak_altitude_error_m[k]),
@@ -83,11 +94,12 @@ void PrintEnsemble(cli::CommandLine& line,
                Significant(low),
                Significant(high)});
   }
-  line.Print("\n{}completed {}, crashed {}, battery empty {}\n",
+  line.Print("\n{}completed {}, crashed {}, battery empty {}, off course {}\n",
              table.Text(),
              CountOf(flights, Outcome::kCompleted),
              CountOf(flights, Outcome::kCrashed),
-             CountOf(flights, Outcome::kBatteryEmpty));
+             CountOf(flights, Outcome::kBatteryEmpty),
+             CountOf(flights, Outcome::kOffCourse));
 }
 
 }  // namespace
@@ -110,8 +122,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   for (const Maneuver& maneuver : Maneuvers()) names.emplace_back(maneuver.name);
   line.Describe(
       "Flies a maneuver: rigid body, motors, battery and flight controller, coupled through the "
-      "battery's voltage. Starts hovering. Exit code 1 where the vehicle crashes or the battery "
-      "runs empty.",
+      "battery's voltage. Starts hovering. Exit code 1 where the vehicle crashes, the battery runs "
+      "empty, or the vehicle loses its place or misses a waypoint.",
       "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
   line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
   line.Example("lipoid fly hover --cell cell.json --ensemble 200");
@@ -300,7 +312,8 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
   }
-  if (!flight.reason.empty()) line.Message("{}", flight.reason);
+  if (!flight.reason.empty() && flight.outcome != Outcome::kOffCourse)
+    line.Message("{}", flight.reason);
   return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 

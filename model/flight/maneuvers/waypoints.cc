@@ -49,6 +49,7 @@ FlightPlan Plan(const ManeuverRequest& request) {
     const Waypoint point = ReadWaypoint(TomlReader(*item.as_table(), file, problems));
     plan.commands.push_back({plan.duration_s, point.command});
     plan.duration_s += point.stay_s;
+    plan.arrivals_s.push_back(plan.duration_s);
   }
   ThrowProblems(std::move(problems));
   return plan;

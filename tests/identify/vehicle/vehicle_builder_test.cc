@@ -124,6 +124,60 @@ TEST(VehicleBuilder, RefusesWhatNoVehicleCanBe) {
             "give --layout y6 or x8");
 }
 
+TEST(VehicleBuilder, PropellersWeighLessThanTheVehicleAndHaveAPitch) {
+  BuilderNumbers n = Racer();
+  n.mass_g = 0.65;
+  // 0.085 g for each of 25 square inches.
+  EXPECT_EQ(Refusal(n),
+            "the propellers would outweigh the vehicle: 4 of 2.125 g (assumed from their diameter) "
+            "are 8.5 g, and --mass-g is 0.65 g with them. Check --mass-g and --propeller-g, both in g");
+  n = Racer();
+  n.propeller_g = 200.0;
+  EXPECT_TRUE(Refusal(n).starts_with(
+      "the propellers would outweigh the vehicle: 4 of 200 g are 800 g, and --mass-g is 650 g"));
+  n = Racer();
+  n.pitch_in = 0.0;
+  EXPECT_TRUE(
+      Refusal(n).starts_with("option --pitch-in: a propeller without pitch is a flat plate"));
+}
+
+TEST(VehicleBuilder, LossesBySwitchingNeedTimeAndFrequency) {
+  BuilderNumbers n = Racer();
+  n.esc.switching_time_s = 1e-7;
+  EXPECT_EQ(Refusal(n),
+            "option --esc-switching-ns: the losses by switching are the product of time and "
+            "frequency, and there is no frequency; give --esc-pwm-kHz too, or leave both out");
+  n.esc.switching_frequency_Hz = 24e3;
+  EXPECT_NEAR(BuildVehicle(n, {}).vehicle.esc.SwitchingShare(), 2.4e-3, 1e-15);
+  n.esc.switching_time_s = 0.0;
+  EXPECT_TRUE(Refusal(n).starts_with("option --esc-pwm-kHz: "));
+}
+
+// Each is one number in another unit.
+TEST(VehicleBuilder, WhatCanHardlyBeMeantIsDoubted) {
+  EXPECT_TRUE(BuildVehicle(Racer(), {}).cautions.empty());
+  const auto cautions = [](auto&& change) {
+    BuilderNumbers n = Racer();
+    change(n);
+    std::string all;
+    for (const std::string& caution : BuildVehicle(n, {}).cautions) all += caution + "\n";
+    return all;
+  };
+  const auto says = [](const std::string& all, std::string_view part) {
+    return all.find(part) != std::string::npos;
+  };
+  const std::string light = cautions([](auto& n) { n.mass_g = 65.0; });
+  EXPECT_TRUE(says(light, "times the weight, and no multirotor has more than 20 times: check"))
+      << light;
+  const std::string pitch = cautions([](auto& n) { n.pitch_in = 4.3 * 25.4; });
+  EXPECT_TRUE(says(pitch, "a pitch of 109.22 inch is 21.8 diameters of the propeller")) << pitch;
+  const std::string kv = cautions([](auto& n) { n.kv_rpm_per_V = 24000.0; });
+  EXPECT_TRUE(says(kv, "% of their power into that of the propellers")) << kv;
+  const std::string avionics = cautions([](auto& n) { n.avionics_W = 5000.0; });
+  EXPECT_TRUE(says(avionics, "--avionics-W 5000 is more than the 83.4 W that the motors take"))
+      << avionics;
+}
+
 // What the bench sees in series is winding and controller.
 TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   BuilderNumbers n = Racer();
@@ -139,6 +193,22 @@ TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   EXPECT_DOUBLE_EQ(v.armature_resistance_Ohm, 0.06);
   EXPECT_DOUBLE_EQ(v.esc.resistance_Ohm, 0.02);
   EXPECT_EQ(v.thrust_coefficient_N_s2, 1.4e-6);
+  // A winding that the fit cannot tell from its own leaves nothing; a larger one cannot be.
+  n.winding_resistance_Ohm = 0.083;
+  EXPECT_EQ(BuildVehicle(n, fit).vehicle.armature_resistance_Ohm, 0.08);
+  n.winding_resistance_Ohm = 5.0;
+  const auto refusal = [&] {
+    return test::MessageOf<OptionError>([&] { (void)BuildVehicle(n, fit); });
+  };
+  EXPECT_EQ(refusal(),
+            "option --winding-resistance-Ohm: 5 Ohm are more than the 0.08 Ohm that the fit to "
+            "bench.csv finds for winding and controller together; leave the option out, or give the "
+            "resistance between two of the three wires");
+  n.winding_resistance_Ohm = 0.06;
+  n.esc.resistance_Ohm = 0.005;
+  EXPECT_TRUE(refusal().starts_with(
+      "option --esc-resistance-mOhm: the fit to bench.csv finds winding and controller together"));
+  n.esc.resistance_Ohm = 0.0;
   EXPECT_TRUE(BuildVehicle(n, fit).cautions.empty());
   fit.current_rms = 0.08;
   fit.switching_share.estimate = 0.1;

@@ -47,5 +47,15 @@ TEST(EnduranceRoute, SaysThatTheVehicleCrashes) {
   EXPECT_NE(message.find("mambo-physical crashes on the route of"), std::string::npos) << message;
 }
 
+TEST(EnduranceRoute, SaysThatTheVehicleMissesAWaypoint) {
+  const auto file = test::WriteText("endurance_route_far.toml",
+                                    "[[waypoint]]\naltitude_m = 2.0\n"
+                                    "[[waypoint]]\naltitude_m = 2.0\nx_m = 100.0\nstay_s = 5.0\n");
+  const std::string message =
+      test::MessageOf<OptionError>([&] { (void)FlyRoute(Mambo(), LoadGains("aware"), file); });
+  EXPECT_NE(message.find("mambo-physical does not fly the route of"), std::string::npos) << message;
+  EXPECT_NE(message.find("it missed 1 of 2 waypoints: "), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace lipoid

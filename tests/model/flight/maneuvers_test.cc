@@ -150,6 +150,7 @@ stay_s = 7.5
   ASSERT_EQ(plan.commands.size(), 2U);
   EXPECT_EQ(plan.commands[1].time_s, 5.0);
   EXPECT_EQ(plan.duration_s, 12.5);
+  EXPECT_EQ(plan.arrivals_s, (std::vector<double>{5.0, 12.5}));
   EXPECT_EQ(plan.commands[1].command.y_m, -1.0);
   EXPECT_NEAR(plan.commands[1].command.yaw_rad, 0.5 * M_PI, 1e-15);
 }

@@ -513,6 +513,89 @@ TEST(Fly, ClimbsAndDescendsNoFasterThanItMay) {
   EXPECT_LT(fastest_up, kOvershoot);
 }
 
+// Against a steady wind the thrust's horizontal part, at most m g tan(tilt limit), holds the drag
+// of the wind's speed: with less wind it stays, with more it is blown away.
+TEST(Fly, HoldsItsPlaceAsLongAsTheTiltBalancesTheWind) {
+  for (const char* vehicle : {"mambo-coupled", "f450"}) {
+    FlightSetup setup;
+    setup.vehicle = LoadVehicle(vehicle);
+    setup.gains = GainsFor("", setup.vehicle, "aware", setup.controller.law);
+    const double balanced_m_per_s = setup.vehicle.mass_kg * kGravity_m_per_s2 *
+                                    std::tan(setup.gains.position.tilt_limit_rad) /
+                                    setup.vehicle.linear_drag_N_s_per_m;
+    const FlightPlan plan = For(Hover().plan({}), 30.0);
+    setup.wind.wind_x_m_per_s = 0.7 * balanced_m_per_s;
+    const FlightResult holds = Fly(setup, plan);
+    EXPECT_EQ(holds.outcome, Outcome::kCompleted) << vehicle << holds.reason;
+    EXPECT_GT(holds.largest_position_error_m, 0.01);
+    // Further off the position controller would ask for more tilt than it may.
+    EXPECT_LT(holds.largest_position_error_m,
+              setup.gains.position.tilt_limit_rad / setup.gains.position.proportional_rad_per_m);
+    setup.wind.wind_x_m_per_s = 1.3 * balanced_m_per_s;
+    double largest_m = 0.0;
+    double sum_m2 = 0.0;
+    const FlightResult blown = Fly(setup, plan, [&](const FlightSample& sample) {
+      const double off_m = std::hypot(sample.position_m[0], sample.position_m[1]);
+      largest_m = std::max(largest_m, off_m);
+      sum_m2 += off_m * off_m;
+    });
+    EXPECT_EQ(blown.outcome, Outcome::kOffCourse) << vehicle;
+    EXPECT_EQ(blown.simulated_s, 30.0);
+    EXPECT_NEAR(blown.largest_position_error_m, largest_m, 1e-9);
+    EXPECT_NEAR(blown.mse_position_m2, sum_m2 / 6000.0, 1e-9 * sum_m2);
+    EXPECT_TRUE(blown.reason.starts_with("it could not hold its place: from ")) << blown.reason;
+  }
+}
+
+// Nobody is anywhere where angles are commanded.
+TEST(Fly, AManeuverOfAnglesHasNoErrorOfThePlace) {
+  const FlightResult flight = Fly(Ideal(1.0), For(AttitudeDoublets().plan({}), 10.0));
+  EXPECT_EQ(flight.outcome, Outcome::kCompleted);
+  EXPECT_TRUE(std::isnan(flight.mse_position_m2));
+  EXPECT_TRUE(std::isnan(flight.largest_position_error_m));
+}
+
+TEST(Fly, AWaypointThatIsNotReachedIsMissed) {
+  const FlightCommand start{.altitude_m = 1.0};
+  const FlightCommand far{.altitude_m = 60.0, .x_m = 200.0};
+  FlightPlan plan{.commands = {{0.0, start}, {2.0, far}, {7.0, start}},
+                  .duration_s = 17.0,
+                  .arrivals_s = {2.0, 7.0, 17.0}};
+  const FlightSetup setup = Ideal(1.0);
+  FlightSample last;
+  std::vector<double> seen_m;  // by the record, up to the last step
+  const FlightResult flight = Fly(setup, plan, [&](const FlightSample& sample) {
+    if (std::abs(sample.time_s - 7.0) < 1e-6)
+      seen_m.push_back(std::hypot(
+          sample.position_m[0] - 200.0, sample.position_m[1], sample.altitude_m() - 60.0));
+    last = sample;
+  });
+  EXPECT_EQ(flight.outcome, Outcome::kOffCourse);
+  ASSERT_EQ(flight.waypoint_distance_m.size(), 3U);
+  EXPECT_LT(flight.waypoint_distance_m[0], 0.1);
+  ASSERT_EQ(seen_m.size(), 1U);
+  EXPECT_NEAR(flight.waypoint_distance_m[1], seen_m[0], 1e-9);
+  constexpr double kAStep_m = 0.05;
+  EXPECT_NEAR(flight.waypoint_distance_m[2],
+              std::hypot(last.position_m[0], last.position_m[1], last.altitude_m() - 1.0),
+              kAStep_m);
+  EXPECT_NE(flight.reason.find("m were left to waypoint 2 at the end of its stay"),
+            std::string::npos)
+      << flight.reason;
+  // With time enough it gets there; and of a flight that was cut nobody expects the rest.
+  plan.commands[2].time_s = plan.arrivals_s[1] = 150.0;
+  plan.duration_s = plan.arrivals_s[2] = 300.0;
+  const FlightResult slow = Fly(setup, plan);
+  EXPECT_EQ(slow.outcome, Outcome::kCompleted) << slow.reason;
+  EXPECT_EQ(Fly(setup, For(plan, 6.0)).outcome, Outcome::kCompleted);
+  // Half a metre is missed by one that did not leave.
+  const FlightCommand near{.altitude_m = 1.0, .x_m = 0.5};
+  const FlightPlan hasty{.commands = {{0.0, start}, {1.0, near}},
+                         .duration_s = 1.05,
+                         .arrivals_s = {1.0, 1.05}};
+  EXPECT_EQ(Fly(setup, hasty).outcome, Outcome::kOffCourse);
+}
+
 // With the thesis' weak attitude gains the noise of the flow swung 14 of 20 such flights of
 // mambo-coupled up within ten minutes, where references were faster than the motors.
 TEST(Fly, TheThesisGainsHoverForTenMinutesBySensors) {

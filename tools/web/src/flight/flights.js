@@ -65,6 +65,7 @@ export function namesOf(summaries) {
 /** How it ended, as a few words; "" where it was completed. */
 export function troubleOf(summary) {
   if (summary.outcome === "crashed") return `crashed at ${summary.simulated_s.toFixed(2)} s`;
+  if (summary.outcome === "off-course") return "off course";
   if (summary.outcome === "battery-empty") return `battery empty at ${summary.simulated_s.toFixed(2)} s`;
   return "";
 }

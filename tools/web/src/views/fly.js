@@ -72,11 +72,11 @@ const ENSEMBLE = [
 
 function ensemble(summary, name) {
   if (!summary.ensemble) return null;
-  const { completed, crashed, battery_empty, interval_95 } = summary.ensemble;
+  const { completed, crashed, battery_empty, off_course = 0, interval_95 } = summary.ensemble;
   return section(
     `Cells as uncertain as the fit leaves them: ${name}`,
-    element("p", {}, `Of the cells drawn ${completed} complete the flight, ${crashed} crash, and on ` +
-      `${battery_empty} the battery is empty before.`),
+    element("p", {}, `Of the cells drawn ${completed} complete the flight, ${crashed} crash, on ` +
+      `${battery_empty} the battery is empty before, and ${off_course} are off course.`),
     table(
       [
         { title: "quantity", of: ([, words]) => words },
