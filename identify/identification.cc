@@ -419,6 +419,11 @@ Identification Identify(const Campaign& campaign,
     TakeFlights(found, logs);
   }
   found.log_notes = NotesOnLogs(logs);
+  for (const LoadedLog& log : logs) {
+    if (found.staged && log.entry.kind == LogKind::kLowRateCharge)
+      found.log_notes.push_back(fmt::format(
+          "{}: the staged method does not use a slow charge; --method joint does", log.entry.file));
+  }
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere

@@ -113,6 +113,21 @@ void RefuseOverfull(const Campaign& campaign,
           campaign.capacity_Ah));
 }
 
+// Charge leaves a log that is said to be a charge: under the wrong kind it would be fitted as none,
+// or not at all.
+void RefuseDischarge(const CampaignLog& entry, const Record& record) {
+  constexpr double kLeastShare = 0.5;  // of what left on the way, and did not come back
+  if (entry.kind != LogKind::kLowRateCharge) return;
+  const ChargeMoved moved = CountCharge(record);
+  if (!(moved.charge_C > kLeastShare * moved.most_C)) return;
+  throw LoadError(
+      {record.file},
+      fmt::format("expected a slow charge, as kind \"low-rate-charge\" says, found {:.4g} Ah that "
+                  "flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
+                  "current round (`current_sign`)",
+                  moved.charge_C / 3600.0));
+}
+
 // A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
 LoadedLog OneOfCell(const Campaign& campaign,
                     const CampaignLog& entry,
@@ -132,6 +147,7 @@ LoadedLog OneOfCell(const Campaign& campaign,
   DivideByPack(log.record, series, campaign.parallel);
   moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);
   RefuseOverfull(campaign, entry, log.record, moved);
+  RefuseDischarge(entry, log.record);
   return {entry, std::move(log)};
 }
 

@@ -508,6 +508,27 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
   }
 }
 
+// A slow charge that is one takes no part, and it is said.
+TEST(Identify, SaysThatTheStagedMethodUsesNoSlowCharge) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  std::string rows = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k <= 100; ++k)
+    rows += fmt::format("{},{},{}\n", 450 * k, k == 0 ? 0.0 : -0.03, 3.0 + 0.012 * k);
+  WriteFileAtomically(folder + "/logs/charge.csv", rows);
+  WriteFileAtomically(folder + "/logs/c.toml",
+                      ReadTextFile(folder + "/logs/campaign.toml") +
+                          "\n[[log]]\nkind = \"low-rate-charge\"\nfile = \"charge.csv\"\n"
+                          "current_sign = \"discharge-positive\"\ninitial_soc = 0\n");
+  const auto run =
+      RunLipoid(folder, {"identify", "logs/c.toml", "--method", "staged", "-o", "c.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("charge.csv: the staged method does not use a slow charge; --method joint "
+                         "does"),
+            std::string::npos)
+      << run.err;
+}
+
 // Settings of what does not run.
 TEST(Identify, SaysWhichSettingsChangeNothing) {
   const auto folder = TestFolder();

@@ -201,6 +201,25 @@ TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
                 "(`current_sign`), or say where the log starts (`initial_soc`)");
 }
 
+TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
+  const auto folder = test::FreshFolder("load_campaign/charge");
+  const auto complaint = [&](const std::string& rows) {
+    Write(folder + "/a.csv", "time_s,current_A,voltage_V\n" + rows);
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'low-rate-charge'\nfile = 'a.csv'\n"
+          "current_sign = 'discharge-positive'\n");
+    return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  };
+  EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,4.0\n36000,0.2,3.5\n"),
+            folder +
+                "/a.csv:1:1: error: expected a slow charge, as kind \"low-rate-charge\" says, found "
+                "2 Ah that flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
+                "current round (`current_sign`)");
+  EXPECT_EQ(complaint("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"), "no error");
+  // What empties the cell before it is charged is not the charge.
+  EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
+}
+
 // A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.
 TEST(LoadCampaign, PulsesMayMoveLittle) {
   const auto folder = test::FreshFolder("load_campaign/little");
