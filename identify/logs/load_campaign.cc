@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string>
@@ -11,10 +12,12 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/draft.h"
+#include "identify/logs/formats/quantity.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
 #include "identify/logs/same_rows.h"
+#include "identify/logs/segments.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 
@@ -128,6 +131,29 @@ void RefuseDischarge(const CampaignLog& entry, const Record& record) {
                   moved.charge_C / 3600.0));
 }
 
+// A cell that rests has the temperature of its surroundings, unless it was just put there. "" where
+// it has, or where nobody said what it is.
+std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record) {
+  constexpr double kMostOff_K = 15.0;
+  constexpr double kSame_K = 5.0;
+  const auto& temperature_degC = record.temperature_degC;
+  if (!entry.ambient_degC || entry.initial_degC || temperature_degC.empty()) return "";
+  const double first_degC = temperature_degC.front();
+  if (std::abs(first_degC - *entry.ambient_degC) <= kMostOff_K ||
+      std::abs(record.current_A.front()) > RestThreshold(record))
+    return "";
+  const double converted_degC = FindUnit(Quantity::kTemperature, "degF")->ToSi(first_degC);
+  return fmt::format(
+      "the cell rests at {:.4g} degC in the first row, and ambient_degC is {:.4g}: {}; where the cell "
+      "was warmed or cooled before the test, say initial_degC",
+      first_degC,
+      *entry.ambient_degC,
+      std::abs(converted_degC - *entry.ambient_degC) <= kSame_K
+          ? fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
+                        converted_degC)
+          : "look which of the two is right");
+}
+
 // A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
 LoadedLog OneOfCell(const Campaign& campaign,
                     const CampaignLog& entry,
@@ -148,6 +174,8 @@ LoadedLog OneOfCell(const Campaign& campaign,
   moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);
   RefuseOverfull(campaign, entry, log.record, moved);
   RefuseDischarge(entry, log.record);
+  if (auto doubt = DoubtAboutTemperature(entry, log.record); !doubt.empty())
+    log.report.warnings.push_back(std::move(doubt));
   return {entry, std::move(log)};
 }
 

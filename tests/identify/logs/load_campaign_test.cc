@@ -220,6 +220,35 @@ TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
   EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
 }
 
+// 77 degF are 25 degC.
+TEST(LoadCampaign, ARestedCellFarFromItsSurroundingsIsDoubted) {
+  const auto folder = test::FreshFolder("load_campaign/ambient");
+  const auto warnings = [&](const std::string& degC, const std::string& log, int first_A = 0) {
+    std::string rows = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (int k = 0; k < 4; ++k)
+      rows += fmt::format("{},{},{},{}\n", 10 * k, k == 0 ? first_A : 1, 4.2 - 0.1 * k, degC);
+    Write(folder + "/a.csv", rows);
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\ncurrent_sign = 'discharge-positive'\n" + log);
+    return LoadCampaign(ReadCampaign(folder + "/c.toml"))[0].log.report.warnings;
+  };
+  const std::vector<std::string> none;
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\n"),
+            (std::vector<std::string>{
+                "the cell rests at 77 degC in the first row, and ambient_degC is 25: if these are "
+                "degrees Fahrenheit (25 degC), say degF in the header; where the cell was warmed or "
+                "cooled before the test, say initial_degC"}));
+  EXPECT_EQ(warnings("25", "ambient_degC = -20\n"),
+            (std::vector<std::string>{
+                "the cell rests at 25 degC in the first row, and ambient_degC is -20: look which of "
+                "the two is right; where the cell was warmed or cooled before the test, say "
+                "initial_degC"}));
+  EXPECT_EQ(warnings("39", "ambient_degC = 25\n"), none);
+  EXPECT_EQ(warnings("77", ""), none);
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\ninitial_degC = 77\n"), none);
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\n", 1), none) << "a cell under load may be warm";
+}
+
 // A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.
 TEST(LoadCampaign, PulsesMayMoveLittle) {
   const auto folder = test::FreshFolder("load_campaign/little");
