@@ -498,6 +498,12 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
       {"soc,voltage_V\n100,4.2\n0,3\n",
        "curve.csv:2:1: error: expected soc as a fraction, 1 when full, found 100 (a "
        "percentage?)\n"},
+      {"soc,voltage_V\n0,3000\n1,4200\n",
+       "curve.csv:1:1: error: expected v_oc(A) of one cell in V, found 4200 V at full charge; are "
+       "these mV? Divide them by 1000\n"},
+      {"soc,voltage_V\n0,12\n1,16.8\n",
+       "curve.csv:1:1: error: expected v_oc(A) of one cell in V, found 16.8 V at full charge; is it "
+       "that of 4 cells in series? Divide it by 4\n"},
       {"soc,voltage_V\n1,4.2\n0,3\n1,4.1\n",
        "curve.csv:4:1: error: expected every soc once, found 1 again\n"},
   };
