@@ -108,7 +108,8 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
   line.Print("{}", TableOf(result, std::string(study.summary)).Text());
   for (const auto& remark : result.remarks) line.Message("{}", remark);
-  return cli::ExitCode::kDone;
+  const bool converged = result.facts.value("converged", true);
+  return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid
