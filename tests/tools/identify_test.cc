@@ -535,6 +535,37 @@ TEST(Identify, SaysThatTheStagedMethodUsesNoSlowCharge) {
       << run.err;
 }
 
+// In whichever order they stand.
+TEST(Identify, RefusesAnOptionAndASettingThatContradictEachOther) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/c.toml", "[cell]\ncutoff_V = 3.0\n");
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"identify", "c.toml", "-o", "c.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunLipoid(folder, arguments);
+  };
+  const std::pair<std::vector<std::string>, const char*> refused[] = {
+      {{"--branches", "1", "--set", "joint.branches=0"}, "--branches 1 and --set joint.branches=0"},
+      {{"--set", "joint.branches=-1", "--branches", "1"},
+       "--branches 1 and --set joint.branches=-1"},
+      {{"--method", "staged", "--branches", "2", "--set", "pulses.branches=1"},
+       "--branches 2 and --set pulses.branches=1"},
+      {{"--no-diffusion", "--set", "pulses.diffusion=true"},
+       "--no-diffusion and --set pulses.diffusion=true"}};
+  for (const auto& [more, names] : refused) {
+    const auto result = run(more);
+    EXPECT_EQ(result.exit_code, 2);
+    const auto message = std::string("options ") + names + " contradict each other; leave one out";
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+  }
+  const std::vector<std::string> same[] = {
+      {"--branches", "1", "--set", "joint.branches=1"},
+      {"--branches", "1", "--set", "pulses.branches=1"},
+      {"--method", "staged", "--branches", "2", "--set", "joint.branches=1"},
+      {"--no-diffusion", "--set", "pulses.diffusion=false"}};
+  for (const auto& more : same) EXPECT_EQ(run(more).err.find("contradict"), std::string::npos);
+}
+
 // Settings of what does not run.
 TEST(Identify, SaysWhichSettingsChangeNothing) {
   const auto folder = TestFolder();
