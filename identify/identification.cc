@@ -421,6 +421,11 @@ Identification Identify(const Campaign& campaign,
   found.log_notes = NotesOnLogs(logs);
   const auto of_low_rate = found.joint ? LowRateCurve(found.joint->staged, logs) : std::nullopt;
   const OpenCircuitVoltage& curve = of_low_rate ? *of_low_rate : found.cell.open_circuit_voltage;
+  for (const LoadedLog& log : logs) {
+    if (found.staged && log.entry.kind == LogKind::kLowRateCharge)
+      found.log_notes.push_back(fmt::format(
+          "{}: the staged method does not use a slow charge; --method joint does", log.entry.file));
+  }
   std::vector<StartDoubt> starts;
   for (const LoadedLog& log : logs) {
     if (log.entry.kind == LogKind::kFlight) continue;  // starts anywhere

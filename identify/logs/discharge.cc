@@ -20,7 +20,6 @@ constexpr double kMinorShare =
     0.01;  // of the charge: a load that moves less is a check, no discharge
 constexpr double kMaxChargingShare = 0.05;  // of the discharged charge
 constexpr double kMaxRestShare = 0.05;      // of the time from switch-on to the end
-constexpr std::size_t kRestRows = 2;        // fewer show no relaxation
 
 [[noreturn]] void Refuse(const Record& record, const std::string& message) {
   throw LoadError({.file = record.file}, message);

@@ -25,6 +25,9 @@ inline constexpr double kCutoffTolerance_V = 0.005;
 /// A discharge at a higher rate says little about the open-circuit voltage: five hours at least.
 inline constexpr double kMaxLowRate_per_h = 0.2;
 
+/// Rows of a rest; fewer show no relaxation.
+inline constexpr std::size_t kRestRows = 2;
+
 /// Rows [first, last] carry the current from start_s to end_s.
 struct Discharge {
   std::size_t first = 0;

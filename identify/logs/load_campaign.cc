@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string>
@@ -11,10 +12,12 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/draft.h"
+#include "identify/logs/formats/quantity.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
 #include "identify/logs/same_rows.h"
+#include "identify/logs/segments.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 
@@ -113,6 +116,44 @@ void RefuseOverfull(const Campaign& campaign,
           campaign.capacity_Ah));
 }
 
+// Charge leaves a log that is said to be a charge: under the wrong kind it would be fitted as none,
+// or not at all.
+void RefuseDischarge(const CampaignLog& entry, const Record& record) {
+  constexpr double kLeastShare = 0.5;  // of what left on the way, and did not come back
+  if (entry.kind != LogKind::kLowRateCharge) return;
+  const ChargeMoved moved = CountCharge(record);
+  if (!(moved.charge_C > kLeastShare * moved.most_C)) return;
+  throw LoadError(
+      {record.file},
+      fmt::format("expected a slow charge, as kind \"low-rate-charge\" says, found {:.4g} Ah that "
+                  "flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
+                  "current round (`current_sign`)",
+                  moved.charge_C / 3600.0));
+}
+
+// A cell that rests has the temperature of its surroundings, unless it was just put there. "" where
+// it has, or where nobody said what it is.
+std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record) {
+  constexpr double kMostOff_K = 15.0;
+  constexpr double kSame_K = 5.0;
+  const auto& temperature_degC = record.temperature_degC;
+  if (!entry.ambient_degC || entry.initial_degC || temperature_degC.empty()) return "";
+  const double first_degC = temperature_degC.front();
+  if (std::abs(first_degC - *entry.ambient_degC) <= kMostOff_K ||
+      std::abs(record.current_A.front()) > RestThreshold(record))
+    return "";
+  const double converted_degC = FindUnit(Quantity::kTemperature, "degF")->ToSi(first_degC);
+  return fmt::format(
+      "the cell rests at {:.4g} degC in the first row, and ambient_degC is {:.4g}: {}; where the cell "
+      "was warmed or cooled before the test, say initial_degC",
+      first_degC,
+      *entry.ambient_degC,
+      std::abs(converted_degC - *entry.ambient_degC) <= kSame_K
+          ? fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
+                        converted_degC)
+          : "look which of the two is right");
+}
+
 // A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
 LoadedLog OneOfCell(const Campaign& campaign,
                     const CampaignLog& entry,
@@ -132,6 +173,9 @@ LoadedLog OneOfCell(const Campaign& campaign,
   DivideByPack(log.record, series, campaign.parallel);
   moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);
   RefuseOverfull(campaign, entry, log.record, moved);
+  RefuseDischarge(entry, log.record);
+  if (auto doubt = DoubtAboutTemperature(entry, log.record); !doubt.empty())
+    log.report.warnings.push_back(std::move(doubt));
   return {entry, std::move(log)};
 }
 

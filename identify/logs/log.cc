@@ -361,6 +361,7 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
     log.report.current_column = current->header_text;
   }
   log.report.notes = plan.notes;
+  log.report.warnings = plan.warnings;
   AddNotes(source, plan, reader, collector, log.report);
 
   const auto position = [&](Quantity quantity) {

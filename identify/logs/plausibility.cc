@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "identify/logs/draft.h"
 
 namespace lipoid {
 namespace {
@@ -15,8 +16,6 @@ namespace {
 constexpr double kMostPack_A = 1e5;
 constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 
-// One cell, from a half cell at rest to a lithium cell under fast charge.
-constexpr double kMostCell_V = 6.0;
 constexpr double kLeastCell_V = 0.02;
 // On average, of a pack that was divided by its cells: half of what any lithium cell has.
 constexpr double kLeastOfPack_V = 1.2;
@@ -189,6 +188,26 @@ ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series,
             LargerPack("parallel", parallel)));
   }
   return moved;
+}
+
+void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
+  constexpr double kFarBelow = 0.75;
+  if (series == 1 || record.voltage_V.empty()) return;
+  const double empty_V = curve(std::max(0.0, curve.soc_lo()));
+  const double most_V = FindExtent(record.voltage_V).most;
+  const int cells = CellsInSeries(most_V * series);
+  if (most_V >= kFarBelow * empty_V || cells >= series) return;
+  throw LoadError(
+      {record.file},
+      fmt::format("expected the voltage of {} cells in series, whose v_oc(A) is {:.3g} V when "
+                  "empty, found {:.3g} V per cell at most; is this log one of {}? Then say "
+                  "`series` = {} (--series {})",
+                  series,
+                  empty_V,
+                  most_V,
+                  cells == 1 ? "a single cell" : fmt::format("{} cells", cells),
+                  cells,
+                  cells));
 }
 
 }  // namespace lipoid

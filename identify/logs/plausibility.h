@@ -8,12 +8,16 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/record.h"
+#include "model/battery/open_circuit_voltage.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
 
 /// No pack has more; what was meant has a factor of 1000 less.
 inline constexpr double kMostPack_V = 2000.0;
+
+/// One cell, from a half cell at rest to a lithium cell under fast charge.
+inline constexpr double kMostCell_V = 6.0;
 
 /// Where the columns of a record are named in its file.
 struct ColumnPositions {
@@ -33,5 +37,9 @@ void CheckReadable(const Record& record, const ColumnPositions& positions);
 /// one, 0 where it is not known. Returns the charge that the record moves, none where the capacity is
 /// not known. LoadError with advice.
 ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series = 1, int parallel = 1);
+
+/// For the same record and the v_oc(A) of its cell: LoadError where every row is so far below the
+/// empty cell that the log is one of fewer cells in series than that.
+void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series);
 
 }  // namespace lipoid

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/logs/discharge.h"
 #include "model/core/counted.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::size_t kRestRows = 2;  // fewer show no relaxation
 
 }  // namespace
 

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "identify/logs/csv/cells.h"
+#include "identify/logs/draft.h"
+#include "identify/logs/plausibility.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
@@ -91,6 +93,22 @@ OpenCircuitVoltage ParseTable(const std::string& text, const std::string& file) 
   return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
 }
 
+// A curve in mV, or of a pack, says of no log where it starts.
+OpenCircuitVoltage OfOneCell(OpenCircuitVoltage curve, const std::string& file) {
+  constexpr double kLeast_mV = 1000.0;  // at full charge
+  const double full_V = curve(std::min(1.0, curve.soc_hi()));
+  if (full_V <= kMostCell_V) return curve;
+  const int cells = CellsInSeries(full_V);
+  const std::string why =
+      full_V >= kLeast_mV
+          ? "are these mV? Divide them by 1000"
+          : fmt::format("is it that of {} cells in series? Divide it by {}", cells, cells);
+  throw LoadError(
+      {file},
+      fmt::format(
+          "expected v_oc(A) of one cell in V, found {:.4g} V at full charge; {}", full_V, why));
+}
+
 }  // namespace
 
 OpenCircuitVoltage ReadOpenCircuitVoltageFile(const std::string& file) {
@@ -99,8 +117,9 @@ OpenCircuitVoltage ReadOpenCircuitVoltageFile(const std::string& file) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos)
     throw LoadError({file}, "expected soc,voltage_V rows or a cell file, found nothing");
-  if (text[first] == '{') return ParseCell(text, file).open_circuit_voltage;
-  return ParseTable(text, file);
+  return OfOneCell(
+      text[first] == '{' ? ParseCell(text, file).open_circuit_voltage : ParseTable(text, file),
+      file);
 }
 
 }  // namespace lipoid

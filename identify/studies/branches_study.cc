@@ -50,6 +50,8 @@ double KeepNested(PulseFitResult& fit,
   if (mean_square <= mean_square_before) return mean_square;
   fit.parameters = WithIdleBranch(before.parameters, time_constant_s);
   fit.errors = before.errors;
+  fit.termination = before.termination;
+  fit.message = before.message;
   fit.rows_outside_curve = before.rows_outside_curve;
   fit.at_bound = before.at_bound;
   fit.at_bound.push_back(fmt::format("r_{}", fit.parameters.resistance_Ohm.size()));
@@ -111,8 +113,10 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
                     {"information_criterion", "BIC above least", 1.0, 4},
                     {"recommended", "recommended"},
                     {"at_bound", "at bound"}};
+  std::vector<NamedFit> named;
   for (std::size_t n = 0; n < fits.size(); ++n) {
     const auto& fit = fits[n];
+    named.push_back({fmt::format("{} branch{}", n, n == 1 ? "" : "es"), &fit});
     result.rows.push_back(
         {{"branches", n},
          {"wall_s", fit.wall_s},
@@ -122,6 +126,7 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
          {"free_parameters", study.FreeParameters(fit)},
          {"information_criterion", criterion[n] - criterion[static_cast<std::size_t>(best)]},
          {"recommended", static_cast<std::ptrdiff_t>(n) == best},
+         {"termination", options_internal::ToText(fit.termination)},
          {"at_bound", fit.at_bound},
          {"evaluations", fit.evaluations},
          {"parameters", study.Parameters(fit.parameters)}});
@@ -129,6 +134,7 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
   result.facts = {{"recommended_branches", best},
                   {"data_rows", fits.back().errors.rows},
                   {"effective_rows", effective_rows}};
+  TellWhetherConverged(named, result);
   result.remarks.push_back(
       fmt::format("{} branch{} recommended: the least of N_e ln(S/N) + p ln N_e, where the {} rows "
                   "are worth N_e = {:.3g} independent ones",

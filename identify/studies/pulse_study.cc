@@ -92,6 +92,27 @@ Json PulseStudy::Parameters(const SweepParameters& p) const {
   return json;
 }
 
+void TellWhetherConverged(const std::vector<NamedFit>& fits, StudyResult& result) {
+  std::vector<std::string> names;
+  const PulseFitResult* first = nullptr;
+  for (const auto& [name, fit] : fits) {
+    if (fit->termination == Termination::kConverged) continue;
+    if (first == nullptr) first = fit;
+    names.push_back(name);
+  }
+  result.facts["converged"] = names.empty();
+  if (names.empty()) return;
+  const std::string which =
+      names.size() == fits.size()
+          ? "all fits"
+          : fmt::format("the fit{} with {}", names.size() == 1 ? "" : "s", fmt::join(names, ", "));
+  result.remarks.push_back(fmt::format(
+      "not converged: {}. {} Such a row is not the best that this cell can do: raise "
+      "solver.max_iterations before the table is believed",
+      which,
+      first->message));
+}
+
 std::string Joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, " "));
 }

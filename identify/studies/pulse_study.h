@@ -41,6 +41,15 @@ class PulseStudy {
   StagedResult before_;
 };
 
+/// A fit of a study, and how a sentence calls it: "2 branches".
+struct NamedFit {
+  std::string name;
+  const PulseFitResult* fit;
+};
+
+/// The fact `converged`, of all fits together, and a remark with those that did not.
+void TellWhetherConverged(const std::vector<NamedFit>& fits, StudyResult& result);
+
 /// "r_2 tau_2", or "" where there is none.
 [[nodiscard]] std::string Joined(const std::vector<std::string>& names);
 

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "identify/studies/pulse_study.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -48,7 +51,8 @@ StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
     }
   }
   // The last with the tail.
-  const SweepParameters reference = fitted[std::size(kTerms) - 1].fit.parameters;
+  const PulseFitResult& best = fitted[std::size(kTerms) - 1].fit;
+  const SweepParameters& reference = best.parameters;
 
   StudyResult result;
   result.columns = {{"terms", "terms"},
@@ -59,9 +63,12 @@ StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
                     {"beta_bias_percent", "beta off by / %", 1.0, 3},
                     {"series_resistance_Ohm", "r_s / Ohm", 1.0, 5},
                     {"series_resistance_bias_Ohm", "r_s off by / mOhm", 1e3, 3},
-                    {"lost_share_percent", "lost of (4.41) / %", 1.0, 3}};
+                    {"lost_share_percent", "lost of (4.41) / %", 1.0, 3},
+                    {"at_bound", "at bound"}};
+  std::vector<NamedFit> named;
   for (const auto& [terms, tail, fit] : fitted) {
     const SweepParameters& p = fit.parameters;
+    named.push_back({Counted(terms, "term") + (tail ? " and the tail" : ""), &fit});
     result.rows.push_back(
         {{"terms", terms},
          {"tail", tail},
@@ -72,12 +79,20 @@ StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress) {
          {"series_resistance_Ohm", p.series_resistance_Ohm},
          {"series_resistance_bias_Ohm", p.series_resistance_Ohm - reference.series_resistance_Ohm},
          {"lost_share_percent", LostSharePercent(terms, tail)},
+         {"termination", options_internal::ToText(fit.termination)},
          {"at_bound", fit.at_bound},
          {"parameters", study.Parameters(p)}});
   }
   result.remarks.push_back(fmt::format(
       "beta and r_s are off by what they differ from the fit with {} terms and the tail",
       kTerms[std::size(kTerms) - 1]));
+  if (std::count(best.at_bound.begin(), best.at_bound.end(), "beta") > 0) {
+    result.remarks.push_back(fmt::format(
+        "beta is at its bound of {:.4g} s^-1/2 in the fit that the others are compared with: these "
+        "logs do not show what a truncation does to beta, and a beta that is off by 0 says nothing",
+        reference.beta_per_sqrt_s));
+  }
+  TellWhetherConverged(named, result);
   return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "identify/synthesis/decimal_step.h"
 #include "identify/synthesis/protocols.h"
@@ -83,5 +84,10 @@ void WalkPlan(const Cell& cell,
     } while (rows_left == 0);
   }
 }
+
+/// Why identify would take the log of such a test for no pulses, and what to do; "" where it would.
+[[nodiscard]] std::string WhyNoPulses(const Cell& cell,
+                                      const TestPlan& plan,
+                                      const DecimalStep& sampling);
 
 }  // namespace lipoid

@@ -74,17 +74,8 @@ void CheckPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& sampli
     }
   }
   if (plan.kind == LogKind::kPulses) {
-    constexpr double kRestRows = 2;  // fewer show no relaxation
-    const bool rests = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const auto& stage) {
-      return stage.current_A == 0.0 && stage.length_s >= kRestRows * sampling.Times(1);
-    });
-    if (!rests) {
-      throw OptionError(fmt::format(
-          "{}: expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
-          plan.file,
-          kRestRows,
-          kRestRows * sampling.Times(1)));
-    }
+    if (const std::string why = WhyNoPulses(cell, plan, sampling); !why.empty())
+      throw OptionError(why);
   }
 }
 

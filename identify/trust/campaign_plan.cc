@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "identify/joint/joint_trust.h"
+#include "identify/synthesis/plan_walk.h"
 #include "model/battery/at_temperature.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
@@ -125,8 +126,12 @@ PlannedExperiment PlanCampaign(const Cell& cell,
                                const DecimalStep& sampling,
                                const PlannedNoise& noise) {
   const Cell planned = AsPlanned(cell);
-  const std::vector<LoadedLog> logs = PlannedLogs(planned, plans, sampling);
   PlannedExperiment plan;
+  for (const TestPlan& test : plans) {
+    if (test.kind == LogKind::kPulses) plan.refused = WhyNoPulses(planned, test, sampling);
+    if (!plan.refused.empty()) return plan;
+  }
+  const std::vector<LoadedLog> logs = PlannedLogs(planned, plans, sampling);
   plan.coldest_degC = kInfinity;
   plan.warmest_degC = -kInfinity;
   for (const TestPlan& test : plans) {

@@ -67,6 +67,9 @@ PlannedExperiment PlanExperiment(const Cell& cell,
   const CellParameters<double> p = constant.Parameters();
   const auto plans = ThesisProtocol(cell, options);
   const TestPlan& pulses = plans.back();
+  PlannedExperiment planned;
+  planned.refused = WhyNoPulses(constant, pulses, sampling);
+  if (!planned.refused.empty()) return planned;
   const Record record = RecordOfPlan(constant, pulses, sampling);
   const VoltageSweep sweep({.alpha_C = p.alpha_C,
                             .diffusion = p.diffusion,
@@ -86,7 +89,6 @@ PlannedExperiment PlanExperiment(const Cell& cell,
   assume.assumed = ResidualCorrelation{.white_V = noise.white_V,
                                        .correlated_V = noise.coloured_V,
                                        .correlation_s = noise.correlation_s};
-  PlannedExperiment planned;
   planned.current_A = pulses.stages[0].current_A;
   planned.duration_s = record.time_s.back();
   planned.rows = record.size();

@@ -27,6 +27,8 @@ struct PlannedNoise {
 };
 
 struct PlannedExperiment {
+  /// Why identify would not take its logs (plan_walk.h); then nothing else is known. "": it would.
+  std::string refused = {};
   double current_A = 0.0;
   double duration_s = 0.0;  ///< to cut-off
   std::size_t rows = 0;

@@ -92,8 +92,10 @@ class Variations {
         }
       }
     }
+    if (result_.variations.empty()) throw OptionError(refused_.front());
     result_.left_out = result_.temperature ? LeftOutOfCampaign(cell_, shortest_s)
                                            : LeftOutOfPlan(cell_, shortest_s);
+    result_.left_out.insert(result_.left_out.begin(), refused_.begin(), refused_.end());
     if (grid_.rate_C.empty()) {
       result_.left_out.push_back(fmt::format(
           "the largest current that the cell may carry is not in its file: pulses of {:g}C ({:.3g} A) are chosen "
@@ -110,14 +112,20 @@ class Variations {
   }
 
  private:
-  PlannedVariation& Push(const SynthesisOptions& options, PlannedExperiment plan) {
+  // None of an experiment that identify would refuse: it is no advice.
+  PlannedVariation* Push(const SynthesisOptions& options, PlannedExperiment plan) {
+    if (!plan.refused.empty()) {
+      if (std::find(refused_.begin(), refused_.end(), plan.refused) == refused_.end())
+        refused_.push_back(std::move(plan.refused));
+      return nullptr;
+    }
     result_.variations.push_back({options.pulse_rate_C,
                                   options.pulse_s,
                                   options.rest_s,
                                   options.sampling_s,
                                   std::move(plan),
                                   ambients_degC_});
-    return result_.variations.back();
+    return &result_.variations.back();
   }
 
   void Tell() const {
@@ -136,7 +144,7 @@ class Variations {
     options.ambient_degC = TemperaturesAsText(ambients_degC_);
     const std::vector<TestPlan> tests = ThesisProtocol(seen, options);
     const std::size_t first = result_.variations.size();
-    Push(options, PlanCampaign(seen, tests, sampling, grid_.noise));
+    if (Push(options, PlanCampaign(seen, tests, sampling, grid_.noise)) == nullptr) return;
     const auto pulses = std::find_if(
         tests.begin(), tests.end(), [](const auto& test) { return test.kind == LogKind::kPulses; });
     for (const double second_degC : seconds_degC_) {
@@ -145,10 +153,11 @@ class Variations {
         std::vector<TestPlan> more = tests;
         more.push_back(AtAnotherTemperature(*pulses, second_degC));
         if (how == SecondPulses::kOne) more.back().cycles = 1;
-        PlannedVariation& with = Push(options, PlanCampaign(seen, more, sampling, grid_.noise));
-        with.second = how;
-        with.second_degC = second_degC;
-        with.plan.trust.sentence = WhatItAdds(with, result_.variations[first]);
+        PlannedVariation* with = Push(options, PlanCampaign(seen, more, sampling, grid_.noise));
+        if (with == nullptr) continue;
+        with->second = how;
+        with->second_degC = second_degC;
+        with->plan.trust.sentence = WhatItAdds(*with, result_.variations[first]);
       }
     }
   }
@@ -159,6 +168,7 @@ class Variations {
   std::vector<double> ambients_degC_;
   std::vector<double> seconds_degC_;
   std::size_t count_ = 0;
+  std::vector<std::string> refused_;  // why an experiment is none
   PlanGridResult result_;
 };
 

@@ -90,13 +90,13 @@ struct PlannedVariation {
 
 struct PlanGridResult {
   std::vector<PlannedVariation> variations;  ///< by rate, pulse, rest and sampling
-  std::vector<std::string> left_out;         ///< of the cell, in words
+  std::vector<std::string> left_out;         ///< of the cell and of what was asked for, in words
   std::vector<std::string> terms_left_out;   ///< of the cell, by name
   bool temperature = false;                  ///< whether it takes part
   bool temperature_assumed = false;          ///< energies and heat of the cell are typical values
 };
 
-/// OptionError where there are more than kMostVariations, or an experiment does not suit the cell.
+/// OptionError where there are more than kMostVariations, or no experiment suits the cell.
 inline constexpr std::size_t kMostVariations = 1000;
 [[nodiscard]] PlanGridResult PlanVariations(const Cell& cell,
                                             const PlanGrid& grid,

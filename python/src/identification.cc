@@ -105,6 +105,7 @@ nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::d
       throw LoadError({record.file}, "expected a voltage to compare with, found none");
     DivideByPack(record, pack.cell.series, pack.cell.parallel);
     (void)CheckPlausible(record, one.capacity_Ah, pack.cell.series, pack.cell.parallel);
+    CheckSeries(record, one.open_circuit_voltage, pack.cell.series);
     const Surroundings among = surroundings.Of(record);
     const double initial_soc = start.Soc(pack.cell, among);
     json = LogErrorsToJson(Validate(one, record, initial_soc, among));

@@ -249,6 +249,22 @@ TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
   EXPECT_EQ(summary.at("options").at("scaling"), "none");
 }
 
+TEST(Compare, SaysWhichSettingsChangeNothing) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  const auto said = [&](const char* optimizers) {
+    return RunLipoid(
+               folder,
+               Compare({"--optimizers", optimizers, "--set", "particle-swarm.population=20"}))
+        .err;
+  };
+  EXPECT_NE(said("sqp,levenberg-marquardt")
+                .find("options --set particle-swarm.* change nothing: particle-swarm is none of "
+                      "--optimizers sqp,levenberg-marquardt; add it there, or leave them out"),
+            std::string::npos);
+  EXPECT_EQ(said("sqp,particle-swarm").find("change nothing"), std::string::npos);
+}
+
 TEST(Compare, RefusesWhatMakesNoSense) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder);

@@ -498,6 +498,12 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
       {"soc,voltage_V\n100,4.2\n0,3\n",
        "curve.csv:2:1: error: expected soc as a fraction, 1 when full, found 100 (a "
        "percentage?)\n"},
+      {"soc,voltage_V\n0,3000\n1,4200\n",
+       "curve.csv:1:1: error: expected v_oc(A) of one cell in V, found 4200 V at full charge; are "
+       "these mV? Divide them by 1000\n"},
+      {"soc,voltage_V\n0,12\n1,16.8\n",
+       "curve.csv:1:1: error: expected v_oc(A) of one cell in V, found 16.8 V at full charge; is it "
+       "that of 4 cells in series? Divide it by 4\n"},
       {"soc,voltage_V\n1,4.2\n0,3\n1,4.1\n",
        "curve.csv:4:1: error: expected every soc once, found 1 again\n"},
   };
@@ -506,6 +512,58 @@ TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {
     EXPECT_EQ(run.exit_code, 3);
     EXPECT_EQ(run.err, message);
   }
+}
+
+// A slow charge that is one takes no part, and it is said.
+TEST(Identify, SaysThatTheStagedMethodUsesNoSlowCharge) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  std::string rows = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k <= 100; ++k)
+    rows += fmt::format("{},{},{}\n", 450 * k, k == 0 ? 0.0 : -0.03, 3.0 + 0.012 * k);
+  WriteFileAtomically(folder + "/logs/charge.csv", rows);
+  WriteFileAtomically(folder + "/logs/c.toml",
+                      ReadTextFile(folder + "/logs/campaign.toml") +
+                          "\n[[log]]\nkind = \"low-rate-charge\"\nfile = \"charge.csv\"\n"
+                          "current_sign = \"discharge-positive\"\ninitial_soc = 0\n");
+  const auto run =
+      RunLipoid(folder, {"identify", "logs/c.toml", "--method", "staged", "-o", "c.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("charge.csv: the staged method does not use a slow charge; --method joint "
+                         "does"),
+            std::string::npos)
+      << run.err;
+}
+
+// In whichever order they stand.
+TEST(Identify, RefusesAnOptionAndASettingThatContradictEachOther) {
+  const auto folder = TestFolder();
+  WriteFileAtomically(folder + "/c.toml", "[cell]\ncutoff_V = 3.0\n");
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"identify", "c.toml", "-o", "c.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunLipoid(folder, arguments);
+  };
+  const std::pair<std::vector<std::string>, const char*> refused[] = {
+      {{"--branches", "1", "--set", "joint.branches=0"}, "--branches 1 and --set joint.branches=0"},
+      {{"--set", "joint.branches=-1", "--branches", "1"},
+       "--branches 1 and --set joint.branches=-1"},
+      {{"--method", "staged", "--branches", "2", "--set", "pulses.branches=1"},
+       "--branches 2 and --set pulses.branches=1"},
+      {{"--no-diffusion", "--set", "pulses.diffusion=true"},
+       "--no-diffusion and --set pulses.diffusion=true"}};
+  for (const auto& [more, names] : refused) {
+    const auto result = run(more);
+    EXPECT_EQ(result.exit_code, 2);
+    const auto message = std::string("options ") + names + " contradict each other; leave one out";
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+  }
+  const std::vector<std::string> same[] = {
+      {"--branches", "1", "--set", "joint.branches=1"},
+      {"--branches", "1", "--set", "pulses.branches=1"},
+      {"--method", "staged", "--branches", "2", "--set", "joint.branches=1"},
+      {"--no-diffusion", "--set", "pulses.diffusion=false"}};
+  for (const auto& more : same) EXPECT_EQ(run(more).err.find("contradict"), std::string::npos);
 }
 
 // Settings of what does not run.

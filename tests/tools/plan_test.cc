@@ -92,6 +92,32 @@ TEST(Plan, NamesTheTermsThatItLeavesOut) {
   }
 }
 
+// A pulse that empties the cell, or no rest: identify refuses such logs, and they are no advice.
+TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, {"plan", "gifi-600mAh-1", "--pulse-s", "100,250,300", "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = ReadJson(folder, "s.json");
+  ASSERT_EQ(summary.at("rows").size(), 2U);
+  EXPECT_EQ(summary.at("rows")[1].at("pulse_s"), 250.0);
+  EXPECT_EQ(summary.at("left_out")[0],
+            "pulses.csv: a pulse of 300 s at 3.6 A empties the cell after 266 s, before any rest, "
+            "and identify takes no such log for pulses; give a shorter pulse_s or a lower rate");
+  for (const std::vector<std::string>& at :
+       {std::vector<std::string>{}, std::vector<std::string>{"--ambient-degC", "25"}}) {
+    std::vector<std::string> arguments{
+        "plan", "gifi-600mAh-1", "--rest-s", "0", "--sampling-s", "5"};
+    arguments.insert(arguments.end(), at.begin(), at.end());
+    const auto none = RunLipoid(folder, arguments);
+    EXPECT_EQ(none.exit_code, 2);
+    EXPECT_NE(none.err.find("pulses.csv: expected rests of at least 2 rows between the pulses; "
+                            "give a rest_s of at least 10 s"),
+              std::string::npos)
+        << none.err;
+  }
+}
+
 TEST(Plan, RefusesWhatIsNoPlan) {
   const auto folder = TestFolder();
   for (const std::string bad : {"0", "1:1", "ten", "1,,2"}) {

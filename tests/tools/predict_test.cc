@@ -8,6 +8,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
+#include "model/core/json_text.h"
 #include "tests/support/run_lipoid.h"
 
 namespace lipoid::test {
@@ -94,6 +95,21 @@ TEST(Validate, SaysWhereATemperatureIsNone) {
     const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "in.csv"});
     EXPECT_NE(run.err.find(expected), std::string::npos) << run.err;
   }
+}
+
+// The cell file says three in series, the log is one of a single cell.
+TEST(Validate, AsksWhetherTheLogIsOneOfASingleCell) {
+  const auto folder = FolderWithLogs();
+  Json pack = CellToJson(LoadCell("gifi-600mAh-1"));
+  pack["series"] = 3;
+  WriteFileAtomically(folder + "/pack.json", JsonText(pack));
+  const auto run = RunLipoid(folder, {"validate", "pack.json", "logs/cc_2C.csv"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("is this log one of a single cell? Then say `series` = 1 (--series 1)"),
+            std::string::npos)
+      << run.err;
+  const auto one = RunLipoid(folder, {"validate", "pack.json", "logs/cc_2C.csv", "--series", "1"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
 }
 
 // mA under a header of A: 600 A from a cell of 0.6 Ah.

@@ -102,6 +102,34 @@ TEST(Study, OcvAndTermsGiveRows) {
   }
 }
 
+// As `lipoid identify --method staged` does.
+TEST(Study, FitsThatDidNotConvergeEndWithOne) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder);
+  for (const char* what : {"branches", "terms"}) {
+    const auto study = [&](const char* iterations) {
+      return RunLipoid(folder,
+                       {"study",
+                        what,
+                        "logs/campaign.toml",
+                        "--set",
+                        std::string("solver.max_iterations=") + iterations,
+                        "--summary",
+                        "s.json"});
+    };
+    const auto stopped = study("1");
+    EXPECT_EQ(stopped.exit_code, 1);
+    EXPECT_NE(stopped.err.find("not converged: "), std::string::npos) << stopped.err;
+    EXPECT_EQ(ReadJson(folder, "s.json").at("converged"), false);
+    EXPECT_EQ(ReadJson(folder, "s.json").at("rows")[1].at("termination"), "max-iterations");
+    const auto whole = study("200");
+    EXPECT_EQ(whole.exit_code, 0) << whole.err;
+    EXPECT_EQ(whole.err.find("not converged"), std::string::npos) << whole.err;
+    EXPECT_EQ(ReadJson(folder, "s.json").at("converged"), true);
+    EXPECT_EQ(ReadJson(folder, "s.json").at("rows")[1].at("termination"), "converged");
+  }
+}
+
 TEST(Study, AnUnknownStudyIsAUsageErrorThatListsTheKnown) {
   const auto run = RunLipoid(TestFolder(), {"study", "branch", "campaign.toml"});
   EXPECT_EQ(run.exit_code, 2);

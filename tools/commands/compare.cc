@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "tools/commands.h"
 #include "tools/commands/campaign_options.h"
 #include "tools/commands/log_options.h"
+#include "tools/commands/staged_options.h"
 
 namespace lipoid {
 namespace {
@@ -155,7 +157,20 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
+  CheckSaidOnce(line, request.staged);
   request.Resolve();
+  const auto chosen = FindOptimizers(request.optimizers);
+  for (const auto& entry : Optimizers()) {
+    const bool runs = std::any_of(
+        chosen.begin(), chosen.end(), [&](const auto* one) { return one->name == entry.name; });
+    if (runs || !line.Sets(std::string(entry.name) + ".")) continue;
+    line.Message(
+        "options --set {}.* change nothing: {} is none of --optimizers {}; add it there, or leave "
+        "them out",
+        entry.name,
+        entry.name,
+        fmt::join(request.optimizers, ","));
+  }
   const auto campaigns =
       campaign_options.Campaigns(line, files, request.staged.given.open_circuit_voltage);
   if (campaigns.size() > 1) throw OptionError("one campaign at a time");

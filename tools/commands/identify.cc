@@ -27,6 +27,7 @@
 #include "tools/commands/joint_text.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/profile_text.h"
+#include "tools/commands/staged_options.h"
 #include "tools/commands/trust_text.h"
 #include "tools/commands/truth_table.h"
 #include "tools/report/identify_series.h"
@@ -204,8 +205,9 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
   line.ReportOption();
   request.EachGroup([&](std::string_view name, auto& group) { line.Group(name, group); });
   if (!line.Parse()) return cli::ExitCode::kDone;
+  const bool joint = request.method == IdentifyMethod::kJoint;
+  CheckSaidOnce(line, request);
   const IdentifyOptions options = request.Resolve();
-  const bool joint = options.method == IdentifyMethod::kJoint;
   if (!joint && line.Sets("joint.")) {
     line.Message(
         "options --set joint.* change nothing with --method staged: leave them out, or take --method "

@@ -11,6 +11,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/log_options.h"
+#include "tools/commands/staged_options.h"
 
 namespace lipoid {
 namespace {
@@ -91,6 +92,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
+  CheckSaidOnce(line, request);
   const Study& study = FindStudy(what);
   request.Resolve();
   const Campaign campaign = ReadCampaign(campaign_file);
@@ -108,7 +110,8 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   if (!csv.empty()) WriteFileAtomically(csv, CsvText(result));
   line.Print("{}", TableOf(result, std::string(study.summary)).Text());
   for (const auto& remark : result.remarks) line.Message("{}", remark);
-  return cli::ExitCode::kDone;
+  const bool converged = result.facts.value("converged", true);
+  return converged ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid

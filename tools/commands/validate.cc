@@ -65,6 +65,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   std::vector<std::size_t> lengths;
   for (const auto& loaded : logs) {
     (void)CheckPlausible(loaded.log.record, cell.capacity_Ah, cell.series, cell.parallel);
+    CheckSeries(loaded.log.record, cell.open_circuit_voltage, cell.series);
     lengths.push_back(loaded.log.record.size());
   }
   constexpr std::size_t kColumns = 4;  // current, voltage, prediction, perhaps temperature

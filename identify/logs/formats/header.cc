@@ -32,7 +32,8 @@ std::string WithoutAccents(std::string_view text) {
   return plain;
 }
 
-// The wide brackets of Chinese headers as the usual ones, and the one character for degrees Celsius as C.
+// The wide brackets of Chinese headers as the usual ones, and the one character for degrees Celsius
+// or Fahrenheit as C or F.
 std::string Narrow(std::string_view text) {
   std::string narrow;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -40,6 +41,7 @@ std::string Narrow(std::string_view text) {
     const char usual = three == "\uFF08"   ? '('
                        : three == "\uFF09" ? ')'
                        : three == "\u2103" ? 'C'
+                       : three == "\u2109" ? 'F'
                                            : '\0';
     narrow += usual != '\0' ? usual : text[k];
     if (usual != '\0') k += 2;

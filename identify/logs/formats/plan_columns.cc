@@ -336,9 +336,16 @@ class Planner {
                      (header_.layout->Of(kQuantity).in_order && matches[0].rank != matches[1].rank);
     if (!unit || !one) {
       if (named) FailWithoutUnit(kQuantity, match);
-      plan_.notes.push_back(fmt::format("temperature left out: {} '{}'",
-                                        unit ? "more than one column beside" : "no unit in",
-                                        header_.names[match.field].text));
+      const std::string& header = header_.names[match.field].text;
+      const std::string why =
+          unit ? fmt::format("there are more columns beside '{}'; name one with "
+                             "`columns = {{{} = \"...\"}}` (--columns)",
+                             header,
+                             Key(kQuantity))
+               : fmt::format("the header '{}' states no unit of temperature ({})",
+                             header,
+                             UsualUnits(kQuantity));
+      plan_.warnings.push_back("temperature left out: " + why);
       return;
     }
     Add(kQuantity, match, CellKind::kNumber, *unit, !named);

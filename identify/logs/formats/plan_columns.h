@@ -33,6 +33,7 @@ struct LogPlan {
   bool clock_restarts_with_step = false;  ///< the time column is Layout::step_clock
   bool volts_or_millivolts = false;       ///< Layout::millivolts_beside: the values decide
   std::vector<std::string> notes;
+  std::vector<std::string> warnings;  ///< for LogReport::warnings
 
   [[nodiscard]] const std::optional<PlannedColumn>& Of(Quantity quantity) const {
     return columns[static_cast<std::size_t>(quantity)];

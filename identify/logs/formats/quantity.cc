@@ -17,6 +17,11 @@ constexpr UnitRow Row(Quantity quantity,
   return {quantity, {.name = name, .multiply = multiply, .divide = divide}};
 }
 
+constexpr UnitRow Fahrenheit(std::string_view name) {
+  return {Quantity::kTemperature,
+          {.name = name, .multiply = 5.0, .divide = 9.0, .offset = -160.0 / 9.0}};
+}
+
 constexpr auto T = Quantity::kTime;
 constexpr auto I = Quantity::kCurrent;
 constexpr auto V = Quantity::kVoltage;
@@ -100,6 +105,12 @@ constexpr UnitRow kUnits[] = {
     Row(C, "deg c"),
     Row(C, "celsius"),
     Row(C, "degree_celsius"),
+    Fahrenheit("f"),
+    Fahrenheit("degf"),
+    Fahrenheit("deg_f"),
+    Fahrenheit("deg f"),
+    Fahrenheit("fahrenheit"),
+    Fahrenheit("degree_fahrenheit"),
     {C, {.name = "k", .offset = -273.15}},
     {C, {.name = "kelvin", .offset = -273.15}},
 };
@@ -119,11 +130,12 @@ std::string_view Key(Quantity quantity) {
 }
 
 std::optional<Unit> FindUnit(Quantity quantity, std::string_view name) {
-  std::string plain;
-  for (const char c : LowerCase(Trimmed(name))) {
-    if (static_cast<unsigned char>(c) < 0x80) plain += c;
+  std::string ascii;
+  for (const char c : LowerCase(name)) {
+    if (static_cast<unsigned char>(c) < 0x80) ascii += c;
   }
-  if (quantity == Quantity::kTime && plain.find("hh:mm:ss") != std::string::npos) {
+  const std::string_view plain = Trimmed(ascii);  // a blank may stand behind the degree sign
+  if (quantity == Quantity::kTime && plain.find("hh:mm:ss") != plain.npos) {
     return Unit{.name = "hh:mm:ss", .is_duration = true};
   }
   for (const UnitRow& row : kUnits) {
@@ -134,7 +146,7 @@ std::optional<Unit> FindUnit(Quantity quantity, std::string_view name) {
 
 std::string_view UsualUnits(Quantity quantity) {
   constexpr std::array<std::string_view, kQuantityCount> kUsual{
-      "s, ms, min, h", "A, mA", "V, mV", "degC, K", "", "", ""};
+      "s, ms, min, h", "A, mA", "V, mV", "degC, degF, K", "", "", ""};
   return kUsual[static_cast<std::size_t>(quantity)];
 }
 

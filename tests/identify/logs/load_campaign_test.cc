@@ -201,6 +201,54 @@ TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
                 "(`current_sign`), or say where the log starts (`initial_soc`)");
 }
 
+TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
+  const auto folder = test::FreshFolder("load_campaign/charge");
+  const auto complaint = [&](const std::string& rows) {
+    Write(folder + "/a.csv", "time_s,current_A,voltage_V\n" + rows);
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'low-rate-charge'\nfile = 'a.csv'\n"
+          "current_sign = 'discharge-positive'\n");
+    return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  };
+  EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,4.0\n36000,0.2,3.5\n"),
+            folder +
+                "/a.csv:1:1: error: expected a slow charge, as kind \"low-rate-charge\" says, found "
+                "2 Ah that flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
+                "current round (`current_sign`)");
+  EXPECT_EQ(complaint("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"), "no error");
+  // What empties the cell before it is charged is not the charge.
+  EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
+}
+
+// 77 degF are 25 degC.
+TEST(LoadCampaign, ARestedCellFarFromItsSurroundingsIsDoubted) {
+  const auto folder = test::FreshFolder("load_campaign/ambient");
+  const auto warnings = [&](const std::string& degC, const std::string& log, int first_A = 0) {
+    std::string rows = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (int k = 0; k < 4; ++k)
+      rows += fmt::format("{},{},{},{}\n", 10 * k, k == 0 ? first_A : 1, 4.2 - 0.1 * k, degC);
+    Write(folder + "/a.csv", rows);
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\ncurrent_sign = 'discharge-positive'\n" + log);
+    return LoadCampaign(ReadCampaign(folder + "/c.toml"))[0].log.report.warnings;
+  };
+  const std::vector<std::string> none;
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\n"),
+            (std::vector<std::string>{
+                "the cell rests at 77 degC in the first row, and ambient_degC is 25: if these are "
+                "degrees Fahrenheit (25 degC), say degF in the header; where the cell was warmed or "
+                "cooled before the test, say initial_degC"}));
+  EXPECT_EQ(warnings("25", "ambient_degC = -20\n"),
+            (std::vector<std::string>{
+                "the cell rests at 25 degC in the first row, and ambient_degC is -20: look which of "
+                "the two is right; where the cell was warmed or cooled before the test, say "
+                "initial_degC"}));
+  EXPECT_EQ(warnings("39", "ambient_degC = 25\n"), none);
+  EXPECT_EQ(warnings("77", ""), none);
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\ninitial_degC = 77\n"), none);
+  EXPECT_EQ(warnings("77", "ambient_degC = 25\n", 1), none) << "a cell under load may be warm";
+}
+
 // A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.
 TEST(LoadCampaign, PulsesMayMoveLittle) {
   const auto folder = test::FreshFolder("load_campaign/little");

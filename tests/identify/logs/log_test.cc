@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <utility>
 
 #include "model/core/errors.h"
+#include "tests/support/constants.h"
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/text_files.h"
@@ -62,6 +64,42 @@ TEST(PlainCsv, HeaderNamesAreUnderstood) {
     EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
     EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
   }
+}
+
+// Freezing and boiling water, and where the two scales meet.
+TEST(PlainCsv, FahrenheitIsConvertedWhereTheHeaderSaysIt) {
+  for (const char* header : {"Temperature (F)",
+                             "Temperature (\u00B0F)",
+                             "Temp [\xB0 F]",
+                             "Temperature(\u2109)",
+                             "temperature_degF",
+                             "Temperature/Fahrenheit"}) {
+    SCOPED_TRACE(header);
+    const Log log = Read(std::string("time_s,current_A,voltage_V,") + header +
+                         "\n0,0,4.1,32\n1,0,4.1,212\n2,2,4,-40\n3,2,3.99,77\n4,2,3.97,77\n");
+    const std::vector<double> degC{0, 100, -40, 25, 25};
+    ASSERT_EQ(log.record.temperature_degC.size(), degC.size());
+    for (std::size_t k = 0; k < degC.size(); ++k)
+      EXPECT_NEAR(std::as_const(log.record.temperature_degC)[k], degC[k], 100 * test::kEpsilon);
+    EXPECT_TRUE(log.report.warnings.empty());
+  }
+}
+
+TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
+  const auto warnings = [](const std::string& header, const std::string& more) {
+    const std::string end = ",77" + more + "\n";
+    const Log log = Read("time_s,current_A,voltage_V," + header + "\n0,0,4.1" + end + "1,0,4.1" +
+                         end + "2,2,4" + end + "3,2,3.99" + end);
+    EXPECT_TRUE(log.record.temperature_degC.empty());
+    return log.report.warnings;
+  };
+  EXPECT_EQ(warnings("Temperature (R)", ""),
+            (std::vector<std::string>{"temperature left out: the header 'Temperature (R)' states no "
+                                      "unit of temperature (degC, degF, K)"}));
+  EXPECT_EQ(warnings("temp_degC,temperature_degC", ",77"),
+            (std::vector<std::string>{"temperature left out: there are more columns beside "
+                                      "'temperature_degC'; name one with `columns = "
+                                      "{temperature_degC = \"...\"}` (--columns)"}));
 }
 
 TEST(PlainCsv, UnitsAreConverted) {

@@ -72,6 +72,21 @@ TEST(Plausibility, ACellThatIsSaidToBeAPackIsNamed) {
       "average; is `series` less than 4, or is this log one of a single cell?");
 }
 
+// 3 to 4.2 V, and logs of one cell and of two that are divided by more.
+TEST(Plausibility, ALogOfFewerCellsThanThePackOfTheCellIsNamed) {
+  const auto curve = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.2});
+  const auto complaint = [&](double cells, int series) {
+    return test::LoadErrorOf([&] { CheckSeries(OneHour(1, 1, cells / series), curve, series); });
+  };
+  EXPECT_EQ(complaint(1, 2),
+            "F:1:1: error: expected the voltage of 2 cells in series, whose v_oc(A) is 3 V when "
+            "empty, found 1.85 V per cell at most; is this log one of a single cell? Then say "
+            "`series` = 1 (--series 1)");
+  EXPECT_NE(complaint(2, 6).find("one of 2 cells? Then say `series` = 2 (--series 2)"),
+            std::string::npos);
+  for (const int series : {1, 2, 3, 6}) EXPECT_EQ(complaint(series, series), "no error");
+}
+
 TEST(Plausibility, AVoltageThatNoCellHasIsNamedWithItsTime) {
   Record record = OneHour(1, 1, 1);
   record.voltage_V[30] = record.voltage_V[31] = 10.0;

@@ -130,6 +130,19 @@ TEST(StudyBranches, IsNestedOnRealLogs) {
   }
 }
 
+TEST(StudyBranches, NamesTheFitsThatDidNotConverge) {
+  const Cell truth = StudyCell({{0.03, 45.0}});
+  KnownCampaign known(truth, {PulseLog(truth)});
+  EXPECT_EQ(StudyBranches(known.Input(), NoProgress).facts.at("converged"), true);
+  known.options.solver.max_iterations = 1;
+  const StudyResult study = StudyBranches(known.Input(), NoProgress);
+  EXPECT_EQ(study.facts.at("converged"), false);
+  bool named = false;
+  for (const auto& remark : study.remarks) named = named || remark.starts_with("not converged: ");
+  EXPECT_TRUE(named);
+  EXPECT_EQ(study.rows[1].at("termination"), "max-iterations");
+}
+
 // The number of branches is what is studied.
 TEST(StudyBranches, RefusesANumberOfBranches) {
   const Cell truth = StudyCell({{0.03, 45.0}});

@@ -75,6 +75,22 @@ TEST(StudyTerms, TheLostShareIsThatOfTheSum) {
   EXPECT_NEAR(Number(10, false, "lost_share_percent"), 5.8, 0.05);  // docs/corrections.md
 }
 
+// As good as no diffusion: no number of modes says anything of beta.
+TEST(StudyTerms, SaysThatABetaAtItsBoundIsOffByNothing) {
+  Cell truth = StudyCell({{0.03, 45.0}});
+  truth.diffusion->beta_per_sqrt_s = 5.0;
+  const KnownCampaign known(truth, {PulseLog(truth)});
+  const StudyResult study = StudyTerms(known.Input(), NoProgress);
+  EXPECT_EQ(study.columns.back().key, "at_bound");
+  EXPECT_EQ(study.rows[7].at("terms"), 100);
+  EXPECT_EQ(study.rows[7].at("at_bound")[0], "beta");
+  EXPECT_TRUE(study.remarks.back().starts_with(
+      "beta is at its bound of 1 s^-1/2 in the fit that the others are compared with"))
+      << study.remarks.back();
+  EXPECT_EQ(OfHundredModes().remarks.size(), 1U);
+  EXPECT_EQ(OfHundredModes().facts.at("converged"), true);
+}
+
 TEST(StudyTerms, NeedsTheDiffusion) {
   const Cell truth = StudyCell({{0.03, 45.0}});
   KnownCampaign known(truth, {PulseLog(truth)});

@@ -1,0 +1,40 @@
+#include "identify/synthesis/plan_walk.h"
+
+#include <algorithm>
+
+#include "identify/logs/discharge.h"
+
+namespace lipoid {
+
+std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
+  const double rest_s = sampling.Times(static_cast<std::int64_t>(kRestRows));
+  const bool rests = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const auto& stage) {
+    return stage.current_A == 0.0 && stage.length_s >= rest_s;
+  });
+  if (!rests) {
+    return fmt::format(
+        "{}: expected rests of at least {} rows between the pulses; give a rest_s of at least {} s",
+        plan.file,
+        kRestRows,
+        rest_s);
+  }
+  constexpr std::int64_t kMostRows = 100'000'000;
+  const TestStage& pulse = plan.stages[0];
+  TestPlan first = plan;
+  first.stages = {pulse, {0.0, rest_s}};
+  first.cycles = 1;
+  double end_s = 0.0;
+  WalkPlan(cell, first, sampling, Hold::kBackward, kMostRows, [&](const WalkedRow& row) {
+    end_s = row.time_s;
+  });
+  if (end_s >= sampling.Times(sampling.Count(pulse.length_s + rest_s))) return "";
+  return fmt::format(
+      "{}: a pulse of {:g} s at {:.4g} A empties the cell after {:g} s, before any rest, and "
+      "identify takes no such log for pulses; give a shorter pulse_s or a lower rate",
+      plan.file,
+      pulse.length_s,
+      pulse.current_A,
+      end_s);
+}
+
+}  // namespace lipoid
