@@ -39,6 +39,12 @@ Cell FilteredCell(double capacity_Ah, double resistance_Ohm, double time_constan
   return cell;
 }
 
+void NoteUnused(const std::vector<std::string>& names, ImportedCell& imported) {
+  if (names.empty()) return;
+  imported.notes.push_back(fmt::format("Not used, since a cell file has no place for it: {}.",
+                                       fmt::join(names, ", ")));
+}
+
 // ---- ArduPilot ----
 
 ImportedCell FromFrame(const JsonReader& frame, const ImportOptions& options) {
@@ -259,10 +265,7 @@ ImportedCell FromCircuit(const Json& document,
                       cell.cutoff_V));
     }
   }
-  if (!ignored.empty()) {
-    imported.notes.push_back(fmt::format("Not used, since a cell file has no place for it: {}.",
-                                         fmt::join(ignored, ", ")));
-  }
+  NoteUnused(ignored, imported);
   return imported;
 }
 
@@ -312,23 +315,24 @@ void FindBatteries(const ptree& tree, std::vector<const ptree*>& found) {
   }
 }
 
+// Those that make the law, and those that play no part in it.
 constexpr const char* kElements[] = {"battery_name",
-                                     "voltage",
                                      "open_circuit_voltage_constant_coef",
                                      "open_circuit_voltage_linear_coef",
-                                     "initial_charge",
                                      "capacity",
                                      "resistance",
-                                     "smooth_current_tau",
-                                     "power_load",
-                                     "start_draining",
-                                     "power_draining_topic",
-                                     "stop_power_draining_topic",
-                                     "enable_recharge",
-                                     "charging_time",
-                                     "recharge_by_topic",
-                                     "fix_issue_225",
-                                     "invert_current_sign"};
+                                     "smooth_current_tau"};
+constexpr const char* kUnusedElements[] = {"voltage",
+                                           "initial_charge",
+                                           "power_load",
+                                           "start_draining",
+                                           "power_draining_topic",
+                                           "stop_power_draining_topic",
+                                           "enable_recharge",
+                                           "charging_time",
+                                           "recharge_by_topic",
+                                           "fix_issue_225",
+                                           "invert_current_sign"};
 
 ImportedCell FromSdf(const std::string& text,
                      const std::string& file,
@@ -357,10 +361,14 @@ ImportedCell FromSdf(const std::string& text,
     if (at == std::string::npos) at = begin;
     return structured_text::PositionOfByte(file, text, at);
   };
-  const std::vector<std::string> known(std::begin(kElements), std::end(kElements));
+  std::vector<std::string> known(std::begin(kElements), std::end(kElements));
+  known.insert(known.end(), std::begin(kUnusedElements), std::end(kUnusedElements));
+  std::vector<std::string> unused;
   for (const auto& [name, child] : plugin) {
     if (name == "<xmlattr>" || name == "<xmltext>") continue;
-    if (std::find(known.begin(), known.end(), name) == known.end())
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found - known.begin() >= std::ssize(kElements)) unused.push_back(name);
+    if (found == known.end())
       throw LoadError(place(name), UnknownName("element of a LinearBatteryPlugin", name, known));
   }
   const auto number =
@@ -423,6 +431,7 @@ ImportedCell FromSdf(const std::string& text,
   imported.notes.emplace_back(
       "The plugin smooths the drop and the count of the charge: both are a branch in place of the "
       "series resistance.");
+  NoteUnused(unused, imported);
   return imported;
 }
 
@@ -450,6 +459,19 @@ void CheckBattery(const Cell& cell, const std::string& file) {
                                 "above its cut-off of {:.4g} V (--cutoff-V)",
                                 full_V,
                                 cell.cutoff_V));
+  }
+  double resistance_Ohm = cell.series_resistance_Ohm(0.5);
+  for (const auto& branch : cell.branches) resistance_Ohm += branch.resistance_Ohm(0.5);
+  const double rate_A = cell.alpha_C() / 3600.0;  // 1C
+  if (!(rate_A * resistance_Ohm < full_V)) {
+    throw LoadError(
+        {file},
+        fmt::format("expected a capacity in Ah and resistances in Ohm, found {:.4g} Ah and {:.4g} Ohm: at 1C "
+                    "they would take {:.4g} V of {:.4g} V; is the capacity in mAh, or a resistance in mOhm?",
+                    rate_A * cell.parallel,
+                    resistance_Ohm * cell.series / cell.parallel,
+                    rate_A * resistance_Ohm * cell.series,
+                    full_V * cell.series));
   }
 }
 
