@@ -54,6 +54,15 @@ std::string HarmlessInComment(std::string_view text, std::size_t most_bytes) {
   return safe;
 }
 
+std::string WithoutWhatNoTargetHolds(const ExportRequest& request) {
+  if (!request.whole) return "";
+  const bool both = request.whole->temperature && request.whole->hysteresis;
+  return fmt::format(" without its {}{}{}",
+                     request.whole->temperature ? "temperature" : "",
+                     both ? " and " : "",
+                     request.whole->hysteresis ? "hysteresis" : "");
+}
+
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format(

@@ -20,6 +20,10 @@ namespace lipoid {
 [[nodiscard]] std::string HarmlessInComment(std::string_view text,
                                             std::size_t most_bytes = kMostBytesOfValue);
 
+/// " without its temperature and hysteresis", of a law that is the cell's own but for what no target holds; ""
+/// where the cell has neither.
+[[nodiscard]] std::string WithoutWhatNoTargetHolds(const ExportRequest& request);
+
 /// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
 /// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has
 /// everything but its files.

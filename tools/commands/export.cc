@@ -52,7 +52,12 @@ void RequireTaken(const cli::CommandLine& line,
 std::string Headline(const ExportTarget& target,
                      const ExportRequest& request,
                      const Exported& exported) {
-  std::string text = fmt::format("{} ({})", target.name, KindName(target.kind));
+  const std::string without = WithoutWhatNoTargetHolds(request);
+  std::string text = fmt::format("{} ({})",
+                                 target.name,
+                                 target.kind == TargetKind::kExact && !without.empty()
+                                     ? "the cell's own law" + without
+                                     : std::string(KindName(target.kind)));
   if (exported.error) {
     text += fmt::format(": {:.3f} mV rms, {:.3f} mV at most from the cell",
                         1e3 * exported.error->rmse_V,
