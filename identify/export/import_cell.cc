@@ -25,6 +25,7 @@
 #include "model/core/structured_text.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/cell_tables.h"
+#include "model/export/provenance.h"
 
 namespace lipoid {
 namespace {
@@ -490,9 +491,8 @@ ImportedCell ImportCell(const std::string& text,
   ImportedCell imported;
   // A frame model may have any text before its brace; a table has none.
   const bool has_table_header = text.find("open_circuit_voltage_V") != std::string::npos;
-  constexpr std::size_t kComments = 4000;  // bytes, where provenance stands
   if (text[first] != '<' && !has_table_header && text.find("maxVoltage") == std::string::npos &&
-      std::string_view(text).substr(0, kComments).find("Made by lipoid ") != std::string::npos) {
+      HasProvenance(text)) {
     throw LoadError(
         {file},
         "this is a cell that lipoid exported to a program whose files it does not read; use the "

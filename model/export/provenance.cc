@@ -94,6 +94,10 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   return lines;
 }
 
+bool HasProvenance(std::string_view begin) {
+  return begin.substr(0, kProvenanceBytes).find("Made by lipoid ") != std::string_view::npos;
+}
+
 std::string Commented(const std::vector<std::string>& lines, std::string_view sign) {
   constexpr std::size_t kColumns = 100;
   std::string text;

@@ -30,6 +30,11 @@ namespace lipoid {
 [[nodiscard]] std::vector<std::string> ProvenanceLines(const ExportRequest& request,
                                                        const Exported& exported);
 
+/// Within so many bytes of its begin a file says who made it.
+inline constexpr std::size_t kProvenanceBytes = 4000;
+/// Whether the file that begins so is an export of lipoid.
+[[nodiscard]] bool HasProvenance(std::string_view begin);
+
 /// The lines, each after `sign` ("# ") and before a line break; lines wrap at 100 columns.
 [[nodiscard]] std::string Commented(const std::vector<std::string>& lines, std::string_view sign);
 

@@ -18,6 +18,7 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/provenance.h"
+#include "tools/cli/foreign_files.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 
@@ -138,6 +139,9 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     line.Message("{}: a file for {} usually ends in {}", output, target.name, target.extension);
   }
   line.AddOutputs("-o", outputs);
+  std::vector<std::string> foreign = outputs;
+  std::erase_if(foreign, cli::IsExportOfLipoid);
+  if (line.earlier() == nullptr) cli::RefuseToReplace("-o", foreign);
 
   const std::string text = CellText(cell_name);
   Cell cell = ParseCell(text, cell_name);
