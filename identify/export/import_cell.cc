@@ -25,6 +25,7 @@
 #include "model/core/structured_text.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/cell_tables.h"
+#include "model/export/provenance.h"
 
 namespace lipoid {
 namespace {
@@ -37,6 +38,12 @@ Cell FilteredCell(double capacity_Ah, double resistance_Ohm, double time_constan
   cell.capacity_Ah = capacity_Ah;
   cell.branches = {{resistance_Ohm, time_constant_s, std::nullopt}};
   return cell;
+}
+
+void NoteUnused(const std::vector<std::string>& names, ImportedCell& imported) {
+  if (names.empty()) return;
+  imported.notes.push_back(fmt::format("Not used, since a cell file has no place for it: {}.",
+                                       fmt::join(names, ", ")));
 }
 
 // ---- ArduPilot ----
@@ -259,10 +266,7 @@ ImportedCell FromCircuit(const Json& document,
                       cell.cutoff_V));
     }
   }
-  if (!ignored.empty()) {
-    imported.notes.push_back(fmt::format("Not used, since a cell file has no place for it: {}.",
-                                         fmt::join(ignored, ", ")));
-  }
+  NoteUnused(ignored, imported);
   return imported;
 }
 
@@ -312,23 +316,24 @@ void FindBatteries(const ptree& tree, std::vector<const ptree*>& found) {
   }
 }
 
+// Those that make the law, and those that play no part in it.
 constexpr const char* kElements[] = {"battery_name",
-                                     "voltage",
                                      "open_circuit_voltage_constant_coef",
                                      "open_circuit_voltage_linear_coef",
-                                     "initial_charge",
                                      "capacity",
                                      "resistance",
-                                     "smooth_current_tau",
-                                     "power_load",
-                                     "start_draining",
-                                     "power_draining_topic",
-                                     "stop_power_draining_topic",
-                                     "enable_recharge",
-                                     "charging_time",
-                                     "recharge_by_topic",
-                                     "fix_issue_225",
-                                     "invert_current_sign"};
+                                     "smooth_current_tau"};
+constexpr const char* kUnusedElements[] = {"voltage",
+                                           "initial_charge",
+                                           "power_load",
+                                           "start_draining",
+                                           "power_draining_topic",
+                                           "stop_power_draining_topic",
+                                           "enable_recharge",
+                                           "charging_time",
+                                           "recharge_by_topic",
+                                           "fix_issue_225",
+                                           "invert_current_sign"};
 
 ImportedCell FromSdf(const std::string& text,
                      const std::string& file,
@@ -357,10 +362,14 @@ ImportedCell FromSdf(const std::string& text,
     if (at == std::string::npos) at = begin;
     return structured_text::PositionOfByte(file, text, at);
   };
-  const std::vector<std::string> known(std::begin(kElements), std::end(kElements));
+  std::vector<std::string> known(std::begin(kElements), std::end(kElements));
+  known.insert(known.end(), std::begin(kUnusedElements), std::end(kUnusedElements));
+  std::vector<std::string> unused;
   for (const auto& [name, child] : plugin) {
     if (name == "<xmlattr>" || name == "<xmltext>") continue;
-    if (std::find(known.begin(), known.end(), name) == known.end())
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found - known.begin() >= std::ssize(kElements)) unused.push_back(name);
+    if (found == known.end())
       throw LoadError(place(name), UnknownName("element of a LinearBatteryPlugin", name, known));
   }
   const auto number =
@@ -423,6 +432,7 @@ ImportedCell FromSdf(const std::string& text,
   imported.notes.emplace_back(
       "The plugin smooths the drop and the count of the charge: both are a branch in place of the "
       "series resistance.");
+  NoteUnused(unused, imported);
   return imported;
 }
 
@@ -451,6 +461,19 @@ void CheckBattery(const Cell& cell, const std::string& file) {
                                 full_V,
                                 cell.cutoff_V));
   }
+  double resistance_Ohm = cell.series_resistance_Ohm(0.5);
+  for (const auto& branch : cell.branches) resistance_Ohm += branch.resistance_Ohm(0.5);
+  const double rate_A = cell.alpha_C() / 3600.0;  // 1C
+  if (!(rate_A * resistance_Ohm < full_V)) {
+    throw LoadError(
+        {file},
+        fmt::format("expected a capacity in Ah and resistances in Ohm, found {:.4g} Ah and {:.4g} Ohm: at 1C "
+                    "they would take {:.4g} V of {:.4g} V; is the capacity in mAh, or a resistance in mOhm?",
+                    rate_A * cell.parallel,
+                    resistance_Ohm * cell.series / cell.parallel,
+                    rate_A * resistance_Ohm * cell.series,
+                    full_V * cell.series));
+  }
 }
 
 }  // namespace
@@ -468,9 +491,8 @@ ImportedCell ImportCell(const std::string& text,
   ImportedCell imported;
   // A frame model may have any text before its brace; a table has none.
   const bool has_table_header = text.find("open_circuit_voltage_V") != std::string::npos;
-  constexpr std::size_t kComments = 4000;  // bytes, where provenance stands
   if (text[first] != '<' && !has_table_header && text.find("maxVoltage") == std::string::npos &&
-      std::string_view(text).substr(0, kComments).find("Made by lipoid ") != std::string::npos) {
+      HasProvenance(text)) {
     throw LoadError(
         {file},
         "this is a cell that lipoid exported to a program whose files it does not read; use the "

@@ -45,16 +45,6 @@ bool HasPower(const std::vector<std::string>& names) {
   return Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a");
 }
 
-ReadOptions HowToRead(const std::vector<std::string>& names, ReadOptions how) {
-  if (Has(names, "battery_a") && Has(names, "battery_v") && how.columns.empty()) {
-    // A flight log of lipoid: the current that was decided in a row flows until the next one.
-    how.columns = {{"current_A", "battery_A"}, {"voltage_V", "battery_V"}};
-    how.current_sign = "discharge-positive";
-    how.hold = Hold::kForward;
-  }
-  return how;
-}
-
 // The rows of time_s,power_W.
 PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
   TextSource source(file);
@@ -299,8 +289,7 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
   if (HasPower(names)) {
     read.profile = ReadPowerRows(file, options.hold);
   } else {
-    const ReadOptions how = HowToRead(names, options);
-    const Log log = ReadLog(file, how);
+    const Log log = ReadLog(file, options);
     read.warnings = log.report.warnings;
     read.profile = {.time_s = log.record.time_s.ToVector(), .power_W = {}, .hold = log.record.hold};
     const auto current_A = log.record.current_A.ToVector();
@@ -339,7 +328,7 @@ ReadMission ReadMissionFile(const Cell& cell,
           }));
     }
   } else {
-    ReadOptions how = HowToRead(names, options);
+    ReadOptions how = options;
     how.voltage_optional = true;
     const Log log = ReadLog(file, how);
     read.warnings = log.report.warnings;
@@ -348,24 +337,34 @@ ReadMission ReadMissionFile(const Cell& cell,
   }
   if (!read.power) RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
   read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
+  const std::string found =
+      fmt::format("{} of {} rows{}",
+                  read.mission.time_s.size(),
+                  read.rows_of_file,
+                  read.rows_beyond_cutoff > 0
+                      ? "; the current or the power may be too much for this pack (--series, --parallel)"
+                      : "");
   if (read.mission.time_s.size() < kLeastRows) {
     throw LoadError(
         {file},
         fmt::format(
             "expected a mission of at least {} rows in which the cell stays above its cut-off of "
-            "{:.4g} V, found {} of {} rows{}",
+            "{:.4g} V, found {}",
             kLeastRows,
             cell.series * cell.cutoff_V,
-            read.mission.time_s.size(),
-            read.rows_of_file,
-            read.rows_beyond_cutoff > 0
-                ? "; the current or the power may be too much for this pack (--series, --parallel)"
-                : ""));
+            found));
   }
   const auto& current_A = read.mission.current_A;
-  if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; }))
-    throw LoadError({file},
-                    "expected a mission that discharges the cell, found no current above 0");
+  if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; })) {
+    throw LoadError(
+        {file},
+        "expected a mission that discharges the cell, found no current above 0" +
+            (read.rows_beyond_cutoff > 0
+                 ? fmt::format(" in what stays above its cut-off of {:.4g} V, {}",
+                               cell.series * cell.cutoff_V,
+                               found)
+                 : ""));
+  }
   return read;
 }
 

@@ -142,8 +142,10 @@ FlightFit FitFlight(const ReferenceCell& reference,
     problem.lag_s = fit.lag_s;
     problem.reference_columns = axes.Columns(model, problem.Natural(scaled).head(p));
     LevenbergMarquardtOptions options;
-    options.function_tolerance = 1e-9;
-    options.max_iterations = 60;
+    // Half of a chi-square of some hundreds: what a step of this size moves shows in no interval. A log without
+    // noise, as that of a simulated flight, takes several hundred steps to get there.
+    options.function_tolerance = 1e-7;
+    options.max_iterations = 600;
     OptimizationSummary found = MinimizeLevenbergMarquardt(problem, scaled, options);
     if (round == 0 && reference.spread.log_beta > kHeldSpread) {
       // Of several beginnings the one that leads furthest: diffusion that is too slow empties the

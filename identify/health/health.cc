@@ -68,8 +68,6 @@ void AddCautions(const FlightSamples& samples,
                  const ReferenceCell& reference,
                  FlightHealth& health) {
   auto& cautions = health.cautions;
-  if (!fit.converged)
-    cautions.emplace_back("the search did not converge: look at these numbers with doubt");
   if (!fit.starts_at_rest) {
     cautions.emplace_back(
         "the log starts under load: what was left of the load before it is estimated, not known");
@@ -168,6 +166,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   const FlightModel model(reference, record, among);
   const FlightFit fit = FitFlight(reference, samples, model, options.sensors);
 
+  health.converged = fit.converged;
   const Eigen::VectorXd& x = fit.unknowns;
   const Eigen::MatrixXd& covariance = fit.covariance;
   const Eigen::MatrixXd given = GivenScale(covariance);

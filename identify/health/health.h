@@ -72,6 +72,7 @@ struct FlightHealth {
   double mean_error_percent = 0.0;
   double max_error_percent = 0.0;
   bool temperature_known = false;
+  bool converged = false;  ///< the search for all of this
   /// Why the flight makes no sense against the reference; empty: it does. One that the reference does
   /// not describe has no quantity that is known.
   std::string doubted_because;

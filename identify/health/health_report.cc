@@ -28,6 +28,7 @@ Json Because(const WithInterval& value) {
 }
 
 Json FlightToJson(const FlightHealth& flight) {
+  const std::string doubt = DoubtAbout(flight);
   return {{"file", flight.file},
           {"duration_s", flight.duration_s},
           {"charge_Ah", flight.charge_Ah},
@@ -46,6 +47,7 @@ Json FlightToJson(const FlightHealth& flight) {
           {"counted_resistance_interval_95", IntervalOf(flight.counted_resistance_Ohm)},
           {"resistance_unknown_because", Because(flight.resistance_Ohm)},
           {"temperature_known", flight.temperature_known},
+          {"converged", flight.converged},
           {"current_scale", ValueOf(flight.current_scale)},
           {"current_scale_interval_95", IntervalOf(flight.current_scale)},
           {"current_offset_A", ValueOf(flight.current_offset_A)},
@@ -56,8 +58,7 @@ Json FlightToJson(const FlightHealth& flight) {
           {"coherence", NumberOrNull(flight.coherence)},
           {"mean_error_percent", NumberOrNull(flight.mean_error_percent)},
           {"max_error_percent", NumberOrNull(flight.max_error_percent)},
-          {"doubted_because",
-           flight.doubted_because.empty() ? Json(nullptr) : Json(flight.doubted_because)},
+          {"doubted_because", doubt.empty() ? Json(nullptr) : Json(doubt)},
           {"same_rows_as", flight.same_rows_as.empty() ? Json(nullptr) : Json(flight.same_rows_as)},
           {"cautions", flight.cautions}};
 }
@@ -149,13 +150,25 @@ Json FlightsAloneToJson(const FlightsAlone& found) {
           {"trust", TrustToJson(found.trust)}};
 }
 
+std::string DoubtAbout(const FlightHealth& flight) {
+  if (!flight.doubted_because.empty() || flight.converged) return flight.doubted_because;
+  return "the search did not converge: these numbers are where it stopped; give a flight that begins at rest "
+         "and takes half of the charge";
+}
+
+bool IsDoubted(const HealthReport& report) {
+  return std::any_of(report.flights.begin(), report.flights.end(), [](const FlightHealth& flight) {
+    return !DoubtAbout(flight).empty();
+  });
+}
+
 std::string HealthSentence(const HealthReport& report, const FlightHealth& flight) {
   constexpr double kMilli = 1e3;
+  const std::string doubt = DoubtAbout(flight);
   const bool says_nothing = !flight.capacity_Ah.known() && !flight.resistance_Ohm.known();
-  if (!flight.doubted_because.empty() && says_nothing) return flight.doubted_because;
+  if (!doubt.empty() && says_nothing) return doubt;
   std::string text;
-  if (!flight.doubted_because.empty())
-    text = fmt::format("{}. By the fit: ", flight.doubted_because);
+  if (!doubt.empty()) text = fmt::format("{}. By the fit: ", doubt);
   text += OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
   text += "; ";
   text +=
@@ -166,16 +179,25 @@ std::string HealthSentence(const HealthReport& report, const FlightHealth& fligh
 std::vector<std::string> FirstLines(const HealthReport& report) {
   std::vector<std::string> lines;
   std::vector<std::string> doubted;
+  std::vector<std::string> stopped;
   for (const FlightHealth& flight : report.flights) {
-    if (!flight.doubted_because.empty()) doubted.push_back(flight.file);
+    if (DoubtAbout(flight).empty()) continue;
+    (flight.doubted_because.empty() ? stopped : doubted).push_back(flight.file);
   }
+  const auto of_all = [&](const std::vector<std::string>& files) {
+    return fmt::format("{} of {} flights", files.size(), report.flights.size());
+  };
   if (!doubted.empty() && report.flights.size() > 1) {
-    lines.push_back(fmt::format("{} of {} flights {} no sense against {}: {}",
-                                doubted.size(),
-                                report.flights.size(),
+    lines.push_back(fmt::format("{} {} no sense against {}: {}",
+                                of_all(doubted),
                                 doubted.size() == 1 ? "makes" : "make",
                                 report.reference,
                                 fmt::join(doubted, ", ")));
+  }
+  if (!stopped.empty() && report.flights.size() > 1) {
+    lines.push_back(fmt::format("the search did not converge for {}: {}",
+                                of_all(stopped),
+                                fmt::join(stopped, ", ")));
   }
   if (std::string trend = TrendSentence(report); !trend.empty()) lines.push_back(std::move(trend));
   const FlightHealth& last = report.flights.back();

@@ -67,9 +67,9 @@ Collector::Collector(const TextSource& source,
       options_(options),
       reader_(reader),
       bytes_left_(static_cast<double>(source.size())),
-      thinning_(options.hold, options.most_rows) {
+      thinning_(plan.layout->hold.value_or(options.hold), options.most_rows) {
   log_.record.file = source.file();
-  log_.record.hold = options.hold;
+  log_.record.hold = plan.layout->hold.value_or(options.hold);
   selects_rows_ = !options.steps.empty() || !options.cycles.empty();
   has_labels_ = options.labels && (plan.Of(Quantity::kStep) || plan.Of(Quantity::kCycle));
   selects_times_ = std::isfinite(options.start_s) || std::isfinite(options.end_s);

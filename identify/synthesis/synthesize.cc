@@ -172,6 +172,15 @@ std::vector<std::string> SynthesizedNames(const Cell& cell,
   return names;
 }
 
+bool IsSynthesized(const std::string& folder) {
+  const std::string truth = (fs::path(folder) / kTruthName).string();
+  std::error_code none;
+  if (!fs::is_regular_file(truth, none)) return false;
+  const Json cell = Json::parse(ReadTextFile(truth), nullptr, false);
+  return cell.is_object() && cell.contains("run") && cell["run"].is_object() &&
+         cell["run"].contains("protocol");
+}
+
 std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
                                               const Protocol& protocol,
                                               const SynthesisOptions& options) {

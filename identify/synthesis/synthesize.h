@@ -32,6 +32,9 @@ struct SynthesizedFile {
                                                         const Protocol& protocol,
                                                         const SynthesisOptions& options);
 
+/// Whether an earlier Synthesize() wrote the folder: its truth is there.
+[[nodiscard]] bool IsSynthesized(const std::string& folder);
+
 /// What makes such logs hard to read, in sentences: noise beside which a current is hardly seen.
 [[nodiscard]] std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,
                                                             const Protocol& protocol,

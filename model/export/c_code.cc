@@ -122,9 +122,12 @@ Exported ExportC(const ExportRequest& request) {
                          {"parallel", static_cast<double>(cell.parallel), "1"}};
   exported.notes = folded.notes;
   exported.notes.push_back(fmt::format(
-      "Numbers are {}; the law is the cell's own, and each step is exact for a current that is "
+      "Numbers are {}; the law is the cell's own{}, and each step is exact for a current that is "
       "constant over it.",
-      single ? "float, whose rounding is the error" : "double"));
+      !single          ? "double"
+      : request.whole ? "float"
+                      : "float, whose rounding is the error",
+      WithoutWhatNoTargetHolds(request)));
 
   // What float costs in the file's own test, wherever it may be compiled.
   const auto rows = TestRows(cell);

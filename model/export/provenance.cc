@@ -54,6 +54,15 @@ std::string HarmlessInComment(std::string_view text, std::size_t most_bytes) {
   return safe;
 }
 
+std::string WithoutWhatNoTargetHolds(const ExportRequest& request) {
+  if (!request.whole) return "";
+  const bool both = request.whole->temperature && request.whole->hysteresis;
+  return fmt::format(" without its {}{}{}",
+                     request.whole->temperature ? "temperature" : "",
+                     both ? " and " : "",
+                     request.whole->hysteresis ? "hysteresis" : "");
+}
+
 std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exported& exported) {
   std::vector<std::string> lines;
   lines.push_back(fmt::format(
@@ -83,6 +92,10 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   for (const auto& note : exported.notes)
     lines.push_back(HarmlessInComment(note, kMostBytesOfSentence));
   return lines;
+}
+
+bool HasProvenance(std::string_view begin) {
+  return begin.substr(0, kProvenanceBytes).find("Made by lipoid ") != std::string_view::npos;
 }
 
 std::string Commented(const std::vector<std::string>& lines, std::string_view sign) {

@@ -20,11 +20,20 @@ namespace lipoid {
 [[nodiscard]] std::string HarmlessInComment(std::string_view text,
                                             std::size_t most_bytes = kMostBytesOfValue);
 
+/// " without its temperature and hysteresis", of a law that is the cell's own but for what no target holds; ""
+/// where the cell has neither.
+[[nodiscard]] std::string WithoutWhatNoTargetHolds(const ExportRequest& request);
+
 /// The lines, without comment signs; text that came from elsewhere is escaped and shortened, and no
 /// line has a character that could end a comment (a line break, "*/", "-->", "#}"). `exported` has
 /// everything but its files.
 [[nodiscard]] std::vector<std::string> ProvenanceLines(const ExportRequest& request,
                                                        const Exported& exported);
+
+/// Within so many bytes of its begin a file says who made it.
+inline constexpr std::size_t kProvenanceBytes = 4000;
+/// Whether the file that begins so is an export of lipoid.
+[[nodiscard]] bool HasProvenance(std::string_view begin);
 
 /// The lines, each after `sign` ("# ") and before a line break; lines wrap at 100 columns.
 [[nodiscard]] std::string Commented(const std::vector<std::string>& lines, std::string_view sign);

@@ -202,9 +202,10 @@ Exported ExportSpice(const ExportRequest& request) {
         "SPICE follows it within the row: that is most of the error, and vanishes with finer rows.");
     break;
   }
-  exported.notes.emplace_back(
-      "The law is the cell's own; the error of SPICE's integration comes on top: .options "
-      "reltol=1e-6 and a largest step of a tenth of a second keep it near 0.03 mV.");
+  exported.notes.push_back(fmt::format(
+      "The law is the cell's own{}; the error of SPICE's integration comes on top: .options "
+      "reltol=1e-6 and a largest step of a tenth of a second keep it near 0.03 mV.",
+      WithoutWhatNoTargetHolds(request)));
   exported.notes.emplace_back(
       "Use: X1 plus minus soc NAME soc0=1, with the state of charge as the voltage of soc against "
       "ground. The subcircuit holds its relaxed start by .ic, without uic.");

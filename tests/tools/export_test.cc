@@ -52,6 +52,25 @@ TEST(ExportCommand, WritesTheFilesAndPrintsWhatTheirCommentsSay) {
   }
 }
 
+// An error of 30 mV is none that an exact law has.
+TEST(ExportCommand, CallsNoLawExactThatLacksWhatTheCellHas) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  Write(folder + "/plain.json", cell.dump());
+  cell["hysteresis"] = {{"folds", 30.0}, {"half_V", 0.03}};
+  Write(folder + "/both.json", cell.dump());
+  const auto first = [&](const std::string& file) {
+    const auto run = RunLipoid(folder, {"export", file, "--to", "c", "-o", "pack.h"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.out.substr(0, run.out.find('\n'));
+  };
+  EXPECT_EQ(first("plain.json").find("c (exact): 0.000 mV rms"), 0U) << first("plain.json");
+  EXPECT_EQ(first("both.json").find("c (the cell's own law without its hysteresis): "), 0U)
+      << first("both.json");
+  EXPECT_NE(ReadTextFile(folder + "/pack.h").find("the law is the cell's own without its hysteresis"),
+            std::string::npos);
+}
+
 TEST(ExportCommand, ReachesWhatIsKnownOfASortie) {
   const auto folder = TestFolder();
   const std::string sortie = SourcePath("fixtures/missions/sortie.csv");

@@ -233,6 +233,55 @@ TEST(Health, DoubtsWhatNoCellBecomes) {
   EXPECT_TRUE(flight.at("doubted_because").is_string()) << flight.dump();
 }
 
+// A flight without noise, of a pack that has 80 % of the capacity and 1.5 times the resistance of new, straight
+// from `fly`: the search takes several hundred steps.
+TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
+  const std::string folder = TestFolder();
+  constexpr double kShare = 5.0 / 32.0;  // a cell of 5 Ah
+  Json cell = Json::parse(ReadText(SourcePath("fixtures/cells/grepow-32Ah-1.json")));
+  const auto scale = [&](double capacity, double resistance) {
+    cell["capacity_Ah"] = capacity * cell.at("capacity_Ah").get<double>();
+    Json& alpha_C = cell.at("diffusion").at("alpha_C");
+    alpha_C = capacity * alpha_C.get<double>();
+    cell["series_resistance_Ohm"] = resistance * cell.at("series_resistance_Ohm").get<double>();
+  };
+  scale(kShare, 1.0 / kShare);
+  cell["branches"] = Json::array();
+  const double of_new_Ah = cell.at("diffusion").at("alpha_C").get<double>() / 3600.0;
+  const std::string reference = WriteText("new.json", cell.dump());
+  scale(0.8, 1.5);
+  const std::string aged = WriteText("aged.json", cell.dump());
+  const auto flown = RunLipoid(
+      folder,
+      {"fly", "endurance", "--cell", aged, "--vehicle", "f450", "--series", "4", "-o", "flight.csv"});
+  ASSERT_EQ(flown.exit_code, 1) << flown.err;  // until the battery is empty
+  // A rest before the flight.
+  std::string flight = ReadText(folder + "/flight.csv");
+  const auto header = flight.find('\n') + 1;
+  const auto columns = std::count(flight.begin(), flight.begin() + static_cast<std::ptrdiff_t>(header), ',');
+  std::string rest;
+  for (int k = -60; k < 0; ++k)
+    rest += std::to_string(k) + std::string(static_cast<std::size_t>(columns) - 2, ',') + "16.8,0,1\n";
+  for (std::size_t at = 0; (at = rest.find(",,", at)) != std::string::npos;) rest.insert(++at, "0");
+  flight.insert(header, rest);
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              reference,
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              std::to_string(of_new_Ah),
+                              WriteText("rested.csv", flight),
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  const Json found = ReadJson(folder, "s.json").at("flights")[0];
+  EXPECT_TRUE(found.at("converged").get<bool>());
+  EXPECT_LT(found.at("capacity_interval_95")[0].get<double>(), 0.8 * of_new_Ah);
+  EXPECT_GT(found.at("capacity_interval_95")[1].get<double>(), 0.8 * of_new_Ah);
+}
+
 TEST(Health, CountsAFlightOnce) {
   const std::string folder = TestFolder();
   const auto health = [&](std::vector<std::string> files) {

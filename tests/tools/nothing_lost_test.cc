@@ -433,6 +433,43 @@ TEST(NothingLost, ADraftKeepsTheCampaignThatWasThere) {
   EXPECT_EQ(ReadTextFile(folder + "/logs/drafted.toml"), drafted);
 }
 
+// What nobody named, and a person wrote, stays. What lipoid wrote there before is replaced.
+TEST(NothingLost, FilesThatNobodyNamedAreReplacedOnlyWhereLipoidWroteThem) {
+  struct Writes {
+    std::vector<std::string> arguments;  // before -o
+    std::string output;
+    std::string unnamed;
+  };
+  const Writes all[] = {
+      {{"export", "gifi-600mAh-1", "--to", "ardupilot"}, "frame.json", "frame.parm"},
+      {{"export", "gifi-600mAh-1", "--to", "c"}, "pack.h", "pack.c"},
+      {{"synthesize", "gifi-600mAh-1", "--sampling-s", "10"}, "logs", "logs/campaign.toml"},
+      {{"synthesize", "gifi-600mAh-1", "--sampling-s", "10"}, "logs", "logs/pulses.csv"},
+      {{"export-controller"}, "code", "code/lipoid_example.c"}};
+  for (const Writes& writes : all) {
+    SCOPED_TRACE(writes.unnamed);
+    const auto folder = TestFolder();
+    std::vector<std::string> arguments = writes.arguments;
+    arguments.insert(arguments.end(), {"-o", writes.output});
+    const std::string file = folder + "/" + writes.unnamed;
+    fs::create_directories(fs::path(file).parent_path());
+    Write(file, "by hand\n");
+    const auto refused = RunLipoid(folder, arguments);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find("option -o: '" + writes.unnamed +
+                               "' is there already and would be replaced, though lipoid did not write it; "
+                               "name another place, or move that file away"),
+              std::string::npos)
+        << refused.err;
+    EXPECT_EQ(ReadTextFile(file), "by hand\n");
+    fs::remove(file);
+    EXPECT_EQ(RunLipoid(folder, arguments).exit_code, 0);
+    EXPECT_NE(ReadTextFile(file), "by hand\n");
+    const auto again = RunLipoid(folder, arguments);
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+  }
+}
+
 TEST(NothingLost, ABatchGoesOnAfterABadCampaign) {
   const auto folder = TestFolder();
   for (const char* const cell : {"gifi-600mAh-1", "gifi-600mAh-2"}) {

@@ -18,6 +18,7 @@
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/provenance.h"
+#include "tools/cli/foreign_files.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 
@@ -52,7 +53,12 @@ void RequireTaken(const cli::CommandLine& line,
 std::string Headline(const ExportTarget& target,
                      const ExportRequest& request,
                      const Exported& exported) {
-  std::string text = fmt::format("{} ({})", target.name, KindName(target.kind));
+  const std::string without = WithoutWhatNoTargetHolds(request);
+  std::string text = fmt::format("{} ({})",
+                                 target.name,
+                                 target.kind == TargetKind::kExact && !without.empty()
+                                     ? "the cell's own law" + without
+                                     : std::string(KindName(target.kind)));
   if (exported.error) {
     text += fmt::format(": {:.3f} mV rms, {:.3f} mV at most from the cell",
                         1e3 * exported.error->rmse_V,
@@ -133,6 +139,9 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     line.Message("{}: a file for {} usually ends in {}", output, target.name, target.extension);
   }
   line.AddOutputs("-o", outputs);
+  std::vector<std::string> foreign = outputs;
+  std::erase_if(foreign, cli::IsExportOfLipoid);
+  if (line.earlier() == nullptr) cli::RefuseToReplace("-o", foreign);
 
   const std::string text = CellText(cell_name);
   Cell cell = ParseCell(text, cell_name);

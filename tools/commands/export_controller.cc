@@ -13,6 +13,7 @@
 #include "model/core/run_record.h"
 #include "model/export/controller_export.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tools/cli/foreign_files.h"
 #include "tools/commands.h"
 
 namespace lipoid {
@@ -104,6 +105,9 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   for (const std::string& name : ExportedControllerNames())
     paths.push_back((std::filesystem::path(folder) / name).string());
   line.AddOutputs("-o", paths);
+  // One of them says for all who wrote them.
+  if (line.earlier() == nullptr && std::none_of(paths.begin(), paths.end(), cli::IsExportOfLipoid))
+    cli::RefuseToReplace("-o", paths);
   if (lowest_V && !cell_name.empty()) {
     throw OptionError("options --lowest-V and --cell: give one of them");
   }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "identify/health/health_report.h"
 #include "identify/logs/read_logs.h"
@@ -120,16 +121,13 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
                cli::Significant(flight.mean_error_percent, 2)});
   }
   line.Print("\n{}{}", table.Text(), cli::Bullets("Refused", FilesWithReasons(report.refused)));
-  bool doubted = false;
   for (const FlightHealth& flight : report.flights) {
     std::vector<std::string> cautions = flight.cautions;
-    if (!flight.doubted_because.empty()) {
-      doubted = true;
-      cautions.insert(cautions.begin(), flight.doubted_because);
-    }
+    if (std::string doubt = DoubtAbout(flight); !doubt.empty())
+      cautions.insert(cautions.begin(), std::move(doubt));
     line.Print("{}", cli::Bullets(flight.file, cautions));
   }
-  return doubted ? cli::ExitCode::kIncomplete : cli::ExitCode::kDone;
+  return IsDoubted(report) ? cli::ExitCode::kIncomplete : cli::ExitCode::kDone;
 }
 
 }  // namespace lipoid

@@ -190,7 +190,8 @@ Json ListTargets(cli::CommandLine& line) {
                     {"extension", target.extension}});
   }
   line.Print(
-      "{}\nexact: the law is the cell's own; projected: its numbers are fitted over a mission;\n"
+      "{}\nexact: the law is the cell's own, but for temperature and hysteresis, which no target holds;\n"
+      "projected: its numbers are fitted over a mission;\n"
       "data: a table. The first version is the default of --target-version.\n",
       table.Text());
   return rows;

@@ -12,6 +12,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "tools/cli/assignments.h"
+#include "tools/cli/foreign_files.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 
@@ -70,6 +71,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   for (const auto& name : SynthesizedNames(cell, FindProtocol(protocol), options))
     outputs.push_back((std::filesystem::path(folder) / name).string());
   line.AddOutputs("-o", outputs);
+  if (line.earlier() == nullptr && !IsSynthesized(folder)) cli::RefuseToReplace("-o", outputs);
   for (const std::string& doubt : DoubtsAboutSynthesis(cell, FindProtocol(protocol), options))
     line.Message("{}", doubt);
   RunRecord run;

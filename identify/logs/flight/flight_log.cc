@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "identify/logs/flight/updates.h"
@@ -26,6 +27,13 @@ constexpr double kLeastCharge_A = 10.0;
 
 // A current that changes by so much moves the voltage of any real pack.
 constexpr double kLoad_A = 1.0;
+
+// A current of one row that is so many times the largest of all others, but for three and one in 200, is not
+// believed where the voltage shows less than this share of what it shows of other currents.
+constexpr double kFarBeyond = 4.0;
+constexpr std::size_t kFew = 3;
+constexpr std::size_t kOfRows = 200;
+constexpr double kShown = 0.1;
 
 std::string Described(const BatteryTrack& track) {
   std::string text = fmt::format("battery {} ({}", track.number, Counted(track.size(), "row"));
@@ -107,40 +115,87 @@ std::vector<std::size_t> RowsInOrder(const std::vector<double>& time_s,
   return kept;
 }
 
-// Of rows in their order those in which the pack would be charged with more than it ever gives, while
-// it is not in the rows beside: what is left of a damaged message. None of a log that charges most of
-// the time.
-std::vector<std::size_t> ImpossibleCharges(const std::vector<double>& current_A,
-                                           const std::vector<std::size_t>& rows) {
+// Rows of a track in their order whose current is what is left of a damaged message.
+struct ImpossibleCurrents {
+  std::vector<std::size_t> discharges;  // alone, far beyond all others, and nothing of it in the voltage
+  std::vector<std::size_t> charges;     // alone, with more than the pack ever gives
+};
+
+// How much lower the voltage is in the quarter of the rows with the largest currents than in that with the
+// least, over the current; 0 where the current hardly changes.
+double ShownResistance(const BatteryTrack& track, std::vector<std::size_t> rows) {
+  std::sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) {
+    return track.current_A[a] < track.current_A[b];
+  });
+  const auto quarter = static_cast<std::ptrdiff_t>(rows.size() / 4);
+  const auto difference = [&](const std::vector<double>& column) {
+    const auto middle = [&](auto from) {
+      std::vector<double> values;
+      std::transform(from, from + quarter, std::back_inserter(values), [&](auto k) { return column[k]; });
+      return Median(values);
+    };
+    return middle(rows.end() - quarter) - middle(rows.begin());
+  };
+  const double more_A = quarter > 0 ? difference(track.current_A) : 0.0;
+  return more_A > kLoad_A ? -difference(track.voltage_V) / more_A : 0.0;
+}
+
+// None of a log that charges most of the time.
+ImpossibleCurrents FindImpossible(const BatteryTrack& track, const std::vector<std::size_t>& rows) {
   std::vector<double> all;
-  for (const std::size_t row : rows) all.push_back(current_A[row]);
+  for (const std::size_t row : rows) all.push_back(track.current_A[row]);
   if (all.size() < 3 || Median(all) < 0.0) return {};
-  const double most_A = std::max(kLeastCharge_A, *std::max_element(all.begin(), all.end()));
-  const auto is_beyond = [&](std::size_t k) { return k < all.size() && all[k] < -most_A; };
-  std::vector<std::size_t> found;
+  const auto beside = [&](std::size_t k) {
+    return std::pair{k > 0 ? k - 1 : k + 1, k + 1 < all.size() ? k + 1 : k - 1};
+  };
+  const double shown_Ohm = ShownResistance(track, rows);
+  const auto is_silent = [&](std::size_t k) {
+    const auto volts = [&](std::size_t of) { return track.voltage_V[rows[of]]; };
+    const auto [before, after] = beside(k);
+    const double sag_V = volts(before) - std::min(volts(k), volts(after));  // the voltage may lag by a row
+    return sag_V < kShown * shown_Ohm * (all[k] - all[before]);
+  };
+  // Several messages may be damaged.
+  std::vector<double> rising = all;
+  std::sort(rising.begin(), rising.end());
+  const std::size_t few = std::min(kFew + all.size() / kOfRows, all.size() - 1);
+  const double usual_A = std::max(kLeastCharge_A, rising[all.size() - 1 - few]);
+  ImpossibleCurrents found;
+  double most_A = kLeastCharge_A;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const bool alone = !is_beyond(k + 1) && (k == 0 || !is_beyond(k - 1));
-    if (is_beyond(k) && alone) found.push_back(rows[k]);
+    const auto [before, after] = beside(k);
+    if (all[k] > kFarBeyond * std::max({usual_A, all[before], all[after]}) && is_silent(k)) {
+      found.discharges.push_back(rows[k]);
+    } else {
+      most_A = std::max(most_A, all[k]);
+    }
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto [before, after] = beside(k);
+    if (all[k] < -most_A && all[before] >= -most_A && all[after] >= -most_A)
+      found.charges.push_back(rows[k]);
   }
   return found;
 }
 
-void DropImpossibleCharges(const BatteryTrack& track,
-                           std::vector<std::size_t>& kept,
-                           LogReport& report) {
-  const auto impossible = ImpossibleCharges(track.current_A, kept);
-  if (impossible.empty()) return;
-  std::erase_if(kept, [&](std::size_t row) {
-    return std::binary_search(impossible.begin(), impossible.end(), row);
-  });
-  report.dropped_unknown += impossible.size();
-  report.warnings.push_back(fmt::format(
-      "{} dropped: a current of {:.4g} A at {:.10g} s{}, with which the pack would be charged by "
-      "more than it ever gives; a damaged message may hold it",
-      Counted(impossible.size(), "row"),
-      track.current_A[impossible[0]],
-      track.time_s[impossible[0]],
-      impossible.size() == 1 ? "" : ", the first of them"));
+void DropImpossible(const BatteryTrack& track, std::vector<std::size_t>& kept, LogReport& report) {
+  const ImpossibleCurrents impossible = FindImpossible(track, kept);
+  const auto drop = [&](const std::vector<std::size_t>& rows, std::string_view why) {
+    if (rows.empty()) return;
+    std::erase_if(kept, [&](std::size_t row) {
+      return std::binary_search(rows.begin(), rows.end(), row);
+    });
+    report.dropped_unknown += rows.size();
+    report.warnings.push_back(
+        fmt::format("{} dropped: a current of {:.4g} A at {:.10g} s{}, {}; a damaged message may hold it",
+                    Counted(rows.size(), "row"),
+                    track.current_A[rows[0]],
+                    track.time_s[rows[0]],
+                    rows.size() == 1 ? "" : ", the first of them",
+                    why));
+  };
+  drop(impossible.discharges, "which no other row comes near, and of which the voltage shows nothing");
+  drop(impossible.charges, "with which the pack would be charged by more than it ever gives");
 }
 
 // Refuses what is no flight on a battery. Columns hold no NaN.
@@ -267,7 +322,7 @@ Log FlightLog(const std::string& file,
   }
   auto kept = RowsInOrder(track.time_s, rows);
   report.dropped_repeated_times = rows.size() - kept.size();
-  DropImpossibleCharges(track, kept, report);
+  DropImpossible(track, kept, report);
 
   Record& record = log.record;
   record.file = file;

@@ -232,21 +232,31 @@ std::string Beginning(std::string_view line) {
             Beginning(first->text)));
   }
   if (nearest.layout) {
+    std::vector<std::string> wanted;
     std::vector<std::string> missing;
+    std::vector<std::string> to_say;
+    std::vector<HeaderName> names = nearest.names;
     for (const Quantity quantity : kNeeded) {
+      if (quantity == Quantity::kVoltage && options.voltage_optional) continue;
+      wanted.emplace_back(Name(quantity));
       if (!nearest.Find(quantity, options).empty()) continue;
       const auto named = options.columns.find(std::string(Key(quantity)));
-      missing.push_back(named == options.columns.end() ? std::string(Name(quantity))
+      missing.push_back(named == options.columns.end() ? wanted.back()
                                                        : fmt::format("'{}'", named->second));
+      to_say.push_back(fmt::format("{}=\"...\"", Key(quantity)));
+      // What is in its unit comes first: long lists are cut.
+      std::stable_partition(names.begin(), names.end(), [&](const HeaderName& name) {
+        return FindUnit(quantity, name.unit.empty() ? name.suffix : name.unit).has_value();
+      });
     }
-    throw LoadError(
-        {source.file(), nearest.line, 1},
-        fmt::format(
-            "expected columns for time, current and voltage, found none for {} among {}; name "
-            "the columns with `columns = {{time_s = \"...\", current_A = \"...\", voltage_V = "
-            "\"...\"}}`",
-            fmt::join(missing, " and "),
-            Listed(nearest.names)));
+    throw LoadError({source.file(), nearest.line, 1},
+                    fmt::format("expected columns for {} and {}, found none for {} among {}; name them as "
+                                "the header does (--columns {}, or `columns` in a campaign)",
+                                fmt::join(wanted.begin(), wanted.end() - 1, ", "),
+                                wanted.back(),
+                                fmt::join(missing, " and "),
+                                Listed(names),
+                                fmt::join(to_say, " ")));
   }
   throw LoadError(
       {source.file(), line, 1},

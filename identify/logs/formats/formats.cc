@@ -13,6 +13,7 @@
 #include "identify/logs/formats/novonix.h"
 #include "identify/logs/formats/packed.h"
 #include "identify/logs/formats/plain_csv.h"
+#include "identify/logs/formats/simulated_flight.h"
 
 namespace lipoid {
 namespace {
@@ -28,7 +29,8 @@ constexpr const Layout* kFormats[] = {&kArbin,
                                       &kMaccor,
                                       &kNeware,
                                       &kNovonix,
-                                      &kPlainCsv};
+                                      &kPlainCsv,
+                                      &kSimulatedFlight};
 
 }  // namespace
 

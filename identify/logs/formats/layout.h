@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/times.h"
 #include "identify/logs/formats/quantity.h"
+#include "model/battery/record_stepper.h"
 
 namespace lipoid {
 
@@ -56,6 +58,8 @@ struct Layout {
   bool comments = false;
   /// The format defines the sign of its current, and it is not searched for.
   bool discharge_is_positive = false;
+  /// So it does how long the current of a row holds; none: the option `hold` says it.
+  std::optional<Hold> hold = {};
 
   [[nodiscard]] const ColumnNames& Of(Quantity quantity) const {
     return columns[static_cast<std::size_t>(quantity)];

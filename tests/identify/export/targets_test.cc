@@ -90,6 +90,10 @@ TEST_P(EveryTarget, SaysWhatOfTheCellNoTargetHolds) {
   EXPECT_NE(text.find("Hysteresis: this v_oc is that half-way"), std::string::npos) << text;
   EXPECT_EQ(text.find("neither the cell file nor"), std::string::npos) << text;
   EXPECT_NE(text.find("begun at a state of charge of 0.9,"), std::string::npos) << text;
+  for (const char* const law : {"c", "fmi", "spice"}) {
+    if (target.name != law) continue;
+    EXPECT_NE(text.find("the cell's own without its temperature and hysteresis"), std::string::npos) << text;
+  }
   const Json summary = ExportToJson(target, request, with);
   EXPECT_EQ(summary.at("initial_soc"), 0.9);
   EXPECT_EQ(summary.at("cannot_hold").size(), with.cannot_hold.size() + 2);

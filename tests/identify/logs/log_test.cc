@@ -354,8 +354,17 @@ const Wrong kWrong[] = {
      "time_s,voltage_V,foo\n1,2,3\n",
      "F:1:1: error: expected columns for time, current and voltage, found none for current among "
      "time_s, voltage_V, "
-     "foo; name the columns with `columns = {time_s = \"...\", current_A = \"...\", voltage_V = "
-     "\"...\"}`"},
+     "foo; name them as the header does (--columns current_A=\"...\", or `columns` in a campaign)"},
+    {"names of another program, those in amperes and volts first",
+     "time_s,n1,n2,n3,n4,n5,n6,n7,n8,n9,n10,n11,n12,pack_A,pack_V\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15\n",
+     "F:1:1: error: expected columns for time, current and voltage, found none for current and voltage "
+     "among pack_V, pack_A, time_s, n1, n2, n3, n4, n5, n6, n7, n8, n9, ...; name them as the header does "
+     "(--columns current_A=\"...\" voltage_V=\"...\", or `columns` in a campaign)"},
+    {"no current where the voltage is not needed",
+     "time_s,foo\n1,2\n",
+     "F:1:1: error: expected columns for time and current, found none for current among time_s, foo; "
+     "name them as the header does (--columns current_A=\"...\", or `columns` in a campaign)",
+     {.voltage_optional = true}},
     {"no header",
      kRows,
      "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
@@ -398,8 +407,7 @@ const Wrong kWrong[] = {
      kHeader + kRows,
      "F:1:1: error: expected columns for time, current and voltage, found none for 'Zeit' among "
      "time_s, current_A, "
-     "voltage_V; name the columns with `columns = {time_s = \"...\", current_A = \"...\", "
-     "voltage_V = \"...\"}`",
+     "voltage_V; name them as the header does (--columns time_s=\"...\", or `columns` in a campaign)",
      {.columns = {{"time_s", "Zeit"}}}},
     {"more columns numbered than there are",
      kHeader + kRows,

@@ -110,6 +110,46 @@ TEST(FlightLog, ASingleChargeBeyondAllThatThePackGivesIsDamage) {
   EXPECT_EQ(rows_of({-0.5, -10.0, -5.0, -12.0, -6.0}).report.dropped_unknown, 0U);
 }
 
+// 12.6 V less 20 mOhm times the current. A current that flows moves the voltage, in its row or in the next.
+TEST(FlightLog, ASingleCurrentFarBeyondAllOthersThatNoVoltageShowsIsDamage) {
+  const auto rows_of = [](const std::vector<double>& current_A, const std::vector<double>& flows_A) {
+    BatteryTrack track = Track();
+    track.time_s.clear();
+    track.voltage_V.clear();
+    for (std::size_t k = 0; k < current_A.size(); ++k) {
+      track.time_s.push_back(10.0 + static_cast<double>(k));
+      track.voltage_V.push_back(12.6 - 0.02 * flows_A[k]);
+    }
+    track.current_A = current_A;
+    track.temperature_degC.assign(current_A.size(), 20.0);
+    return Made(LogOf({track}));
+  };
+  std::vector<double> flows{0.5, 10.0, 11.0, 27.0, 12.0, 10.0, 9.0, 11.0};
+  for (int k = 0; k < 24; ++k) flows.push_back(k % 3 == 0 ? 3.0 : 12.0);
+  std::vector<double> damaged = flows;
+  damaged[2] = 262.0;
+  damaged[4] = 223.0;
+  damaged[6] = -218.0;
+  const Log log = rows_of(damaged, flows);
+  std::vector<double> kept = flows;
+  for (const int row : {6, 4, 2}) kept.erase(kept.begin() + row);
+  EXPECT_EQ(log.record.current_A, kept);
+  EXPECT_EQ(log.report.dropped_unknown, 3U);
+  ASSERT_EQ(log.report.warnings.size(), 2U);
+  EXPECT_EQ(log.report.warnings[0],
+            "2 rows dropped: a current of 262 A at 12 s, the first of them, which no other row comes near, "
+            "and of which the voltage shows nothing; a damaged message may hold it");
+  // A jump that the voltage shows, at once or a row later, is one, and so is one of twice the rest.
+  for (const int later : {0, 1}) {
+    std::vector<double> shown = flows;
+    shown[static_cast<std::size_t>(2 + later)] = 262.0;
+    EXPECT_EQ(rows_of(damaged, shown).report.dropped_unknown, 1U) << later;  // the one of 223 A
+  }
+  damaged = flows;
+  damaged[2] = 60.0;
+  EXPECT_EQ(rows_of(damaged, flows).report.dropped_unknown, 0U);
+}
+
 TEST(FlightLog, TakesAPartFromZeroOn) {
   ReadOptions options;
   options.start_s = 11.0;

@@ -61,6 +61,7 @@ const Fixture kFixtures[] = {
     {"bitrode/no_header.csv", "bitrode", "discharge-negative"},
     {"digatron/hash_units.csv", "digatron", "discharge-negative"},
     {"digatron/units_line.csv", "digatron", "discharge-negative"},
+    {"simulated-flight/flight.csv", "simulated-flight", "discharge-positive"},
     {"maccor/days.041", "maccor", "unsigned", '\t'},
     {"maccor/manifest_names.csv", "maccor", "unsigned"},
     {"maccor/milliamps_millivolts.txt", "maccor", "unsigned", '\t'},

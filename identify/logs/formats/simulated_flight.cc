@@ -1,0 +1,28 @@
+#include "identify/logs/formats/simulated_flight.h"
+
+namespace lipoid {
+namespace {
+
+constexpr std::string_view kSignature[] = {"time_s", "x_m", "battery_v", "battery_a"};
+constexpr std::string_view kTime[] = {"time"};
+// The unit tells the current from the voltage.
+constexpr std::string_view kBattery[] = {"battery"};
+
+}  // namespace
+
+constinit const Layout kSimulatedFlight{
+    .name = "simulated-flight",
+    .summary = "a flight of `lipoid fly`: time_s, x_m, ..., battery_V, battery_A",
+    .signature = kSignature,
+    .columns = {{ColumnNames{.names = kTime},
+                 ColumnNames{.names = kBattery},
+                 ColumnNames{.names = kBattery},
+                 ColumnNames{},
+                 ColumnNames{},
+                 ColumnNames{},
+                 ColumnNames{}}},
+    .discharge_is_positive = true,
+    .hold = Hold::kForward,
+};
+
+}  // namespace lipoid

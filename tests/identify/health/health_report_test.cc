@@ -1,0 +1,56 @@
+// What is said first of the health of a pack.
+#include "identify/health/health_report.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace lipoid {
+namespace {
+
+FlightHealth Flight(const char* file, bool converged) {
+  FlightHealth flight;
+  flight.file = file;
+  flight.capacity_Ah = {4.0, 3.5, 4.5, {}};
+  flight.resistance_Ohm = {0.05, 0.04, 0.06, {}};
+  flight.converged = converged;
+  return flight;
+}
+
+HealthReport Of(std::vector<FlightHealth> flights) {
+  HealthReport report;
+  report.reference = "g5";
+  report.new_capacity_Ah = 5.0;
+  report.new_resistance_Ohm = 0.04;
+  report.flights = std::move(flights);
+  return report;
+}
+
+TEST(HealthReport, SaysFirstThatASearchDidNotConverge) {
+  const HealthReport one = Of({Flight("a.csv", false)});
+  EXPECT_TRUE(IsDoubted(one));
+  ASSERT_EQ(FirstLines(one).size(), 1U);
+  EXPECT_EQ(FirstLines(one)[0],
+            "the search did not converge: these numbers are where it stopped; give a flight that begins at "
+            "rest and takes half of the charge. By the fit: capacity 4 Ah (80 % of new), 95 % from 3.5 to 4.5 "
+            "Ah; resistance 50 mOhm (125 % of new), 95 % from 40 to 60 mOhm");
+  const Json flight = HealthToJson(one).at("flights")[0];
+  EXPECT_FALSE(flight.at("converged").get<bool>());
+  EXPECT_EQ(flight.at("doubted_because").get<std::string>().find("the search did not converge"), 0U);
+
+  const HealthReport two = Of({Flight("a.csv", false), Flight("b.csv", true)});
+  EXPECT_TRUE(IsDoubted(two));
+  EXPECT_EQ(FirstLines(two)[0], "the search did not converge for 1 of 2 flights: a.csv");
+}
+
+TEST(HealthReport, DoubtsNoSearchThatConverged) {
+  const HealthReport one = Of({Flight("a.csv", true)});
+  EXPECT_FALSE(IsDoubted(one));
+  EXPECT_EQ(FirstLines(one)[0].find("capacity 4 Ah"), 0U) << FirstLines(one)[0];
+  const Json flight = HealthToJson(one).at("flights")[0];
+  EXPECT_TRUE(flight.at("converged").get<bool>());
+  EXPECT_TRUE(flight.at("doubted_because").is_null());
+}
+
+}  // namespace
+}  // namespace lipoid

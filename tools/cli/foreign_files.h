@@ -1,0 +1,19 @@
+#pragma once
+
+/// @file
+/// Files that a command writes though nobody named them, beside -o or in the folder of -o: one that is there
+/// already is replaced only where lipoid wrote it. Tests: tests/tools/nothing_lost_test.cc.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lipoid::cli {
+
+/// Whether the file begins with the comment of an export.
+[[nodiscard]] bool IsExportOfLipoid(const std::string& file);
+
+/// OptionError where one of these, which lipoid did not write, is there and not empty. `option` is shown ("-o").
+void RefuseToReplace(std::string_view option, const std::vector<std::string>& files);
+
+}  // namespace lipoid::cli
