@@ -12,7 +12,7 @@ export function tried({ summary }) {
     typeof gain_V === "number" && typeof error === "number" ? `${significant(1e3 * gain_V, 2)} ± ${significant(1e3 * error, 2)}` : "–";
   return section(
     "Structures tried",
-    note("Each structure was fitted and judged by rows that it was not shown. The gain is that of the structure over the one taken: what does not exceed its own standard error is no reason for a larger one."),
+    note("Each structure was fitted and judged by rows that it was not shown. The gain is by how much the structure taken predicts held-out rows better; where it does not exceed its own standard error, these rows do not tell the two structures apart."),
     table(
       [
         { title: "structure", of: ({ what, taken }) => (taken ? element("strong", {}, `${what} (taken)`) : what), by: ({ what }) => what },
