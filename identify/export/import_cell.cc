@@ -42,8 +42,8 @@ Cell FilteredCell(double capacity_Ah, double resistance_Ohm, double time_constan
 
 void NoteUnused(const std::vector<std::string>& names, ImportedCell& imported) {
   if (names.empty()) return;
-  imported.notes.push_back(fmt::format("Not used, since a cell file has no place for it: {}.",
-                                       fmt::join(names, ", ")));
+  imported.notes.push_back(
+      fmt::format("Not used, since a cell file has no place for it: {}.", fmt::join(names, ", ")));
 }
 
 // ---- ArduPilot ----
@@ -467,12 +467,13 @@ void CheckBattery(const Cell& cell, const std::string& file) {
   if (!(rate_A * resistance_Ohm < full_V)) {
     throw LoadError(
         {file},
-        fmt::format("expected a capacity in Ah and resistances in Ohm, found {:.4g} Ah and {:.4g} Ohm: at 1C "
-                    "they would take {:.4g} V of {:.4g} V; is the capacity in mAh, or a resistance in mOhm?",
-                    rate_A * cell.parallel,
-                    resistance_Ohm * cell.series / cell.parallel,
-                    rate_A * resistance_Ohm * cell.series,
-                    full_V * cell.series));
+        fmt::format(
+            "expected a capacity in Ah and resistances in Ohm, found {:.4g} Ah and {:.4g} Ohm: at 1C "
+            "they would take {:.4g} V of {:.4g} V; is the capacity in mAh, or a resistance in mOhm?",
+            rate_A * cell.parallel,
+            resistance_Ohm * cell.series / cell.parallel,
+            rate_A * resistance_Ohm * cell.series,
+            full_V * cell.series));
   }
 }
 

@@ -337,13 +337,13 @@ ReadMission ReadMissionFile(const Cell& cell,
   }
   if (!read.power) RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
   read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
-  const std::string found =
-      fmt::format("{} of {} rows{}",
-                  read.mission.time_s.size(),
-                  read.rows_of_file,
-                  read.rows_beyond_cutoff > 0
-                      ? "; the current or the power may be too much for this pack (--series, --parallel)"
-                      : "");
+  const std::string found = fmt::format(
+      "{} of {} rows{}",
+      read.mission.time_s.size(),
+      read.rows_of_file,
+      read.rows_beyond_cutoff > 0
+          ? "; the current or the power may be too much for this pack (--series, --parallel)"
+          : "");
   if (read.mission.time_s.size() < kLeastRows) {
     throw LoadError(
         {file},
@@ -356,14 +356,13 @@ ReadMission ReadMissionFile(const Cell& cell,
   }
   const auto& current_A = read.mission.current_A;
   if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; })) {
-    throw LoadError(
-        {file},
-        "expected a mission that discharges the cell, found no current above 0" +
-            (read.rows_beyond_cutoff > 0
-                 ? fmt::format(" in what stays above its cut-off of {:.4g} V, {}",
-                               cell.series * cell.cutoff_V,
-                               found)
-                 : ""));
+    throw LoadError({file},
+                    "expected a mission that discharges the cell, found no current above 0" +
+                        (read.rows_beyond_cutoff > 0
+                             ? fmt::format(" in what stays above its cut-off of {:.4g} V, {}",
+                                           cell.series * cell.cutoff_V,
+                                           found)
+                             : ""));
   }
   return read;
 }

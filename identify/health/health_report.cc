@@ -195,9 +195,8 @@ std::vector<std::string> FirstLines(const HealthReport& report) {
                                 fmt::join(doubted, ", ")));
   }
   if (!stopped.empty() && report.flights.size() > 1) {
-    lines.push_back(fmt::format("the search did not converge for {}: {}",
-                                of_all(stopped),
-                                fmt::join(stopped, ", ")));
+    lines.push_back(fmt::format(
+        "the search did not converge for {}: {}", of_all(stopped), fmt::join(stopped, ", ")));
   }
   if (std::string trend = TrendSentence(report); !trend.empty()) lines.push_back(std::move(trend));
   const FlightHealth& last = report.flights.back();

@@ -124,7 +124,7 @@ Exported ExportC(const ExportRequest& request) {
   exported.notes.push_back(fmt::format(
       "Numbers are {}; the law is the cell's own{}, and each step is exact for a current that is "
       "constant over it.",
-      !single          ? "double"
+      !single         ? "double"
       : request.whole ? "float"
                       : "float, whose rounding is the error",
       WithoutWhatNoTargetHolds(request)));

@@ -67,8 +67,9 @@ TEST(ExportCommand, CallsNoLawExactThatLacksWhatTheCellHas) {
   EXPECT_EQ(first("plain.json").find("c (exact): 0.000 mV rms"), 0U) << first("plain.json");
   EXPECT_EQ(first("both.json").find("c (the cell's own law without its hysteresis): "), 0U)
       << first("both.json");
-  EXPECT_NE(ReadTextFile(folder + "/pack.h").find("the law is the cell's own without its hysteresis"),
-            std::string::npos);
+  EXPECT_NE(
+      ReadTextFile(folder + "/pack.h").find("the law is the cell's own without its hysteresis"),
+      std::string::npos);
 }
 
 TEST(ExportCommand, ReachesWhatIsKnownOfASortie) {

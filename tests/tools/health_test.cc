@@ -251,17 +251,27 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
   const std::string reference = WriteText("new.json", cell.dump());
   scale(0.8, 1.5);
   const std::string aged = WriteText("aged.json", cell.dump());
-  const auto flown = RunLipoid(
-      folder,
-      {"fly", "endurance", "--cell", aged, "--vehicle", "f450", "--series", "4", "-o", "flight.csv"});
+  const auto flown = RunLipoid(folder,
+                               {"fly",
+                                "endurance",
+                                "--cell",
+                                aged,
+                                "--vehicle",
+                                "f450",
+                                "--series",
+                                "4",
+                                "-o",
+                                "flight.csv"});
   ASSERT_EQ(flown.exit_code, 1) << flown.err;  // until the battery is empty
   // A rest before the flight.
   std::string flight = ReadText(folder + "/flight.csv");
   const auto header = flight.find('\n') + 1;
-  const auto columns = std::count(flight.begin(), flight.begin() + static_cast<std::ptrdiff_t>(header), ',');
+  const auto columns =
+      std::count(flight.begin(), flight.begin() + static_cast<std::ptrdiff_t>(header), ',');
   std::string rest;
   for (int k = -60; k < 0; ++k)
-    rest += std::to_string(k) + std::string(static_cast<std::size_t>(columns) - 2, ',') + "16.8,0,1\n";
+    rest +=
+        std::to_string(k) + std::string(static_cast<std::size_t>(columns) - 2, ',') + "16.8,0,1\n";
   for (std::size_t at = 0; (at = rest.find(",,", at)) != std::string::npos;) rest.insert(++at, "0");
   flight.insert(header, rest);
   const auto run = RunLipoid(folder,

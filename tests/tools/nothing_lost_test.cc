@@ -456,9 +456,10 @@ TEST(NothingLost, FilesThatNobodyNamedAreReplacedOnlyWhereLipoidWroteThem) {
     Write(file, "by hand\n");
     const auto refused = RunLipoid(folder, arguments);
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_NE(refused.err.find("option -o: '" + writes.unnamed +
-                               "' is there already and would be replaced, though lipoid did not write it; "
-                               "name another place, or move that file away"),
+    EXPECT_NE(refused.err.find(
+                  "option -o: '" + writes.unnamed +
+                  "' is there already and would be replaced, though lipoid did not write it; "
+                  "name another place, or move that file away"),
               std::string::npos)
         << refused.err;
     EXPECT_EQ(ReadTextFile(file), "by hand\n");

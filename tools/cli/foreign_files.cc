@@ -22,13 +22,14 @@ bool IsExportOfLipoid(const std::string& file) {
 void RefuseToReplace(std::string_view option, const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     std::error_code none;
-    if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0)
+    if (!std::filesystem::is_regular_file(file, none) ||
+        std::filesystem::file_size(file, none) == 0)
       continue;
-    throw OptionError(
-        fmt::format("option {}: '{}' is there already and would be replaced, though lipoid did not write it; "
-                    "name another place, or move that file away",
-                    option,
-                    file));
+    throw OptionError(fmt::format(
+        "option {}: '{}' is there already and would be replaced, though lipoid did not write it; "
+        "name another place, or move that file away",
+        option,
+        file));
   }
 }
 

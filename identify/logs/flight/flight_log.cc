@@ -117,8 +117,10 @@ std::vector<std::size_t> RowsInOrder(const std::vector<double>& time_s,
 
 // Rows of a track in their order whose current is what is left of a damaged message.
 struct ImpossibleCurrents {
-  std::vector<std::size_t> discharges;  // alone, far beyond all others, and nothing of it in the voltage
-  std::vector<std::size_t> charges;     // alone, with more than the pack ever gives
+  // Alone, far beyond all others, and nothing of it in the voltage.
+  std::vector<std::size_t> discharges;
+  // Alone, with more than the pack ever gives.
+  std::vector<std::size_t> charges;
 };
 
 // How much lower the voltage is in the quarter of the rows with the largest currents than in that with the
@@ -131,7 +133,8 @@ double ShownResistance(const BatteryTrack& track, std::vector<std::size_t> rows)
   const auto difference = [&](const std::vector<double>& column) {
     const auto middle = [&](auto from) {
       std::vector<double> values;
-      std::transform(from, from + quarter, std::back_inserter(values), [&](auto k) { return column[k]; });
+      std::transform(
+          from, from + quarter, std::back_inserter(values), [&](auto k) { return column[k]; });
       return Median(values);
     };
     return middle(rows.end() - quarter) - middle(rows.begin());
@@ -152,7 +155,8 @@ ImpossibleCurrents FindImpossible(const BatteryTrack& track, const std::vector<s
   const auto is_silent = [&](std::size_t k) {
     const auto volts = [&](std::size_t of) { return track.voltage_V[rows[of]]; };
     const auto [before, after] = beside(k);
-    const double sag_V = volts(before) - std::min(volts(k), volts(after));  // the voltage may lag by a row
+    const double sag_V =
+        volts(before) - std::min(volts(k), volts(after));  // the voltage may lag by a row
     return sag_V < kShown * shown_Ohm * (all[k] - all[before]);
   };
   // Several messages may be damaged.
@@ -182,19 +186,19 @@ void DropImpossible(const BatteryTrack& track, std::vector<std::size_t>& kept, L
   const ImpossibleCurrents impossible = FindImpossible(track, kept);
   const auto drop = [&](const std::vector<std::size_t>& rows, std::string_view why) {
     if (rows.empty()) return;
-    std::erase_if(kept, [&](std::size_t row) {
-      return std::binary_search(rows.begin(), rows.end(), row);
-    });
+    std::erase_if(
+        kept, [&](std::size_t row) { return std::binary_search(rows.begin(), rows.end(), row); });
     report.dropped_unknown += rows.size();
-    report.warnings.push_back(
-        fmt::format("{} dropped: a current of {:.4g} A at {:.10g} s{}, {}; a damaged message may hold it",
-                    Counted(rows.size(), "row"),
-                    track.current_A[rows[0]],
-                    track.time_s[rows[0]],
-                    rows.size() == 1 ? "" : ", the first of them",
-                    why));
+    report.warnings.push_back(fmt::format(
+        "{} dropped: a current of {:.4g} A at {:.10g} s{}, {}; a damaged message may hold it",
+        Counted(rows.size(), "row"),
+        track.current_A[rows[0]],
+        track.time_s[rows[0]],
+        rows.size() == 1 ? "" : ", the first of them",
+        why));
   };
-  drop(impossible.discharges, "which no other row comes near, and of which the voltage shows nothing");
+  drop(impossible.discharges,
+       "which no other row comes near, and of which the voltage shows nothing");
   drop(impossible.charges, "with which the pack would be charged by more than it ever gives");
 }
 

@@ -249,14 +249,15 @@ std::string Beginning(std::string_view line) {
         return FindUnit(quantity, name.unit.empty() ? name.suffix : name.unit).has_value();
       });
     }
-    throw LoadError({source.file(), nearest.line, 1},
-                    fmt::format("expected columns for {} and {}, found none for {} among {}; name them as "
-                                "the header does (--columns {}, or `columns` in a campaign)",
-                                fmt::join(wanted.begin(), wanted.end() - 1, ", "),
-                                wanted.back(),
-                                fmt::join(missing, " and "),
-                                Listed(names),
-                                fmt::join(to_say, " ")));
+    throw LoadError(
+        {source.file(), nearest.line, 1},
+        fmt::format("expected columns for {} and {}, found none for {} among {}; name them as "
+                    "the header does (--columns {}, or `columns` in a campaign)",
+                    fmt::join(wanted.begin(), wanted.end() - 1, ", "),
+                    wanted.back(),
+                    fmt::join(missing, " and "),
+                    Listed(names),
+                    fmt::join(to_say, " ")));
   }
   throw LoadError(
       {source.file(), line, 1},

@@ -240,13 +240,15 @@ TEST(ImportCell, RefusesSdfsThatHoldNoOneBattery) {
 // Thousands where there are ones: no battery has more drop than voltage at a current that empties it in an hour.
 TEST(ImportCell, RefusesCapacitiesAndResistancesInThousandths) {
   const auto circuit = [](const std::string& capacity, const std::string& resistance) {
-    return R"({"capacity": )" + capacity + R"(, "ocv": {"soc": [0, 1], "voltage_V": [3.0, 4.2]}, "R0": )" +
-           resistance + "}";
+    return R"({"capacity": )" + capacity +
+           R"(, "ocv": {"soc": [0, 1], "voltage_V": [3.0, 4.2]}, "R0": )" + resistance + "}";
   };
-  EXPECT_EQ(MessageOf(circuit("376", "0.13")),
-            "f:1:1: error: expected a capacity in Ah and resistances in Ohm, found 376 Ah and 0.13 Ohm: at 1C "
-            "they would take 48.88 V of 4.2 V; is the capacity in mAh, or a resistance in mOhm?");
-  EXPECT_NE(MessageOf(circuit("0.376", "130")).find("found 0.376 Ah and 130 Ohm"), std::string::npos);
+  EXPECT_EQ(
+      MessageOf(circuit("376", "0.13")),
+      "f:1:1: error: expected a capacity in Ah and resistances in Ohm, found 376 Ah and 0.13 Ohm: at 1C "
+      "they would take 48.88 V of 4.2 V; is the capacity in mAh, or a resistance in mOhm?");
+  EXPECT_NE(MessageOf(circuit("0.376", "130")).find("found 0.376 Ah and 130 Ohm"),
+            std::string::npos);
   EXPECT_EQ(ImportCell(circuit("0.376", "0.13"), "f").cell.capacity_Ah, 0.376);
   // The numbers are those of the file, whose pack has three cells.
   EXPECT_NE(MessageOf(R"({"maxVoltage":12.6,"battCapacityAh":1300,"refBatRes":30})")

@@ -187,10 +187,11 @@ TEST(MissionFile, RefusesWhatIsNoMission) {
             "pack (--series, --parallel)");
   std::string strong = "time_s,power_W\n";
   for (int k = 0; k < 40; ++k) strong += std::to_string(k) + (k < 21 ? ",0\n" : ",50\n");
-  EXPECT_EQ(message(strong),
-            ":1:1: error: expected a mission that discharges the cell, found no current above 0 in what "
-            "stays above its cut-off of 3 V, 21 of 40 rows; the current or the power may be too much "
-            "for this pack (--series, --parallel)");
+  EXPECT_EQ(
+      message(strong),
+      ":1:1: error: expected a mission that discharges the cell, found no current above 0 in what "
+      "stays above its cut-off of 3 V, 21 of 40 rows; the current or the power may be too much "
+      "for this pack (--series, --parallel)");
   EXPECT_EQ(
       message("time_s,current_A\n0,0\n1,0.01\n700000,0.01\n"),
       ":1:1: error: expected a mission of at most 2000000 rows and 7 days, since a simulator's "

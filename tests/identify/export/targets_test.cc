@@ -92,7 +92,8 @@ TEST_P(EveryTarget, SaysWhatOfTheCellNoTargetHolds) {
   EXPECT_NE(text.find("begun at a state of charge of 0.9,"), std::string::npos) << text;
   for (const char* const law : {"c", "fmi", "spice"}) {
     if (target.name != law) continue;
-    EXPECT_NE(text.find("the cell's own without its temperature and hysteresis"), std::string::npos) << text;
+    EXPECT_NE(text.find("the cell's own without its temperature and hysteresis"), std::string::npos)
+        << text;
   }
   const Json summary = ExportToJson(target, request, with);
   EXPECT_EQ(summary.at("initial_soc"), 0.9);

@@ -30,13 +30,15 @@ TEST(HealthReport, SaysFirstThatASearchDidNotConverge) {
   const HealthReport one = Of({Flight("a.csv", false)});
   EXPECT_TRUE(IsDoubted(one));
   ASSERT_EQ(FirstLines(one).size(), 1U);
-  EXPECT_EQ(FirstLines(one)[0],
-            "the search did not converge: these numbers are where it stopped; give a flight that begins at "
-            "rest and takes half of the charge. By the fit: capacity 4 Ah (80 % of new), 95 % from 3.5 to 4.5 "
-            "Ah; resistance 50 mOhm (125 % of new), 95 % from 40 to 60 mOhm");
+  EXPECT_EQ(
+      FirstLines(one)[0],
+      "the search did not converge: these numbers are where it stopped; give a flight that begins at "
+      "rest and takes half of the charge. By the fit: capacity 4 Ah (80 % of new), 95 % from 3.5 to 4.5 "
+      "Ah; resistance 50 mOhm (125 % of new), 95 % from 40 to 60 mOhm");
   const Json flight = HealthToJson(one).at("flights")[0];
   EXPECT_FALSE(flight.at("converged").get<bool>());
-  EXPECT_EQ(flight.at("doubted_because").get<std::string>().find("the search did not converge"), 0U);
+  EXPECT_EQ(flight.at("doubted_because").get<std::string>().find("the search did not converge"),
+            0U);
 
   const HealthReport two = Of({Flight("a.csv", false), Flight("b.csv", true)});
   EXPECT_TRUE(IsDoubted(two));

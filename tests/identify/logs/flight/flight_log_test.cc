@@ -112,7 +112,8 @@ TEST(FlightLog, ASingleChargeBeyondAllThatThePackGivesIsDamage) {
 
 // 12.6 V less 20 mOhm times the current. A current that flows moves the voltage, in its row or in the next.
 TEST(FlightLog, ASingleCurrentFarBeyondAllOthersThatNoVoltageShowsIsDamage) {
-  const auto rows_of = [](const std::vector<double>& current_A, const std::vector<double>& flows_A) {
+  const auto rows_of = [](const std::vector<double>& current_A,
+                          const std::vector<double>& flows_A) {
     BatteryTrack track = Track();
     track.time_s.clear();
     track.voltage_V.clear();
@@ -136,9 +137,10 @@ TEST(FlightLog, ASingleCurrentFarBeyondAllOthersThatNoVoltageShowsIsDamage) {
   EXPECT_EQ(log.record.current_A, kept);
   EXPECT_EQ(log.report.dropped_unknown, 3U);
   ASSERT_EQ(log.report.warnings.size(), 2U);
-  EXPECT_EQ(log.report.warnings[0],
-            "2 rows dropped: a current of 262 A at 12 s, the first of them, which no other row comes near, "
-            "and of which the voltage shows nothing; a damaged message may hold it");
+  EXPECT_EQ(
+      log.report.warnings[0],
+      "2 rows dropped: a current of 262 A at 12 s, the first of them, which no other row comes near, "
+      "and of which the voltage shows nothing; a damaged message may hold it");
   // A jump that the voltage shows, at once or a row later, is one, and so is one of twice the rest.
   for (const int later : {0, 1}) {
     std::vector<double> shown = flows;
