@@ -538,6 +538,10 @@ TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
                                  "1"});
   EXPECT_NE(twelve.err.find("more voltage than they are made for"), std::string::npos)
       << twelve.err;
+  const auto mambo = RunLipoid(folder, {"fly", "hover", "--series", "3", "--duration", "1"});
+  EXPECT_NE(mambo.err.find("mambo-coupled is made for 1 cell in series, and this pack has 3"),
+            std::string::npos)
+      << mambo.err;
   const auto ideal = RunLipoid(folder, {"fly", "hover", "--battery", "ideal", "--series", "4"});
   EXPECT_EQ(ideal.exit_code, 2);
   EXPECT_NE(ideal.err.find("are for cells"), std::string::npos) << ideal.err;
