@@ -367,7 +367,7 @@ TEST(Fly, GainsOfOtherVehiclesArePlacedByTheirMotors) {
                    "unaware",
                    "--duration",
                    "1"});
-  EXPECT_NE(run.err.find("--gains placed has gains for the motors of this vehicle\n"),
+  EXPECT_NE(run.err.find("--gains placed computes gains from the lag of this vehicle's motors\n"),
             std::string::npos)
       << run.err;
   run = RunLipoid(
