@@ -500,6 +500,17 @@ TEST(Design, SaysWhatIsWrong) {
   EXPECT_EQ(RunLipoid(folder, {"design", "altitude", "--optimizer", "guess"}).exit_code, 2);
 }
 
+// docs/notation.md: K_e, K_eI, K_edot.
+TEST(Fly, AGainHasOneName) {
+  const auto folder = TestFolder();
+  for (const auto& arguments : {std::vector<std::string>{"list", "gains"},
+                                std::vector<std::string>{"poles", "altitude", "--xi", "1"}}) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_NE((run.out + run.err).find("K_eI"), std::string::npos) << run.out << run.err;
+    EXPECT_EQ((run.out + run.err).find("K_I"), std::string::npos) << run.out << run.err;
+  }
+}
+
 // A vehicle for four cells on one: it says so, and on four it hovers at its own current.
 TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
   const std::string folder = TestFolder();
