@@ -511,6 +511,13 @@ TEST(Fly, AGainHasOneName) {
   }
 }
 
+// A flight has no rows.
+TEST(Fly, HelpSaysWhereAFlightStarts) {
+  const auto help = RunLipoid(TestFolder(), {"fly", "--help"});
+  EXPECT_NE(help.out.find("state of charge at the start; 1 is full"), std::string::npos)
+      << help.out;
+}
+
 // A vehicle for four cells on one: it says so, and on four it hovers at its own current.
 TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
   const std::string folder = TestFolder();
