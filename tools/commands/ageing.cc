@@ -49,7 +49,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
                         {"change / %"},
                         {"95 % from"},
                         {"to"},
-                        {"", cli::Align::kLeft}},
+                        {"identifiability", cli::Align::kLeft}},
                        "What changed from age to age.");
   Json rows = Json::array();
   for (const AgedQuantity& quantity : quantities) {
