@@ -135,6 +135,7 @@ function seriesOf(lines) {
       label: line.label,
       scale: "y",
       show: line.show !== false,
+      auto: line.scaled !== false,
       stroke,
       width: line.points ? 1 : line.width ?? 1.5,
       dash: line.dash,
@@ -241,9 +242,9 @@ function drawRings(plot, rings) {
  * @param x       {label, values, time, log, categories, whole, include}: the common axis; label carries the unit. `whole`: ticks at
  *                whole numbers alone. `include`: values that the axis shows in any case. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
- * @param lines   [{label, values, x, points, hollow, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one
+ * @param lines   [{label, values, x, points, hollow, dots, bars, step, band: [low, high], dash, width, colour, show, scaled, digits, say}]: one
  *                line each, values as long as x, or as its own x. `points`: samples alone, `hollow` as rings; `dots`: samples on
- *                their line. colour is the number of a colour of the palette. A value of
+ *                their line. `scaled: false`: the scale of y does not follow the line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
  * @param y       {label, log, zero, reach}; `zero`: the axis begins at zero; `reach`: [low, high] that it shows at least
  * @param link    charts with the same key zoom and show their cursor together
