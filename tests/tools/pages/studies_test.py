@@ -113,6 +113,10 @@ class Studies(PageTest):
             return [100 * parameter["relative_standard_error"] for row in summary["rows"] if row["rest_s"] == rest_s
                     for parameter in row["parameters"] if parameter["name"] == name]
 
+        # A logarithmic axis of less than a decade has more numbers than its power of ten.
+        numbers = page.run("return document.querySelector('.chart').plot.axes[0]._values.filter((text) => text !== '')")
+        self.assertGreaterEqual(len(numbers), 3, numbers)
+
         self.assertEqual(charts[0]["data"][0], [10, 30, 60])
         self.assertEqual(charts[0]["data"][1], of(300, names[0]))
         self.near(page.run(UNDER_CURSOR, 0, 1)[0], of(300, names[0])[1])

@@ -96,10 +96,22 @@ function axesOf(x, y, time) {
       space: time?.values ? 80 : 60,
       ...(time?.incrs ? { incrs: time.incrs } : {}),
       ...(x.categories || x.whole ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
+      ...(x.log ? { filter: withRoom } : {}),
       values: x.categories ? names : time?.values ?? numbers,
     },
-    { ...shared, ...(y.log ? { grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
+    { ...shared, ...(y.log ? { filter: withRoom, grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
   ];
+}
+
+// Of the ticks of a logarithmic axis those whose numbers have room beside one another, powers of ten first.
+function withRoom(plot, splits, axis, space) {
+  const place = (value) => plot.valToPos(value, plot.axes[axis].scale);
+  const rank = (value) => [1, 5, 2, 3, 7, 4, 6, 8, 9].indexOf(Number(value.toExponential()[0]));
+  const taken = [];
+  for (const value of [...splits].sort((a, b) => rank(a) - rank(b))) {
+    if (taken.every((other) => Math.abs(place(other) - place(value)) >= space)) taken.push(value);
+  }
+  return splits.map((value) => (taken.includes(value) ? value : null));
 }
 
 // Over many decades the grid of a logarithmic axis has its powers of ten alone.
