@@ -295,7 +295,8 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], gu
     width: 800,
     height,
     legend: { show: false },
-    padding: [8, 12, 0, 0],
+    // The last number of an axis may be half beyond its end.
+    padding: [8, time?.values ? 28 : 12, 0, 0],
     cursor: {
       ...sharedCursor(link),
       dataIdx: (plot, k, index) => (k === 0 ? index : nearest(plot, k, index)),
