@@ -225,6 +225,9 @@ function drawMarks(plot, marks, guides) {
     ctx.strokeStyle = colour("--soft");
     ctx.fillStyle = colour("--soft");
     ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    // uPlot leaves them as its last axis had them.
+    ctx.textAlign = "left";
+    ctx.textBaseline = "alphabetic";
     const taken = [];
     for (const { from, to, label } of guides) {
       stroke(at(from), at(to));
