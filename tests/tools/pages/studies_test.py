@@ -66,6 +66,18 @@ class Studies(PageTest):
                         ".querySelectorAll(`tbody tr > :nth-child(${arguments[1]})`)].map((cell) => cell.textContent)",
                         table, column)
 
+    def test_a_study_has_one_unit_for_its_bias(self):
+        summary, page = self.page("study", "terms", "logs/campaign.toml")
+        chart = next(chart for chart in page.run(CHARTS) if chart["title"] == "Bias of r_s")
+        drawn = sorted(value for column in chart["data"][1:] for value in column if value is not None)
+        heads = page.run("return [...document.querySelectorAll('table thead th')].map((head) => head.textContent)")
+        at = heads.index("its bias / mOhm")
+        shown = sorted(abs(float(text)) for text in self.column(page, 0, at + 1) if text != "–" and float(text) != 0)
+        self.assertEqual(len(shown), len(drawn))
+        for one, other in zip(shown, drawn):
+            self.assertTrue(math.isclose(one, other, rel_tol=1e-3), (one, other))
+        self.assertEqual(len(summary["rows"]), len(self.column(page, 0, 1)))
+
     def test_compare_draws_what_each_optimizer_had_found(self):
         summary, page = self.page("compare", "logs/campaign.toml", "--optimizers",
                                   "levenberg-marquardt,sqp,nelder-mead", "--starts", "6")
