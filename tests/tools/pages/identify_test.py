@@ -49,6 +49,14 @@ class Identify(PageTest):
             self.assertAlmostEqual(float(row[1]), one["estimate"], delta=2e-4 * abs(one["estimate"]))
         beta = next(row for row in rows if row[0] == "beta")
         self.assertIn("only with r_1(0.2)", beta)
+        # Digits that tell the charge from its interval; what stands in the header stands there alone.
+        charge = page.run("return [...document.querySelectorAll('tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
+                          ".find(([name]) => name === 'charge alpha')")
+        self.assertEqual(len(set(charge[1:4])), 3, charge)
+        self.assertAlmostEqual(float(charge[1]), summary["alpha_C"] / 3600, delta=1e-4 * float(charge[1]))
+        self.assertEqual(self.text(page).count("Mean error to expect"), 1)
+        sentence = summary["trust"]["sentence"]
+        self.assertIn(sentence if "_" in sentence.split()[0] else sentence[1:], self.text(page))
         errors = page.run(TABLE, "Errors over all rows")
         for row, log in zip(errors, summary["logs"]):
             self.assertEqual(row[0], log["file"])
