@@ -142,8 +142,8 @@ std::string AgeOf(const Cell& cell) {
 std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
   Require(!cells.empty(), "at least one cell");
   std::vector<AgedQuantity> quantities;
-  const auto add = [&](std::string name, std::string unit, auto&& estimate_of) {
-    AgedQuantity quantity{std::move(name), std::move(unit), {}};
+  const auto add = [&](std::string name, std::string what, std::string unit, auto&& estimate_of) {
+    AgedQuantity quantity{std::move(name), std::move(what), std::move(unit), {}};
     const Estimate first = estimate_of(cells.front());
     bool known = false;
     for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -158,16 +158,17 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
     }
     if (known) quantities.push_back(std::move(quantity));
   };
-  add("capacity", "Ah", [](const Cell& cell) {
+  add("capacity", "capacity", "Ah", [](const Cell& cell) {
     return Parameter(cell, "alpha", cell.alpha_C(), 1.0 / 3600.0);
   });
-  add("beta", "s^-1/2", [](const Cell& cell) {
+  add("beta", "beta", "s^-1/2", [](const Cell& cell) {
     return Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
   });
   for (const double after_s : {1.0, 10.0, 30.0}) {
-    add(fmt::format("resistance_{:g}s", after_s), "Ohm", [after_s](const Cell& cell) {
-      return PulseResistance(cell, after_s);
-    });
+    add(fmt::format("resistance_{:g}s", after_s),
+        fmt::format("resistance after {:g} s", after_s),
+        "Ohm",
+        [after_s](const Cell& cell) { return PulseResistance(cell, after_s); });
   }
   return quantities;
 }

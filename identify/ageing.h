@@ -37,6 +37,7 @@ struct AgedValue {
 
 struct AgedQuantity {
   std::string name;  ///< capacity, beta, resistance_1s, ...
+  std::string what;  ///< the same in words
   std::string unit;
   std::vector<AgedValue> at;  ///< one for each cell
 };

@@ -55,7 +55,7 @@ struct StartRequest {
     v("initial_voltage_V",
       self.initial_voltage_V,
       Range{0.0, 1e5},
-      "voltage in V at which the pack rested before the first row, instead of a state of charge");
+      "voltage in V at which the pack rested before the start, instead of a state of charge");
   }
 
   /// Of these what can be said where v_oc(A) is not known yet.
@@ -64,7 +64,7 @@ struct StartRequest {
     v("initial_soc",
       self.initial_soc,
       kInitialSocs,
-      "state of charge of the first row; 1 is full, the default");
+      "state of charge at the start; 1 is full, the default");
   }
 
   [[nodiscard]] bool given() const { return initial_soc || initial_voltage_V; }

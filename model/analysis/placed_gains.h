@@ -29,6 +29,9 @@ namespace lipoid {
 
 /// The name of such gains.
 inline constexpr std::string_view kPlacedGains = "placed";
+/// What a message says of them where others do not keep the vehicle stable.
+inline constexpr std::string_view kPlacedGainsHint =
+    "--gains placed computes gains from the lag of this vehicle's motors";
 
 struct PlacedGains {
   Gains gains;

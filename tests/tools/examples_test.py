@@ -101,11 +101,13 @@ def without_times(lines):
 
 
 def run(command, folder, lipoid):
+    """What the command prints on a terminal: results and messages, in the order in which they come."""
     environment = dict(os.environ, PATH=f"{lipoid.parent}{os.pathsep}{os.environ['PATH']}")
     ended = subprocess.run(command.partition("  #")[0], shell=True, cwd=folder, env=environment, text=True,
-                           capture_output=True, stdin=subprocess.DEVNULL, check=False, timeout=300)
-    assert ended.returncode in (0, 1), f"{command}: exit code {ended.returncode}: {ended.stderr}"
-    return ended.stdout + ended.stderr
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False,
+                           timeout=300)
+    assert ended.returncode in (0, 1), f"{command}: exit code {ended.returncode}: {ended.stdout}"
+    return ended.stdout
 
 
 def check(name, lipoid, scratch):

@@ -403,7 +403,7 @@ TEST(Fly, GainsOfOtherVehiclesArePlacedByTheirMotors) {
                    "unaware",
                    "--duration",
                    "1"});
-  EXPECT_NE(run.err.find("--gains placed has gains for the motors of this vehicle\n"),
+  EXPECT_NE(run.err.find("--gains placed computes gains from the lag of this vehicle's motors\n"),
             std::string::npos)
       << run.err;
   run = RunLipoid(
@@ -536,6 +536,24 @@ TEST(Design, SaysWhatIsWrong) {
   EXPECT_EQ(RunLipoid(folder, {"design", "altitude", "--optimizer", "guess"}).exit_code, 2);
 }
 
+// docs/notation.md: K_e, K_eI, K_edot.
+TEST(Fly, AGainHasOneName) {
+  const auto folder = TestFolder();
+  for (const auto& arguments : {std::vector<std::string>{"list", "gains"},
+                                std::vector<std::string>{"poles", "altitude", "--xi", "1"}}) {
+    const auto run = RunLipoid(folder, arguments);
+    EXPECT_NE((run.out + run.err).find("K_eI"), std::string::npos) << run.out << run.err;
+    EXPECT_EQ((run.out + run.err).find("K_I"), std::string::npos) << run.out << run.err;
+  }
+}
+
+// A flight has no rows.
+TEST(Fly, HelpSaysWhereAFlightStarts) {
+  const auto help = RunLipoid(TestFolder(), {"fly", "--help"});
+  EXPECT_NE(help.out.find("state of charge at the start; 1 is full"), std::string::npos)
+      << help.out;
+}
+
 // A vehicle for four cells on one: it says so, and on four it hovers at its own current.
 TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
   const std::string folder = TestFolder();
@@ -574,6 +592,10 @@ TEST(Fly, TakesThePackThatTheVehicleIsMadeFor) {
                                  "1"});
   EXPECT_NE(twelve.err.find("more voltage than they are made for"), std::string::npos)
       << twelve.err;
+  const auto mambo = RunLipoid(folder, {"fly", "hover", "--series", "3", "--duration", "1"});
+  EXPECT_NE(mambo.err.find("mambo-coupled is made for 1 cell in series, and this pack has 3"),
+            std::string::npos)
+      << mambo.err;
   const auto ideal = RunLipoid(folder, {"fly", "hover", "--battery", "ideal", "--series", "4"});
   EXPECT_EQ(ideal.exit_code, 2);
   EXPECT_NE(ideal.err.find("are for cells"), std::string::npos) << ideal.err;

@@ -49,7 +49,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
                         {"change / %"},
                         {"95 % from"},
                         {"to"},
-                        {"", cli::Align::kLeft}},
+                        {"verdict", cli::Align::kLeft}},
                        "What changed from age to age.");
   Json rows = Json::array();
   for (const AgedQuantity& quantity : quantities) {
@@ -57,7 +57,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const AgedValue& aged = quantity.at[k];
       const std::string age = AgeOf(cells[k]);
-      table.Row({k == 0 ? quantity.name : "",
+      table.Row({k == 0 ? quantity.what : "",
                  age.empty() ? files[k] : age,
                  cli::Significant(aged.value),
                  quantity.unit,
@@ -73,6 +73,8 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
   line.summary()["cells"] = std::move(ages);
   line.summary()["quantities"] = std::move(rows);
   line.Print("{}", table.Text());
+  if (!quantities.empty() && quantities.back().unit == "Ohm")
+    line.Print("Resistances are those at half charge, so long after 1C is switched on.\n");
   return cli::ExitCode::kDone;
 }
 

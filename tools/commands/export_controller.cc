@@ -141,9 +141,9 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
   const bool stable = flies && (!hovers_at_lowest || hovers.back().stable());
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!stable) {
-    line.Message(
-        "this controller is not to be flown{}; --gains placed has gains for the motors of this vehicle",
-        flies ? " down to that voltage" : "");
+    line.Message("this controller is not to be flown{}; {}",
+                 flies ? " down to that voltage" : "",
+                 kPlacedGainsHint);
   }
   if (!hovers_at_lowest) {
     line.Message(

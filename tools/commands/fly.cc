@@ -255,7 +255,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     line.Message("{}",
                  setup.gains.name == kPlacedGains
                      ? "gains that keep it stable may be found by lipoid design"
-                     : "--gains placed has gains for the motors of this vehicle");
+                     : kPlacedGainsHint);
   }
 
   std::optional<FlightLogWriter> log;

@@ -141,7 +141,7 @@ Json ListGains(cli::CommandLine& line) {
   cli::TextTable loops({{"gains", Align::kLeft},
                         {"loop", Align::kLeft},
                         {"K_e / s^-2"},
-                        {"K_I / s^-3"},
+                        {"K_eI / s^-3"},
                         {"K_edot / s^-1"}});
   cli::TextTable position({{"gains", Align::kLeft},
                            {"loop", Align::kLeft},

@@ -113,7 +113,7 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
                                    {"integral", own.integral},
                                    {"derivative", own.derivative}};
   line.Print("{}", table.Text());
-  line.Message("{} loop of {} with K_e {}, K_I {}, K_edot {} ({})",
+  line.Message("{} loop of {} with K_e {}, K_eI {}, K_edot {} ({})",
                loop_name,
                vehicle.name,
                own.proportional,

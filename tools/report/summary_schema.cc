@@ -47,7 +47,9 @@ void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_
     const bool unseen = types == std::vector<std::string>{"null"};
     if (!unseen && std::none_of(types.begin(), types.end(), has)) {
       std::vector<std::string> words;
-      for (const auto& type : types) words.push_back(Words(type));
+      for (const auto& type : types) {
+        if (type != "null") words.push_back(Words(type));
+      }
       at.Fail(fmt::format("{}", fmt::join(words, " or ")));
     }
   }

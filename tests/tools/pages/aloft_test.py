@@ -24,16 +24,28 @@ class Aloft(PageTest):
         page = self.open("page.html")
         rows = page.run(ROWS)
         time = rows[0]
-        self.assertEqual(time[0], "minutes")
+        self.assertEqual([row[0] for row in rows[:2]], ["flight time / min", "charge used / Ah"])
         low, high = summary["minutes_interval_95"]
         for shown, value in zip(time[1:], (summary["minutes"], low, high)):
             self.assertAlmostEqual(float(shown), value, delta=5e-4 * value)
         self.assertIn(f"{summary['minutes']:.3g} minutes", page.run("return document.querySelector('h2').textContent"))
 
+        text = page.run("return document.querySelector('main').innerText")
+        for assumed in ("0.9 ± 0.03", "Reserve at landing", "20 %", "Power over that of the vehicle file",
+                        "--health 0.9+-0.03 --ensemble 40"):
+            self.assertIn(assumed, text)
+
         (chart,) = page.run(CHARTS)
         self.assertEqual(chart["title"], "Flight time over the payload")
         self.assertEqual(chart["data"][0], [0, 5, 10])
         self.assertEqual(chart["data"][1], [row["minutes"] for row in summary["over"]["rows"]])
+
+    def test_endurance_says_that_a_pack_cannot_fly(self):
+        said = self.lipoid("endurance", "--vehicle", "f450", "--cell", CELL, "--series", 4, "--report", "page.html", code=1)
+        page = self.open("page.html")
+        self.assertEqual(page.run("return document.querySelector('h2').textContent"), "This pack cannot carry this mission")
+        sentence = page.run("return document.querySelector('.notice.error').textContent").removeprefix("Error: The")
+        self.assertIn(f"This pack cannot carry this mission: the{sentence}", " ".join(said.split()))
 
     def test_health_shows_flights_and_how_they_change(self):
         logs = []

@@ -45,6 +45,15 @@ const menu = document.querySelectorAll('.chart')[index].querySelector('.menu');
 """
 
 
+# Room right of where the time axis of each chart ends, and half the width of a number there.
+ROOM = """
+return [...document.querySelectorAll('.chart')].map(({ plot }) => {
+  plot.ctx.font = `${12 * devicePixelRatio}px system-ui, sans-serif`;
+  const width = plot.ctx.measureText('4:30:00').width;
+  return [plot.ctx.canvas.width - plot.bbox.left - plot.bbox.width, width / 2];
+});"""
+
+
 class Chart(PageTest):
     @classmethod
     def setUpClass(cls):
@@ -66,6 +75,10 @@ class Chart(PageTest):
         page.wait("document.querySelectorAll('.chart')[0].querySelector('.tools button').hidden")
         self.assertEqual(page.run(RANGES), before)
         self.assertEqual(page.complaints(), [])
+
+    def test_the_last_number_of_a_time_axis_is_whole(self):
+        for room, half in self.open("page.html").run(ROOM):
+            self.assertGreaterEqual(room, half)
 
     def test_keys_zoom_move_and_reset(self):
         page = self.open("page.html")

@@ -49,6 +49,14 @@ class Identify(PageTest):
             self.assertAlmostEqual(float(row[1]), one["estimate"], delta=2e-4 * abs(one["estimate"]))
         beta = next(row for row in rows if row[0] == "beta")
         self.assertIn("only with r_1(0.2)", beta)
+        # Digits that tell the charge from its interval; what stands in the header stands there alone.
+        charge = page.run("return [...document.querySelectorAll('tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
+                          ".find(([name]) => name === 'charge alpha')")
+        self.assertEqual(len(set(charge[1:4])), 3, charge)
+        self.assertAlmostEqual(float(charge[1]), summary["alpha_C"] / 3600, delta=1e-4 * float(charge[1]))
+        self.assertEqual(self.text(page).count("Mean error to expect"), 1)
+        sentence = summary["trust"]["sentence"]
+        self.assertIn(sentence if "_" in sentence.split()[0] else sentence[1:], self.text(page))
         errors = page.run(TABLE, "Errors over all rows")
         for row, log in zip(errors, summary["logs"]):
             self.assertEqual(row[0], log["file"])
@@ -103,10 +111,23 @@ class Identify(PageTest):
         text = self.text(page)
         self.assertIn("stage by stage", text)
         self.assertNotIn("staged estimate", text)
+        self.assertIn("The intervals take alpha and v_oc(A) as exact.", text)
         rows = dict((row[0], row) for row in page.run(TABLE, "Estimates"))
         self.assertEqual(rows["beta"][2], "unknown")  # it stands at its bound
         self.assertIn("at a bound", rows["beta"])
         self.assertEqual(summary["method"], "staged")
+
+    def test_a_staged_curve_that_is_far_off_does_not_set_the_axes(self):
+        logs = self.synthesized()
+        campaign = (logs / "campaign.toml").read_text()
+        (logs / "short.toml").write_text(campaign.replace('"low_rate.csv"', '"low_rate.csv"\nend_s = 800'))
+        summary = self.identify(logs / "short.toml", code=1)
+        self.assertGreater(summary["logs"][0]["staged"]["rmse_V"], 10)
+        page = self.open("page.html")
+        low, high, staged = page.run("""const { plot } = document.querySelector('.chart');
+            return [plot.scales.y.min, plot.scales.y.max, plot.entries.map(({ label }) => label).find((label) => label.startsWith('staged'))];""")
+        self.assertTrue(2.5 < low < 3 < 4.2 < high < 4.5, (low, high))
+        self.assertIn("beyond the chart", staged)
 
     def test_a_poor_fit_says_so_and_why(self):
         logs = self.synthesized()

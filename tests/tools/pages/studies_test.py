@@ -22,6 +22,28 @@ const { plot } = figure;
 plot.setCursor({ left: plot.valToPos(plot.data[0][arguments[1]], 'x'), top: 10 });
 return [...figure.querySelectorAll('.legend output')].map((output) => output.textContent);"""
 
+# Texts of the first chart that begin left of its area, of those that stand in it: draws it anew and looks on.
+CUT_LABELS = """const done = arguments[0];
+const { plot } = document.querySelector('.chart');
+const proto = CanvasRenderingContext2D.prototype;
+const fillText = proto.fillText;
+const cut = [];
+let seen = 0;
+proto.fillText = function (text, x, y) {
+  if (/^0\\.[1-8]$/.test(text) && x >= plot.bbox.left && y <= plot.bbox.top + plot.bbox.height) {
+    seen += 1;
+    const width = this.measureText(text).width;
+    const from = x - ({ center: width / 2, right: width, end: width }[this.textAlign] ?? 0);
+    if (from < plot.bbox.left) cut.push(text);
+  }
+  return fillText.apply(this, arguments);
+};
+plot.redraw(false, false);
+setTimeout(() => {
+  proto.fillText = fillText;
+  done(seen > 0 ? cut : ['nothing was drawn']);
+}, 200);"""
+
 class Studies(PageTest):
     @classmethod
     def setUpClass(cls):
@@ -43,6 +65,18 @@ class Studies(PageTest):
         return page.run("return [...document.querySelectorAll('table')[arguments[0]]"
                         ".querySelectorAll(`tbody tr > :nth-child(${arguments[1]})`)].map((cell) => cell.textContent)",
                         table, column)
+
+    def test_a_study_has_one_unit_for_its_bias(self):
+        summary, page = self.page("study", "terms", "logs/campaign.toml")
+        chart = next(chart for chart in page.run(CHARTS) if chart["title"] == "Bias of r_s")
+        drawn = sorted(value for column in chart["data"][1:] for value in column if value is not None)
+        heads = page.run("return [...document.querySelectorAll('table thead th')].map((head) => head.textContent)")
+        at = heads.index("its bias / mOhm")
+        shown = sorted(abs(float(text)) for text in self.column(page, 0, at + 1) if text != "–" and float(text) != 0)
+        self.assertEqual(len(shown), len(drawn))
+        for one, other in zip(shown, drawn):
+            self.assertTrue(math.isclose(one, other, rel_tol=1e-3), (one, other))
+        self.assertEqual(len(summary["rows"]), len(self.column(page, 0, 1)))
 
     def test_compare_draws_what_each_optimizer_had_found(self):
         summary, page = self.page("compare", "logs/campaign.toml", "--optimizers",
@@ -113,6 +147,10 @@ class Studies(PageTest):
             return [100 * parameter["relative_standard_error"] for row in summary["rows"] if row["rest_s"] == rest_s
                     for parameter in row["parameters"] if parameter["name"] == name]
 
+        # A logarithmic axis of less than a decade has more numbers than its power of ten.
+        numbers = page.run("return document.querySelector('.chart').plot.axes[0]._values.filter((text) => text !== '')")
+        self.assertGreaterEqual(len(numbers), 3, numbers)
+
         self.assertEqual(charts[0]["data"][0], [10, 30, 60])
         self.assertEqual(charts[0]["data"][1], of(300, names[0]))
         self.near(page.run(UNDER_CURSOR, 0, 1)[0], of(300, names[0])[1])
@@ -138,6 +176,8 @@ class Studies(PageTest):
             self.assertEqual(len(frequencies), len(poles))
             for shown, (re, im) in zip(frequencies, poles):
                 self.near_4(shown, math.hypot(re, im))
+        # Damping ratios stand beside their lines, whole.
+        self.assertEqual(page.driver.execute_async_script(CUT_LABELS), [])
         least = [min(-re / math.hypot(re, im) for re, im in row["poles"]) for row in summary["rows"]]
         for value, expected in zip(charts[1]["data"][1], least, strict=True):
             self.assertAlmostEqual(value, expected)

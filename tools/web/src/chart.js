@@ -96,10 +96,22 @@ function axesOf(x, y, time) {
       space: time?.values ? 80 : 60,
       ...(time?.incrs ? { incrs: time.incrs } : {}),
       ...(x.categories || x.whole ? { incrs: [1, 2, 5, 10, 20, 50, 100] } : {}),
+      ...(x.log ? { filter: withRoom } : {}),
       values: x.categories ? names : time?.values ?? numbers,
     },
-    { ...shared, ...(y.log ? { grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
+    { ...shared, ...(y.log ? { filter: withRoom, grid: { ...shared.grid, filter: fewLines } } : {}), label: y.label, size: (_, values) => sizeOf(values), values: numbers },
   ];
+}
+
+// Of the ticks of a logarithmic axis those whose numbers have room beside one another, powers of ten first.
+function withRoom(plot, splits, axis, space) {
+  const place = (value) => plot.valToPos(value, plot.axes[axis].scale);
+  const rank = (value) => [1, 5, 2, 3, 7, 4, 6, 8, 9].indexOf(Number(value.toExponential()[0]));
+  const taken = [];
+  for (const value of [...splits].sort((a, b) => rank(a) - rank(b))) {
+    if (taken.every((other) => Math.abs(place(other) - place(value)) >= space)) taken.push(value);
+  }
+  return splits.map((value) => (taken.includes(value) ? value : null));
 }
 
 // Over many decades the grid of a logarithmic axis has its powers of ten alone.
@@ -135,6 +147,7 @@ function seriesOf(lines) {
       label: line.label,
       scale: "y",
       show: line.show !== false,
+      auto: line.scaled !== false,
       stroke,
       width: line.points ? 1 : line.width ?? 1.5,
       dash: line.dash,
@@ -212,6 +225,9 @@ function drawMarks(plot, marks, guides) {
     ctx.strokeStyle = colour("--soft");
     ctx.fillStyle = colour("--soft");
     ctx.font = `${11 * uPlot.pxRatio}px system-ui, sans-serif`;
+    // uPlot leaves them as its last axis had them.
+    ctx.textAlign = "left";
+    ctx.textBaseline = "alphabetic";
     const taken = [];
     for (const { from, to, label } of guides) {
       stroke(at(from), at(to));
@@ -241,9 +257,9 @@ function drawRings(plot, rings) {
  * @param x       {label, values, time, log, categories, whole, include}: the common axis; label carries the unit. `whole`: ticks at
  *                whole numbers alone. `include`: values that the axis shows in any case. `time`: values are seconds,
  *                shown as h:mm:ss where they are many. `categories`: names of the values 0, 1, ...
- * @param lines   [{label, values, x, points, hollow, dots, bars, step, band: [low, high], dash, width, colour, show, digits, say}]: one
+ * @param lines   [{label, values, x, points, hollow, dots, bars, step, band: [low, high], dash, width, colour, show, scaled, digits, say}]: one
  *                line each, values as long as x, or as its own x. `points`: samples alone, `hollow` as rings; `dots`: samples on
- *                their line. colour is the number of a colour of the palette. A value of
+ *                their line. `scaled: false`: the scale of y does not follow the line. colour is the number of a colour of the palette. A value of
  *                null or NaN is a gap.
  * @param y       {label, log, zero, reach}; `zero`: the axis begins at zero; `reach`: [low, high] that it shows at least
  * @param link    charts with the same key zoom and show their cursor together
@@ -282,7 +298,8 @@ export function lineChart({ title, x, lines, y, link, spans = [], marks = [], gu
     width: 800,
     height,
     legend: { show: false },
-    padding: [8, 12, 0, 0],
+    // The last number of an axis may be half beyond its end.
+    padding: [8, time?.values ? 28 : 12, 0, 0],
     cursor: {
       ...sharedCursor(link),
       dataIdx: (plot, k, index) => (k === 0 ? index : nearest(plot, k, index)),

@@ -4,9 +4,12 @@ import { table } from "./table.js";
 
 const hash = (text) => element("span", { class: "hash" }, text);
 
-/** run: the run record of a cell file, or that of a command. */
-export function provenance(run) {
+const word = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+/** run: the run record of a cell file, or that of a command, whose name it lacks. */
+export function provenance(run, name) {
   if (!run) return null;
+  const command = run.command ?? (Array.isArray(run.arguments) ? ["lipoid", name, ...run.arguments].map(word).join(" ") : null);
   const inputs = Array.isArray(run.inputs) ? run.inputs : [];
   const options = run.options && Object.keys(run.options).length > 0;
   return section(
@@ -14,7 +17,7 @@ export function provenance(run) {
     facts([
       ["Program", run.version ? `lipoid ${run.version} (${run.commit ?? "commit unknown"})` : null],
       ["Seed", run.seed],
-      ["Command", run.command ? element("code", {}, run.command) : null],
+      ["Command", command ? element("code", {}, command) : null],
     ]),
     inputs.length > 0
       ? table(

@@ -17,7 +17,7 @@ function gainsTable({ start, gains, cost, longer_run, bounds }, unit) {
     [
       { title: "gains", of: ({ name }) => name },
       { title: "K_e / (1/s²)", of: (row) => row.gains.proportional },
-      { title: "K_I / (1/s³)", of: (row) => row.gains.integral },
+      { title: "K_eI / (1/s³)", of: (row) => row.gains.integral },
       { title: "K_edot / (1/s)", of: (row) => row.gains.derivative },
       { title: `cost / (${unit})`, of: (row) => row.cost },
     ],

@@ -1,6 +1,6 @@
 // `lipoid endurance`: how long a vehicle flies on a pack, and how far that is known.
 import { lineChart } from "../chart.js";
-import { element, facts, note, section } from "../dom.js";
+import { element, facts, note, notice, section } from "../dom.js";
 import { significant } from "../format.js";
 import { isNumber, listOf } from "../numbers.js";
 import { provenance } from "../provenance.js";
@@ -18,7 +18,28 @@ const ENDED = {
   "time-limit": "the calculation ended before the battery did",
 };
 
-// "landing_voltage_V": landing voltage / V.
+// The numbers of a flight, as the command prints them.
+const NUMBERS = {
+  minutes: "flight time / min",
+  charge_Ah: "charge used / Ah",
+  energy_Wh: "energy used / Wh",
+  landing_voltage_V: "voltage at landing, under load / V",
+  landing_rest_voltage_V: "voltage after landing, rested / V",
+  minimum_voltage_V: "lowest voltage / V",
+  peak_current_A: "highest current / A",
+  remaining_soc: "share of the charge left",
+  range_km: "way over the ground / km",
+  hottest_degC: "hottest cell / °C",
+};
+
+// What may be uncertain: {value, standard_error}.
+function uncertain(quantity, unit = "", factor = 1) {
+  if (!isNumber(quantity?.value)) return null;
+  const error = quantity.standard_error > 0 ? ` ± ${significant(factor * quantity.standard_error, 3)}` : "";
+  return `${significant(factor * quantity.value)}${error}${unit}`;
+}
+
+// "payload_g": payload / g.
 function words(key) {
   const parts = key.split("_");
   const unit = parts.length > 1 && /^(V|A|Ah|Wh|W|degC|C|s|g)$/.test(parts[parts.length - 1]) ? parts.pop() : null;
@@ -41,9 +62,16 @@ function overQuantity({ name, rows }) {
     }));
 }
 
+// As the command has it: a pack that ends at once carries nothing.
+const LASTS_S = 10;
+const flies = ({ minutes, ended_by: end }) => !(60 * minutes < LASTS_S && ["cut-off", "motor-voltage", "power"].includes(end));
+
 export const endurance = {
   command: "endurance",
-  title: ({ summary }) => (isNumber(summary.minutes) ? `${significant(summary.minutes, 3)} minutes until landing` : "Endurance"),
+  title: ({ summary }) => {
+    if (!isNumber(summary.minutes)) return "Endurance";
+    return flies(summary) ? `${significant(summary.minutes, 3)} minutes until landing` : "This pack cannot carry this mission";
+  },
   parts: ({ summary }) => {
     const rows = Object.keys(summary)
       .filter((key) => isNumber(summary[key]) && key + SUFFIX in summary)
@@ -51,15 +79,25 @@ export const endurance = {
     const known = rows.some(({ interval }) => Array.isArray(interval));
     return [
       element("p", { class: "sentence" }, `The flight ends because ${ENDED[summary.ended_by] ?? summary.ended_by}.`),
+      flies(summary) ? null : notice("error",
+        `The flight ends after ${significant(60 * summary.minutes, 2)} s. Give more cells (--series, --parallel) or a fuller pack, or take less payload or power.`),
       facts([
         ["Vehicle", summary.vehicle],
         ["Battery", `${summary.series}S${summary.parallel}P of ${summary.cell}`],
+        ["Capacity of a new cell", isNumber(summary.capacity_Ah) ? `${significant(summary.capacity_Ah)} Ah` : null],
         ["Mission", summary.mission],
+        ["Payload", uncertain(summary.payload_kg, " g", 1e3)],
+        ["Airspeed", uncertain(summary.airspeed_m_per_s, " m/s")],
+        ["Air", uncertain(summary.ambient_degC, " °C") ?? "the battery has the reference temperature of the cell throughout"],
+        ["Capacity left, over that of the new cell", uncertain(summary.health)],
+        ["Resistance over that of the cell file", uncertain(summary.resistance_factor)],
+        ["Power over that of the vehicle file", uncertain(summary.power_factor)],
+        ["Reserve at landing", uncertain(summary.reserve, " %", 100)],
         ["Flights drawn", summary.ensemble?.flights],
       ]),
       table(
         [
-          { title: "until landing", of: ({ key }) => words(key) },
+          { title: "until landing", of: ({ key }) => NUMBERS[key] ?? words(key) },
           { title: "estimate", of: ({ key }) => summary[key] },
           { title: "95 % from", of: ({ interval }) => interval?.[0] ?? null },
           { title: "to", of: ({ interval }) => interval?.[1] ?? null },
@@ -69,7 +107,7 @@ export const endurance = {
       ),
       summary.over ? overQuantity(summary.over) : null,
       known ? null : note("Give a cell with `uncertainty`, as lipoid identify writes it, or values as X+-SE, for intervals."),
-      provenance(summary.run),
+      provenance(summary.run, summary.command),
     ];
   },
 };

@@ -68,7 +68,7 @@ export const health = {
         return doubted || all.length > 0
           ? section(baseName(one.file), doubted, element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
       }),
-      provenance(summary.run),
+      provenance(summary.run, summary.command),
     ];
   },
 };

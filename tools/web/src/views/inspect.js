@@ -133,7 +133,7 @@ export const inspect = {
           )
         : null,
       ...files.map((one, k) => file(one, k, series)),
-      provenance(summary.run),
+      provenance(summary.run, summary.command),
     ].filter((part) => part !== null);
   },
 };

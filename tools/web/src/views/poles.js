@@ -13,7 +13,7 @@ export const poles = {
         ["Vehicle", summary.vehicle],
         ["Gains", summary.gains],
         ["K_e / (1/s²)", significant(proportional)],
-        ["K_I / (1/s³)", significant(integral)],
+        ["K_eI / (1/s³)", significant(integral)],
         ["K_edot / (1/s)", significant(derivative)],
       ]),
       ...rootLocus(summary.rows, `the ${summary.loop} loop`),

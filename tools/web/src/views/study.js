@@ -103,7 +103,7 @@ function terms(_, rows) {
         { title: "beta / s^-1/2", of: (row) => row.beta_per_sqrt_s },
         { title: "its bias / %", of: (row) => row.beta_bias_percent },
         { title: "r_s / Ohm", of: (row) => row.series_resistance_Ohm },
-        { title: "its bias / Ohm", of: (row) => row.series_resistance_bias_Ohm },
+        { title: "its bias / mOhm", of: (row) => times(1e3, row.series_resistance_bias_Ohm) },
         { title: "lost share / %", of: (row) => row.lost_share_percent },
       ],
       rows,

@@ -34,6 +34,6 @@ export const validate = {
       { sort: true, caption: "Errors of the logs" },
     ),
     ...series.filter(({ kind }) => kind === "log").map(log),
-    provenance(summary.run),
+    provenance(summary.run, summary.command),
   ].filter((part) => part !== null),
 };

@@ -26,7 +26,7 @@ export function judgement({ verdict, rmse_V, mean_error_percent, reason }, what)
   return element("p", { class: "sentence" }, error, element("span", { class: `grade ${verdict}` }, verdict), reason ? `, because ${reason}` : "", ".");
 }
 
-export function expectedError({ expected_error_percent: error, expected_error_interval_95: interval }) {
+function expectedError({ expected_error_percent: error, expected_error_interval_95: interval }) {
   if (typeof error !== "number") return "not known: the logs leave too little to hold out";
   const [low, high] = interval ?? [];
   const range = typeof low === "number" && typeof high === "number" ? ` (95 %: ${significant(low, 3)} % to ${significant(high, 3)} %)` : "";

@@ -2,7 +2,6 @@
 import { element, note, notice, section } from "../../dom.js";
 import { significant } from "../../format.js";
 import { table } from "../../table.js";
-import { expectedError } from "./header.js";
 
 const WORDS = {
   identified: "identified",
@@ -22,9 +21,23 @@ function digitsFor({ estimate, standard_error: error }) {
   return Math.max(5, Math.min(9, Math.floor(Math.log10(Math.max(1, Math.abs(estimate) / error))) + 2));
 }
 
+// A column of numbers with these digits.
+function number(title, of) {
+  const one = (row) => (typeof of(row) === "number" ? significant(of(row), digitsFor(row)) : "unknown");
+  return { title, class: "number", of: one, by: of };
+}
+
+// Words of the program as a sentence: a symbol at its beginning keeps its letter.
+function asSentence(text, names) {
+  const first = text.split(/[ ,]/)[0];
+  return `${names.includes(first) || first.includes("_") ? text[0] : text[0].toUpperCase()}${text.slice(1)}.`;
+}
+
+const EXACT = { open_circuit_voltage: "v_oc(A)" };
+
 const scaled = (value, factor) => (typeof value === "number" ? factor * value : null);
 
-/** "What the logs know": charge, resistances at half charge, the error to expect. */
+/** "What the logs know": charge and resistances at half charge. */
 export function known({ summary }) {
   const alpha = (summary.parameters ?? []).find(({ name }) => name === "alpha");
   const interval = alpha?.interval_95 ?? [];
@@ -43,14 +56,13 @@ export function known({ summary }) {
     table(
       [
         { title: "quantity", of: ({ what }) => what },
-        { title: "value", of: ({ value }) => value },
-        { title: "95 % from", of: ({ low }) => low },
-        { title: "to", of: ({ high }) => high },
+        number("value", ({ value }) => value),
+        number("95 % from", ({ low }) => low),
+        number("to", ({ high }) => high),
         { title: "unit", of: ({ unit }) => unit },
       ],
-      rows,
+      rows.map((row) => ({ ...row, estimate: row.value, standard_error: (row.high - row.low) / 4 })),
     ),
-    note(`Mean error to expect of a new log of these kinds: ${expectedError(summary)}.`),
   );
 }
 
@@ -59,17 +71,12 @@ export function parameters({ summary, cautions }) {
   if (rows.length === 0) return null;
   const staged = new Map((summary.staged?.parameters ?? []).map((row) => [row.name, row]));
   const other = (row) => staged.get(row.name);
-  const one = (of) => (row) => {
-    const value = of(row);
-    return typeof value === "number" ? significant(value, digitsFor(row)) : "unknown";
-  };
-  const number = (of, title) => ({ title, class: "number", of: one(of), by: of });
   const columns = [
     { title: "parameter", of: ({ name }) => name },
-    number(({ estimate }) => estimate, "estimate"),
+    number("estimate", ({ estimate }) => estimate),
     { title: "standard error", class: "number", of: (row) => (typeof row.standard_error === "number" ? significant(row.standard_error, 2) : "unknown"), by: (row) => row.standard_error },
-    number(({ interval_95 }) => interval_95?.[0], "95 % from"),
-    number(({ interval_95 }) => interval_95?.[1], "to"),
+    number("95 % from", ({ interval_95 }) => interval_95?.[0]),
+    number("to", ({ interval_95 }) => interval_95?.[1]),
     { title: "unit", of: ({ unit }) => unit },
     { title: "identifiability", of: verdictText },
   ];
@@ -84,13 +91,13 @@ export function parameters({ summary, cautions }) {
   const sentence = summary.trust?.sentence;
   return section(
     "Parameters",
-    sentence ? element("p", {}, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`) : null,
+    sentence ? element("p", {}, asSentence(sentence, rows.map(({ name }) => name))) : null,
     cautions.parameters.map((text) => notice("warning", text)),
     table(columns, rows, { sort: true, caption: "Estimates with 95 % intervals; “unknown” is an error without limit" }),
     alone.length > 0
       ? note(`The staged method alone has ${alone.map((row) => `${row.name} = ${significant(row.estimate, 5)} ${row.unit} (${verdictText(row)})`).join(", ")}.`)
       : null,
-    summary.trust?.taken_as_exact?.length > 0 ? note(`The intervals take ${summary.trust.taken_as_exact.join(" and ")} as exact.`) : null,
+    summary.trust?.taken_as_exact?.length > 0 ? note(`The intervals take ${summary.trust.taken_as_exact.map((key) => EXACT[key] ?? key).join(" and ")} as exact.`) : null,
     summary.not_drawn?.length > 0
       ? note(`Cells drawn from this one vary only in what is known of ${summary.not_drawn.join(", ")}.`)
       : null,
