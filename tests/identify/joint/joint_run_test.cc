@@ -149,14 +149,11 @@ TEST(JointRun, AGivenCurveTellsAlpha) {
 TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
   auto logs = test::SyntheticLogs(test::Truth(), 5.0, kNoise_V);
   Record& record = logs.back().log.record;
-  const auto first = std::find_if(record.time_s.begin(),
-                                  record.time_s.end(),
-                                  [](double t) {
-                                    return t >= 5000.0;  // in the rest after the third pulse
-                                  }) -
-                     record.time_s.begin();
-  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
-    column->erase(column->begin(), column->begin() + first);
+  constexpr std::size_t kFirst = 1000;  // 5,000 s, in the rest after the third pulse
+  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) {
+    const std::vector<double> all = column->ToVector();
+    *column = std::vector<double>(all.begin() + kFirst, all.end());
+  }
   logs.back().entry.initial_soc = 0.95;
   const JointResult result = Identify(logs);
   EXPECT_EQ(result.alpha_source, "least-squares");
