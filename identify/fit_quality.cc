@@ -114,7 +114,8 @@ FitQuality JudgeFit(const Cell& cell,
                     const std::vector<LogErrors>& fitted,
                     const std::vector<ConstantCurrentErrors>& times,
                     double moved_C,
-                    double nominal_Ah) {
+                    double nominal_Ah,
+                    AlphaOf alpha_of) {
   FitQuality quality;
   double squares = 0.0;
   for (const LogErrors& log : fitted) {
@@ -146,8 +147,6 @@ FitQuality JudgeFit(const Cell& cell,
                   alpha_Ah,
                   moved_C / 3600.0));
   const OpenCircuitVoltage& curve = cell.open_circuit_voltage;
-  CountCutoff(cell, judgement);
-  CountDrop(cell, judgement);
   const double empty_V = curve(std::max(0.0, curve.soc_lo()));
   const double full_V = curve(std::min(1.0, curve.soc_hi()));
   const bool possible =
@@ -155,6 +154,10 @@ FitQuality JudgeFit(const Cell& cell,
   judgement.Count(
       possible ? FitGrade::kGood : FitGrade::kPoor,
       fmt::format("v_oc(A) runs from {:.3g} to {:.3g} V, which no cell does", empty_V, full_V));
+  if (possible && alpha_of == AlphaOf::kTheseLogs) {
+    CountCutoff(cell, judgement);
+    CountDrop(cell, judgement);
+  }
   return quality;
 }
 

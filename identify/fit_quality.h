@@ -65,6 +65,9 @@ struct FitQuality {
   [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;
 };
 
+/// Where the alpha of a cell is from: only that of the logs must be their charge down to the cut-off.
+enum class AlphaOf { kTheseLogs, kElsewhere };
+
 /// `fitted` are the logs that took part, by the cell; `times` those of constant currents;
 /// moved_C is the most charge that left the cell in any log after its start at full charge;
 /// nominal_Ah is 0 where it is not known.
@@ -72,7 +75,8 @@ struct FitQuality {
                                   const std::vector<LogErrors>& fitted,
                                   const std::vector<ConstantCurrentErrors>& times,
                                   double moved_C,
-                                  double nominal_Ah);
+                                  double nominal_Ah,
+                                  AlphaOf alpha_of = AlphaOf::kTheseLogs);
 
 /// The key `verdict` of a summary, with the reasons as a list.
 [[nodiscard]] Json FitQualityToJson(const FitQuality& quality);

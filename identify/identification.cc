@@ -218,7 +218,8 @@ FitQuality QualityOf(const Identification& found,
     std::vector<LogErrors> fitted;
     for (const auto& flight : found.flights_alone->flights) fitted.push_back(flight.errors);
     const double moved_C = (1.0 - found.flights_alone->lowest_soc) * found.cell.alpha_C();
-    FitQuality quality = JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah);
+    FitQuality quality =
+        JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah, AlphaOf::kElsewhere);
     for (const std::string& doubt : found.flights_alone->doubts) quality.Doubt(doubt);
     return quality;
   }

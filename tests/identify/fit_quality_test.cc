@@ -88,6 +88,8 @@ TEST(FitQuality, SeesThatTheCutOffIsNotWhereTheCellIsEmpty) {
           "v_oc(A) is down to the cut-off of 3 V at a state of charge of 0.38, so that alpha, "
           "0.376 Ah, is not the charge that these logs show: look at initial_soc and at what "
           "was given for alpha"}));
+  // An alpha that was only assumed, as that of a flight, need not be.
+  EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4, AlphaOf::kElsewhere).grade, FitGrade::kGood);
   // Where no log went so deep nothing is known of it.
   cell.open_circuit_voltage = OpenCircuitVoltage::Linear({0.375, 1.0}, {3.6, 4.2});
   EXPECT_EQ(JudgeFit(cell, well, {}, 800, 0.4).grade, FitGrade::kGood);

@@ -126,7 +126,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
           std::move(starts), "--initial-soc is one for all logs, so validate these one by one");
       !doubts.empty())
     line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
-  const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0);
+  const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["logs"] = std::move(rows);
   const std::string verdict =

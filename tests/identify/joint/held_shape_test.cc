@@ -206,6 +206,7 @@ TEST(HeldShape, SlopesInAlphaAreThoseOfRiddersDifferences) {
                    .tail = cell.diffusion->tail,
                    .open_circuit_voltage = cell.open_circuit_voltage};
   setup.held = Reference(cell).reference;
+  setup.axis_follows_alpha = true;
   JointStructure structure;
   structure.resistance_soc = cell.series_resistance_Ohm.soc;
   structure.hysteresis_soc = cell.hysteresis->soc;
