@@ -112,6 +112,7 @@ Json EnduranceNumbersToJson(const EnduranceAnswer& answer) {
 Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer) {
   Json json = EnduranceNumbersToJson(answer);
   const EnduranceResult& estimate = answer.estimate;
+  json["carries_mission"] = IsFlight(estimate);
   json["rounds"] = estimate.rounds;
   json["initial_voltage_V"] = estimate.initial_voltage_V;
   json["initial_current_A"] = estimate.initial_current_A;

@@ -41,11 +41,13 @@ class Aloft(PageTest):
         self.assertEqual(chart["data"][1], [row["minutes"] for row in summary["over"]["rows"]])
 
     def test_endurance_says_that_a_pack_cannot_fly(self):
-        said = self.lipoid("endurance", "--vehicle", "f450", "--cell", CELL, "--series", 4, "--report", "page.html", code=1)
-        page = self.open("page.html")
-        self.assertEqual(page.run("return document.querySelector('h2').textContent"), "This pack cannot carry this mission")
-        sentence = page.run("return document.querySelector('.notice.error').textContent").removeprefix("Error: The")
-        self.assertIn(f"This pack cannot carry this mission: the{sentence}", " ".join(said.split()))
+        # By the voltage, and with a charge that is used up at once.
+        for pack in (["f450", "--series", 4], ["mambo-physical", "--initial-soc", 0.02, "--reserve", 0]):
+            said = self.lipoid("endurance", "--cell", CELL, "--vehicle", *pack, "--report", "page.html", code=1)
+            page = self.open("page.html")
+            self.assertEqual(page.run("return document.querySelector('h2').textContent"), "This pack cannot carry this mission")
+            sentence = page.run("return document.querySelector('.notice.error').textContent").removeprefix("Error: The")
+            self.assertIn(f"This pack cannot carry this mission: the{sentence}", " ".join(said.split()))
 
     def test_health_shows_flights_and_how_they_change(self):
         logs = []

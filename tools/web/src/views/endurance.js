@@ -62,15 +62,11 @@ function overQuantity({ name, rows }) {
     }));
 }
 
-// As the command has it: a pack that ends at once carries nothing.
-const LASTS_S = 10;
-const flies = ({ minutes, ended_by: end }) => !(60 * minutes < LASTS_S && ["cut-off", "motor-voltage", "power"].includes(end));
-
 export const endurance = {
   command: "endurance",
   title: ({ summary }) => {
     if (!isNumber(summary.minutes)) return "Endurance";
-    return flies(summary) ? `${significant(summary.minutes, 3)} minutes until landing` : "This pack cannot carry this mission";
+    return summary.carries_mission ? `${significant(summary.minutes, 3)} minutes until landing` : "This pack cannot carry this mission";
   },
   parts: ({ summary }) => {
     const rows = Object.keys(summary)
@@ -79,7 +75,7 @@ export const endurance = {
     const known = rows.some(({ interval }) => Array.isArray(interval));
     return [
       element("p", { class: "sentence" }, `The flight ends because ${ENDED[summary.ended_by] ?? summary.ended_by}.`),
-      flies(summary) ? null : notice("error",
+      summary.carries_mission ? null : notice("error",
         `The flight ends after ${significant(60 * summary.minutes, 2)} s. Give more cells (--series, --parallel) or a fuller pack, or take less payload or power.`),
       facts([
         ["Vehicle", summary.vehicle],
