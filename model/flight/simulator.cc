@@ -397,17 +397,22 @@ class Simulation {
                       result_.largest_position_error_m));
     }
     const auto& distances_m = result_.waypoint_distance_m;
-    std::size_t missed = 0;
-    for (std::size_t k = 0; k < distances_m.size(); ++k) missed += Missed(k) ? 1 : 0;
-    if (missed > 0) {
-      const auto worst = std::max_element(distances_m.begin(), distances_m.end());
-      reasons.push_back(
-          fmt::format("it missed {} of {}: {:.4g} m were left to waypoint {} at the end of its "
-                      "stay. Give a longer stay_s, which begins with the command and includes the way",
-                      missed,
-                      Counted(distances_m.size(), "waypoint"),
-                      *worst,
-                      worst - distances_m.begin() + 1));
+    std::vector<std::size_t> missed;
+    for (std::size_t k = 0; k < distances_m.size(); ++k) {
+      if (Missed(k)) missed.push_back(k);
+    }
+    if (!missed.empty()) {
+      const std::size_t worst =
+          *std::max_element(missed.begin(), missed.end(), [&](std::size_t a, std::size_t b) {
+            return distances_m[a] < distances_m[b];
+          });
+      reasons.push_back(fmt::format(
+          "it missed {} of {}: {:.4g} m were left to waypoint {} at the end of its "
+          "stay. Give a longer stay_s, which begins with the command and includes the way",
+          missed.size(),
+          Counted(distances_m.size(), "waypoint"),
+          distances_m[worst],
+          worst + 1));
     }
     if (reasons.empty()) return;
     if (!result_.reason.empty()) reasons.insert(reasons.begin(), result_.reason);
