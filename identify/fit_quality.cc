@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/battery/cell_parameters.h"
 #include "model/core/json.h"
 #include "model/core/options.h"
 
@@ -73,8 +74,7 @@ void CountCutoff(const Cell& cell, Judgement& judgement) {
 
 void CountDrop(const Cell& cell, Judgement& judgement) {
   constexpr double kHalf = 0.5;
-  double resistance_Ohm = cell.series_resistance_Ohm(kHalf);
-  for (const auto& branch : cell.branches) resistance_Ohm += branch.resistance_Ohm(kHalf);
+  const double resistance_Ohm = SeriesAndBranches(cell, kHalf);
   const double one_C_A = cell.alpha_C() / 3600.0;
   const double room_V = cell.open_circuit_voltage(kHalf) - cell.cutoff_V;
   judgement.Count(

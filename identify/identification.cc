@@ -246,18 +246,12 @@ FitQuality QualityOf(const Identification& found,
 // Why the cell is no older or younger state of the reference; "" where it may be. With alpha, beta and
 // the resistances bent, a short test fits with the file of quite another cell.
 std::string DoubtAboutReference(const HeldShape& held, const Identification& found) {
-  const auto total_Ohm = [](const Cell& cell) {
-    double sum_Ohm = 0.0;
-    for (const std::string& name : CellResistanceNames(cell))
-      sum_Ohm += (*CellResistance(cell, name))(0.5);
-    return sum_Ohm;
-  };
   const QuantityTrust* alpha = FindQuantity(found.trust, "alpha");
   const bool known = alpha != nullptr && std::isfinite(alpha->standard_error);
   const double least_C = known ? alpha->low : found.cell.alpha_C();
   const double most_C = known ? alpha->high : found.cell.alpha_C();
   const double of_charge = found.cell.alpha_C() / held.cell.alpha_C();
-  const double of_resistance = total_Ohm(found.cell) / total_Ohm(held.cell);
+  const double of_resistance = TotalResistance(found.cell, 0.5) / TotalResistance(held.cell, 0.5);
   if (least_C <= kMostCapacityOfNew * held.cell.alpha_C() &&
       most_C >= kLeastCapacityOfNew * held.cell.alpha_C() &&
       of_resistance >= kLeastResistanceOfNew && of_resistance <= kMostResistanceOfNew)

@@ -17,6 +17,7 @@
 #include "identify/export/frame_json.h"
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/plausibility.h"
+#include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/json.h"
@@ -461,8 +462,7 @@ void CheckBattery(const Cell& cell, const std::string& file) {
                                 full_V,
                                 cell.cutoff_V));
   }
-  double resistance_Ohm = cell.series_resistance_Ohm(0.5);
-  for (const auto& branch : cell.branches) resistance_Ohm += branch.resistance_Ohm(0.5);
+  const double resistance_Ohm = SeriesAndBranches(cell, 0.5);
   const double rate_A = cell.alpha_C() / 3600.0;  // 1C
   if (!(rate_A * resistance_Ohm < full_V)) {
     throw LoadError(

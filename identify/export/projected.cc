@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "model/battery/cell_parameters.h"
+
 namespace lipoid {
 namespace {
 
@@ -28,9 +30,7 @@ SingleCell::SingleCell(const ExportRequest& request)
       drawn_Ah(ChargeDrawn_Ah(cell, mission)) {}
 
 double SingleCell::TypicalResistance() const {
-  double ohm = cell.series_resistance_Ohm(0.5);
-  for (const auto& branch : cell.branches) ohm += branch.resistance_Ohm(0.5);
-  if (cell.charge_transfer) ohm += cell.charge_transfer->resistance_Ohm(0.5);
+  double ohm = TotalResistance(cell, 0.5);
   if (cell.diffusion) {
     // pi²/(3 beta²) seconds of current are held back.
     constexpr double kPiSquaredOverThree = 3.289868133696453;

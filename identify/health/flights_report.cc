@@ -93,11 +93,8 @@ std::optional<double> CellQuantity(const Cell& cell, const std::string& name) {
   const double soc = std::stod(name.substr(bracket + 1));
   const std::string table = name.substr(0, bracket);
   if (const auto* one = CellResistance(cell, table)) return (*one)(soc);
-  if (table != "r_total") return std::nullopt;
-  double total_Ohm = 0.0;
-  for (const std::string& each : CellResistanceNames(cell))
-    total_Ohm += (*CellResistance(cell, each))(soc);
-  return total_Ohm;
+  if (table == "r_total") return TotalResistance(cell, soc);
+  return std::nullopt;
 }
 
 void MoveTrust(const Cell& by_lab, const FlightsWithLab& flights, TrustReport& trust) {
@@ -212,10 +209,9 @@ std::string FlightsWithLabText(const FlightsWithLab& found) {
   } else {
     text += "They make no standard error smaller by a tenth or more. ";
   }
-  text += fmt::format(
-      "The mean error of the lab logs is {:.3g} % with them, {:.3g} % without.",
-      found.lab_mean_error_with_flights_percent,
-      found.lab_mean_error_percent);
+  text += fmt::format("The mean error of the lab logs is {:.3g} % with them, {:.3g} % without.",
+                      found.lab_mean_error_with_flights_percent,
+                      found.lab_mean_error_percent);
   return text;
 }
 

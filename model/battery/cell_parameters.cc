@@ -340,6 +340,17 @@ bool CellParameterKind::Holds(double value) const {
   return std::isfinite(value) && (zero ? value >= 0.0 : value > 0.0) && value <= upper;
 }
 
+double SeriesAndBranches(const Cell& cell, double soc) {
+  double sum_Ohm = cell.series_resistance_Ohm(soc);
+  for (const auto& branch : cell.branches) sum_Ohm += branch.resistance_Ohm(soc);
+  return sum_Ohm;
+}
+
+double TotalResistance(const Cell& cell, double soc) {
+  const double sum_Ohm = SeriesAndBranches(cell, soc);
+  return cell.charge_transfer ? sum_Ohm + cell.charge_transfer->resistance_Ohm(soc) : sum_Ohm;
+}
+
 std::vector<std::string> CellResistanceNames(const Cell& cell) {
   std::vector<std::string> names{"r_s"};
   for (std::size_t j = 0; j < cell.branches.size(); ++j)

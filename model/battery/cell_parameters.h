@@ -59,6 +59,12 @@ struct CellParameterName {
 /// The resistance of that name; null where the cell has none.
 [[nodiscard]] const Resistance<double>* CellResistance(const Cell& cell, std::string_view name);
 
+/// r_s and r_1 .. r_n at a state of charge, in Ohm: the drop of a lasting current over that current, without
+/// a charge transfer, which is not linear in it.
+[[nodiscard]] double SeriesAndBranches(const Cell& cell, double soc);
+/// r_total, the same with r_ct where there is one: what a small current sees.
+[[nodiscard]] double TotalResistance(const Cell& cell, double soc);
+
 /// The value, or none where the cell has no such parameter or node.
 [[nodiscard]] std::optional<double> CellParameter(const Cell& cell, std::string_view name);
 

@@ -32,6 +32,21 @@ TEST(CellParameters, AreNamedAsOnTheCommandLine) {
   EXPECT_EQ(CellParameter(cell, "r_2"), std::nullopt);
 }
 
+// Of tables the values at that state of charge, by hand; a charge transfer counts for small currents alone.
+TEST(CellParameters, ResistancesAddUp) {
+  Cell cell = LoadCell("gifi-600mAh-1");
+  Resistance<double> table;
+  table.soc = {0.0, 1.0};
+  table.resistance_Ohm = {0.3, 0.1};
+  cell.series_resistance_Ohm = table;
+  cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}, {table, 10.0, {}}};
+  EXPECT_DOUBLE_EQ(SeriesAndBranches(cell, 0.25), 0.25 + 0.03 + 0.25);
+  EXPECT_EQ(TotalResistance(cell, 0.25), SeriesAndBranches(cell, 0.25));
+  cell.charge_transfer = {.current_A = 0.5, .resistance_Ohm = Resistance<double>(0.02)};
+  EXPECT_DOUBLE_EQ(SeriesAndBranches(cell, 0.25), 0.53);
+  EXPECT_DOUBLE_EQ(TotalResistance(cell, 0.25), 0.55);
+}
+
 TEST(CellParameters, ResistanceAndCapacitanceMakeTheTimeConstantInEitherOrder) {
   Cell a = LoadCell("gifi-600mAh-1");
   SetCellParameter(a, "r_1", 0.03);
