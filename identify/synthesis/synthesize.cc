@@ -21,6 +21,7 @@
 #include "model/core/atomic_file.h"
 #include "model/core/csv_writer.h"
 #include "model/core/errors.h"
+#include "model/core/json.h"
 #include "model/core/json_text.h"
 
 namespace lipoid {
@@ -176,9 +177,11 @@ bool IsSynthesized(const std::string& folder) {
   const std::string truth = (fs::path(folder) / kTruthName).string();
   std::error_code none;
   if (!fs::is_regular_file(truth, none)) return false;
-  const Json cell = Json::parse(ReadTextFile(truth), nullptr, false);
-  return cell.is_object() && cell.contains("run") && cell["run"].is_object() &&
-         cell["run"].contains("protocol");
+  try {
+    return ParseJson(ReadTextFile(truth), truth).contains(Json::json_pointer("/run/protocol"));
+  } catch (const LoadError&) {
+    return false;  // a person's, or damaged
+  }
 }
 
 std::vector<std::string> DoubtsAboutSynthesis(const Cell& cell,

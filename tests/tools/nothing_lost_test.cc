@@ -471,6 +471,28 @@ TEST(NothingLost, FilesThatNobodyNamedAreReplacedOnlyWhereLipoidWroteThem) {
   }
 }
 
+// A truth.json by which synthesize would know its own folder, but for what stands behind it, beyond the limits
+// of every JSON file, or nested like a bomb, is no mark.
+TEST(NothingLost, ADamagedMarkIsNone) {
+  const std::string mark = R"({"run": {"protocol": "thesis"}})";
+  const std::string all[] = {mark + std::string("\0x", 2),
+                             mark + std::string(17'000'000, ' '),
+                             std::string(10'000, '[') + std::string(10'000, ']'),
+                             R"({"run": ["protocol"]})"};
+  for (const std::string& truth : all) {
+    const auto folder = TestFolder();
+    fs::create_directories(folder + "/logs");
+    Write(folder + "/logs/truth.json", truth);
+    Write(folder + "/logs/pulses.csv", "by hand\n");
+    const auto run =
+        RunLipoid(folder, {"synthesize", "gifi-600mAh-1", "--sampling-s", "10", "-o", "logs"});
+    EXPECT_EQ(run.exit_code, 2) << truth.size();
+    EXPECT_NE(run.err.find("is there already and would be replaced"), std::string::npos) << run.err;
+    EXPECT_EQ(ReadTextFile(folder + "/logs/pulses.csv"), "by hand\n");
+    fs::remove_all(folder + "/logs");
+  }
+}
+
 TEST(NothingLost, ABatchGoesOnAfterABadCampaign) {
   const auto folder = TestFolder();
   for (const char* const cell : {"gifi-600mAh-1", "gifi-600mAh-2"}) {
