@@ -93,9 +93,7 @@ class Nodes {
 
   // The node of the fit that is the first of the cell.
   [[nodiscard]] std::size_t First(const std::vector<double>& nodes, double cell_soc) const {
-    const double ratio =
-        result_.setup.axis_follows_alpha ? 1.0 : result_.alpha_C / result_.setup.alpha_C;
-    const double soc = 1.0 - (1.0 - cell_soc) * ratio;
+    const double soc = 1.0 - (1.0 - cell_soc) * result_.AxisRatio();
     const auto nearer = [soc](double a, double b) { return std::abs(a - soc) < std::abs(b - soc); };
     return static_cast<std::size_t>(std::min_element(nodes.begin(), nodes.end(), nearer) -
                                     nodes.begin());

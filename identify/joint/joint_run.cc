@@ -590,17 +590,28 @@ class JointRun {
   void NameStartsThatAlphaRestsOn() {
     if (!free_alpha_ || result_.setup.axis_follows_alpha) return;
     constexpr double kStep = 0.01;
-    std::vector<std::string> starts;
+    constexpr std::size_t kNamed = 5;
+    std::vector<std::pair<double, std::string>> starts;  // the change of alpha in %, and the file
     for (const LoadedLog& log : logs_) {
       if (log.entry.kind == LogKind::kValidation || log.entry.initial_soc == 1.0) continue;
-      const double change_percent = 100.0 * kStep / (1.0 - log.entry.initial_soc);
-      starts.push_back(fmt::format("{} ({:.2g} %)", log.entry.file, std::abs(change_percent)));
+      starts.emplace_back(std::abs(100.0 * kStep / (1.0 - log.entry.initial_soc)), log.entry.file);
+    }
+    std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) {
+      return a.first > b.first;
+    });
+    std::vector<std::string> words;
+    for (const auto& [change_percent, file] : starts) {
+      if (words.size() == kNamed) {
+        words.push_back(fmt::format("{} more", starts.size() - kNamed));
+        break;
+      }
+      words.push_back(fmt::format("{} ({:.2g} %)", file, change_percent));
     }
     result_.cautions.push_back(fmt::format(
-        "alpha rests on the initial_soc of these logs, which are taken as exact. In brackets is how "
-        "much another alpha a start that is off by {:g} would ask for: {}",
+        "alpha rests on the initial_soc of these logs, which is taken as exact; by that log alone, a start "
+        "that is off by {:g} would change alpha by the figure in brackets: {}",
         kStep,
-        fmt::join(starts, ", ")));
+        fmt::join(words, ", ")));
   }
 
   void NameTemperatureCautions() {

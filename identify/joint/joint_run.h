@@ -43,6 +43,11 @@ struct JointResult {
   std::map<std::string, double> fixed;  ///< what the user held
   std::optional<HeatFit> heat;          ///< none: the temperature of the cell is not predicted
   CutoffPoint cutoff;  ///< among the nodes of v_oc; found only where it fixed alpha
+
+  /// The axis of the cell against that of the fit.
+  [[nodiscard]] double AxisRatio() const {
+    return setup.axis_follows_alpha ? 1.0 : alpha_C / setup.alpha_C;
+  }
 };
 
 /// Throws LoadError for logs that are not what the campaign says they are, OptionError for

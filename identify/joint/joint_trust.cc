@@ -7,11 +7,6 @@
 namespace lipoid {
 namespace {
 
-// The axis of the cell against that of the fit.
-double AlphaRatio(const JointResult& result) {
-  return result.setup.axis_follows_alpha ? 1.0 : result.alpha_C / result.setup.alpha_C;
-}
-
 // alpha' = alpha (1 - A_0), A_0 where the line through two nodes is the cut-off.
 TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
   const CutoffPoint& cutoff = result.cutoff;
@@ -37,7 +32,7 @@ TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
   const JointLayout layout(best.structure);
   const auto& nodes = best.structure.resistance_soc;
   const double per_A = 1.0 / result.logs.typical_A;
-  const NodeShare at = NodeFinder(nodes)(1.0 - 0.5 * AlphaRatio(result));
+  const NodeShare at = NodeFinder(nodes)(1.0 - 0.5 * result.AxisRatio());
   TrustedQuantity q = fit.Quantity("r_total(0.5)", "Ohm", 0.0);
   for (int t = 0; t < layout.tables(); ++t) {
     const int k = layout.table(t) + at.lower;
@@ -54,12 +49,12 @@ TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
 TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) {
   const JointSolution& best = result.choice.best;
   const JointObservations seen(result.logs, result.setup);
-  const LinearizedFit fit = Linearize(seen, best, {.fixed = result.fixed}, AlphaRatio(result));
+  const LinearizedFit fit = Linearize(seen, best, {.fixed = result.fixed}, result.AxisRatio());
   std::vector<TrustedQuantity> quantities = fit.quantities;
   if (JointLayout(best.structure).tables() > 1) quantities.push_back(Total(result, fit));
   for (TrustedQuantity& q : quantities) {
     q.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
-      return ValueIn(solution, q.name, result.logs.typical_A, best, AlphaRatio(result));
+      return ValueIn(solution, q.name, result.logs.typical_A, best, result.AxisRatio());
     });
   }
   if (result.cutoff.found) quantities.insert(quantities.begin(), Alpha(result, fit));
@@ -69,7 +64,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   if (!options.assumed) with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
 
   // Half charge on the axis of the fit, and 1C.
-  PulseQuestion question{.soc = 1.0 - 0.5 * AlphaRatio(result),
+  PulseQuestion question{.soc = 1.0 - 0.5 * result.AxisRatio(),
                          .current_A = result.alpha_C / 3600.0};
   if (best.structure.temperature) question.temperature_degC = CelsiusOf(result.logs.told_K);
   const auto resistances = [&](const JointSolution& solution) {

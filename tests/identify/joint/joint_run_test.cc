@@ -364,6 +364,10 @@ TEST(JointRun, FindsTheChargeThatBringsLogsOfManyStartsTogether) {
     const std::vector<LoadedLog> logs = LoadCampaign(campaign);
     const JointResult result = IdentifyJoint(campaign, logs);
     EXPECT_EQ(result.alpha_source, "least-squares") << folder;
+    // Of nine starts the five that matter most.
+    EXPECT_TRUE(
+        OneSays(result.cautions, "in brackets: pulse_soc90.csv (10 %), pulse_soc80.csv (5 %)"));
+    EXPECT_TRUE(OneSays(result.cautions, "pulse_soc50.csv (2 %), 4 more")) << folder;
     EXPECT_NEAR(result.alpha_C / 3600.0, charge_Ah, share * charge_Ah) << folder;
     const auto half = std::find_if(logs.begin(), logs.end(), [](const LoadedLog& log) {
       return log.entry.file == "pulse_soc50.csv";
