@@ -9,10 +9,6 @@
 #include "model/core/counted.h"
 
 namespace lipoid {
-namespace {
-
-
-}  // namespace
 
 Suggestion SuggestKind(const std::vector<Segment>& segments,
                        const std::optional<Discharge>& discharge,

@@ -19,16 +19,16 @@ bool IsExportOfLipoid(const std::string& file) {
   return HasProvenance(begin);
 }
 
-void RefuseToReplace(std::string_view option, const std::vector<std::string>& files) {
+void RefuseToReplace(const CommandLine& line, const std::vector<std::string>& files) {
+  if (line.earlier() != nullptr) return;  // nothing is written
   for (const std::string& file : files) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none) ||
         std::filesystem::file_size(file, none) == 0)
       continue;
     throw OptionError(fmt::format(
-        "option {}: '{}' is there already and would be replaced, though lipoid did not write it; "
+        "option -o: '{}' is there already and would be replaced, though lipoid did not write it; "
         "name another place, or move that file away",
-        option,
         file));
   }
 }

@@ -74,7 +74,9 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
   line.summary()["quantities"] = std::move(rows);
   line.Print("{}", table.Text());
   if (!quantities.empty() && quantities.back().unit == "Ohm")
-    line.Print("Resistances are those at half charge, so long after 1C is switched on.\n");
+    line.Print(
+        "Resistances are those at half charge: the drop of the voltage that long after 1C is switched on, "
+        "over the current.\n");
   return cli::ExitCode::kDone;
 }
 

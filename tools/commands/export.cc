@@ -141,7 +141,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   line.AddOutputs("-o", outputs);
   std::vector<std::string> foreign = outputs;
   std::erase_if(foreign, cli::IsExportOfLipoid);
-  if (line.earlier() == nullptr) cli::RefuseToReplace("-o", foreign);
+  cli::RefuseToReplace(line, foreign);
 
   const std::string text = CellText(cell_name);
   Cell cell = ParseCell(text, cell_name);

@@ -106,8 +106,8 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
     paths.push_back((std::filesystem::path(folder) / name).string());
   line.AddOutputs("-o", paths);
   // One of them says for all who wrote them.
-  if (line.earlier() == nullptr && std::none_of(paths.begin(), paths.end(), cli::IsExportOfLipoid))
-    cli::RefuseToReplace("-o", paths);
+  if (std::none_of(paths.begin(), paths.end(), cli::IsExportOfLipoid))
+    cli::RefuseToReplace(line, paths);
   if (lowest_V && !cell_name.empty()) {
     throw OptionError("options --lowest-V and --cell: give one of them");
   }

@@ -71,7 +71,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   for (const auto& name : SynthesizedNames(cell, FindProtocol(protocol), options))
     outputs.push_back((std::filesystem::path(folder) / name).string());
   line.AddOutputs("-o", outputs);
-  if (line.earlier() == nullptr && !IsSynthesized(folder)) cli::RefuseToReplace("-o", outputs);
+  if (!IsSynthesized(folder)) cli::RefuseToReplace(line, outputs);
   for (const std::string& doubt : DoubtsAboutSynthesis(cell, FindProtocol(protocol), options))
     line.Message("{}", doubt);
   RunRecord run;
