@@ -95,16 +95,13 @@ void FindIntervals(JointLog& log) {
   }
 }
 
-JointLog MakeJointLog(const LoadedLog& loaded,
-                      double alpha_C,
-                      const OpenCircuitVoltage& curve,
-                      const JointWeights& weights,
-                      bool whole) {
+JointLog MakePoints(const LoadedLog& loaded, bool whole) {
   const Record& record = loaded.log.record;
   JointLog log;
   log.file = loaded.entry.file;
   log.kind = loaded.entry.kind;
-  log.delivered_C = alpha_C * (1.0 - loaded.entry.initial_soc);
+  log.initial_soc = loaded.entry.initial_soc;
+  log.log_weight = loaded.entry.weight;
   log.rows = record.size();
 
   const auto segments = FindSegments(record);
@@ -182,7 +179,20 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     log.temperature_K.assign(log.size(), *loaded.entry.ambient_degC + kZeroCelsius_K);
   }
 
-  // Weights of rows, then of the log.
+  FindIntervals(log);
+  log.noise_V = VoltageNoise(record);
+  log.shortest_s = ShortestInterval(record.time_s);
+  for (const Segment& segment : segments)
+    log.longest_s = std::max(log.longest_s, segment.duration_s());
+  return log;
+}
+
+// Weights of rows, then of the log.
+void WeighLog(JointLog& log,
+              double alpha_C,
+              const OpenCircuitVoltage& curve,
+              const JointWeights& weights) {
+  log.delivered_C = alpha_C * (1.0 - log.initial_soc);
   double charge_C = log.delivered_C;
   double sum = 0.0;
   log.weight = log.count;
@@ -194,16 +204,7 @@ JointLog MakeJointLog(const LoadedLog& loaded,
     sum += log.weight[k];
     log.weight[k] /= 1.0 + charge_V * charge_V / (voltage_V * voltage_V);
   }
-  FindIntervals(log);
-  log.log_weight = loaded.entry.weight;
   for (double& w : log.weight) w *= log.log_weight / sum;
-
-  log.noise_V = VoltageNoise(record);
-  log.shortest_s = ShortestInterval(record.time_s);
-  for (const Segment& segment : segments) {
-    log.longest_s = std::max(log.longest_s, segment.duration_s());
-  }
-  return log;
 }
 
 // Groups and units of one log become those of all.
@@ -221,16 +222,8 @@ void NumberGroups(JointLogs& all) {
     }
     all.groups += last_group + 1;
     all.unit_weight.resize(static_cast<std::size_t>(first_unit + last_unit + 1), 0.0);
-    for (std::size_t k = 0; k < log.size(); ++k) {
-      if (log.group[k] != JointLog::kAlways)
-        all.unit_weight[static_cast<std::size_t>(log.unit[k])] += log.weight[k];
-    }
   }
 }
-
-}  // namespace
-
-namespace {
 
 // Constant currents that differ by more than their scatter.
 int DifferentCurrents(const std::vector<const LoadedLog*>& logs) {
@@ -311,6 +304,12 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
                         double alpha_C,
                         const OpenCircuitVoltage& curve,
                         const JointWeights& weights) {
+  JointLogs all = MakeJointPoints(logs);
+  Weigh(all, alpha_C, curve, weights);
+  return all;
+}
+
+JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs) {
   std::vector<const LoadedLog*> used;
   for (const LoadedLog* log : logs) {
     if (log->entry.kind != LogKind::kValidation && log->log.record.size() > 1) used.push_back(log);
@@ -319,7 +318,7 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
   all.logs.resize(used.size());
   all.whole = DifferentCurrents(used) >= kWholeCurrents;
   ParallelFor(used.size(), [&](std::size_t l) {
-    all.logs[l] = MakeJointLog(*used[l], alpha_C, curve, weights, all.whole);
+    all.logs[l] = MakePoints(*used[l], all.whole);
   });
   if (std::none_of(all.logs.begin(),
                    all.logs.end(),
@@ -327,25 +326,36 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
       !all.logs.empty()) {
     FindTemperatures(all);
   }
-  double squares = 0.0;
-  double loaded = 0.0;
   NumberGroups(all);
   for (const JointLog& log : all.logs) {
     all.largest_A = std::max(all.largest_A, LargestMagnitude(log.current_A));
     all.weight_sum += log.log_weight;
+    if (log.noise_V > 0.0 && !(all.noise_V > 0.0 && all.noise_V < log.noise_V))
+      all.noise_V = log.noise_V;
   }
+  return all;
+}
+
+void Weigh(JointLogs& all,
+           double alpha_C,
+           const OpenCircuitVoltage& curve,
+           const JointWeights& weights) {
+  ParallelFor(all.logs.size(),
+              [&](std::size_t l) { WeighLog(all.logs[l], alpha_C, curve, weights); });
+  double squares = 0.0;
+  double loaded = 0.0;
+  std::fill(all.unit_weight.begin(), all.unit_weight.end(), 0.0);
   for (const JointLog& log : all.logs) {
     for (std::size_t k = 0; k < log.size(); ++k) {
+      if (log.group[k] != JointLog::kAlways)
+        all.unit_weight[static_cast<std::size_t>(log.unit[k])] += log.weight[k];
       if (std::abs(log.current_A[k]) < 0.05 * all.largest_A) continue;
       squares += log.weight[k] * log.current_A[k] * log.current_A[k];
       loaded += log.weight[k];
     }
   }
-  for (const JointLog& log : all.logs) {
-    if (log.noise_V > 0.0 && !(all.noise_V > 0.0 && all.noise_V < log.noise_V))
-      all.noise_V = log.noise_V;
-  }
   double left_out = 0.0;
+  all.noise_mean_V = 0.0;
   for (const JointLog& log : all.logs) {
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (log.group[k] == JointLog::kAlways || log.count[k] <= 0.0) continue;
@@ -356,7 +366,6 @@ JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
   constexpr double kMeanOfNormal = 0.79788;  // sqrt(2/pi)
   if (left_out > 0.0) all.noise_mean_V *= kMeanOfNormal / left_out;
   all.typical_A = loaded > 0.0 ? std::sqrt(squares / loaded) : 1.0;
-  return all;
 }
 
 }  // namespace lipoid

@@ -43,6 +43,7 @@ struct JointLog {
 
   std::string file;
   LogKind kind = LogKind::kPulses;
+  double initial_soc = 1.0;
   double delivered_C = 0.0;  ///< before the first point: alpha (1 - initial_soc)
   /// One entry per point: the current that flowed since the point before, the current at the point,
   /// what was measured there, the number of rows it stands for (0: only a point on the way), their
@@ -96,7 +97,16 @@ struct JointLogs {
   double typical_A = 0.0;  ///< root mean square of the currents under load
 };
 
-/// Logs of kind validation do not enter. Weights use the slope of `curve` at 1 - charge/alpha.
+/// The points of the logs, which no alpha moves and which have no weight yet. Logs of kind validation
+/// do not enter.
+[[nodiscard]] JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs);
+/// Weighs the points, again for another alpha, by the slope of `curve` at 1 - charge/alpha.
+void Weigh(JointLogs& logs,
+           double alpha_C,
+           const OpenCircuitVoltage& curve,
+           const JointWeights& weights);
+
+/// Both.
 [[nodiscard]] JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
                                       double alpha_C,
                                       const OpenCircuitVoltage& curve,

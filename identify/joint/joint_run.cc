@@ -172,11 +172,16 @@ class JointRun {
           AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),
                   OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
     }
-    result_.logs = MakeJointLogs(logs_,
-                                 alpha_C,
-                                 setup.open_circuit_voltage,
-                                 {.charge_uncertainty = options_.charge_uncertainty,
-                                  .voltage_uncertainty_V = options_.voltage_uncertainty_V});
+    if (result_.logs.logs.empty()) {  // alpha is searched, and the points stay
+      std::vector<const LoadedLog*> all;
+      for (const LoadedLog& log : logs_) all.push_back(&log);
+      result_.logs = MakeJointPoints(all);
+    }
+    Weigh(result_.logs,
+          alpha_C,
+          setup.open_circuit_voltage,
+          {.charge_uncertainty = options_.charge_uncertainty,
+           .voltage_uncertainty_V = options_.voltage_uncertainty_V});
   }
 
   // Where the charge of the logs ends.
