@@ -14,18 +14,38 @@
 namespace lipoid {
 namespace {
 
-// The branch whose time constant is nearest to one of another solution; -1: there is none.
-int BranchNear(const JointSolution& solution, double tau_s) {
-  const auto& taus_s = solution.rates.time_constant_s;
+// The time constant that is nearest to one of another solution; none: -1.
+int BranchNear(const std::vector<double>& taus_s, double tau_s) {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
-  for (int j = 0; j < solution.structure.branches; ++j) {
-    const double off = std::abs(std::log(taus_s[static_cast<std::size_t>(j)] / tau_s));
+  for (std::size_t j = 0; j < taus_s.size(); ++j) {
+    const double off = std::abs(std::log(taus_s[j] / tau_s));
     if (off >= least) continue;
     least = off;
-    nearest = j;
+    nearest = static_cast<int>(j);
   }
   return nearest;
+}
+
+// How much of each branch of a solution stands for one of the solution that was taken: the nearest
+// one, and of the others that have no nearer one there what e^{-t/tau} of both has in common,
+//   <e_a, e_b>/(|e_a| |e_b|) = 2 sqrt(tau_a tau_b)/(tau_a + tau_b).
+// The halves into which a branch was split are one again. Empty: there is none.
+std::vector<double> SharesIn(const JointSolution& solution,
+                             const JointSolution& taken,
+                             std::size_t branch) {
+  const auto& taus_s = solution.rates.time_constant_s;
+  const auto& of_taken_s = taken.rates.time_constant_s;
+  const int nearest = BranchNear(taus_s, of_taken_s[branch]);
+  if (nearest < 0) return {};
+  const double tau_s = taus_s[static_cast<std::size_t>(nearest)];
+  std::vector<double> shares(taus_s.size(), 0.0);
+  for (std::size_t j = 0; j < taus_s.size(); ++j) {
+    if (BranchNear(of_taken_s, taus_s[j]) == static_cast<int>(branch))
+      shares[j] = 2.0 * std::sqrt(tau_s * taus_s[j]) / (tau_s + taus_s[j]);
+  }
+  shares[static_cast<std::size_t>(nearest)] = 1.0;
+  return shares;
 }
 
 }  // namespace
@@ -45,12 +65,6 @@ double ValueIn(const JointSolution& solution,
   if (what == "i_off") {  // of the sensor, and of no cell; a structure without it says 0
     return solution.structure.current_offset ? solution.rates.current_offset_A : 0.0;
   }
-  if (const auto known = FindCellParameter(what); known && known->kind->of_branch) {
-    if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
-    const int j = BranchNear(solution, taken.rates.time_constant_s[known->branch]);
-    if (j < 0) return kNaN;
-    what = fmt::format("{}_{}", known->kind->symbol, j + 1);
-  }
   // A table where one number is asked for: its mean.
   std::vector<double> soc{0.2, 0.5, 0.8};
   if (bracket != std::string::npos) {
@@ -67,6 +81,29 @@ double ValueIn(const JointSolution& solution,
       sum += mean(*CellResistance(cell, one));
     return sum;
   }
+  if (const auto known = FindCellParameter(what); known && known->kind->of_branch) {
+    if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
+    const std::vector<double> shares = SharesIn(solution, taken, known->branch);
+    if (shares.empty()) return kNaN;
+    const auto nearest = static_cast<std::size_t>(
+        std::max_element(shares.begin(), shares.end()) - shares.begin());
+    double resistance_Ohm = 0.0;
+    double log_tau = 0.0;  // weighed by the resistances
+    for (std::size_t j = 0; j < shares.size(); ++j) {
+      const double part_Ohm = shares[j] * mean(cell.branches[j].resistance_Ohm);
+      resistance_Ohm += part_Ohm;
+      log_tau += part_Ohm * std::log(cell.branches[j].time_constant_s);
+    }
+    const double nearest_s = cell.branches[nearest].time_constant_s;
+    const bool alone = std::count(shares.begin(), shares.end(), 0.0) + 1 ==
+                       static_cast<std::ptrdiff_t>(shares.size());
+    const double tau_s =
+        alone || !(resistance_Ohm > 0.0) ? nearest_s : std::exp(log_tau / resistance_Ohm);
+    if (what.starts_with("r_")) return resistance_Ohm;
+    if (what.starts_with("tau_")) return tau_s;
+    if (what.starts_with("c_")) return tau_s / resistance_Ohm;
+    what = fmt::format("{}_{}", known->kind->symbol, nearest + 1);
+  }
   if (const Resistance<double>* r = CellResistance(cell, what)) return mean(*r);
   if (what == "M") {
     if (!cell.hysteresis) return 0.0;
@@ -82,10 +119,7 @@ double ValueIn(const JointSolution& solution,
       sum_V_per_K += (*cell.temperature->entropy)(a) / static_cast<double>(soc.size());
     return sum_V_per_K;
   }
-  if (const auto value = CellParameter(cell, what)) return *value;
-  if (!what.starts_with("c_")) return kNaN;
-  const std::string number = what.substr(2);
-  return *CellParameter(cell, "tau_" + number) / mean(*CellResistance(cell, "r_" + number));
+  return CellParameter(cell, what).value_or(kNaN);
 }
 
 double OpenCircuitVoltageIn(const JointSolution& solution,

@@ -23,7 +23,8 @@ namespace lipoid {
 /// What a solution says of a quantity of the uncertainty report, by its name there: beta, tau_j,
 /// r_s, r_j, r_ct and these at a state of charge, r_s(0.5), c_j, r_total(0.5), tau_h, i_0, rho_h.
 /// Branches are counted as in the solution that was `taken`; in another one the branch with the
-/// nearest time constant stands for it. A constant stands for its value at every state of
+/// nearest time constant stands for it, and with it what that one shares with others that have no
+/// nearer one: a branch that was split in two is compared as one. A constant stands for its value at every state of
 /// charge; what a table says of a constant is its mean at 0.2, 0.5 and 0.8. NaN where the solution
 /// has no such quantity. States of charge are those of a cell whose alpha is so many times that of the
 /// fit.
