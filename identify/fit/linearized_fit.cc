@@ -118,10 +118,10 @@ class Quantities {
   }
 
   void AddTable(const std::string& name, int table) {
+    if (known_.Fixed(name)) return;
     const double per_A = 1.0 / typical_A_;
     const auto& nodes = solution_.structure.resistance_soc;
     if (nodes.size() == 1) {
-      if (known_.Fixed(name)) return;
       TrustedQuantity q = fit_.Quantity(name, "Ohm", solution_.x[table] * per_A);
       q.combination[fit_.Linear(table)] = per_A;
       q.at_bound = Active(table);

@@ -533,6 +533,7 @@ class JointRun {
   void NameCautions() {
     auto& say = result_.cautions;
     const JointSolution& best = result_.choice.best;
+    if (std::string held = given_.HeldInWords(); !held.empty()) say.push_back(std::move(held));
     if (!result_.choice.reason.empty()) say.push_back(result_.choice.reason);
     if (const auto& held = result_.setup.held) {
       say.push_back(fmt::format(

@@ -1,6 +1,7 @@
 #include "identify/stages/staged_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/segments.h"
+#include "model/battery/cell_parameters.h"
 #include "model/battery/discharge_time.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -365,6 +367,7 @@ class StagedRun {
   void NameCautions() {
     const SweepParameters& p = result_.pulses.parameters;
     auto& say = result_.cautions;
+    if (std::string held = given_.HeldInWords(); !held.empty()) say.push_back(std::move(held));
     if (result_.low_rate_charge_C > 0.0) {
       const double full = result_.low_rate_charge_C / low_rate_->entry.initial_soc;
       const double ratio = result_.alpha_C / full;
@@ -466,6 +469,15 @@ class StagedRun {
 };
 
 }  // namespace
+
+std::string StagedGiven::HeldInWords() const {
+  std::map<std::string, double> held = parameters.fixed;
+  if (alpha_C) held["alpha"] = *alpha_C;
+  std::vector<std::string> words;
+  for (const auto& [name, value] : held)
+    words.push_back(fmt::format("{} = {:.6g} {}", name, value, CellParameterUnit(name)));
+  return words.empty() ? std::string() : fmt::format("held as given: {}", fmt::join(words, ", "));
+}
 
 StagedResult IdentifyStaged(const Campaign& campaign,
                             const std::vector<LoadedLog>& logs,

@@ -40,6 +40,10 @@ struct StagedGiven {
   GivenParameters parameters;
   /// An earlier cell of the same kind whose shapes are held; the joint method only.
   std::shared_ptr<const HeldShape> reference = {};
+
+  /// "held as given: alpha = 100000 C, beta = 0.2 s^-1/2"; empty
+  /// where nothing is.
+  [[nodiscard]] std::string HeldInWords() const;
 };
 
 struct StagedResult {

@@ -460,6 +460,7 @@ TEST(Identify, HoldsWhatIsGiven) {
   const Json summary = ReadJson(folder, "s.json");
   EXPECT_TRUE(summary.at("stages").at("pulses_beta_held").is_null());
   EXPECT_EQ(summary.at("stages").at("pulses").at("at_bound"), Json::array({"r_s"}));
+  EXPECT_EQ(summary.at("cautions").at(0), "held as given: beta = 0.2 s^-1/2, tau_1 = 45 s");
 }
 
 TEST(Identify, ReadsAGivenCurveFromCsvAndRefusesAWrongOne) {

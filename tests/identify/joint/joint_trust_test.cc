@@ -128,6 +128,14 @@ TEST(JointTrust, WhatIsGivenIsNotAskedFor) {
     EXPECT_NE(q.name, "beta");
     EXPECT_NE(q.name, "r_s");
   }
+  EXPECT_EQ(result.cautions.front(), "held as given: beta = 0.1924 s^-1/2, r_s = 0.1314 Ohm");
+
+  JointOptions tables = kPlain;
+  tables.resistance_nodes = 6;
+  for (const QuantityTrust& q :
+       AssessJoint(IdentifyJoint(test::CampaignOf(logs), logs, {}, tables, given)).quantities) {
+    EXPECT_FALSE(q.name.starts_with("r_s")) << q.name;
+  }
 }
 
 }  // namespace

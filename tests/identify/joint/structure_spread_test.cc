@@ -63,15 +63,15 @@ TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
   EXPECT_NEAR(ValueIn(choice.finer, "tau_1", kTypical_A, choice.best), 22.0, 0.2);
   EXPECT_NEAR(ValueIn(choice.finer, "r_1", kTypical_A, choice.best), 0.05, 5e-5);
   // One that was split in two is one: 2 sqrt(tau_a tau_b)/(tau_a + tau_b) of the second half counts.
-  const JointSolution split = Solution({0.5}, {16.0, 25.0}, {0.1, 0.02, 0.03}, 0.2);
-  const double shared = 2.0 * std::sqrt(16.0 * 25.0) / 41.0;
+  const JointSolution split = Solution({0.5}, {15.0, 24.0}, {0.1, 0.02, 0.03}, 0.2);
+  const double shared = 2.0 * std::sqrt(15.0 * 24.0) / 39.0;
   EXPECT_NEAR(ValueIn(split, "r_1", kTypical_A, choice.best), 0.02 * shared + 0.03, kRounding);
-  const double log_tau = (0.02 * shared * std::log(16.0) + 0.03 * std::log(25.0)) / (0.02 * shared + 0.03);
+  const double log_tau = (0.02 * shared * std::log(15.0) + 0.03 * std::log(24.0)) / (0.02 * shared + 0.03);
   EXPECT_NEAR(ValueIn(split, "tau_1", kTypical_A, choice.best), std::exp(log_tau), 1e-13);
   EXPECT_NEAR(ValueIn(split, "c_1", kTypical_A, choice.best),
               std::exp(log_tau) / (0.02 * shared + 0.03), 1e-10);
   // Where both halves were taken each stands for itself.
-  EXPECT_EQ(ValueIn(split, "tau_2", kTypical_A, split), 25.0);
+  EXPECT_EQ(ValueIn(split, "tau_2", kTypical_A, split), 24.0);
   EXPECT_NEAR(ValueIn(split, "r_2", kTypical_A, split), 0.03, kRounding);
   // A quantity that only the other structure has adds nothing.
   const auto i_0 = [&](const JointSolution& s) { return ValueIn(s, "i_0", kTypical_A, choice.best); };
