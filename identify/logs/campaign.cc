@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "identify/logs/campaign_request.h"
 #include "model/battery/ranges.h"
 #include "model/core/json.h"
 #include "model/core/toml_reader.h"
@@ -17,9 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A row counts as often as this: beyond it the sums over rows know nothing of the other logs.
-constexpr double kLeastWeight = 1e-6;
-constexpr double kMostWeight = 1e6;
 constexpr std::array<std::string_view, 4> kColumns = {
     "time_s", "current_A", "voltage_V", "temperature_degC"};
 
@@ -148,7 +146,7 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                 1000.0,
                 "a resistance from 0 to 1000 Ohm",
                 log.read.lead_resistance_Ohm);
-  reader.Number("weight", kLeastWeight, kMostWeight, "a number from 1e-6 to 1e6", log.weight);
+  reader.Number("weight", kWeights.lo, kWeights.hi, "a number from 1e-6 to 1e6", log.weight);
   const auto temperature = [&](std::string_view key, std::optional<double>& of) {
     double found_degC = 0.0;
     if (reader.Number(key,

@@ -13,6 +13,10 @@
 
 namespace lipoid {
 
+/// A row counts as often as the weight of its log: beyond these the sums over rows know nothing of the
+/// other logs.
+inline constexpr Range kWeights{1e-6, 1e6};
+
 struct CampaignRequest {
   std::string name = {};
   std::optional<double> capacity_Ah = {};

@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "model/core/counted.h"
+
 namespace lipoid {
 namespace {
 
@@ -57,6 +59,22 @@ std::size_t BridgeHoles(const Column& time_s, Column& values) {
 }
 
 }  // namespace
+
+void SettleHoles(const Column& time_s,
+                 Column& temperature_degC,
+                 bool may_bridge,
+                 std::vector<std::string>& warnings) {
+  const std::size_t rows = may_bridge ? BridgeHoles(time_s, temperature_degC) : 0;
+  if (rows > 0) {
+    warnings.push_back(fmt::format(
+        "{} without a temperature, which is taken from a straight line between the rows around",
+        Counted(rows, "row")));
+    return;
+  }
+  temperature_degC = {};
+  warnings.emplace_back(
+      "temperature left out, for some rows hold no number: what needs it goes on without");
+}
 
 Collector::Collector(const TextSource& source,
                      const LogPlan& plan,
@@ -108,11 +126,12 @@ Log Collector::Finish() {
   }
   if (log_.record.size() == 0) FailUnselected();
   log_.report.thinned = thinning_.Finish(log_.record, directions_, log_.report.labels, Volt());
-  if (drops_temperature_ && !log_.report.thinned) {
-    bridged_temperatures_ = BridgeHoles(log_.record.time_s, log_.record.temperature_degC);
-    drops_temperature_ = bridged_temperatures_ == 0;
+  if (drops_temperature_) {
+    SettleHoles(log_.record.time_s,
+                log_.record.temperature_degC,
+                !log_.report.thinned,
+                log_.report.warnings);
   }
-  if (drops_temperature_) log_.record.temperature_degC.clear();
   if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
     const double start_s = log_.record.time_s.front();
     for (double& t : log_.record.time_s) t -= start_s;

@@ -24,6 +24,13 @@ namespace lipoid {
 /// Later than any test began and earlier than any clock of today: seconds since 1970.
 inline constexpr double kUnixClock_s = 1e8;
 
+/// Fills the rows of a column of temperatures that hold no number by straight lines between the rows
+/// around, where they are few or short; otherwise the column is left out. Either is a warning.
+void SettleHoles(const Column& time_s,
+                 Column& temperature_degC,
+                 bool may_bridge,
+                 std::vector<std::string>& warnings);
+
 /// Volts under one name in either of two units: none of a cell is below it in mV.
 inline constexpr double kLeast_mV = 100.0;
 
@@ -44,9 +51,6 @@ class Collector {
   /// call, before the first block, on.
   [[nodiscard]] Record HandOn();
   [[nodiscard]] std::vector<std::int8_t>& directions() { return directions_; }
-  [[nodiscard]] bool drops_temperature() const { return drops_temperature_; }
-  /// Rows whose temperature is that of a straight line between their neighbours.
-  [[nodiscard]] std::size_t bridged_temperatures() const { return bridged_temperatures_; }
   [[nodiscard]] bool unix_clock() const { return unix_start_s_ != 0.0; }
 
  private:
@@ -92,7 +96,6 @@ class Collector {
   bool has_labels_ = false;
   bool clock_is_set_ = false;
   bool drops_temperature_ = false;
-  std::size_t bridged_temperatures_ = 0;
   bool hands_on_ = false;                                     // rows are not kept
   double last_s_ = -std::numeric_limits<double>::infinity();  // of the row taken last
   double unix_start_s_ = 0.0;

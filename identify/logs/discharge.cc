@@ -10,6 +10,7 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
+#include "model/battery/cell.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 
@@ -175,6 +176,16 @@ std::vector<Point> LoadedVoltages(const Record& record, const Discharge& dischar
 }
 
 }  // namespace
+
+bool IsBelowCutoff(const Cell& cell,
+                   double voltage_V,
+                   std::size_t rows_before,
+                   std::size_t rows_of_log) {
+  constexpr double kLastStep_V = 0.3;
+  const bool last = rows_before > 0 && rows_before + 1 == rows_of_log;
+  return !(voltage_V >=
+           cell.series * (cell.cutoff_V - kCutoffTolerance_V - (last ? kLastStep_V : 0.0)));
+}
 
 Discharge FindDischarge(const Record& record, double cutoff_V) {
   Discharge discharge = OneDischarge(record, "one discharge at constant current");

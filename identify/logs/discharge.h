@@ -21,6 +21,8 @@
 
 namespace lipoid {
 
+struct Cell;
+
 inline constexpr double kCutoffTolerance_V = 0.005;
 /// A discharge at a higher rate says little about the open-circuit voltage: five hours at least.
 inline constexpr double kMaxLowRate_per_h = 0.2;
@@ -41,6 +43,14 @@ struct Discharge {
 
   [[nodiscard]] double time_s() const { return end_s - start_s; }
 };
+
+/// Whether a cell has reached its cut-off where it has `voltage_V` under a load, in volts of the pack,
+/// after so many rows of a log of `rows_of_log`. A current that ends there is whole: the last row of a
+/// discharge lies on a steep end.
+[[nodiscard]] bool IsBelowCutoff(const Cell& cell,
+                                 double voltage_V,
+                                 std::size_t rows_before,
+                                 std::size_t rows_of_log);
 
 /// The discharge of a constant-current log, from switch-on to the cut-off of one cell.
 [[nodiscard]] Discharge FindDischarge(const Record& record, double cutoff_V);

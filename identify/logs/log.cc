@@ -274,15 +274,6 @@ void AddNotes(const TextSource& source,
          fmt::format("dates such as 03/04/2021 are read with the {} first, as they say themselves",
                      *order == DateOrder::kMonthFirst ? "month" : "day"));
   }
-  if (const std::size_t rows = collector.bridged_temperatures(); rows > 0) {
-    report.warnings.push_back(fmt::format(
-        "{} without a temperature, which is taken from a straight line between the rows around",
-        Counted(rows, "row")));
-  }
-  if (collector.drops_temperature()) {
-    report.warnings.emplace_back(
-        "temperature left out, for some rows hold no number: what needs it goes on without");
-  }
 }
 
 }  // namespace
@@ -317,22 +308,17 @@ OpenSignError::OpenSignError(SourcePosition position,
 
 namespace {
 
-// What columns and header cells say where a message points to them.
-using PositionOf = std::function<SourcePosition(Quantity)>;
-
 // The same for every table, once its numbers are columns: what cannot be, spikes, sign.
 void SettleTable(Log& log,
                  std::vector<std::int8_t>& directions,
                  const ReadOptions& options,
                  const SignOfOthers& others,
-                 const PositionOf& position,
+                 const ColumnPositions& positions,
                  bool discharge_is_positive) {
-  CheckReadable(
-      log.record,
-      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)});
+  CheckReadable(log.record, positions);
   // Where only the current is wanted, a wrong voltage is no reason to lose its row.
   if (!options.voltage_optional) DropSpikes(log, directions);
-  SettleSign(log, directions, options, others, position(Quantity::kCurrent), discharge_is_positive);
+  SettleSign(log, directions, options, others, positions.current, discharge_is_positive);
 }
 
 // The same for every log: leads, gaps, what is doubtful.
@@ -343,6 +329,18 @@ void FinishLog(Log& log, const ReadOptions& options) {
     }
   }
   DropImpossibleTemperatures(log);
+  // Many loggers write the row in which a step changes twice; a clock that is coarser than the rows
+  // costs most of them.
+  constexpr double kManyRepeated = 0.1;
+  const std::size_t repeated = log.report.dropped_repeated_times;
+  const std::size_t rows = log.report.rows + repeated;
+  if (static_cast<double>(repeated) > kManyRepeated * static_cast<double>(rows)) {
+    log.report.warnings.push_back(
+        fmt::format("{} of {} have the time of the row before and were left out: the clock is "
+                    "coarser than the rows; export the times with more digits",
+                    repeated,
+                    Counted(rows, "row")));
+  }
   log.report.gaps = FindGaps(log.record);
   if (!log.report.gaps.empty())
     log.report.warnings.push_back(GapsText(log.report.gaps) + " unseen");
@@ -361,7 +359,8 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
     log.report.current_column = current->header_text;
   }
   log.report.notes = plan.notes;
-  log.report.warnings = plan.warnings;
+  log.report.warnings.insert(
+      log.report.warnings.begin(), plan.warnings.begin(), plan.warnings.end());
   AddNotes(source, plan, reader, collector, log.report);
 
   const auto position = [&](Quantity quantity) {
@@ -372,7 +371,12 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
     SettleMillivolts(
         log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
   SettleTable(
-      log, collector.directions(), options, others, position, plan.layout->discharge_is_positive);
+      log,
+      collector.directions(),
+      options,
+      others,
+      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)},
+      plan.layout->discharge_is_positive);
   return log;
 }
 
@@ -400,7 +404,10 @@ Log ReadSource(TextSource& source, const ReadOptions& options, const SignOfOther
 // Where in the columns of a program something is: rows count from 1.
 void CheckColumns(const Record& record, bool voltage_optional) {
   const std::size_t rows = record.size();
-  const auto check = [&](const Column& column, const char* name, bool may_be_absent) {
+  const auto check = [&](const Column& column,
+                         const char* name,
+                         bool may_be_absent,
+                         bool may_have_holes = false) {
     if (may_be_absent && column.empty()) return;
     if (column.size() != rows) {
       throw LoadError(
@@ -413,7 +420,7 @@ void CheckColumns(const Record& record, bool voltage_optional) {
     }
     if (std::isfinite(Sum(column))) return;
     for (std::size_t k = 0; k < rows; ++k) {
-      if (std::isfinite(column[k])) continue;
+      if (std::isfinite(column[k]) || (may_have_holes && std::isnan(column[k]))) continue;
       throw LoadError(
           {record.file, k + 1, 1},
           fmt::format("expected a finite number in {}, found {}; drop this row", name, column[k]));
@@ -423,7 +430,7 @@ void CheckColumns(const Record& record, bool voltage_optional) {
   check(record.time_s, "time_s", false);
   check(record.current_A, "current_A", false);
   check(record.voltage_V, "voltage_V", voltage_optional);
-  check(record.temperature_degC, "temperature_degC", true);
+  check(record.temperature_degC, "temperature_degC", true, true);
 }
 
 // As a file is read: rows outside start_s .. end_s and those with a repeated time are left out.
@@ -505,9 +512,20 @@ Log TakeLog(Record record, const ReadOptions& options) {
   log.report.format = "columns";
   log.report.current_column = "current_A";
   TakeRows(log, options);
-  const auto position = [&](Quantity) { return SourcePosition{log.record.file}; };
+  // In place, so that a log without such a column is not copied.
+  const Column& temperature_degC = std::as_const(log.record).temperature_degC;
+  if (std::isnan(Sum(temperature_degC))) {
+    SettleHoles(log.record.time_s, log.record.temperature_degC, true, log.report.warnings);
+  }
+  const SourcePosition position{log.record.file};
   std::vector<std::int8_t> directions;
-  SettleTable(log, directions, options, {}, position, false);
+  SettleTable(
+      log,
+      directions,
+      options,
+      {},
+      {position, position, position, "Columns of a program are in V, A and s: convert them"},
+      false);
   FinishLog(log, options);
   return log;
 }

@@ -91,26 +91,21 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
     throw LoadError(
         positions.voltage,
         fmt::format(
-            "expected a voltage in V, found {:.6g} V; are these mV? Say so in the header or with "
-            "`units`",
-            most_V));
+            "expected a voltage in V, found {:.6g} V; are these mV? {}", most_V, positions.remedy));
   }
   if (const double most_A = current.Magnitude(); most_A > kMostPack_A) {
     throw LoadError(
         positions.current,
         fmt::format(
-            "expected a current in A, found {:.6g} A; are these mA? Say so in the header or with "
-            "`units`",
-            most_A));
+            "expected a current in A, found {:.6g} A; are these mA? {}", most_A, positions.remedy));
   }
   if (record.size() < 2) return;
   if (const double length_s = record.time_s.back() - record.time_s.front(); length_s > kLongest_s) {
     throw LoadError(
         positions.time,
-        fmt::format(
-            "expected times in s, found a log of {:.3g} years; are these ms? Say so in the header "
-            "or with `units`",
-            length_s / (365.25 * 86400.0)));
+        fmt::format("expected times in s, found a log of {:.3g} years; are these ms? {}",
+                    length_s / (365.25 * 86400.0),
+                    positions.remedy));
   }
 }
 

@@ -5,6 +5,7 @@
 /// 3600. Tests: tests/identify/logs/plausibility_test.cc.
 
 #include <string>
+#include <string_view>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/record.h"
@@ -24,6 +25,8 @@ struct ColumnPositions {
   SourcePosition time;
   SourcePosition current;
   SourcePosition voltage;
+  /// What a person does about a wrong unit.
+  std::string_view remedy = "Say so in the header or with `units`";
 };
 
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
@@ -36,7 +39,10 @@ void CheckReadable(const Record& record, const ColumnPositions& positions);
 /// For a record of one cell, after DivideByPack() by that pack. capacity_Ah is the cell's nominal
 /// one, 0 where it is not known. Returns the charge that the record moves, none where the capacity is
 /// not known. LoadError with advice.
-ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series = 1, int parallel = 1);
+ChargeMoved CheckPlausible(const Record& record,
+                           double capacity_Ah,
+                           int series = 1,
+                           int parallel = 1);
 
 /// For the same record and the v_oc(A) of its cell: LoadError where every row is so far below the
 /// empty cell that the log is one of fewer cells in series than that.

@@ -44,15 +44,18 @@ struct StagedRequest {
     v("fix",
       self.given.parameters.fixed,
       Word{"NAME=VALUE"},
-      "hold a parameter at a value: beta, r_s, r_1, c_1, tau_1, ...");
+      "hold a parameter at a value: beta, r_s, r_1, c_1, tau_1, ...; the joint method of identify "
+      "holds tau_1 instead of c_1, and those of a branch only where branches says how many there are");
     v("start",
       self.given.parameters.start,
       Word{"NAME=VALUE"},
-      "value at which the search for a parameter begins");
+      "value at which the search for a parameter begins; the joint method of identify searches a grid "
+      "and takes none");
     v("bounds",
       self.given.parameters.bounds,
       Word{"NAME=LOW,HIGH"},
-      "keep a parameter between two bounds");
+      "keep a parameter between two bounds; the joint method of identify takes those of beta and of "
+      "the time constants");
   }
 
   /// The options of each stage, by name.

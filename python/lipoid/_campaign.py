@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pandas as pd
 
@@ -25,20 +25,33 @@ if TYPE_CHECKING:
 KINDS = ("constant_current", "low_rate", "low_rate_charge", "pulses", "flight", "validation")
 
 
-def _logs(given: Any, reading: dict[str, Any]) -> list[Any]:
-    """Make logs of C++ and paths of whatever a person gives for one kind."""
+# What may be said of one log beside how it is read.
+_OF_ONE = ("initial_soc", "weight", "ambient_degC", "initial_degC")
+
+
+def _logs(kind: str, given: Any, reading: dict[str, Any]) -> list[tuple[Any, dict[str, Any]]]:
+    """Make logs of C++ and paths of what is given for one kind, with what is said of each."""
     from lipoid import readers
 
-    logs: list[Any] = []
-    for one in listed(given):
+    logs: list[tuple[Any, dict[str, Any]]] = []
+    several = listed(given)
+    for k, one in enumerate(several):
+        name = kind if len(several) == 1 else f"{kind}[{k}]"
+        said: dict[str, Any] = {}
+        if isinstance(one, Mapping) and "file" in one:
+            said = {key: value for key, value in one.items() if key != "file"}
+            one = one["file"]
+        of_one = {key: said.pop(key) for key in _OF_ONE if key in said}
         if isinstance(one, Log):
-            logs.append(one._core)
+            log = one._core.named(name) if one.file in ("", "log") else one._core
+            logs.append((log, {**said, **of_one}))
         elif not isinstance(one, (str, os.PathLike)):
-            logs.append(Log(one)._core)
+            logs.append((Log(one, name=name, **cast(Any, said))._core, of_one))
         elif readers.is_table(one):
-            logs.append(read_log(one, **{"most_rows": _core.most_rows_kept, **reading})._core)
+            how = {"most_rows": _core.most_rows_kept, **reading, **said}
+            logs.append((read_log(one, **cast(Any, how))._core, of_one))
         else:
-            logs.append(os.fspath(one))
+            logs.append((os.fspath(one), {**reading, **said, **of_one}))
     return logs
 
 
@@ -47,7 +60,10 @@ class Campaign:
     """All the logs of one cell, and what is known of the cell.
 
     Each kind of log is one or several: a :class:`Log`, a path, or a data frame with the columns of
-    a log. Paths are read when they are first needed, side by side.
+    a log. Paths are read when they are first needed, side by side. A dictionary with any of these
+    as ``file`` says more of one log, by the keys of a ``[[log]]`` of a campaign file:
+    ``{"file": log, "initial_soc": 0.9, "weight": 2.0, "ambient_degC": 10.0}``, of a path also how
+    it is read. A log in memory without a name is called by its kind and place: ``pulses[0]``.
 
     Parameters
     ----------
@@ -64,7 +80,7 @@ class Campaign:
     """
 
     _core: CoreCampaign
-    _reading: dict[str, Any]
+    _given: dict[str, Any]
 
     def __init__(
         self, *, reading: ReadingOptions | None = None, **options: Unpack[CampaignOptions]
@@ -74,12 +90,13 @@ class Campaign:
                 f"option reading: expected a dictionary of options of read_log, found {reading!r}"
             )
         how: dict[str, Any] = dict(reading or {})
-        self._reading = how
+        _core.check_reading(how)
         given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
         for kind in KINDS:
             if kind in given:
-                given[kind] = _logs(given[kind], how)
-        self._core = _core.make_campaign(given, how)
+                given[kind] = _logs(kind, given[kind], how)
+        self._given = given
+        self._core = _core.make_campaign(given)
 
     @classmethod
     def read(cls, file: str | os.PathLike[str]) -> Campaign:
@@ -96,7 +113,7 @@ class Campaign:
     def _of(cls, core: CoreCampaign) -> Campaign:
         campaign = cls.__new__(cls)
         campaign._core = core
-        campaign._reading = {}
+        campaign._given = {}
         return campaign
 
     @property
@@ -131,8 +148,8 @@ class Campaign:
 
     @property
     def entries(self) -> pd.DataFrame:
-        """The logs as they were given: kind, file, initial_soc, weight."""
-        return pd.DataFrame(self._core.entries(), columns=["kind", "file", "initial_soc", "weight"])
+        """The logs as they were given: kind, file, and what is said of each."""
+        return pd.DataFrame(self._core.entries(), columns=["kind", "file", *_OF_ONE])
 
     def logs(self, kind: str | None = None) -> list[Log]:
         """Read the logs, of one kind or all of them, as those of one cell.
@@ -188,20 +205,13 @@ class Campaign:
         return interoperability.to_pybop(one._core, fitted, free, spread)
 
     def to_toml(self) -> str:
-        """Return the campaign as the text of a campaign file."""
+        """Return the campaign as the text of a campaign file; its logs must be files."""
         return self._core.to_toml()
 
     def __reduce__(self) -> Any:
         if self.file:
             return Campaign.read, (self.file,)
-        given: dict[str, Any] = {"name": self.name, "series": self.series}
-        given |= {"parallel": self.parallel, "cutoff_V": self.cutoff_V}
-        given["capacity_Ah"] = self.capacity_Ah
-        for entry, log in zip(self._core.entries(), self._core.given(), strict=True):
-            one = entry["file"] if log is None else Log._of(log)
-            given.setdefault(entry["kind"].replace("-", "_"), []).append(one)
-            given["initial_soc"] = entry["initial_soc"]
-        return _remade, (given, self._reading)
+        return _remade, (self._given,)
 
     def __repr__(self) -> str:
         kinds = self.entries["kind"].value_counts(sort=False)
@@ -216,9 +226,11 @@ class Campaign:
         return f"<b>{escape(repr(self))}</b>{self.entries.to_html(index=False)}"
 
 
-def _remade(given: dict[str, Any], reading: Any) -> Campaign:
+def _remade(given: dict[str, Any]) -> Campaign:
     """Make a campaign in another process."""
-    return Campaign(reading=reading, **given)
+    campaign = Campaign._of(_core.make_campaign(given))
+    campaign._given = given
+    return campaign
 
 
 def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:

@@ -32,6 +32,8 @@ FloatArray = npt.NDArray[np.float64]
 class Simulation:
     """The voltage of a cell under a current.
 
+    From the row on in which the cell is below its cut-off, its arrays are NaN.
+
     Attributes
     ----------
     time_s : ndarray
@@ -58,6 +60,12 @@ class Simulation:
     _open_circuit_V: FloatArray | None = field(default=None, repr=False)
 
     @property
+    def rows(self) -> int | npt.NDArray[np.int64]:
+        """Rows before the one in which the cell is below its cut-off, of each current."""
+        counted = np.isfinite(self.voltage_V).sum(axis=-1)
+        return int(counted) if self.voltage_V.ndim == 1 else cast(npt.NDArray[np.int64], counted)
+
+    @property
     def open_circuit_V(self) -> FloatArray:
         """Open-circuit voltage of the pack in V, at each row."""
         if self._open_circuit_V is not None:
@@ -66,7 +74,7 @@ class Simulation:
         return cast(FloatArray, flat.reshape(self.soc.shape))
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return the columns of one current as a data frame."""
+        """Return the columns of one current as a data frame, of the rows before the cut-off."""
         if self.current_A.ndim != 1:
             raise OptionError("to_pandas() is for one current; take a row of the arrays")
         columns = {
@@ -78,7 +86,7 @@ class Simulation:
         }
         if self.temperature_degC is not None:
             columns["temperature_degC"] = self.temperature_degC
-        return pd.DataFrame(columns)
+        return pd.DataFrame(columns).iloc[: self.rows]
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw voltage and state of charge over time; return the axes."""
@@ -86,10 +94,15 @@ class Simulation:
 
     def __repr__(self) -> str:
         shape = " x ".join(str(n) for n in self.voltage_V.shape)
-        return (
-            f"Simulation({self.cell.name!r}: {shape} rows, {self.voltage_V.min():.4g} to "
-            f"{self.voltage_V.max():.4g} V, soc down to {self.soc.min():.3g})"
-        )
+        text = f"Simulation({self.cell.name!r}: {shape} rows"
+        if before := int(np.sum(self.rows)):
+            if before != self.voltage_V.size:
+                text += f", {before} before the cut-off"
+            text += f", {np.nanmin(self.voltage_V):.4g} to {np.nanmax(self.voltage_V):.4g} V"
+            text += f", soc down to {np.nanmin(self.soc):.3g}"
+        else:
+            text += ", none before the cut-off"
+        return text + ")"
 
 
 class Cell:
@@ -165,7 +178,10 @@ class Cell:
         self._core.save(file)
 
     def pack(self, series: int = 1, parallel: int = 1) -> Cell:
-        """Return so many of these cells in series and in parallel."""
+        """Return one of these cells so many times in series and in parallel.
+
+        A pack is not multiplied: ``cell.pack(3).pack(2)`` is 2 in series, and ``pack()`` the cell.
+        """
         return Cell._of(self._core.pack({"series": series, "parallel": parallel}))
 
     def with_typical_temperature(self) -> Cell:
@@ -192,6 +208,7 @@ class Cell:
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
+        beyond_cutoff: bool = False,
         threads: int = 0,
     ) -> Simulation:
         """Predict the voltage under a current, or under many at once on all cores.
@@ -217,22 +234,26 @@ class Cell:
         ambient_degC : float, optional
             Temperature of the surroundings, where none was measured; not given: the reference of
             the cell.
+        beyond_cutoff : bool
+            Predict all rows, also those below the cell's cut-off, where no cell would go on.
         threads : int
             Cores to use; 0: all.
 
         Returns
         -------
         Simulation
-            Arrays of the shape of the currents.
+            Arrays of the shape of the currents; NaN from the row on in which the cell is below its
+            cut-off, as a warning then says.
         """
         t, i, measured, options = self._driven(
             "simulate", time_s, current_A, hold, temperature_degC, ambient_degC, (1, 2)
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
-        voltage_V, soc = np.empty_like(i), np.empty_like(i)
-        rest_V = np.empty_like(i) if self._core.rests_beside_curve else None
-        warm = np.empty_like(i) if self._core.knows_temperature else None
-        outside = self._core.simulate(
+        options["beyond_cutoff"] = beyond_cutoff
+        voltage_V, soc = np.full_like(i, np.nan), np.full_like(i, np.nan)
+        rest_V = np.full_like(i, np.nan) if self._core.rests_beside_curve else None
+        warm = np.full_like(i, np.nan) if self._core.knows_temperature else None
+        outside, before = self._core.simulate(
             np.atleast_2d(t),
             np.atleast_2d(i),
             np.atleast_2d(voltage_V),
@@ -243,7 +264,24 @@ class Cell:
             options,
             whole("threads", threads),
         )
+        self._tell_of_cutoff(np.atleast_2d(t), np.atleast_2d(i), before)
         return Simulation(t, i, voltage_V, soc, outside, self, warm, rest_V)
+
+    def _tell_of_cutoff(self, time_s: FloatArray, current_A: FloatArray, before: list[int]) -> None:
+        count, rows = current_A.shape
+        below = [k for k, n in enumerate(before) if n < rows]
+        if not below:
+            return
+        k = below[0]
+        n = before[k]
+        at_s = time_s[k if len(time_s) > 1 else 0, n]
+        kept = f"the {n} of {rows} rows before it were predicted"
+        self._tell(
+            f"the cell reaches its cut-off of {self.series * self.cutoff_V:.4g} V"
+            + (f" under {len(below)} of {count} currents; current {k}" if count > 1 else "")
+            + f" at {at_s:.10g} s under {current_A[k, n]:.4g} A: {kept}"
+            + ", the others are NaN (beyond_cutoff=True predicts all)"
+        )
 
     def band(
         self,
@@ -311,6 +349,11 @@ class Cell:
             found = type(time_s).__name__
             raise OptionError(
                 f"{what}: expected times or a Log, found a {found}; lipoid.Log(...) makes one"
+            )
+        elif isinstance(time_s, (str, os.PathLike)):
+            raise OptionError(
+                f"{what}: expected times or a Log, found {str(time_s)!r:.200}; a file is read by "
+                "lipoid.read_log(file)"
             )
         elif current_A is None:
             raise OptionError(f"{what}: current_A is missing")

@@ -59,7 +59,7 @@ class Comparison:
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def plot(self, axes: Any = None) -> list[Axes]:
-        """Draw error over time, one point per optimizer; return the axes."""
+        """Draw how far errors are above the least over time; return the axes."""
         return plots.comparison(self.results, axes)
 
     def report(self, file: str | os.PathLike[str]) -> None:

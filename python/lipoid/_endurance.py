@@ -85,7 +85,8 @@ def endurance(
 
     The vehicle is in equilibrium all the time; :func:`fly` flies it with a controller. An option
     that is a pair has a standard error, which widens the intervals, as the uncertainty of the
-    cell does.
+    cell does. The table that ``--over`` makes of a quantity is a loop over calls:
+    ``{m: lipoid.endurance(cell, vehicle="f450", payload_g=m).minutes for m in (0, 250, 500)}``.
 
     Parameters
     ----------

@@ -74,6 +74,7 @@ class Identification:
                     "low_95": low,
                     "high_95": high,
                     "verdict": one["verdict"],
+                    "with": ", ".join(one["with"]),
                 }
             )
         return pd.DataFrame(rows).set_index("name")
@@ -203,6 +204,13 @@ def identify(
         logger.warning("%s: not converged", made.name)
     beside = None if staged is None else Cell._of(staged)
     return Identification(Cell._of(core), summary, converged, usable, sentence, made, beside)
+
+
+def check_options(*, seed: int = 0, threads: int = 0, **options: Any) -> None:
+    """Raise what :func:`identify` says of such options, whatever the campaign."""
+    whole_seed(seed)
+    whole("threads", threads)
+    _core.check_identify(options)
 
 
 def validate(

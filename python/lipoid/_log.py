@@ -41,7 +41,10 @@ def _moments(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     if not all(isinstance(one, dt.datetime) for one in array):
         return array
     if len({one.tzinfo is None for one in array}) > 1:
-        return array  # nobody knows how far the ones are from the others
+        raise OptionError(
+            "time_s: expected dates that all have a time zone or none, found some of both; nobody "
+            "knows how far the ones are from the others"
+        )
     return pd.to_datetime(array, utc=True).tz_localize(None).to_numpy()
 
 
@@ -132,7 +135,8 @@ class Log:
     voltage_V : array_like, optional
         Voltages in V. A log without is good for simulations alone.
     temperature_degC : array_like, optional
-        Temperatures in degrees Celsius.
+        Temperatures in degrees Celsius. Single ones that are missing are taken from the rows
+        around; a column with more holes is left out, as ``warnings`` then say.
     name : str, optional
         What messages and reports call it.
     {options}
@@ -185,6 +189,9 @@ class Log:
                     else ""
                 )
                 raise OptionError(f"Log: {key} is missing{found}{other}")
+        if unknown := self._unknown(options):
+            known = [*given, "name", *(one["name"] for one in _core.describe_reading(False))]
+            raise OptionError(f"Log: {_core.unknown_name('option', unknown[0], known)}")
         arrays = {k: None if v is None else column(v, k) for k, v in given.items()}
         self._core = _core.take_log(
             cast(FloatArray, arrays["time_s"]),
@@ -238,7 +245,7 @@ class Log:
 
     @property
     def format(self) -> str:
-        """The format that was recognised; "columns" of a log from arrays."""
+        """The format that was recognised; "columns" of arrays, "parquet" and such of tables."""
         return self._core.format
 
     @property
@@ -253,7 +260,7 @@ class Log:
 
     @property
     def rows_of_source(self) -> int:
-        """Rows of the file; more than the rows here where ``most_rows`` had them joined."""
+        """Rows of the file; more than the rows here where some were left out or joined."""
         return self._core.rows_of_source
 
     @property
@@ -289,9 +296,11 @@ class Log:
         return len(self._core)
 
     def _rows(self) -> str:
-        if self.rows_of_source == len(self):
-            return f"{len(self)} rows"
-        return f"{len(self)} rows that stand for {self.rows_of_source}"
+        kept = self._core.rows_kept
+        if kept != len(self):
+            return f"{len(self)} rows that stand for {kept}"
+        of = f" of {self.rows_of_source}" if self.rows_of_source != kept else ""
+        return f"{kept}{of} rows"
 
     def __repr__(self) -> str:
         hours = float(self.time_s[-1] - self.time_s[0]) / 3600.0
@@ -347,7 +356,8 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
 
     path = os.fsdecode(file)  # a number would be an open file
     if (table := readers.table_of(path)) is not None:
-        return Log._of(_core.read_log_text(table, path, dict(options)))
+        text, format_of_file = table
+        return Log._of(_core.read_log_text(text, path, format_of_file, dict(options)))
     return Log._of(_core.read_log(path, dict(options)))
 
 

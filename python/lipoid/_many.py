@@ -12,7 +12,7 @@ import pandas as pd
 
 from lipoid import _core
 from lipoid._campaign import Campaign
-from lipoid._identification import Identification, identify
+from lipoid._identification import Identification, check_options, identify
 from lipoid._progress import Progress, Reporter
 
 if TYPE_CHECKING:
@@ -92,11 +92,18 @@ def identify_many(
     -------
     Fleet
         In the order of the campaigns.
+
+    Raises
+    ------
+    OptionError
+        For options that do not exist, are out of range or contradict each other, before a campaign
+        is read.
     """
     given: dict[str, Any] = dict(options)
     if isinstance(campaigns, (str, os.PathLike)):
         raise TypeError("identify_many: expected several campaigns; one goes into a list")
     several = list(campaigns)
+    check_options(**given)
     results: list[Identification | BaseException] = []
     with Reporter(progress, "identify_many") as tell:
         futures: list[Any] = []

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 if TYPE_CHECKING:
     from lipoid._cell import Cell
-    from lipoid._log import Log
+    from lipoid._log import Log, Logs
 
 Path: TypeAlias = str | os.PathLike[str]
-Logs: TypeAlias = "Sequence[Log | Path] | Log | Path | Mapping[str, Any]"
 
 
 class CampaignOptions(TypedDict, total=False):
@@ -501,13 +500,13 @@ class EnduranceOptions(TypedDict, total=False):
     parallel: int | None
     mission: Literal["hover", "cruise"]
     power: tuple[Any, Any] | None
-    airspeed_m_per_s: float | tuple[float, float] | None
-    ambient_degC: float | tuple[float, float] | None
-    health: float | tuple[float, float] | None
-    payload_g: float | tuple[float, float] | None
-    power_factor: float | tuple[float, float] | None
-    reserve: float | tuple[float, float] | None
-    resistance_factor: float | tuple[float, float] | None
+    airspeed_m_per_s: float | str | tuple[float, float] | None
+    ambient_degC: float | str | tuple[float, float] | None
+    health: float | str | tuple[float, float] | None
+    payload_g: float | str | tuple[float, float] | None
+    power_factor: float | str | tuple[float, float] | None
+    reserve: float | str | tuple[float, float] | None
+    resistance_factor: float | str | tuple[float, float] | None
     cruise_speed: Literal["best-range", "best-endurance"]
     waypoints: Path | None
     initial_soc: float | None

@@ -59,10 +59,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 if TYPE_CHECKING:
     from lipoid._cell import Cell
-    from lipoid._log import Log
+    from lipoid._log import Log, Logs
 
 Path: TypeAlias = str | os.PathLike[str]
-Logs: TypeAlias = "Sequence[Log | Path] | Log | Path | Mapping[str, Any]"
 
 '''
 

@@ -7,6 +7,7 @@ objects are made of them, for :meth:`Cell.to_pybamm`, :meth:`Cell.to_thevenin` a
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import tempfile
 from collections.abc import Callable
@@ -23,6 +24,17 @@ from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from lipoid._core import Cell, Log
+
+
+def _imported(package: str) -> Any:
+    """Return another program's package, or say how it is installed."""
+    try:
+        return importlib.import_module(package)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        message = f"to_{package}: it needs {package}, which is not installed; pip install {package}"
+        raise ModuleNotFoundError(message, name=package) from error
 
 
 def _load(name: str, file: Path) -> ModuleType:
@@ -60,8 +72,7 @@ class PybammCell:
 
 def to_pybamm(cell: Cell, initial_soc: float) -> PybammCell:
     """Make PyBaMM's model and parameter values of a cell; of a pack, those of one cell."""
-    import pybamm
-
+    pybamm = _imported("pybamm")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell_in_pybamm.py"
         summary = _core.export(cell, "pybamm", file, {})
@@ -73,8 +84,7 @@ def to_pybamm(cell: Cell, initial_soc: float) -> PybammCell:
 
 def to_thevenin(cell: Cell, branches: int, mission: Log | None) -> Any:
     """Make a ``thevenin.Simulation`` of a cell; of a pack, that of one cell."""
-    import thevenin
-
+    thevenin = _imported("thevenin")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell.yaml"
         _core.export(cell, "thevenin", file, {"branches": branches, "mission": mission})
@@ -83,9 +93,7 @@ def to_thevenin(cell: Cell, branches: int, mission: Log | None) -> Any:
 
 def to_pybop(cell: Cell, log: Log, free: tuple[str, ...], spread: float) -> Any:
     """Make a PyBOP problem: a log, PyBaMM's Thevenin model of the cell, a sum of squares."""
-    import pybamm
-    import pybop
-
+    pybamm, pybop = _imported("pybamm"), _imported("pybop")
     if log.voltage_V is None:
         raise OptionError("to_pybop: expected a log with voltages")
     made = to_pybamm(cell, initial_soc=1.0)

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from lipoid._log import column
 from lipoid.errors import LoadError
 
 
@@ -117,6 +118,10 @@ def _matlab(file: str, library: Any) -> pd.DataFrame:
 def _parquet(file: str, library: Any) -> pd.DataFrame:
     with open(file, "rb") as opened:  # of any name: that of a path has to be UTF-8
         table: pd.DataFrame = library.read_table(opened).to_pandas()
+    if isinstance(table.index, (pd.DatetimeIndex, pd.TimedeltaIndex)):
+        table.insert(0, "time_s", column(table.index, "time_s"), allow_duplicates=True)
+    elif table.index.name is not None:
+        table = table.reset_index()
     return table
 
 
@@ -162,8 +167,8 @@ def is_table(file: str | os.PathLike[str]) -> bool:
     return _format_of(file) is not None
 
 
-def table_of(file: str | os.PathLike[str]) -> bytes | None:
-    """Return the table of a binary file as text; None for a file of text."""
+def table_of(file: str | os.PathLike[str]) -> tuple[bytes, str] | None:
+    """Return the table of a binary file as text, and its format; None for a file of text."""
     found = _format_of(file)
     if found is None:
         return None
@@ -184,6 +189,10 @@ def table_of(file: str | os.PathLike[str]) -> bytes | None:
     except Exception as error:
         message = f"expected a file of {found.name}, found one that cannot be read: {error}"
         raise LoadError(f"{path}:1:1: error: {message}", [(path, 1, 1, message)]) from error
+    for name in table.select_dtypes("timedelta").columns:
+        seconds = table[name].dt.total_seconds()
+        table = table.drop(columns=name)
+        table.insert(0, name if name == "time_s" else f"{name} (s)", seconds)
     stream = io.StringIO()
     table.to_csv(stream, index=False)
-    return stream.getvalue().encode()
+    return stream.getvalue().encode(), found.name.lower()

@@ -6,6 +6,7 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -35,30 +36,33 @@ std::string SumOf(const Record& record) {
   return Sha256OfBytes(bytes);
 }
 
-// One log of a campaign that is made of arguments: a path or a log.
+// One log of a campaign that is made of arguments: a path or a log, and what is said of it alone, by
+// the keys of a campaign file.
 void Add(LogKind kind,
-         const std::string& kind_name,
-         const nb::handle& given,
-         const ReadOptions& read,
+         const nb::tuple& given,
          double initial_soc,
          Campaign& campaign,
          std::vector<std::optional<PythonLog>>& logs) {
   CampaignLog entry;
   entry.kind = kind;
-  entry.read = read;
   entry.initial_soc = initial_soc;
   entry.position.file.clear();
-  if (nb::isinstance<PythonLog>(given)) {
-    const auto& log = *nb::cast<const PythonLog*>(given);
+  Keywords keywords(nb::cast<nb::dict>(given[1]));
+  keywords.Option("initial_soc", entry.initial_soc, kInitialSocs, "");
+  keywords.Option("weight", entry.weight, kWeights, "");
+  keywords.Option("ambient_degC", entry.ambient_degC, kTemperatures_degC, "");
+  keywords.Option("initial_degC", entry.initial_degC, kTemperatures_degC, "");
+  if (nb::isinstance<PythonLog>(given[0])) {
+    const auto& log = *nb::cast<const PythonLog*>(given[0]);
     entry.file = log.log->record.file;
-    if (entry.file.empty()) entry.file = fmt::format("{}[{}]", kind_name, campaign.Count(kind));
-    entry.read = {};
     logs.emplace_back(log);
   } else {
-    entry.file = PathOf(given);
+    entry.read = ReadingOf(keywords, {}, true);
+    entry.file = PathOf(given[0]);
     entry.path = entry.file;
     logs.emplace_back(std::nullopt);
   }
+  keywords.Finish();
   campaign.logs.push_back(std::move(entry));
 }
 
@@ -66,7 +70,7 @@ struct CampaignKeywords {
   Campaign campaign;
   std::vector<std::optional<PythonLog>> logs;
 
-  void Declare(Keywords& keywords, const ReadOptions& read) {
+  void Declare(Keywords& keywords) {
     CampaignRequest request;
     StartRequest start;
     keywords.Each(request);
@@ -78,18 +82,15 @@ struct CampaignKeywords {
           keywords.Take(PythonName(name), "Logs", fmt::format("logs of the kind {}", name));
       if (!listed) continue;
       for (const nb::handle log : *listed)
-        Add(kind, PythonName(name), log, read, initial_soc, campaign, logs);
+        Add(kind, nb::cast<nb::tuple>(log), initial_soc, campaign, logs);
     }
   }
 };
 
-std::shared_ptr<PythonCampaign> Make(const nb::dict& given, const nb::dict& reading) {
-  Keywords of_reading(reading);
-  const ReadOptions read = ReadingOf(of_reading, {}, true);
-  of_reading.Finish();
+std::shared_ptr<PythonCampaign> Make(const nb::dict& given) {
   CampaignKeywords made;
   Keywords keywords(given);
-  made.Declare(keywords, read);
+  made.Declare(keywords);
   keywords.Finish();
   return std::make_shared<PythonCampaign>(std::move(made.campaign), std::move(made.logs));
 }
@@ -97,7 +98,7 @@ std::shared_ptr<PythonCampaign> Make(const nb::dict& given, const nb::dict& read
 nb::list Describe() {
   CampaignKeywords made;
   Keywords keywords;
-  made.Declare(keywords, {});
+  made.Declare(keywords);
   return keywords.Described();
 }
 
@@ -109,16 +110,24 @@ nb::list Entries(const PythonCampaign& self) {
     entry["file"] = log.file;
     entry["initial_soc"] = log.initial_soc;
     entry["weight"] = log.weight;
+    entry["ambient_degC"] = log.ambient_degC;
+    entry["initial_degC"] = log.initial_degC;
     entries.append(entry);
   }
   return entries;
 }
 
-// The logs that were given as such, and None for files: what another process makes the campaign of.
-nb::list GivenLogs(const PythonCampaign& self) {
-  nb::list logs;
-  for (const auto& log : self.given()) logs.append(log ? nb::cast(*log) : nb::none());
-  return logs;
+// A campaign file names files.
+std::string ToToml(const PythonCampaign& self) {
+  for (std::size_t k = 0; k < self.given().size(); ++k) {
+    const std::string& file = self.campaign().logs[k].file;
+    if (!self.given()[k] || std::filesystem::exists(file)) continue;
+    throw OptionError(fmt::format(
+        "to_toml: the log '{}' is in memory, and a campaign file names files; write it to one "
+        "(log.to_pandas().to_csv(file, index=False)) and make the campaign of the file",
+        file));
+  }
+  return CampaignToToml(self.campaign());
 }
 
 // The logs as identification sees them: those of one cell.
@@ -204,13 +213,12 @@ void AddCampaigns(nb::module_& module) {
       .def_prop_ro("parallel", [](const PythonCampaign& self) { return self.campaign().parallel; })
       .def("entries", &Entries)
       .def("logs", &Logs)
-      .def("given", &GivenLogs)
-      .def("to_toml", [](const PythonCampaign& self) { return CampaignToToml(self.campaign()); });
+      .def("to_toml", &ToToml);
   module.def(
       "read_campaign",
       [](nb::handle file) { return std::make_shared<PythonCampaign>(ReadCampaign(PathOf(file))); },
       nb::arg("file"));
-  module.def("make_campaign", &Make, nb::arg("options"), nb::arg("reading"));
+  module.def("make_campaign", &Make, nb::arg("options"));
   module.def("describe_campaign", &Describe);
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/logs/discharge.h"
 #include "identify/pack_request.h"
 #include "identify/surroundings_request.h"
 #include "model/battery/cell_ensemble.h"
@@ -37,29 +38,32 @@ struct PredictionKeywords {
   StartRequest start;
   SurroundingsRequest surroundings;
   Hold hold = Hold::kBackward;
+  bool beyond_cutoff = false;
 
   explicit PredictionKeywords(const nb::dict& given) {
     Keywords keywords(given);
     keywords.Each(start);
     SurroundingsRequest::VisitOfAmbient(surroundings, keywords.EachOne());
     keywords.Option("hold", hold, Names{}, "");
+    keywords.Flag("beyond_cutoff", beyond_cutoff, "");
     keywords.Finish();
   }
 };
 
 // Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
 // Python's own, that of temperatures only for a cell that knows it, that of the open-circuit voltage
-// only where it is more than v_oc(A).
-std::size_t Simulate(const PythonCell& self,
-                     const Table& time_s,
-                     const Table& current_A,
-                     const Output& voltage_V,
-                     const Output& soc,
-                     const std::optional<Output>& open_circuit_V,
-                     const std::optional<Output>& temperature_degC,
-                     const std::optional<Table>& measured_degC,
-                     const nb::dict& given,
-                     int threads) {
+// only where it is more than v_oc(A). What they hold from the row on in which the cell is below its
+// cut-off stays. Returns the rows outside of v_oc(A), and of each current the rows before that.
+nb::tuple Simulate(const PythonCell& self,
+                   const Table& time_s,
+                   const Table& current_A,
+                   const Output& voltage_V,
+                   const Output& soc,
+                   const std::optional<Output>& open_circuit_V,
+                   const std::optional<Output>& temperature_degC,
+                   const std::optional<Table>& measured_degC,
+                   const nb::dict& given,
+                   int threads) {
   const PredictionKeywords asked(given);
   const std::size_t count = current_A.shape(0);
   const std::size_t rows = current_A.shape(1);
@@ -71,6 +75,7 @@ std::size_t Simulate(const PythonCell& self,
       "as many temperatures as currents");
   const Cell& cell = self.cell;
   std::atomic<std::size_t> outside = 0;
+  std::vector<std::size_t> before(count, rows);
   const auto one = [&](std::size_t k) {
     StopIfAsked();
     Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
@@ -85,6 +90,11 @@ std::size_t Simulate(const PythonCell& self,
     const std::span<const double> i(current_A.data() + k * rows, rows);
     std::size_t beyond = 0;
     const auto keep = [&](std::size_t row, const PredictedRow& of) {
+      if (row > before[k]) return;
+      if (!asked.beyond_cutoff && IsBelowCutoff(cell, of.voltage_V, row, rows)) {
+        before[k] = row;
+        return;
+      }
       v[row] = of.voltage_V;
       if (rest != nullptr) rest[row] = cell.series * of.stepper.OpenCircuit();
       if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
@@ -101,7 +111,7 @@ std::size_t Simulate(const PythonCell& self,
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
   }
-  return outside;
+  return nb::make_tuple(outside.load(), std::move(before));
 }
 
 Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {

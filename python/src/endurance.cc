@@ -11,6 +11,7 @@
 #include "model/analysis/placed_gains.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
+#include "model/core/share.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
 #include "model/flight/endurance_route.h"
@@ -31,11 +32,12 @@ constexpr std::array<std::pair<Mission, std::string_view>, 2> OptionNames(Missio
 
 // A number, or a pair of it and its standard error, in the unit of the option.
 std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& variable) {
-  const auto given = keywords.Take(variable.name, "float | tuple[float, float]", variable.help);
+  const auto given =
+      keywords.Take(variable.name, "float | str | tuple[float, float]", variable.help);
   if (!given) return std::nullopt;
   const std::string shown = PythonName(variable.name);
   const auto number = [&](nb::handle one, const Range& range) {
-    return options_internal::ParseDouble(shown, TextOf(shown, one), range);
+    return ParseShare(shown, TextOf(shown, one), range);
   };
   if (!nb::isinstance<nb::tuple>(*given)) return Uncertain{number(*given, variable.valid), 0.0};
   const auto pair = nb::cast<nb::tuple>(*given);

@@ -282,17 +282,21 @@ void Keywords::Finish() const {
   for (const auto& [key, value] : given_) {
     const std::string name = Utf8Of("name", nb::str(key));
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    const auto within = std::find_if(
-        within_.begin(), within_.end(), [&](const auto& option) { return option.first == name; });
-    std::string message = UnknownName("option", name, known_);
-    if (within != within_.end()) {
-      message = fmt::format("unknown option '{}'; it is one of {}: say {}={{\"{}\": ...}}",
-                            name,
-                            within->second,
-                            within->second,
-                            name);
-    }
-    throw OptionError(message);
+    // An option of a group has its unit in its name, which the command line's short one may lack.
+    const auto find = [&](const auto& is_it) {
+      return std::find_if(
+          within_.begin(), within_.end(), [&](const auto& option) { return is_it(option.first); });
+    };
+    auto within = find([&](const std::string& option) { return option == name; });
+    if (within == within_.end() && Nearest(name, known_).empty())
+      within = find([&](const std::string& option) { return option.starts_with(name + "_"); });
+    if (within == within_.end()) throw OptionError(UnknownName("option", name, known_));
+    throw OptionError(fmt::format("unknown option '{}'; {} of {}: say {}={{\"{}\": ...}}",
+                                  name,
+                                  within->first == name ? "it is one" : "there is one",
+                                  within->second,
+                                  within->second,
+                                  within->first));
   }
 }
 

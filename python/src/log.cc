@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "identify/logs/formats/plain_csv.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
 #include "model/core/errors.h"
@@ -55,7 +56,11 @@ PythonLog Read(nb::handle file, const nb::dict& given) {
   return Shared(std::move(log));
 }
 
-PythonLog ReadText(const nb::bytes& text, nb::handle file, const nb::dict& given) {
+// The table of a binary file: what it is called where the columns are of no vendor.
+PythonLog ReadText(const nb::bytes& text,
+                   nb::handle file,
+                   const std::string& format,
+                   const nb::dict& given) {
   const std::string name = PathOf(file);
   const ReadOptions options = ReadingOf(given, true);
   Log log;
@@ -63,6 +68,7 @@ PythonLog ReadText(const nb::bytes& text, nb::handle file, const nb::dict& given
     const nb::gil_scoped_release release;
     log = ReadLogText({text.c_str(), text.size()}, name, options);
   }
+  if (log.report.format == kPlainCsv.name) log.report.format = format;
   return Shared(std::move(log));
 }
 
@@ -359,9 +365,19 @@ void AddLogs(nb::module_& module) {
                    [](const PythonLog& self) { return self.log->report.current_sign_reason; })
       .def_prop_ro("rows_of_source",
                    [](const PythonLog& self) {
-                     const auto& thinned = self.log->report.thinned;
-                     return thinned ? thinned->rows_of_log : self.log->record.size();
+                     return self.log->report.rows + self.log->report.dropped_rows();
                    })
+      // Those that reading kept, of which a thinned log has fewer.
+      .def_prop_ro("rows_kept", [](const PythonLog& self) { return self.log->report.rows; })
+      // The same log under another name; its columns are not copied.
+      .def(
+          "named",
+          [](const PythonLog& self, const std::string& name) {
+            Log log = self.Lent();
+            log.record.file = name;
+            return Shared(std::move(log));
+          },
+          nb::arg("name"))
       .def("reading",
            [](const PythonLog& self) { return ToPython(ReadingToJson(self.log->report)); })
       .def("inspect", &Inspect)
@@ -372,7 +388,12 @@ void AddLogs(nb::module_& module) {
       });
   module.attr("most_rows_kept") = kMostRowsKept;
   module.def("read_log", &Read, nb::arg("file"), nb::arg("options"));
-  module.def("read_log_text", &ReadText, nb::arg("text"), nb::arg("file"), nb::arg("options"));
+  module.def("read_log_text",
+             &ReadText,
+             nb::arg("text"),
+             nb::arg("file"),
+             nb::arg("format"),
+             nb::arg("options"));
   module.def("take_log",
              &Take,
              nb::arg("time_s").noconvert(),
@@ -381,6 +402,10 @@ void AddLogs(nb::module_& module) {
              nb::arg("temperature_degC").noconvert().none(),
              nb::arg("name"),
              nb::arg("options"));
+  module.def(
+      "check_reading",
+      [](const nb::dict& given) { (void)ReadingOf(given, true); },
+      nb::arg("options"));
   module.def("describe_reading", &Describe, nb::arg("of_a_file"));
 }
 

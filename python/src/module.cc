@@ -1,6 +1,10 @@
 // lipoid._core: what C++ knows. The package around it (python/lipoid) makes it at home in Python.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
 
+#include "model/core/nearest_name.h"
 #include "model/core/run_record.h"
 #include "python/src/campaign.h"
 #include "python/src/cell.h"
@@ -30,6 +34,11 @@ NB_MODULE(_core, module) {
   AddHealth(module);
   AddExport(module);
   AddReports(module);
+  module.def("unknown_name",
+             &lipoid::UnknownName,
+             nanobind::arg("what"),
+             nanobind::arg("typed"),
+             nanobind::arg("known"));
   module.def("stop_all_work", &StopAllWork);
   module.attr("version") = lipoid::Version();
   module.attr("commit") = lipoid::GitCommit();

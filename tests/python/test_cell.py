@@ -156,7 +156,7 @@ def test_dates_and_durations_are_seconds(name: str, make: Callable[[Any], Any]) 
             np.stack([I, I]),
             "time_s: expected numbers, found dates",
         ),
-        ([pd.Timestamp(0), pd.Timestamp(1, tz="UTC")], [0.0, 1.0], "time_s: expected numbers"),
+        ([pd.Timestamp(0), pd.Timestamp(1, tz="UTC")], [0.0, 1.0], "all have a time zone or none"),
         (0.0, 1.0, "current_A: expected a column of numbers"),
         (dict(enumerate(T)), I, "expected times or a Log, found a dict"),
         (pd.DataFrame({"time_s": T, "current_A": I}), None, "times or a Log, found a DataFrame"),
@@ -378,3 +378,47 @@ def test_drawn_cells_that_were_moved_are_said(caplog: pytest.LogCaptureFixture) 
     lipoid.endurance(few, vehicle="mambo-physical", reserve=0.7, ensemble=20)
     assert "of 20 cells the interval is that from the lowest to the highest" in caplog.text
     assert "of 20 flights the interval is that from the lowest to the highest" in caplog.text
+
+
+def test_a_simulation_ends_at_the_cutoff_as_that_of_the_program(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    t, i = np.arange(0.0, 10_000.0, 100.0), np.ones(100)
+    pd.DataFrame({"time_s": t, "current_A": i}).to_csv(tmp_path / "current.csv", index=False)
+    files = ["--current", "current.csv", "-o", "v.csv"]
+    told = program("simulate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"][0]
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    made = cell.simulate(t, i)
+    assert 0 < told["rows"] < 100
+    assert np.isnan(made.voltage_V).sum() == np.isnan(made.soc).sum() == 100 - told["rows"]
+    assert len(made.to_pandas()) == made.rows == told["rows"]
+    np.testing.assert_allclose(
+        made.to_pandas()["voltage_V"], pd.read_csv(tmp_path / "v.csv")["voltage_V"], atol=1e-9
+    )
+    (said,) = caplog.messages
+    assert f"cut-off of 3 V at {told['cutoff_s']:.10g} s under 1 A: the {told['rows']} of" in said
+    assert f"{told['rows']} before the cut-off" in repr(made)
+    every = cell.simulate(t, i, beyond_cutoff=True)
+    assert np.isfinite(every.voltage_V).all() and every.rows == 100
+    assert every.soc[-1] < 0.0
+    assert len(caplog.messages) == 1
+    both = cell.simulate(t, np.stack([0.0 * i, i]))
+    np.testing.assert_array_equal(both.rows, [100, told["rows"]])
+    assert "under 1 of 2 currents; current 1 at" in caplog.messages[-1]
+
+
+def test_a_file_is_no_current() -> None:
+    with pytest.raises(lipoid.OptionError, match=r"found 'file.csv'; a file is read by"):
+        lipoid.Cell.read("gifi-600mAh-1").simulate("file.csv")
+
+
+def test_packing_a_pack_says_how_many_there_are() -> None:
+    pack = lipoid.Cell.read("gifi-600mAh-1").pack(3).pack(2)
+    assert (pack.series, pack.parallel) == (2, 1)
+    assert "is 2 in series" in (lipoid.Cell.pack.__doc__ or "")
+
+
+def test_lines_of_resistances_can_be_told_apart(result: lipoid.Identification) -> None:
+    for cell in (lipoid.Cell.read("gifi-600mAh-1"), result.cell):
+        lines = cell.plot()[1].get_lines()
+        assert len({line.get_color() for line in lines}) == len(lines) > 1

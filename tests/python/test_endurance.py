@@ -173,3 +173,11 @@ def test_a_larger_cell_has_the_heat_of_its_size(program: Lipoid, tmp_path: Path)
     ).summary
     for key in ("minutes", "landing_voltage_V", "energy_Wh"):
         assert ours[key] == theirs[key], key
+
+
+def test_a_share_may_be_in_percent_as_on_the_command_line() -> None:
+    cell, vehicle = "gifi-600mAh-1", "mambo-physical"
+    percent = lipoid.endurance(cell, vehicle=vehicle, reserve="20%")
+    assert percent.minutes == lipoid.endurance(cell, vehicle=vehicle, reserve=0.2).minutes
+    with pytest.raises(lipoid.OptionError, match="option reserve: expected"):
+        lipoid.endurance(cell, vehicle=vehicle, reserve="200%")

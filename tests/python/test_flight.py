@@ -112,3 +112,8 @@ def test_the_lists() -> None:
     assert "mambo-physical" in lipoid.vehicles()
     assert "levenberg-marquardt" in lipoid.optimizers()
     assert "gifi-600mAh-1" in lipoid.cells()
+
+
+def test_a_name_of_the_command_line_within_a_group_is_found() -> None:
+    with pytest.raises(lipoid.OptionError, match=r'say wind=\{"gusts_m_per_s": ...\}'):
+        lipoid.fly("hover", gusts=3)  # type: ignore[call-arg]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import concurrent.futures
+import copy
+import dataclasses
 import hashlib
 import logging
 import multiprocessing
@@ -59,7 +61,7 @@ def test_a_synthetic_pack_is_one_in_memory_too(tmp_path: Path) -> None:
     written = lipoid.synthesize("gifi-600mAh-1", tmp_path / "logs", **options)
     kept = lipoid.synthesize("gifi-600mAh-1", **options)
     assert (kept.series, kept.parallel) == (written.series, written.parallel) == (3, 2)
-    of_pack = cast(Any, kept._core.given()[0])
+    of_pack = kept._given["low_rate"][0][0]
     assert np.median(of_pack.voltage_V) > 3 * 3.0
     for ours, theirs in zip(kept.logs(), written.logs(), strict=True):
         pd.testing.assert_frame_equal(ours.to_pandas(), theirs.to_pandas(), check_exact=True)
@@ -187,7 +189,7 @@ def test_what_is_no_campaign_is_said() -> None:
         lipoid.Campaign(pulses=log, reading="s,A,V")  # type: ignore[arg-type]
     with pytest.raises(lipoid.OptionError, match="found int; arrays are given by name"):
         lipoid.Campaign(pulses=3)  # type: ignore[arg-type]
-    assert len(lipoid.Campaign(pulses=(one for one in [log])).entries) == 1  # type: ignore[arg-type]
+    assert len(lipoid.Campaign(pulses=(one for one in [log])).entries) == 1
 
 
 def test_messages_name_options_as_python_has_them() -> None:
@@ -654,3 +656,96 @@ def test_many_identifications_do_not_grow_memory(lab: Path) -> None:
     grown_kB = identify(times) - settled_kB
     # A thread that ended for each would leave 8 kB of oneTBB's behind, a log 60 kB.
     assert grown_kB < 2 * times + 200
+
+
+def test_logs_in_memory_are_called_by_kind_and_place(tmp_path: Path) -> None:
+    t = np.arange(0.0, 600.0)
+    i = np.where((t > 10) & (t < 300), 1.0, 0.0)
+    frame = pd.DataFrame({"time_s": t, "current_A": i, "voltage_V": 4.1 - 0.05 * i})
+    frame["voltage_V"] -= 1e-4 * np.clip(t - 10, 0, 290)
+    mine = lipoid.Log(frame, name="mine")
+    made = lipoid.Campaign(constant_current=[frame, lipoid.Log(frame), mine], pulses=frame)
+    names = ["constant_current[0]", "constant_current[1]", "mine", "pulses"]
+    assert list(made.entries["file"]) == names
+    assert [log.file for log in made.logs()] == names
+    assert list(pickle.loads(pickle.dumps(made)).entries["file"]) == names
+    with pytest.raises(lipoid.LoadError, match=r"^pulses\[1\]:42:1: error"):
+        lipoid.Campaign(pulses=[frame, frame.assign(current_A=np.where(t == 41, np.nan, i))])
+    with pytest.raises(lipoid.OptionError, match=r"'constant_current\[0\]' is in memory.*to_csv"):
+        made.to_toml()
+    frame.to_csv(tmp_path / "pulses.csv", index=False)
+    of_files = lipoid.Campaign(pulses=tmp_path / "pulses.csv")
+    (tmp_path / "campaign.toml").write_text(of_files.to_toml())
+    assert lipoid.Campaign.read(tmp_path / "campaign.toml").entries.equals(of_files.entries)
+
+
+def test_what_is_said_of_one_log_counts_as_in_a_campaign_file(lab: Path) -> None:
+    text = (lab / "campaign.toml").read_text()
+    said = {"weight": 5.0, "initial_soc": 0.99, "ambient_degC": 21.0, "initial_degC": 22.0}
+    lines = "".join(f"{key} = {value}\n" for key, value in said.items())
+    first, mark, rest = text.partition('kind = "pulses"\n')
+    file = lab / "said.toml"
+    file.write_text(first + mark + lines + rest)
+    of_file = lipoid.Campaign.read(file)
+    kinds: dict[str, list[Any]] = {}
+    for in_memory in (True, False):
+        kinds.clear()
+        for kind, name in of_file.entries[["kind", "file"]].itertuples(index=False):
+            path = lab / name
+            one = lipoid.read_log(path) if in_memory else path
+            kinds.setdefault(kind.replace("-", "_"), []).append(
+                {"file": one, **said} if kind == "pulses" else one
+            )
+        campaign = lipoid.Campaign(
+            name=of_file.name,
+            capacity_Ah=of_file.capacity_Ah,
+            cutoff_V=of_file.cutoff_V,
+            **cast(Any, kinds),
+        )
+        for one in (campaign, pickle.loads(pickle.dumps(campaign))):
+            pd.testing.assert_frame_equal(
+                one.entries.drop(columns="file"), of_file.entries.drop(columns="file")
+            )
+        ours = lipoid.identify(campaign, method="staged").parameters["estimate"]
+        theirs = lipoid.identify(of_file, method="staged").parameters["estimate"]
+        np.testing.assert_array_equal(ours, theirs)
+    with pytest.raises(lipoid.OptionError, match="option weight: expected"):
+        lipoid.Campaign(pulses={"file": lab / "pulses.csv", "weight": -1.0})
+    with pytest.raises(lipoid.OptionError, match=r"unknown option 'wieght'.* mean 'weight'"):
+        lipoid.Campaign(pulses={"file": lab / "pulses.csv", "wieght": 1.0})
+    with pytest.raises(lipoid.OptionError, match="unknown option 'units'"):
+        log = lipoid.read_log(lab / "pulses.csv")
+        lipoid.Campaign(pulses={"file": log, "units": "s,A,V"})
+
+
+def test_what_no_campaign_could_take_is_refused_at_once(campaign: lipoid.Campaign) -> None:
+    wrong: list[dict[str, Any]] = [{"methd": "joint"}, {"branches": 99}, {"threads": -1}]
+    for options in wrong:
+        with pytest.raises(lipoid.OptionError):
+            lipoid.identify_many([campaign], **options)
+
+
+def test_what_a_parameter_is_tied_to_is_a_column(result: lipoid.Identification) -> None:
+    assert set(result.parameters["with"]) == {""}  # these logs identify each by itself
+    told = copy.deepcopy(result.summary)
+    told["parameters"][1]["with"] = ["r_1(0.2)", "beta"]
+    column = dataclasses.replace(result, summary=told).parameters["with"]
+    assert column.iloc[1] == "r_1(0.2), beta"
+
+
+def test_optimizers_that_agree_are_drawn_apart_from_those_that_do_not() -> None:
+    from lipoid import plots
+
+    table = pd.DataFrame(
+        {"wall_s": [0.1, 0.2, 3.0], "rmse_V": [1e-3, 1e-3 * (1 + 1e-9), 1.5e-3]},
+        index=["levenberg-marquardt", "bobyqa", "a-slow-one"],
+    )
+    (axes,) = plots.comparison(table)
+    axes.figure.canvas.draw()
+    ticks = [tick.get_text() for tick in axes.get_yticklabels()]
+    assert len(set(ticks)) == len(ticks)
+    np.testing.assert_allclose(np.asarray(axes.get_lines()[0].get_ydata())[-1:], 50.0)
+    box = axes.get_window_extent()
+    for text in axes.texts:
+        words = text.get_window_extent()
+        assert box.x0 <= words.x0 and words.x1 <= box.x1

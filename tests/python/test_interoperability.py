@@ -66,3 +66,19 @@ def test_pybop_finds_what_the_logs_were_made_with(campaign: lipoid.Campaign) -> 
     # PyBOP draws straight lines between rows: a step of the current is a ramp of a second there.
     of_the_ramps = 0.02
     assert costs[1] < of_the_ramps * min(costs[0], costs[2])
+
+
+@pytest.mark.parametrize("package", ["pybamm", "thevenin", "pybop"])
+def test_a_missing_package_is_named_with_its_remedy(
+    package: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import importlib
+
+    def missing(name: str) -> Any:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    with pytest.raises(ModuleNotFoundError, match=f"pip install {package}"):
+        from lipoid import interoperability
+
+        interoperability._imported(package)

@@ -8,6 +8,7 @@ import pickle
 import resource
 import struct
 from collections.abc import Callable
+from datetime import datetime, timedelta, timezone
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -418,3 +419,55 @@ def test_a_flight_loses_the_row_of_a_damaged_message_alone(tmp_path: Path) -> No
         assert len(log) == 199
         assert log.warnings[0].startswith(said)
         np.testing.assert_array_equal(log.current_A, np.delete(whole.current_A, 90))
+
+
+def test_rows_that_repeat_their_time_are_said_and_counted(tmp_path: Path) -> None:
+    coarse = pd.DataFrame({"time_s": np.floor(np.arange(0.0, 600.0, 0.1))})
+    second = coarse["time_s"].to_numpy().astype(int)
+    coarse["current_A"], coarse["voltage_V"] = I[second], V[second]
+    coarse.to_csv(tmp_path / "floor.csv", index=False)
+    for log in (lipoid.Log(coarse), lipoid.read_log(tmp_path / "floor.csv")):
+        assert (len(log), log.rows_of_source) == (600, 6000)
+        assert "600 of 6000 rows" in repr(log)
+        (warning,) = log.warnings
+        assert warning.startswith("5400 of 6000 rows have the time of the row before")
+    one_twice = lipoid.Log(pd.concat([coarse.iloc[::10], coarse.iloc[-1:]]))
+    assert (one_twice.rows_of_source, one_twice.warnings) == (601, [])
+
+
+@pytest.mark.parametrize("holes", [slice(None), slice(0, 500), slice(20, 22)])
+def test_a_column_of_temperatures_may_have_holes_as_in_a_file(tmp_path: Path, holes: slice) -> None:
+    frame = pd.DataFrame({"time_s": T, "current_A": I, "voltage_V": V, "temperature_degC": 20.0})
+    frame.loc[frame.index[holes], "temperature_degC"] = np.nan
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    of_file, of_frame = lipoid.read_log(tmp_path / "log.csv"), lipoid.Log(frame)
+    assert of_frame.warnings == of_file.warnings != []
+    pd.testing.assert_frame_equal(of_frame.to_pandas(), of_file.to_pandas())
+    assert (of_frame.temperature_degC is None) == (holes != slice(20, 22))
+    with pytest.raises(lipoid.LoadError, match="finite number in temperature_degC, found inf"):
+        lipoid.Log(frame.assign(temperature_degC=np.inf))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"voltage_v": V}, "unknown option 'voltage_v'. Did you mean 'voltage_V'"),
+        ({"voltage_V": V, "temperature_degc": V}, "Did you mean 'temperature_degC'"),
+        ({"voltage_V": V, "units": "s,A,mV"}, "unknown option 'units'"),
+    ],
+)
+def test_a_wrong_name_of_a_column_gets_the_right_one(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.Log(time_s=T, current_A=I, **options)
+
+
+def test_columns_in_other_units_are_told_what_to_do() -> None:
+    with pytest.raises(lipoid.LoadError, match=r"are these mV\? Columns of a program are in V, A"):
+        lipoid.Log(time_s=T, current_A=I, voltage_V=1000.0 * V)
+
+
+def test_dates_with_and_without_a_zone_are_no_times() -> None:
+    naive = [datetime(2024, 1, 1) + timedelta(seconds=k) for k in range(N)]
+    mixed = [naive[0].replace(tzinfo=timezone.utc), *naive[1:]]
+    with pytest.raises(lipoid.OptionError, match="all have a time zone or none"):
+        lipoid.Log(time_s=mixed, current_A=I, voltage_V=V)

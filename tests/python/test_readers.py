@@ -183,3 +183,29 @@ def test_a_campaign_takes_them_too(tmp_path: Path, lab: Path) -> None:
     )
     log = campaign.logs("pulses")[0]
     np.testing.assert_array_equal(log.voltage_V, pulses.voltage_V)
+
+
+@pytest.mark.parametrize("index", ["dates", "durations", "named numbers", "named dates"])
+def test_the_index_of_a_pandas_table_is_its_time(tmp_path: Path, index: str) -> None:
+    frame = table().drop(columns="Test time / min")
+    frame.index = {
+        "dates": pd.Timestamp("2024-01-01", tz="Europe/Berlin") + pd.to_timedelta(T, unit="s"),
+        "durations": pd.to_timedelta(T, unit="s"),
+        "named numbers": pd.Index(T, name="time_s"),
+        "named dates": pd.DatetimeIndex(
+            pd.Timestamp("2024") + pd.to_timedelta(T, unit="s"), name="time"
+        ),
+    }[index]
+    frame.to_parquet(tmp_path / "log.parquet")
+    log = lipoid.read_log(tmp_path / "log.parquet")
+    np.testing.assert_allclose(log.time_s, T, atol=1e-9)
+    assert log.format == "parquet"
+
+
+@pytest.mark.parametrize("name", ["time_s", "time", "Test Time"])
+@pytest.mark.parametrize("write", ["to_parquet", "to_feather"])
+def test_a_column_of_durations_is_a_time(tmp_path: Path, name: str, write: str) -> None:
+    frame = table().rename(columns={"Test time / min": name})
+    frame[name] = pd.to_timedelta(T, unit="s")
+    getattr(frame, write)(tmp_path / "log.bin")
+    np.testing.assert_allclose(lipoid.read_log(tmp_path / "log.bin").time_s, T, atol=1e-9)

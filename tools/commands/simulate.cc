@@ -51,8 +51,7 @@ struct Way {
 };
 
 // write(time_s, current_A, row) for the rows before the first one that lies below the cut-off of the
-// pack. A current that ends where the cut-off is reached is whole: the last row of a discharge lies
-// on a steep end.
+// pack.
 class Walk {
  public:
   Walk(const Cell& cell, Hold hold, double initial_soc, std::size_t rows_of_log, bool beyond_cutoff)
@@ -67,7 +66,7 @@ class Walk {
     predictor_.Rows(
         rows.time_s, rows.current_A, surroundings, [&](std::size_t k, const PredictedRow& row) {
           if (way_.cutoff_s) return;
-          if (!beyond_cutoff_ && IsBelow(row.voltage_V)) {
+          if (!beyond_cutoff_ && IsBelowCutoff(cell_, row.voltage_V, way_.rows, rows_of_log_)) {
             way_.cutoff_s = rows.time_s[k];
             way_.cutoff_A = rows.current_A[k];
             return;
@@ -86,13 +85,6 @@ class Walk {
   [[nodiscard]] const Way& way() const { return way_; }
 
  private:
-  [[nodiscard]] bool IsBelow(double voltage_V) const {
-    constexpr double kLastStep_V = 0.3;
-    const double least_V = cell_.series * (cell_.cutoff_V - kCutoffTolerance_V);
-    const bool last = way_.rows > 0 && way_.rows + 1 == rows_of_log_;
-    return !(voltage_V >= (last ? least_V - cell_.series * kLastStep_V : least_V));
-  }
-
   const Cell& cell_;
   RowPredictor predictor_;
   std::size_t rows_of_log_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "model/battery/cell.h"
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/plain_csv.h"
@@ -25,6 +26,19 @@ Record WithVoltage(Record record, const std::function<double(double)>& voltage_V
 
 // Falls by 1 mV/s from the switch-on at 100 s and crosses 3 V 1000.25 s after it.
 double Falling(double time_s) { return 3.0 + 0.001 * (1100.25 - std::max(time_s, 100.0)); }
+
+TEST(IsBelowCutoff, OfAPackTheLastRowOfALogMayLieOnTheSteepEnd) {
+  Cell cell;
+  cell.cutoff_V = 3.0;
+  cell.series = 2;
+  constexpr std::size_t kRows = 10;
+  EXPECT_FALSE(IsBelowCutoff(cell, 6.0 - 1.9 * kCutoffTolerance_V, 4, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 6.0 - 2.1 * kCutoffTolerance_V, 4, kRows));
+  EXPECT_FALSE(IsBelowCutoff(cell, 5.5, kRows - 1, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 5.3, kRows - 1, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 5.5, 0, 1)) << "of a single row nothing comes before the end";
+  EXPECT_TRUE(IsBelowCutoff(cell, std::nan(""), 4, kRows));
+}
 
 class DischargeHolds : public testing::TestWithParam<Hold> {};
 INSTANTIATE_TEST_SUITE_P(Both,

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ostream>
 #include <utility>
 
@@ -93,9 +94,10 @@ TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
     EXPECT_TRUE(log.record.temperature_degC.empty());
     return log.report.warnings;
   };
-  EXPECT_EQ(warnings("Temperature (R)", ""),
-            (std::vector<std::string>{"temperature left out: the header 'Temperature (R)' states no "
-                                      "unit of temperature (degC, degF, K)"}));
+  EXPECT_EQ(
+      warnings("Temperature (R)", ""),
+      (std::vector<std::string>{"temperature left out: the header 'Temperature (R)' states no "
+                                "unit of temperature (degC, degF, K)"}));
   EXPECT_EQ(warnings("temp_degC,temperature_degC", ",77"),
             (std::vector<std::string>{"temperature left out: there are more columns beside "
                                       "'temperature_degC'; name one with `columns = "
@@ -254,6 +256,40 @@ TEST(PlainCsv, WhatIsSkippedIsCounted) {
                                       "1 blank line skipped",
                                       "1 comment line skipped",
                                       "1 line before the header skipped"}));
+}
+
+// Ten rows for each second of a clock in whole seconds.
+TEST(PlainCsv, AClockThatIsCoarserThanItsRowsIsSaid) {
+  std::string text = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k < 100; ++k) text += fmt::format("{},{},{}\n", k / 10, k < 30 ? 0 : 2, 4.1);
+  const Log log = Read(text, {.current_sign = "discharge-positive"});
+  EXPECT_EQ(log.report.rows, 10U);
+  EXPECT_EQ(log.report.warnings,
+            (std::vector<std::string>{
+                "90 of 100 rows have the time of the row before and were left out: the clock is "
+                "coarser than the rows; export the times with more digits"}));
+}
+
+TEST(TakeLog, MissingTemperaturesAreThoseOfAFile) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto take = [](std::vector<double> temperature_degC) {
+    Record record;
+    record.time_s = std::vector<double>{0, 1, 2, 3, 4};
+    record.current_A = std::vector<double>{0, 0, 2, 2, 2};
+    record.voltage_V = std::vector<double>{4.1, 4.1, 4.0, 3.99, 3.97};
+    record.temperature_degC = std::move(temperature_degC);
+    return TakeLog(std::move(record), {.current_sign = "discharge-positive"});
+  };
+  const Log bridged = take({20, kNone, 22, 22, 22});
+  EXPECT_EQ(bridged.record.temperature_degC, (std::vector<double>{20, 21, 22, 22, 22}));
+  EXPECT_EQ(bridged.report.warnings,
+            (std::vector<std::string>{"1 row without a temperature, which is taken from a straight "
+                                      "line between the rows around"}));
+  const Log left_out = take({kNone, kNone, kNone, kNone, kNone});
+  EXPECT_TRUE(left_out.record.temperature_degC.empty());
+  EXPECT_EQ(left_out.report.warnings,
+            (std::vector<std::string>{"temperature left out, for some rows hold no number: what "
+                                      "needs it goes on without"}));
 }
 
 TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
