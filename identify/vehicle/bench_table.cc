@@ -38,7 +38,7 @@ constexpr Column kColumns[] = {
     {"throttle",
      {"throttle", "duty", "throttle"},
      {{{"%", 0.01}, {"us", 1e-3, 1000.0}, {"", 1.0}, {"percent", 0.01}, {"µs", 1e-3, 1000.0}}},
-     &BenchRow::duty,
+     &BenchRow::throttle,
      "%, us, or no unit for a fraction",
      true},
     {"voltage",
@@ -133,8 +133,8 @@ void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std:
   const auto refuse = [&](std::string_view expected, double found) {
     throw LoadError({file, line, 1}, fmt::format("expected {}, found {:.6g}", expected, found));
   };
-  if (!(row.duty > 0.0 && row.duty <= 1.0)) {
-    refuse("a throttle above 0 and at most 100 %, as a fraction", row.duty);
+  if (!(row.throttle > 0.0 && row.throttle <= 1.0)) {
+    refuse("a throttle above 0 and at most 100 %, as a fraction", row.throttle);
   }
   if (!(row.voltage_V > 0.0 && row.voltage_V < 1e4)) refuse("a voltage above 0 V", row.voltage_V);
   if (!(row.current_A > 0.0 && row.current_A < 1e5)) refuse("a current above 0 A", row.current_A);

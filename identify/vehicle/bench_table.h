@@ -17,7 +17,7 @@
 namespace lipoid {
 
 struct BenchRow {
-  double duty = 0.0;  ///< throttle, above 0 and at most 1
+  double throttle = 0.0;  ///< above 0 and at most 1
   double voltage_V = 0.0;
   double current_A = 0.0;  ///< of the battery
   double thrust_N = 0.0;

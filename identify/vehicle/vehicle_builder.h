@@ -55,8 +55,9 @@ struct VehicleDraft {
   Trim hover;                     ///< at 3.7 V a cell, behind no resistance
   double thrust_to_weight = 0.0;  ///< at full throttle there
   double hover_power_W = 0.0;
-  std::vector<std::string> assumed;   ///< keys of the vehicle file
-  std::vector<std::string> cautions;  ///< what can hardly be meant, or does not fit in the bench table
+  std::vector<std::string> assumed;  ///< keys of the vehicle file
+  std::vector<std::string>
+      cautions;  ///< what can hardly be meant, or does not fit in the bench table
 };
 
 /// The coefficients of a propeller of which only diameter, pitch and blades are known: blade element
@@ -71,6 +72,10 @@ struct PropellerCoefficients {
   double power = 0.0;
 };
 [[nodiscard]] PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades);
+
+/// Current without load over the voltage that turns the motor then: I_0/(V_0 - R I_0). OptionError
+/// where the winding would take all of it.
+[[nodiscard]] double NoLoadConductance(const BuilderNumbers& numbers);
 
 /// OptionError where a number is missing, or where no such vehicle can be: propellers that overlap,
 /// propellers that outweigh the vehicle or have no pitch, a figure of merit above 1, less thrust than

@@ -22,8 +22,8 @@ TEST(BenchTable, IsReadAsVendorsPrintIt) {
       "b.csv");
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_TRUE(table.has_speed);
-  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
-  EXPECT_DOUBLE_EQ(table.rows[1].duty, 0.6);
+  EXPECT_DOUBLE_EQ(table.rows[0].throttle, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[1].throttle, 0.6);
   EXPECT_EQ(table.rows[0].voltage_V, 16.66);
   EXPECT_EQ(table.rows[3].current_A, 14.26);
   EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.401 * 9.80665);
@@ -37,7 +37,7 @@ TEST(BenchTable, UnitsAreThoseOfTheHeader) {
   const auto table = ParseBenchTable(
       "\xEF\xBB\xBFthrottle_us;voltage [mV];Current / mA;thrust (kg)\n" + rows, "b.csv");
   EXPECT_FALSE(table.has_speed);
-  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[0].throttle, 0.5);
   EXPECT_DOUBLE_EQ(table.rows[0].voltage_V, 16.0);
   EXPECT_DOUBLE_EQ(table.rows[0].current_A, 4.0);
   EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.5 * 9.80665);

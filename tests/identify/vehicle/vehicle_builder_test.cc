@@ -128,9 +128,10 @@ TEST(VehicleBuilder, PropellersWeighLessThanTheVehicleAndHaveAPitch) {
   BuilderNumbers n = Racer();
   n.mass_g = 0.65;
   // 0.085 g for each of 25 square inches.
-  EXPECT_EQ(Refusal(n),
-            "the propellers would outweigh the vehicle: 4 of 2.125 g (assumed from their diameter) "
-            "are 8.5 g, and --mass-g is 0.65 g with them. Check --mass-g and --propeller-g, both in g");
+  EXPECT_EQ(
+      Refusal(n),
+      "the propellers would outweigh the vehicle: 4 of 2.125 g (assumed from their diameter) "
+      "are 8.5 g, and --mass-g is 0.65 g with them. Check --mass-g and --propeller-g, both in g");
   n = Racer();
   n.propeller_g = 200.0;
   EXPECT_TRUE(Refusal(n).starts_with(
@@ -189,6 +190,7 @@ TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   fit.resistance_Ohm = {"armature_resistance_Ohm", 0.08, 0.002, 0.076, 0.084, true};
   fit.friction_N_m_s = {"friction_N_m_s", 1e-6, 1e-8, 0.9e-6, 1.1e-6, true};
   fit.switching_share = {"switching_share", 0.0, 0.0, 0.0, 0.0, false};
+  fit.throttle_exponent = {"throttle_exponent", 1.0, 0.01, 0.98, 1.02, true};
   const Vehicle v = BuildVehicle(n, fit).vehicle;
   EXPECT_DOUBLE_EQ(v.armature_resistance_Ohm, 0.06);
   EXPECT_DOUBLE_EQ(v.esc.resistance_Ohm, 0.02);
@@ -200,10 +202,11 @@ TEST(VehicleBuilder, AGivenWindingLeavesTheRestToTheController) {
   const auto refusal = [&] {
     return test::MessageOf<OptionError>([&] { (void)BuildVehicle(n, fit); });
   };
-  EXPECT_EQ(refusal(),
-            "option --winding-resistance-Ohm: 5 Ohm are more than the 0.08 Ohm that the fit to "
-            "bench.csv finds for winding and controller together; leave the option out, or give the "
-            "resistance between two of the three wires");
+  EXPECT_EQ(
+      refusal(),
+      "option --winding-resistance-Ohm: 5 Ohm are more than the 0.08 Ohm that the fit to "
+      "bench.csv finds for winding and controller together; leave the option out, or give the "
+      "resistance between two of the three wires");
   n.winding_resistance_Ohm = 0.06;
   n.esc.resistance_Ohm = 0.005;
   EXPECT_TRUE(refusal().starts_with(
