@@ -153,6 +153,8 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
   std::size_t fields = 0;
   char delimiter = ',';
   std::size_t line = 0;
+  std::size_t standing = 0;
+  std::size_t copies = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view view = std::string_view(text).substr(begin, end - begin);
@@ -189,16 +191,35 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
       double value = 0.0;
       std::string_view number = Trimmed(cell.text);
       if (number.ends_with('%')) number.remove_suffix(1);
-      if (!ParseNumber(Trimmed(number), '.', value) || !std::isfinite(value)) {
+      const bool read = ParseNumber(Trimmed(number), '.', value) ||
+                        (delimiter != ',' && ParseNumber(Trimmed(number), ',', value));
+      if (!read || !std::isfinite(value)) {
         throw LoadError(
             {file, line, cell.column},
             fmt::format("{}: expected a number, found '{}'", kColumns[k].what, cell.text));
       }
       row.*kColumns[k].member = (value - found[k]->unit.offset) * found[k]->unit.factor;
     }
+    if (row.throttle >= 0.0 && row.thrust_N == 0.0 && row.speed_rad_per_s == 0.0) {
+      ++standing;
+      continue;
+    }
     CheckRow(row, table.has_speed, file, line);
+    if (std::find(table.rows.begin(), table.rows.end(), row) != table.rows.end()) {
+      ++copies;
+      continue;
+    }
     table.rows.push_back(row);
   }
+  const auto remark = [&](std::size_t rows, std::string_view what) {
+    if (rows == 0) return;
+    table.remarks.push_back(
+        fmt::format("{} row{} of {} {}", rows, rows == 1 ? "" : "s", file, what));
+  };
+  remark(standing, "left out: no thrust, the propeller stands");
+  remark(
+      copies,
+      "left out: the same numbers in every column as a row before, a copy of which says nothing new");
   constexpr std::size_t kFewestRows = 4;
   if (table.rows.size() < kFewestRows) {
     throw LoadError(NoFile(file),

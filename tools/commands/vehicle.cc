@@ -253,6 +253,7 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
     }
   }
   std::optional<BenchFit> fit;
+  std::vector<std::string> remarks;
   if (!bench_file.empty()) {
     for (const char* name : {"pitch-in", "blades", "thrust-coefficient", "power-coefficient"}) {
       if (line.Given(name))
@@ -267,7 +268,9 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
     }
     if (numbers.no_load_A) given.no_load_A_per_V = NoLoadConductance(numbers);
     given.switching = esc.pwm_kHz > 0.0 && esc.switching_ns == 0.0;
-    fit = FitBenchTable(ReadBenchTable(bench_file), given);
+    const BenchTable table = ReadBenchTable(bench_file);
+    remarks = table.remarks;
+    fit = FitBenchTable(table, given);
   }
   const VehicleDraft draft = BuildVehicle(numbers, fit);
   const std::string text = VehicleToToml(draft.vehicle, draft.sources);
@@ -286,6 +289,7 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
       draft.vehicle.name,
       draft.vehicle.mass_kg,
       draft.assumed.empty() ? "nothing" : fmt::format("{}", fmt::join(draft.assumed, ", ")));
+  for (const std::string& remark : remarks) line.Message("{}", remark);
   for (const std::string& caution : draft.cautions) line.Message("caution: {}", caution);
   if (fit && !fit->converged) {
     line.Message("the fit to {} did not converge: {}", bench_file, fit->message);
