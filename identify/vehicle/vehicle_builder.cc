@@ -25,6 +25,10 @@ constexpr double kMiddle_V = 3.7;  // half charged, under a hover's load
 constexpr double kZeroLift_rad = 0.07;
 constexpr double kMeasuredThrust = 0.1185;
 constexpr double kMeasuredPitch = 0.47;
+// At rest a blade of more pitch than this stalls: it lifts no more, and its force is normal to the
+// chord, so that the torque for a thrust grows with the pitch. With it, and the root of the blades,
+// racer-5in's 5 x 4 with three blades has C_T = 0.145 and a figure of merit of 0.41, as measured.
+constexpr double kStallPitch = 0.5;  // over the diameter
 // Between 0.62 and 0.68 on the propellers of docs/vehicles.md.
 constexpr double kTypicalMerit = 0.65;
 
@@ -37,6 +41,10 @@ constexpr double kTypicalPropeller_g_per_in2 = 0.085;
 constexpr double kTypicalLowerRotor = 0.75;
 // Rotor drag of quadrotors is 0.3 to 0.5 per second of the mass.
 constexpr double kTypicalDrag_per_s = 0.3;
+
+double TypicalMerit(double pitch_over_diameter) {
+  return kTypicalMerit * std::min(1.0, kStallPitch / pitch_over_diameter);
+}
 
 double ToThrustCoefficient(double c_t, double diameter_m) {
   return c_t * kAirDensity_kg_per_m3 * std::pow(diameter_m, 4) / (4.0 * kPi * kPi);
@@ -166,10 +174,10 @@ class Draft {
                      n_.blades,
                      air));
     From("torque_coefficient_N_m_s2",
-         fmt::format("assumed: C_P = {:.4f} by a figure of merit of {}, typical of such "
+         fmt::format("assumed: C_P = {:.4f} by a figure of merit of {:.3g}, typical of such "
                      "propellers, {}",
                      c.power,
-                     kTypicalMerit,
+                     TypicalMerit(*n_.pitch_in / n_.propeller_in),
                      air));
   }
 
@@ -181,6 +189,16 @@ class Draft {
     }
     constexpr Range kUsual{0.2, 1.5};
     const double ratio = pitch_in / n_.propeller_in;
+    constexpr double kWell = 0.6;  // the least pitch over diameter that is far into the stall
+    if (n_.blades > 2 || ratio > kWell) {
+      draft_.cautions.push_back(fmt::format(
+          "thrust and power of a propeller of {} blades and a pitch of {:.3g} diameters may be "
+          "off by 40 %: beyond 2 blades, and beyond a pitch of {:g} diameters, where blades stall at "
+          "rest, give --bench-table or coefficients",
+          n_.blades,
+          ratio,
+          kWell));
+    }
     if (kUsual.Contains(ratio)) return;
     draft_.cautions.push_back(fmt::format(
         "a pitch of {:g} inch is {:.3g} diameters of the propeller, where {:g} to {:g} are usual: "
@@ -484,13 +502,13 @@ class Draft {
 PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades) {
   constexpr double kTo = 4.0 / (kPi * kPi * kPi);  // from C_T to C
   const double measured = kTo * kMeasuredThrust;
-  const double slope =
-      0.5 * blades * measured / (kMeasuredPitch / kPi + kZeroLift_rad - std::sqrt(0.5 * measured));
+  const double slope = std::sqrt(0.5 * blades) * measured /
+                       (kMeasuredPitch / kPi + kZeroLift_rad - std::sqrt(0.5 * measured));
   // With q = sqrt(C/2): 2 q² + slope q - slope (theta + a_0) = 0.
-  const double angle = pitch_over_diameter / kPi + kZeroLift_rad;
+  const double angle = std::min(pitch_over_diameter, kStallPitch) / kPi + kZeroLift_rad;
   const double q = (std::sqrt(slope * slope + 8.0 * slope * angle) - slope) / 4.0;
   const double thrust = 2.0 * q * q / kTo;
-  return {thrust, std::pow(thrust, 1.5) * std::sqrt(2.0 / kPi) / kTypicalMerit};
+  return {thrust, std::pow(thrust, 1.5) * std::sqrt(2.0 / kPi) / TypicalMerit(pitch_over_diameter)};
 }
 
 double NoLoadConductance(const BuilderNumbers& numbers) {

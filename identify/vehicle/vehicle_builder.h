@@ -65,8 +65,9 @@ struct VehicleDraft {
 ///
 ///   C = s (theta + a_0 - sqrt(C/2)),   theta = pitch/(pi D),   C = 4 C_T/pi³
 ///
-/// with s, proportional to the blades, and a_0 those of a measured two-blade propeller, and C_P by a
-/// typical figure of merit.
+/// with theta no more than that of half a diameter, beyond which blades stall at rest, s, proportional
+/// to the root of the blades, and a_0 those of a measured two-blade propeller, and C_P by a
+/// typical figure of merit, which falls as 1/pitch where the blades stall.
 struct PropellerCoefficients {
   double thrust = 0.0;
   double power = 0.0;
