@@ -155,10 +155,22 @@ Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
       Eigen::Vector3d(bounds_.proportional, bounds_.integral, bounds_.derivative));
 }
 
+// How much faster the loop grows than it may.
+Growth GainProblem::GrowthIn(const AxisResponse& response, const ErrorGains& gains) const {
+  Growth growth = GrowthOf(response, gains);
+  if (design_.loop == Loop::kAttitude) return growth;
+  // The pole of the integral, which the poles leave out where there is none.
+  if (gains.integral == 0.0 && gains.proportional > 0.0 && growth.per_s < 0.0) {
+    growth = {0.0, {.integral = -1.0 / gains.proportional}};
+  }
+  growth.per_s += kAltitudeDecay_per_s;
+  return growth;
+}
+
 std::vector<Growth> GainProblem::Lacks(const ErrorGains& gains) const {
   std::vector<Growth> lacks;
   for (const AxisResponse& response : responses_) {
-    Growth growth = GrowthOf(response, gains);
+    Growth growth = GrowthIn(response, gains);
     growth.per_s += kSlowestDecay_per_s;
     if (growth.per_s > 0.0) lacks.push_back(growth);
   }
@@ -167,7 +179,7 @@ std::vector<Growth> GainProblem::Lacks(const ErrorGains& gains) const {
 
 bool GainProblem::Stable(const ErrorGains& gains) const {
   return std::all_of(responses_.begin(), responses_.end(), [&](const AxisResponse& response) {
-    return GrowthOf(response, gains).per_s < 0.0;
+    return GrowthIn(response, gains).per_s < 0.0;
   });
 }
 

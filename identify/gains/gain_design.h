@@ -10,6 +10,11 @@
 /// be that of gains which grow more slowly than the maneuver lasts. Gains are therefore an answer
 /// only where the loop would still be stable with kStabilityMargin times the gain or the lag. Where
 /// the least error does not keep that margin, what it lacks becomes a part of the cost.
+///
+/// The altitude's maneuvers start where the integral holds the hover of their voltage, so that none
+/// of them needs an integral gain; a battery that empties does. Without one hover at xi < 1 is no
+/// equilibrium, and an altitude loop counts as stable only where it forgets a wrong hover by
+/// kAltitudeDecay_per_s.
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
 #include <array>
@@ -24,6 +29,9 @@ namespace lipoid {
 
 /// How much higher or lower the loop's gain, and how much longer the motors' lag, may be.
 inline constexpr double kStabilityMargin = 1.25;
+
+/// The pole of the integral is about -K_eI/K_e: a wrong hover is gone after 20 s to 1/e.
+inline constexpr double kAltitudeDecay_per_s = 0.05;
 
 struct GainDesignOptions {
   double proportional_bound = 0.0;
@@ -99,12 +107,14 @@ class GainProblem : public LeastSquaresProblem {
   [[nodiscard]] double CostOf(const ErrorGains& gains) const;
   /// The same of each xi, without its weight.
   [[nodiscard]] std::vector<double> CostsOf(const ErrorGains& gains) const;
-  /// Whether the loop keeps kStabilityMargin at every xi.
+  /// Whether the loop keeps kStabilityMargin at every xi, and that of an altitude its decay.
   [[nodiscard]] bool Stable(const ErrorGains& gains) const;
 
  private:
   template <class T, class Visit>
   void Run(std::size_t k, const BasicErrorGains<T>& gains, Visit&& visit) const;
+
+  [[nodiscard]] Growth GrowthIn(const AxisResponse& response, const ErrorGains& gains) const;
 
   // What each loop that must be stable lacks in 1/s, with its slopes in the gains.
   [[nodiscard]] std::vector<Growth> Lacks(const ErrorGains& gains) const;

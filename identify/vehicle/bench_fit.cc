@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "model/core/errors.h"
 #include "model/statistics/student.h"
@@ -18,26 +19,50 @@ namespace {
 
 // Unknowns: logarithms of what is positive, so that steps are relative; friction and switching as
 // shares of a typical size, because they may be nothing.
-enum Unknown { kThrust, kTorque, kConstant, kResistance, kFriction, kSwitching, kUnknowns };
+enum Unknown {
+  kThrust,
+  kTorque,
+  kConstant,
+  kResistance,
+  kFriction,
+  kSwitching,
+  kExponent,
+  kUnknowns
+};
 constexpr std::size_t kChannels = 3;  // speed, current, thrust
 
 using Values = std::array<double, kUnknowns>;
 
 struct Scales {
-  double friction;  // N m s
+  double friction;    // N m s: the whole torque of the fastest row over its speed
+  double resistance;  // Ohm: the whole voltage of the fastest row over its current
   double switching = 0.01;
+  std::optional<double> no_load_A_per_V;
 };
+
+// A resistance that takes less of the voltage than this is none.
+constexpr double kLeastDrop = 1e-3;
+// Of the logarithm of the exponent where no speed shows it: the tables of docs/vehicles.md have 0.91
+// to 1.01.
+constexpr double kUsualExponent = 0.05;
 
 // A small reading is not measured to a small part of itself.
 constexpr double kFloorShare = 0.02;
 
 // The positive root of r k_N w² + (k_e² + r b) w = k_e V, without a difference of near numbers.
 template <class T>
-T HeldSpeed(const T& k_e, const T& k_N, const T& r, const T& b, double pulse_V) {
+T HeldSpeed(const T& k_e, const T& k_N, const T& r, const T& b, const T& pulse_V) {
   using std::sqrt;
   const T slope = k_e * k_e + r * b;
   const T drive = k_e * pulse_V;
   return 2.0 * drive / (slope + sqrt(slope * slope + 4.0 * r * k_N * drive));  // (5.10)
+}
+
+template <class T>
+T FrictionOf(const T* x, const Scales& scales) {
+  using std::exp;
+  if (scales.no_load_A_per_V) return exp(2.0 * x[kConstant]) * *scales.no_load_A_per_V;
+  return x[kFriction] * scales.friction;
 }
 
 struct RowResidual {
@@ -52,14 +77,26 @@ struct RowResidual {
     const T k_N = exp(x[kTorque]);
     const T k_e = exp(x[kConstant]);
     const T r = exp(x[kResistance]);
-    const T b = x[kFriction] * scales.friction;
-    const T speed = HeldSpeed(k_e, k_N, r, b, row.duty * row.voltage_V);
+    const T b = FrictionOf(x, scales);
+    const T throttle_duty = exp(exp(x[kExponent]) * std::log(row.throttle));
+    const T throttle_speed = HeldSpeed(k_e, k_N, r, b, T(throttle_duty * row.voltage_V));
+    residual[0] = weight[0] * (throttle_speed - row.speed_rad_per_s);
+    const bool measured = weight[0] > 0.0;
+    const T speed = measured ? T(row.speed_rad_per_s) : throttle_speed;
     const T motor_A = (b + k_N * speed) * speed / k_e;
-    const double switching = row.duty < 1.0 ? scales.switching : 0.0;
-    const T battery_A = (row.duty + switching * x[kSwitching]) * motor_A;
-    residual[0] = weight[0] * (speed - row.speed_rad_per_s);
+    const T duty = measured ? T((k_e * speed + r * motor_A) / row.voltage_V) : throttle_duty;
+    const double switching = row.throttle < 1.0 ? scales.switching : 0.0;
+    const T battery_A = (duty + switching * x[kSwitching]) * motor_A;
     residual[1] = weight[1] * (battery_A - row.current_A);
     residual[2] = weight[2] * (k_T * speed * speed - row.thrust_N);
+    return true;
+  }
+};
+
+struct UsualExponent {
+  template <class T>
+  bool operator()(const T* x, T* residual) const {
+    residual[0] = x[kExponent] / kUsualExponent;
     return true;
   }
 };
@@ -68,13 +105,17 @@ using RowCost = ceres::AutoDiffCostFunction<RowResidual, kChannels, kUnknowns>;
 
 // Where the search starts: the motor constant as it is given or, from the fastest row, four fifths
 // of its voltage; the rest from the fastest row alone.
-Values Start(const BenchTable& table, const BenchGiven& given, const Scales& scales) {
+struct Beginning {
+  Values x{};
+  Scales scales;
+};
+Beginning Start(const BenchTable& table, const BenchGiven& given) {
   const BenchRow& full =
       *std::max_element(table.rows.begin(), table.rows.end(), [](const auto& a, const auto& b) {
-        return a.duty * a.voltage_V < b.duty * b.voltage_V;
+        return a.throttle * a.voltage_V < b.throttle * b.voltage_V;
       });
-  const double pulse_V = full.duty * full.voltage_V;
-  const double motor_A = full.current_A / full.duty;
+  const double pulse_V = full.throttle * full.voltage_V;
+  const double motor_A = full.current_A / full.throttle;
   double constant = 0.0;
   double speed = full.speed_rad_per_s;
   if (given.motor_constant_N_m_per_A) {
@@ -83,15 +124,18 @@ Values Start(const BenchTable& table, const BenchGiven& given, const Scales& sca
   } else {
     constant = 0.8 * pulse_V / speed;
   }
-  const double resistance = std::max(pulse_V - constant * speed, 0.05 * pulse_V) / motor_A;
+  const Scales scales{.friction = constant * motor_A / speed,
+                      .resistance = pulse_V / motor_A,
+                      .no_load_A_per_V = given.no_load_A_per_V};
+  const double drop = std::max(1.0 - constant * speed / pulse_V, 0.05);
   Values x{};
   x[kThrust] = std::log(full.thrust_N / (speed * speed));
   x[kTorque] = std::log(constant * motor_A / (speed * speed));
   x[kConstant] = std::log(constant);
-  x[kResistance] = std::log(resistance);
-  x[kFriction] = given.friction_N_m_s ? *given.friction_N_m_s / scales.friction : 0.05;
+  x[kResistance] = std::log(drop * scales.resistance);
+  x[kFriction] = given.no_load_A_per_V ? 0.0 : 0.05;
   x[kSwitching] = given.switching ? 0.5 : 0.0;
-  return x;
+  return {x, scales};
 }
 
 std::vector<RowResidual> Residuals(const BenchTable& table,
@@ -125,14 +169,23 @@ struct Solved {
 };
 
 Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<int>& held) {
+  const Scales& scales = rows.front().scales;
   ceres::Problem problem;
   for (const RowResidual& row : rows) {
     problem.AddResidualBlock(new RowCost(new RowResidual(row)), nullptr, x.data());
+  }
+  if (rows.front().weight[0] == 0.0) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<UsualExponent, 1, kUnknowns>(new UsualExponent),
+        nullptr,
+        x.data());
   }
   if (!held.empty()) {
     problem.SetManifold(x.data(), new ceres::SubsetManifold(kUnknowns, held));
   }
   for (const int k : {kFriction, kSwitching}) problem.SetParameterLowerBound(x.data(), k, 0.0);
+  problem.SetParameterUpperBound(x.data(), kFriction, kMostFriction);
+  problem.SetParameterLowerBound(x.data(), kResistance, std::log(kLeastDrop * scales.resistance));
   ceres::Solver::Options options;
   options.max_num_iterations = 500;
   options.function_tolerance = 1e-14;
@@ -161,7 +214,7 @@ Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<i
 void CheckOperatingPoints(const BenchTable& table, int channels, int unknowns) {
   constexpr double kSame = 0.01;  // relative, of the mean voltage at the motor
   std::vector<double> pulse_V;
-  for (const BenchRow& row : table.rows) pulse_V.push_back(row.duty * row.voltage_V);
+  for (const BenchRow& row : table.rows) pulse_V.push_back(row.throttle * row.voltage_V);
   std::sort(pulse_V.begin(), pulse_V.end());
   int points = 1;
   for (double last_V = pulse_V.front(); const double next_V : pulse_V) {
@@ -187,13 +240,30 @@ std::array<double, kChannels> Spread(const Solved& solved,
                                      double rows,
                                      double freedom_share) {
   std::array<double, kChannels> spread{};
-  for (Eigen::Index k = 0; k < solved.residual.size(); ++k) {
+  for (Eigen::Index k = 0; k < Eigen::Index(rows) * Eigen::Index(kChannels); ++k) {
     spread[std::size_t(k) % kChannels] += solved.residual[k] * solved.residual[k];
   }
   for (std::size_t k = 0; k < kChannels; ++k) {
     spread[k] = sigma[k] * std::sqrt(spread[k] / (rows * freedom_share));
   }
   return spread;
+}
+
+// A motor without resistance is the sign of a motor constant that is not the table's.
+void RefuseNoResistance(const BenchTable& table,
+                        const BenchGiven& given,
+                        const Values& x,
+                        const Scales& scales) {
+  constexpr double kAtBound = 1e-3;
+  if (x[kResistance] > std::log(kLeastDrop * scales.resistance) + kAtBound) return;
+  throw OptionError(fmt::format(
+      "the bench table leaves nothing for the resistance between battery and motor with "
+      "a KV of {:.4g} rpm/V: {}",
+      30.0 / std::numbers::pi / std::exp(x[kConstant]),
+      !given.motor_constant_N_m_per_A
+          ? "give the motor's with --kv-rpm-per-V, which this table does not tell"
+      : table.has_speed ? "check --kv-rpm-per-V against the table's speeds and voltages"
+                        : "check --kv-rpm-per-V, or give a table with a column of speeds"));
 }
 
 }  // namespace
@@ -204,7 +274,8 @@ std::vector<BenchQuantity> BenchFit::Quantities() const {
           motor_constant_N_m_per_A,
           resistance_Ohm,
           friction_N_m_s,
-          switching_share};
+          switching_share,
+          throttle_exponent};
 }
 
 BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
@@ -213,27 +284,23 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
         "a bench table without a column of speeds does not say how fast the propeller turns: give "
         "the motor's constant (--kv-rpm-per-V)");
   }
-  const BenchRow& first = table.rows.front();
-  Scales scales{.friction = 0.0};
-  {
-    // The torque over the speed of a row, of which friction is a part.
-    const double constant = given.motor_constant_N_m_per_A.value_or(
-        first.duty * first.voltage_V / std::max(first.speed_rad_per_s, 1.0));
-    const double speed =
-        table.has_speed ? first.speed_rad_per_s : first.duty * first.voltage_V / constant;
-    scales.friction = constant * (first.current_A / first.duty) / speed;
-  }
+  const Beginning beginning = Start(table, given);
+  const Scales& scales = beginning.scales;
   std::vector<int> held;
   if (given.motor_constant_N_m_per_A) held.push_back(kConstant);
-  if (given.friction_N_m_s) held.push_back(kFriction);
+  if (given.no_load_A_per_V) held.push_back(kFriction);
   if (!given.switching) held.push_back(kSwitching);
 
   const double rows = double(table.rows.size());
   const double channels = table.has_speed ? 3.0 : 2.0;
-  CheckOperatingPoints(table, int(channels), kUnknowns - int(held.size()));
+  // Without speeds the exponent comes with a value of its own.
+  const double values = channels * rows + (table.has_speed ? 0.0 : 1.0);
+  CheckOperatingPoints(
+      table, int(channels), int(kUnknowns) - int(held.size()) - (table.has_speed ? 0 : 1));
   std::array<double, kChannels> sigma{0.01, 0.01, 0.01};
   constexpr double kLeastSigma = 1e-6;  // a table that fits to the last digit
-  Solved solved{Start(table, given, scales), false, {}, {}, {}};
+  Solved solved{beginning.x, false, {}, {}, {}};
+  bool friction_at_most = false;
   double freedom = 1.0;
   constexpr int kRounds = 20;  // of weights that follow the residuals
   for (int round = 0; round < kRounds; ++round) {
@@ -241,14 +308,16 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
     // What lies on its bound has no error of its own: it is held there from now on.
     constexpr double kAtBound = 1e-6;
     for (const int k : {kFriction, kSwitching}) {
-      if (std::find(held.begin(), held.end(), k) == held.end() &&
-          solved.x[std::size_t(k)] < kAtBound) {
-        solved.x[std::size_t(k)] = 0.0;
-        held.push_back(k);
-      }
+      if (std::find(held.begin(), held.end(), k) != held.end()) continue;
+      double& x = solved.x[std::size_t(k)];
+      const bool most = k == kFriction && x > kMostFriction - kAtBound;
+      if (!most && x >= kAtBound) continue;
+      x = most ? kMostFriction : 0.0;
+      friction_at_most |= most;
+      held.push_back(k);
     }
-    freedom = std::max(channels * rows - double(kUnknowns - int(held.size())), 1.0);
-    const auto spread = Spread(solved, sigma, rows, freedom / (channels * rows));
+    freedom = std::max(values - double(kUnknowns - int(held.size())), 1.0);
+    const auto spread = Spread(solved, sigma, rows, freedom / values);
     double change = 0.0;
     for (std::size_t k = 0; k < kChannels; ++k) {
       if (k == 0 && !table.has_speed) continue;
@@ -259,12 +328,15 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
     if (change < 1e-3) break;
   }
   solved = Solve(Residuals(table, sigma, scales), solved.x, held);
+  RefuseNoResistance(table, given, solved.x, scales);
 
   BenchFit fit;
+  fit.has_speed = table.has_speed;
+  fit.friction_at_most = friction_at_most;
   fit.converged = solved.converged;
   fit.message = solved.message;
   fit.degrees_of_freedom = freedom;
-  const auto spread = Spread(solved, sigma, rows, freedom / (channels * rows));
+  const auto spread = Spread(solved, sigma, rows, freedom / values);
   fit.speed_rms = table.has_speed ? spread[0] : 0.0;
   fit.current_rms = spread[1];
   fit.thrust_rms = spread[2];
@@ -276,7 +348,8 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   }
   const Eigen::MatrixXd information = solved.jacobian.transpose() * solved.jacobian;
   const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
-  const double reach = Reach95(freedom);
+  // The error of a channel is known from its own residuals alone.
+  const double reach = Reach95(std::max(freedom / channels, 1.0));
   const auto error = [&](int k) {
     const Eigen::Index at = place[std::size_t(k)];
     return at < 0 ? 0.0 : std::sqrt(std::max(covariance(at, at), 0.0));
@@ -308,8 +381,13 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   fit.motor_constant_N_m_per_A = positive("motor_constant_N_m_per_A", kConstant);
   fit.resistance_Ohm = positive("armature_resistance_Ohm", kResistance);
   fit.friction_N_m_s =
-      linear("friction_N_m_s", kFriction, scales.friction, given.friction_N_m_s.has_value());
+      linear("friction_N_m_s", kFriction, scales.friction, given.no_load_A_per_V.has_value());
+  if (given.no_load_A_per_V) {
+    BenchQuantity& b = fit.friction_N_m_s;
+    b.estimate = b.low_95 = b.high_95 = FrictionOf(solved.x.data(), scales);
+  }
   fit.switching_share = linear("switching_share", kSwitching, scales.switching, !given.switching);
+  fit.throttle_exponent = positive("throttle_exponent", kExponent);
   return fit;
 }
 

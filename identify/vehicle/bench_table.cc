@@ -38,7 +38,7 @@ constexpr Column kColumns[] = {
     {"throttle",
      {"throttle", "duty", "throttle"},
      {{{"%", 0.01}, {"us", 1e-3, 1000.0}, {"", 1.0}, {"percent", 0.01}, {"µs", 1e-3, 1000.0}}},
-     &BenchRow::duty,
+     &BenchRow::throttle,
      "%, us, or no unit for a fraction",
      true},
     {"voltage",
@@ -133,8 +133,8 @@ void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std:
   const auto refuse = [&](std::string_view expected, double found) {
     throw LoadError({file, line, 1}, fmt::format("expected {}, found {:.6g}", expected, found));
   };
-  if (!(row.duty > 0.0 && row.duty <= 1.0)) {
-    refuse("a throttle above 0 and at most 100 %, as a fraction", row.duty);
+  if (!(row.throttle > 0.0 && row.throttle <= 1.0)) {
+    refuse("a throttle above 0 and at most 100 %, as a fraction", row.throttle);
   }
   if (!(row.voltage_V > 0.0 && row.voltage_V < 1e4)) refuse("a voltage above 0 V", row.voltage_V);
   if (!(row.current_A > 0.0 && row.current_A < 1e5)) refuse("a current above 0 A", row.current_A);
@@ -153,6 +153,8 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
   std::size_t fields = 0;
   char delimiter = ',';
   std::size_t line = 0;
+  std::size_t standing = 0;
+  std::size_t copies = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view view = std::string_view(text).substr(begin, end - begin);
@@ -189,16 +191,35 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
       double value = 0.0;
       std::string_view number = Trimmed(cell.text);
       if (number.ends_with('%')) number.remove_suffix(1);
-      if (!ParseNumber(Trimmed(number), '.', value) || !std::isfinite(value)) {
+      const bool read = ParseNumber(Trimmed(number), '.', value) ||
+                        (delimiter != ',' && ParseNumber(Trimmed(number), ',', value));
+      if (!read || !std::isfinite(value)) {
         throw LoadError(
             {file, line, cell.column},
             fmt::format("{}: expected a number, found '{}'", kColumns[k].what, cell.text));
       }
       row.*kColumns[k].member = (value - found[k]->unit.offset) * found[k]->unit.factor;
     }
+    if (row.throttle >= 0.0 && row.thrust_N == 0.0 && row.speed_rad_per_s == 0.0) {
+      ++standing;
+      continue;
+    }
     CheckRow(row, table.has_speed, file, line);
+    if (std::find(table.rows.begin(), table.rows.end(), row) != table.rows.end()) {
+      ++copies;
+      continue;
+    }
     table.rows.push_back(row);
   }
+  const auto remark = [&](std::size_t rows, std::string_view what) {
+    if (rows == 0) return;
+    table.remarks.push_back(
+        fmt::format("{} row{} of {} {}", rows, rows == 1 ? "" : "s", file, what));
+  };
+  remark(standing, "left out: no thrust, the propeller stands");
+  remark(
+      copies,
+      "left out: the same numbers in every column as a row before, a copy of which says nothing new");
   constexpr std::size_t kFewestRows = 4;
   if (table.rows.size() < kFewestRows) {
     throw LoadError(NoFile(file),

@@ -25,6 +25,10 @@ constexpr double kMiddle_V = 3.7;  // half charged, under a hover's load
 constexpr double kZeroLift_rad = 0.07;
 constexpr double kMeasuredThrust = 0.1185;
 constexpr double kMeasuredPitch = 0.47;
+// At rest a blade of more pitch than this stalls: it lifts no more, and its force is normal to the
+// chord, so that the torque for a thrust grows with the pitch. With it, and the root of the blades,
+// racer-5in's 5 x 4 with three blades has C_T = 0.145 and a figure of merit of 0.41, as measured.
+constexpr double kStallPitch = 0.5;  // over the diameter
 // Between 0.62 and 0.68 on the propellers of docs/vehicles.md.
 constexpr double kTypicalMerit = 0.65;
 
@@ -37,6 +41,10 @@ constexpr double kTypicalPropeller_g_per_in2 = 0.085;
 constexpr double kTypicalLowerRotor = 0.75;
 // Rotor drag of quadrotors is 0.3 to 0.5 per second of the mass.
 constexpr double kTypicalDrag_per_s = 0.3;
+
+double TypicalMerit(double pitch_over_diameter) {
+  return kTypicalMerit * std::min(1.0, kStallPitch / pitch_over_diameter);
+}
 
 double ToThrustCoefficient(double c_t, double diameter_m) {
   return c_t * kAirDensity_kg_per_m3 * std::pow(diameter_m, 4) / (4.0 * kPi * kPi);
@@ -166,10 +174,10 @@ class Draft {
                      n_.blades,
                      air));
     From("torque_coefficient_N_m_s2",
-         fmt::format("assumed: C_P = {:.4f} by a figure of merit of {}, typical of such "
+         fmt::format("assumed: C_P = {:.4f} by a figure of merit of {:.3g}, typical of such "
                      "propellers, {}",
                      c.power,
-                     kTypicalMerit,
+                     TypicalMerit(*n_.pitch_in / n_.propeller_in),
                      air));
   }
 
@@ -181,6 +189,16 @@ class Draft {
     }
     constexpr Range kUsual{0.2, 1.5};
     const double ratio = pitch_in / n_.propeller_in;
+    constexpr double kWell = 0.6;  // the least pitch over diameter that is far into the stall
+    if (n_.blades > 2 || ratio > kWell) {
+      draft_.cautions.push_back(fmt::format(
+          "thrust and power of a propeller of {} blades and a pitch of {:.3g} diameters may be "
+          "off by 40 %: beyond 2 blades, and beyond a pitch of {:g} diameters, where blades stall at "
+          "rest, give --bench-table or coefficients",
+          n_.blades,
+          ratio,
+          kWell));
+    }
     if (kUsual.Contains(ratio)) return;
     draft_.cautions.push_back(fmt::format(
         "a pitch of {:g} inch is {:.3g} diameters of the propeller, where {:g} to {:g} are usual: "
@@ -219,7 +237,9 @@ class Draft {
       v.friction_N_m_s = Rounded(bench_->friction_N_m_s.estimate);
       From("friction_N_m_s", Fitted(bench_->friction_N_m_s));
     } else if (n_.no_load_A) {
-      v.friction_N_m_s = NoLoadFriction(v.motor_constant_N_m_per_A);
+      // b of k_e I_0 = b omega_0
+      v.friction_N_m_s =
+          v.motor_constant_N_m_per_A * v.motor_constant_N_m_per_A * NoLoadConductance(n_);
       From("friction_N_m_s",
            fmt::format("given: {} A without load at {} V", *n_.no_load_A, n_.no_load_V));
     } else {
@@ -252,22 +272,6 @@ class Draft {
         n_.propeller_g ? "" : " (assumed from their diameter)",
         all_g,
         n_.mass_g));
-  }
-
-  // b of k_e I_0 = b omega_0; the speed without load is that of the voltage less what the winding
-  // takes.
-  [[nodiscard]] double NoLoadFriction(double constant) const {
-    const double speed =
-        (n_.no_load_V - n_.winding_resistance_Ohm.value_or(0.0) * *n_.no_load_A) / constant;
-    if (!(speed > 0.0)) {
-      throw OptionError(fmt::format(
-          "--no-load-A {} through --winding-resistance-Ohm {} takes more than the {} V of "
-          "--no-load-V: one of the three is wrong",
-          *n_.no_load_A,
-          n_.winding_resistance_Ohm.value_or(0.0),
-          n_.no_load_V));
-    }
-    return constant * *n_.no_load_A / speed;
   }
 
   // The table sees winding and controller in series.
@@ -375,20 +379,42 @@ class Draft {
     }
   }
 
-  // Where the throttle is not the duty cycle, resistance and switching take up the difference.
   void CheckBench() {
     constexpr double kPoor = 0.05;  // relative
     const double worst = std::max({bench_->speed_rms, bench_->current_rms, bench_->thrust_rms});
     if (worst > kPoor) {
       draft_.cautions.push_back(fmt::format(
           "the fit is off by {:.2g} % on the mean (speed {:.2g} %, current {:.2g} %, thrust {:.2g} "
-          "%): the throttle of {} may not be the duty cycle, and resistance and friction then hold "
-          "the difference",
+          "%): {}",
           100.0 * worst,
           100.0 * bench_->speed_rms,
           100.0 * bench_->current_rms,
           100.0 * bench_->thrust_rms,
-          n_.bench_name));
+          bench_->has_speed
+              ? fmt::format("one motor with one propeller explains {} no better", n_.bench_name)
+              : fmt::format("the throttle of {} may not be the duty cycle, and the thrust "
+                            "coefficient, the speed and the resistance then hold the difference; a "
+                            "column of speeds would tell",
+                            n_.bench_name)));
+    }
+    const BenchQuantity& n = bench_->throttle_exponent;
+    constexpr double kNoDuty = 0.02;
+    if (n.fitted && std::abs(n.estimate - 1.0) > kNoDuty && (n.low_95 > 1.0 || n.high_95 < 1.0)) {
+      draft_.cautions.push_back(fmt::format(
+          "the throttle of {} is not the duty cycle: the duty cycle is the throttle to the power of "
+          "{:.3g} (95 % between {:.3g} and {:.3g}); the numbers of the vehicle file are those "
+          "at the duty cycle",
+          n_.bench_name,
+          n.estimate,
+          n.low_95,
+          n.high_95));
+    }
+    if (bench_->friction_at_most) {
+      draft_.cautions.push_back(fmt::format(
+          "the fit to {} would give the friction more than {:.0f} % of the torque of its fastest "
+          "row, which no motor has, and it is held there: give --no-load-A",
+          n_.bench_name,
+          100.0 * kMostFriction));
     }
     constexpr double kMostSwitching = 0.03;  // of the current: a microsecond at 30 kHz
     if (bench_->switching_share.estimate > kMostSwitching) {
@@ -476,13 +502,25 @@ class Draft {
 PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades) {
   constexpr double kTo = 4.0 / (kPi * kPi * kPi);  // from C_T to C
   const double measured = kTo * kMeasuredThrust;
-  const double slope =
-      0.5 * blades * measured / (kMeasuredPitch / kPi + kZeroLift_rad - std::sqrt(0.5 * measured));
+  const double slope = std::sqrt(0.5 * blades) * measured /
+                       (kMeasuredPitch / kPi + kZeroLift_rad - std::sqrt(0.5 * measured));
   // With q = sqrt(C/2): 2 q² + slope q - slope (theta + a_0) = 0.
-  const double angle = pitch_over_diameter / kPi + kZeroLift_rad;
+  const double angle = std::min(pitch_over_diameter, kStallPitch) / kPi + kZeroLift_rad;
   const double q = (std::sqrt(slope * slope + 8.0 * slope * angle) - slope) / 4.0;
   const double thrust = 2.0 * q * q / kTo;
-  return {thrust, std::pow(thrust, 1.5) * std::sqrt(2.0 / kPi) / kTypicalMerit};
+  return {thrust, std::pow(thrust, 1.5) * std::sqrt(2.0 / kPi) / TypicalMerit(pitch_over_diameter)};
+}
+
+double NoLoadConductance(const BuilderNumbers& numbers) {
+  const double winding_Ohm = numbers.winding_resistance_Ohm.value_or(0.0);
+  const double rest_V = numbers.no_load_V - winding_Ohm * *numbers.no_load_A;
+  if (rest_V > 0.0) return *numbers.no_load_A / rest_V;
+  throw OptionError(
+      fmt::format("--no-load-A {} through --winding-resistance-Ohm {} takes more than the {} V of "
+                  "--no-load-V: one of the three is wrong",
+                  *numbers.no_load_A,
+                  winding_Ohm,
+                  numbers.no_load_V));
 }
 
 VehicleDraft BuildVehicle(const BuilderNumbers& numbers, const std::optional<BenchFit>& bench) {

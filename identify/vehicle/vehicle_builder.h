@@ -55,8 +55,9 @@ struct VehicleDraft {
   Trim hover;                     ///< at 3.7 V a cell, behind no resistance
   double thrust_to_weight = 0.0;  ///< at full throttle there
   double hover_power_W = 0.0;
-  std::vector<std::string> assumed;   ///< keys of the vehicle file
-  std::vector<std::string> cautions;  ///< what can hardly be meant, or does not fit in the bench table
+  std::vector<std::string> assumed;  ///< keys of the vehicle file
+  std::vector<std::string>
+      cautions;  ///< what can hardly be meant, or does not fit in the bench table
 };
 
 /// The coefficients of a propeller of which only diameter, pitch and blades are known: blade element
@@ -64,13 +65,18 @@ struct VehicleDraft {
 ///
 ///   C = s (theta + a_0 - sqrt(C/2)),   theta = pitch/(pi D),   C = 4 C_T/pi³
 ///
-/// with s, proportional to the blades, and a_0 those of a measured two-blade propeller, and C_P by a
-/// typical figure of merit.
+/// with theta no more than that of half a diameter, beyond which blades stall at rest, s, proportional
+/// to the root of the blades, and a_0 those of a measured two-blade propeller, and C_P by a
+/// typical figure of merit, which falls as 1/pitch where the blades stall.
 struct PropellerCoefficients {
   double thrust = 0.0;
   double power = 0.0;
 };
 [[nodiscard]] PropellerCoefficients TypicalPropeller(double pitch_over_diameter, int blades);
+
+/// Current without load over the voltage that turns the motor then: I_0/(V_0 - R I_0). OptionError
+/// where the winding would take all of it.
+[[nodiscard]] double NoLoadConductance(const BuilderNumbers& numbers);
 
 /// OptionError where a number is missing, or where no such vehicle can be: propellers that overlap,
 /// propellers that outweigh the vehicle or have no pitch, a figure of merit above 1, less thrust than

@@ -1,6 +1,8 @@
 // lipoid vehicle, end to end. The numbers themselves: tests/identify/vehicle/.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "model/vehicle/vehicle_file.h"
@@ -67,12 +69,71 @@ TEST(VehicleCommand, FitsABenchTable) {
   EXPECT_TRUE(summary["bench"]["converged"]);
   EXPECT_LT(summary["bench"]["thrust_rms_percent"], 5.0);
   ASSERT_EQ(summary["cautions"].size(), 1U);
-  EXPECT_NE(run.err.find("may not be the duty cycle"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("the duty cycle is the throttle to the power of 0.9"), std::string::npos)
+      << run.err;
   for (const Json& parameter : summary["bench"]["parameters"]) {
     if (!parameter["fitted"] || parameter["standard_error"].is_null()) continue;
     EXPECT_LE(parameter["interval_95"][0], parameter["estimate"]) << parameter;
     EXPECT_GE(parameter["interval_95"][1], parameter["estimate"]) << parameter;
   }
+}
+
+// Losses at part load are not friction, and a propeller of 5 inch has no figure of merit of 1.3.
+TEST(VehicleCommand, TakesATableOfARacerAndItsCurrentWithoutLoad) {
+  const auto folder = TestFolder();
+  std::ofstream(folder + "/racer.csv")
+      << "Throttle (%),Thrust (g),RPM,Voltage (V),Current (A)\n30,210,11600,16.6,3.2\n"
+         "50,520,18100,16.4,10.5\n70,900,23500,16.0,22.5\n100,1500,29800,15.4,42\n";
+  const auto merit = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"vehicle",
+                                   "--mass-g",
+                                   "650",
+                                   "--frame-mm",
+                                   "220",
+                                   "--series",
+                                   "4",
+                                   "--propeller-in",
+                                   "5",
+                                   "--bench-table",
+                                   "racer.csv",
+                                   "-o",
+                                   "racer.toml"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto run = RunLipoid(folder, words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const Vehicle v = ReadVehicleFile(folder + "/racer.toml");
+    // Thrust over speed squared of the rows: 1.40e-6 to 1.51e-6.
+    EXPECT_GT(v.thrust_coefficient_N_s2, 1.39e-6);
+    EXPECT_LT(v.thrust_coefficient_N_s2, 1.52e-6);
+    const double area_m2 = 0.25 * 3.14159 * 0.127 * 0.127;
+    return std::pow(v.thrust_coefficient_N_s2, 1.5) / std::sqrt(2.0 * 1.225 * area_m2) /
+           v.torque_coefficient_N_m_s2;
+  };
+  const auto plausible = [](double value) { return value > 0.4 && value < 0.75; };
+  EXPECT_PRED1(plausible, merit({"--kv-rpm-per-V", "2400"}));
+  EXPECT_PRED1(plausible, merit({"--kv-rpm-per-V", "2400", "--no-load-A", "1.2"}));
+  // 1.2 A at 10 V.
+  EXPECT_NEAR(ReadVehicleFile(folder + "/racer.toml").friction_N_m_s,
+              0.12 * std::pow(30.0 / 3.14159265 / 2400.0, 2),
+              1e-10);
+  // Such a table does not tell KV from the resistance, and says so.
+  const auto without = RunLipoid(folder,
+                                 {"vehicle",
+                                  "--mass-g",
+                                  "650",
+                                  "--frame-mm",
+                                  "220",
+                                  "--series",
+                                  "4",
+                                  "--propeller-in",
+                                  "5",
+                                  "--bench-table",
+                                  "racer.csv",
+                                  "-o",
+                                  "bare.toml"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("give the motor's with --kv-rpm-per-V"), std::string::npos)
+      << without.err;
 }
 
 TEST(VehicleCommand, RefusalsSayWhatToGive) {
@@ -113,9 +174,9 @@ TEST(VehicleCommand, RefusalsSayWhatToGive) {
             std::string::npos)
       << slow.err;
   const auto twice = RunLipoid(
-      folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--no-load-A", "1.2"}));
+      folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--pitch-in", "5"}));
   EXPECT_EQ(twice.exit_code, 2);
-  EXPECT_NE(twice.err.find("option --no-load-A: --bench-table says what motor and propeller do"),
+  EXPECT_NE(twice.err.find("option --pitch-in: --bench-table says what the propeller does"),
             std::string::npos)
       << twice.err;
   const auto missing = RunLipoid(folder, Body({"--bench-table", "no.csv"}));

@@ -282,21 +282,27 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         longer_s);
   }
 
+  const std::string decay =
+      altitude ? fmt::format(" and let its integral follow an emptying battery within {:g} s",
+                             1.0 / kAltitudeDecay_per_s)
+               : "";
   if (!result.stable) {
     line.Message(
-        "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag; "
+        "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag{}; "
         "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
         "written",
         loop_name,
-        kStabilityMargin);
+        kStabilityMargin,
+        decay);
     return cli::ExitCode::kIncomplete;
   }
   if (result.constrained) {
     line.Message(
         "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
-        "or its lag; these have the least error among those that do",
+        "or its lag{}; these have the least error among those that do",
         loop_name,
-        kStabilityMargin);
+        kStabilityMargin,
+        decay);
   }
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));

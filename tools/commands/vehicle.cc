@@ -86,10 +86,11 @@ void DeclareMotor(cli::CommandLine& line, BuilderNumbers& numbers) {
               numbers.winding_resistance_Ohm,
               Range{1e-6, 1e3},
               "resistance of the motor between two of its three wires, Ohm");
-  line.Option("no-load-A",
-              numbers.no_load_A,
-              Range{0.0, 100.0},
-              "current of the motor without propeller, A");
+  line.Option(
+      "no-load-A",
+      numbers.no_load_A,
+      Range{0.0, 100.0},
+      "current of the motor without propeller, A; beside --bench-table it holds the friction");
   line.Option("no-load-V",
               numbers.no_load_V,
               Range{0.1, 1000.0},
@@ -252,16 +253,12 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
     }
   }
   std::optional<BenchFit> fit;
+  std::vector<std::string> remarks;
   if (!bench_file.empty()) {
-    for (const char* name : {"no-load-A",
-                             "no-load-V",
-                             "pitch-in",
-                             "blades",
-                             "thrust-coefficient",
-                             "power-coefficient"}) {
+    for (const char* name : {"pitch-in", "blades", "thrust-coefficient", "power-coefficient"}) {
       if (line.Given(name))
         throw OptionError(fmt::format(
-            "option --{}: --bench-table says what motor and propeller do; leave one of the two out",
+            "option --{}: --bench-table says what the propeller does; leave one of the two out",
             name));
     }
     numbers.bench_name = std::filesystem::path(bench_file).filename().string();
@@ -269,8 +266,11 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
     if (numbers.kv_rpm_per_V) {
       given.motor_constant_N_m_per_A = 60.0 / (2.0 * std::numbers::pi * *numbers.kv_rpm_per_V);
     }
+    if (numbers.no_load_A) given.no_load_A_per_V = NoLoadConductance(numbers);
     given.switching = esc.pwm_kHz > 0.0 && esc.switching_ns == 0.0;
-    fit = FitBenchTable(ReadBenchTable(bench_file), given);
+    const BenchTable table = ReadBenchTable(bench_file);
+    remarks = table.remarks;
+    fit = FitBenchTable(table, given);
   }
   const VehicleDraft draft = BuildVehicle(numbers, fit);
   const std::string text = VehicleToToml(draft.vehicle, draft.sources);
@@ -289,6 +289,7 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
       draft.vehicle.name,
       draft.vehicle.mass_kg,
       draft.assumed.empty() ? "nothing" : fmt::format("{}", fmt::join(draft.assumed, ", ")));
+  for (const std::string& remark : remarks) line.Message("{}", remark);
   for (const std::string& caution : draft.cautions) line.Message("caution: {}", caution);
   if (fit && !fit->converged) {
     line.Message("the fit to {} did not converge: {}", bench_file, fit->message);

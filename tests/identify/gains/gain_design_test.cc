@@ -196,6 +196,33 @@ TEST(GainDesign, NeverReturnsGainsThatAreUnstable) {
   }
 }
 
+// The maneuver starts with the integral of its hover and alone needs no gain of it: before, the answer
+// was K_eI = 0, with which hover at another voltage is no equilibrium.
+TEST(GainDesign, TheAltitudeKeepsAnIntegralThatFollowsTheBattery) {
+  for (const char* name : {"f450", "camera-10in"}) {
+    GainDesign design = Design(Loop::kAltitude, {{1.0, 1.0}});
+    design.vehicle = LoadVehicle(name);
+    Gains gains = GainsFor("", design.vehicle, "unaware");
+    design.references = gains.references;
+    WidenBounds(design, gains.altitude);
+    const GainProblem problem(design);
+    const auto& optimizer = FindOptimizer("levenberg-marquardt");
+    const auto alone = optimizer.Minimize(problem, problem.Point(gains.altitude), {});
+    ASSERT_EQ(problem.Gains(alone.x).integral, 0.0) << name;
+    EXPECT_FALSE(problem.Stable(problem.Gains(alone.x))) << name;
+    const auto result = DesignGains(design, gains.altitude, optimizer, {});
+    EXPECT_TRUE(result.stable) << name;
+    EXPECT_TRUE(result.constrained) << name;
+    EXPECT_LT(result.cost, result.start_cost) << name;
+    gains.altitude = result.gains;
+    const auto poles = PolesAt(Loop::kAltitude, design.vehicle, gains, 1.0).full;
+    EXPECT_LT(poles.front().real(), -kAltitudeDecay_per_s) << name;
+    // The supply falls by 0.5 % of the nominal voltage a second: a drop of the thrust at which the
+    // integral must grow by about 2 g 0.005/s, and the error by that over K_eI.
+    EXPECT_LT(2.0 * 9.81 * 0.005 / gains.altitude.integral, 1.0) << name;
+  }
+}
+
 TEST(GainDesign, SaysWhereNoGainsWithinTheBoundsAreStable) {
   GainDesign design = Design(Loop::kAttitude, {{0.9, 1.0}});
   design.vehicle = test::F450();

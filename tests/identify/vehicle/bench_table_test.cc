@@ -22,8 +22,8 @@ TEST(BenchTable, IsReadAsVendorsPrintIt) {
       "b.csv");
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_TRUE(table.has_speed);
-  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
-  EXPECT_DOUBLE_EQ(table.rows[1].duty, 0.6);
+  EXPECT_DOUBLE_EQ(table.rows[0].throttle, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[1].throttle, 0.6);
   EXPECT_EQ(table.rows[0].voltage_V, 16.66);
   EXPECT_EQ(table.rows[3].current_A, 14.26);
   EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.401 * 9.80665);
@@ -37,10 +37,45 @@ TEST(BenchTable, UnitsAreThoseOfTheHeader) {
   const auto table = ParseBenchTable(
       "\xEF\xBB\xBFthrottle_us;voltage [mV];Current / mA;thrust (kg)\n" + rows, "b.csv");
   EXPECT_FALSE(table.has_speed);
-  EXPECT_DOUBLE_EQ(table.rows[0].duty, 0.5);
+  EXPECT_DOUBLE_EQ(table.rows[0].throttle, 0.5);
   EXPECT_DOUBLE_EQ(table.rows[0].voltage_V, 16.0);
   EXPECT_DOUBLE_EQ(table.rows[0].current_A, 4.0);
   EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.5 * 9.80665);
+}
+
+TEST(BenchTable, IdleRowsSayNothingAndCopiesCountOnce) {
+  const std::string rows =
+      "50,482,5568,16.82,3.41\n60,669,6522,16.74,5.47\n80,1055,8345,16.55,11.37\n"
+      "100,1546,9836,16.26,19.88\n";
+  const std::string header = "Throttle (%),Thrust (g),RPM,Voltage (V),Current (A)\n";
+  const auto plain = ParseBenchTable(header + rows, "b.csv");
+  EXPECT_TRUE(plain.remarks.empty());
+  const auto table =
+      ParseBenchTable(header + "0,0,0,16.8,0.02\n" + rows + rows + "3,0,0,16.8,0\n", "b.csv");
+  EXPECT_EQ(table.rows, plain.rows);
+  EXPECT_EQ(
+      table.remarks,
+      (std::vector<std::string>{
+          "2 rows of b.csv left out: no thrust, the propeller stands",
+          "4 rows of b.csv left out: the same numbers in every column as a row before, a copy "
+          "of which says nothing new"}));
+  // A throttle of 0 that lifts is a mistake.
+  EXPECT_TRUE(Refusal(header + "0,482,5568,16.8,3.4\n" + rows)
+                  .starts_with("b.csv:2:1: error: expected a throttle above 0"));
+  // Copies are no rows of their own.
+  EXPECT_EQ(Refusal(header + "50,482,5568,16.82,3.41\n50,482,5568,16.82,3.41\n"
+                             "60,669,6522,16.74,5.47\n80,1055,8345,16.55,11.37\n"),
+            "b.csv: error: expected at least 4 rows of a bench table, found 3");
+}
+
+TEST(BenchTable, NumbersMayHaveADecimalComma) {
+  const auto table = ParseBenchTable(
+      "Throttle (%);Thrust (g);RPM;Voltage (V);Current (A)\n50;482;5568;16,82;3,41\n"
+      "60;669;6522;16,74;5,47\n80;1055;8345;16,55;11,37\n100;1546;9836;16,26;19,88\n",
+      "b.csv");
+  ASSERT_EQ(table.rows.size(), 4u);
+  EXPECT_EQ(table.rows[0].voltage_V, 16.82);
+  EXPECT_EQ(table.rows[3].current_A, 19.88);
 }
 
 TEST(BenchTable, EveryMistakeHasItsPlace) {
