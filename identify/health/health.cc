@@ -93,8 +93,8 @@ void AddCautions(const FlightSamples& samples,
   }
   if (!health.temperature_known) {
     cautions.emplace_back(
-        "the temperature is not known: the resistance is that of the flight, and a cold pack looks "
-        "old");
+        "the temperature is not known: the resistance is that of the flight, a cold pack looks old, and "
+        "the pack is taken to warm as a typical one does");
   }
   const double spread = fit.noise.white_V;
   if (health.doubted_because.empty() &&
