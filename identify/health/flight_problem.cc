@@ -29,6 +29,19 @@ bool StartsAtRest(const Record& record) {
   return false;
 }
 
+std::optional<double> RestVoltage(const Record& record) {
+  constexpr double kRest_s = 2.0;
+  if (!StartsAtRest(record)) return std::nullopt;
+  double sum_V = 0.0;
+  double rows = 0.0;
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    if (record.time_s[k] - record.time_s.front() > kRest_s) break;
+    sum_V += record.voltage_V[k];
+    rows += 1.0;
+  }
+  return sum_V / rows;
+}
+
 Eigen::MatrixXd ColumnsOf(const UncertainCell& around,
                           const Eigen::VectorXd& at,
                           const Eigen::MatrixXd& moves,

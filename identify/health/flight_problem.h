@@ -8,6 +8,7 @@
 /// tests/identify/health/coverage_test.cc, tests/identify/health/flights_with_lab_test.cc.
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "identify/health/coloured_noise.h"
 #include "identify/health/flight_model.h"
@@ -36,6 +37,9 @@ inline constexpr double kFlightFreedom = 12.0;
 
 /// Whether a flight begins with a rest that is long enough to leave nothing of an earlier current.
 [[nodiscard]] bool StartsAtRest(const Record& record);
+
+/// Mean voltage of that rest; none where the flight begins under load.
+[[nodiscard]] std::optional<double> RestVoltage(const Record& record);
 
 /// How the voltage at every row moves with each column of `moves`, which are steps of the vectors of
 /// `around` from `at`.

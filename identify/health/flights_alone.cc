@@ -114,20 +114,6 @@ void AssessInto(FlightsAlone& found, const JointObservations& seen, const GivenP
   found.trust = AssessTrust(fit.logs, fit.penalty, quantities, options);
 }
 
-// Mean voltage of the rest with which a flight begins; none where it begins under load.
-std::optional<double> RestVoltage(const Record& record) {
-  constexpr double kRest_s = 2.0;
-  if (!StartsAtRest(record)) return std::nullopt;
-  double sum_V = 0.0;
-  double rows = 0.0;
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    if (record.time_s[k] - record.time_s.front() > kRest_s) break;
-    sum_V += record.voltage_V[k];
-    rows += 1.0;
-  }
-  return sum_V / rows;
-}
-
 // What no lithium-polymer cell has, by the curve of a typical one.
 void DoubtThePack(const Campaign& campaign, FlightsAlone& found) {
   constexpr double kMost_V = 0.25;  // between chemistries of 4.2 to 4.35 V, and starts roughly told

@@ -10,6 +10,7 @@
 #include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/joint/held_shape.h"
+#include "identify/logs/draft.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
@@ -92,8 +93,8 @@ void AddCautions(const FlightSamples& samples,
   }
   if (!health.temperature_known) {
     cautions.emplace_back(
-        "the temperature is not known: the resistance is that of the flight, and a cold pack looks "
-        "old");
+        "the temperature is not known: the resistance is that of the flight, a cold pack looks old, and "
+        "the pack is taken to warm as a typical one does");
   }
   const double spread = fit.noise.white_V;
   if (health.doubted_because.empty() &&
@@ -127,14 +128,8 @@ void DoubtTheResistance(double new_Ohm, FlightHealth& health) {
       100.0 * of_new);
 }
 
-// A cell whose voltage is another one's altogether says nothing of its age, however narrow the intervals about it.
-void DoubtTheFit(FlightHealth& health) {
-  if (GradeOf(health.mean_error_percent, kMeanErrorLimits_percent) != FitGrade::kPoor) return;
-  health.doubted_because = fmt::format(
-      "the reference does not describe this flight (mean error {:.2g} %; beyond {:g} % a fit says "
-      "nothing): is --series, --columns or the reference wrong?",
-      health.mean_error_percent,
-      kMeanErrorLimits_percent.fair);
+// A flight that is not one of this pack says nothing of it, however narrow the intervals about its fit.
+void Withdraw(const char* because, FlightHealth& health) {
   for (WithInterval* quantity : {&health.soc_start,
                                  &health.soc_end,
                                  &health.capacity_Ah,
@@ -144,7 +139,53 @@ void DoubtTheFit(FlightHealth& health) {
                                  &health.current_scale,
                                  &health.current_offset_A,
                                  &health.lag_s})
-    *quantity = Unknown("the reference does not describe this flight");
+    *quantity = Unknown(because);
+}
+
+// The voltage before the load is known without a fit. One that the reference cannot have, or with which a pack
+// could not have given the charge of the flight, is that of another number of cells.
+void DoubtTheRest(const ReferenceCell& reference,
+                  const Record& record,
+                  int series,
+                  double charge_Ah,
+                  FlightHealth& health) {
+  constexpr double kAboveFull_V =
+      0.2;  // packs that are charged to 4.35 V, against a reference of 4.2 V
+  constexpr double kLeastSoc = 0.05;  // no flight begins with less
+  constexpr double kLowSoc = 0.2;     // from here down the curve is steep, and tells the charge
+  constexpr double kLeastShare =
+      0.5;  // of the charge that flowed: pack, sensor and curve are roughly known
+  const std::optional<double> rest_V = RestVoltage(record);
+  if (!rest_V) return;
+  const OpenCircuitVoltage& curve = reference.cell.open_circuit_voltage;
+  const double soc = curve.SocAtVoltage(*rest_V);
+  const double left_Ah = soc * reference.cell.alpha_C() / 3600.0;
+  const bool above = *rest_V > curve(1.0) + kAboveFull_V;
+  if (!above && soc >= kLeastSoc && (soc >= kLowSoc || left_Ah >= kLeastShare * charge_Ah)) return;
+  const int cells = CellsInSeries(series * *rest_V);
+  health.doubted_because = fmt::format(
+      "the pack rests at {:.3g} V a cell before the flight, where the reference {}: {}",
+      *rest_V,
+      above ? fmt::format("has {:.3g} V when full", curve(1.0))
+            : fmt::format(
+                  "has {:.2g} % of its charge, and then gives {:.3g} Ah", 100.0 * soc, charge_Ah),
+      cells == series ? fmt::format("is --series (now {}) or the reference wrong?", series)
+                      : fmt::format("is --series (now {}) wrong? The voltage looks like that of {}",
+                                    series,
+                                    Counted(static_cast<std::size_t>(cells), "cell")));
+  Withdraw("the voltage before the flight is none of such a pack", health);
+}
+
+void DoubtTheFit(FlightHealth& health) {
+  if (!health.doubted_because.empty() ||
+      GradeOf(health.mean_error_percent, kMeanErrorLimits_percent) != FitGrade::kPoor)
+    return;
+  health.doubted_because = fmt::format(
+      "the reference does not describe this flight (mean error {:.2g} %; beyond {:g} % a fit says "
+      "nothing): is --series, --columns or the reference wrong?",
+      health.mean_error_percent,
+      kMeanErrorLimits_percent.fair);
+  Withdraw("the reference does not describe this flight", health);
 }
 
 FlightHealth AssessFlight(const ReferenceCell& reference,
@@ -247,6 +288,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.coherence = samples.coherence;
   health.mean_error_percent = fit.mean_error_percent;
   health.max_error_percent = fit.max_error_percent;
+  DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtTheFit(health);
   if (!reference.typical)
     DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
@@ -272,20 +314,35 @@ std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
   return FitTrend(points);
 }
 
-}  // namespace
-
-namespace {
-
-// What the autopilots were told, where they agree.
-std::optional<double> CapacityTold(const std::vector<Log>& logs) {
-  std::optional<double> told;
+// What the autopilots were told of the pack; 0: none was told. OptionError where they were told different
+// things, or only some of them: these are flights on several packs, and one has no number for the others.
+template <class Value>
+Value Told(const std::vector<Log>& logs,
+           const char* option,
+           const char* what,
+           Value FlightFacts::*fact) {
+  const auto of = [&](const Log& log) {
+    const Value value = log.report.flight ? (*log.report.flight).*fact : Value{};
+    return value > Value{} ? value : Value{};  // NaN, too, is none
+  };
   for (const Log& log : logs) {
-    const double of_log = log.report.flight ? log.report.flight->capacity_Ah : 0.0;
-    if (!(of_log > 0.0)) continue;
-    if (told && *told != of_log) return std::nullopt;
-    told = of_log;
+    const Value value = of(log);
+    if (value == of(logs[0])) continue;
+    const auto said = [&](Value told) {
+      return told > Value{} ? fmt::format("{:.4g} {}", static_cast<double>(told), what)
+                            : std::string("nothing of it");
+    };
+    throw OptionError(fmt::format(
+        "option {}: expected flights of one pack, found {} that says {}, and {} that says {}; give {}, "
+        "or each pack a run of its own",
+        option,
+        logs[0].record.file,
+        said(of(logs[0])),
+        log.record.file,
+        said(value),
+        option));
   }
-  return told;
+  return logs.empty() ? Value{} : of(logs[0]);
 }
 
 // The most charge that any of the logs moved, as it shows it.
@@ -301,17 +358,7 @@ double LargestCharge_Ah(const std::vector<Log>& logs) {
 
 int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
   if (given) return *given;
-  int found = 0;
-  for (const Log& log : logs) {
-    const int cells = log.report.flight ? log.report.flight->cells : 0;
-    if (cells > 0 && found > 0 && cells != found) {
-      throw OptionError(fmt::format(
-          "option --series: the logs name packs of {} and of {} cells; give flights of one pack",
-          found,
-          cells));
-    }
-    if (cells > 0) found = cells;
-  }
+  const int found = Told(logs, "--series", "cells in series", &FlightFacts::cells);
   if (found == 0) {
     throw OptionError(
         "option --series: expected how many cells the pack has in series, which these logs do not "
@@ -326,7 +373,11 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   std::optional<double> capacity_Ah = options.capacity_Ah;
   HealthReport report;
   report.typical = cell.open_circuit_voltage_assumed;
-  report.capacity_told = report.typical && !capacity_Ah && (capacity_Ah = CapacityTold(logs));
+  if (report.typical && !capacity_Ah) {
+    const double told_Ah = Told(logs, "--capacity-Ah", "Ah", &FlightFacts::capacity_Ah);
+    report.capacity_told = told_Ah > 0.0;
+    if (report.capacity_told) capacity_Ah = told_Ah;
+  }
   const bool guessed = report.typical && !capacity_Ah;
   if (guessed) capacity_Ah = kGuessedOverFlown * LargestCharge_Ah(logs);
   ReferenceCell reference = MakeReference(cell, options.parallel, capacity_Ah);

@@ -96,11 +96,12 @@ struct HealthReport {
   std::optional<HealthTrend> capacity_trend, resistance_trend;
 };
 
-/// Cells in series: `given`, else as the autopilots were told. OptionError where no log says it, or
-/// they differ.
+/// Cells in series: `given`, else as the autopilots were told. OptionError where not every log says the
+/// same.
 [[nodiscard]] int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given);
 
-/// The logs are those of the pack. Flights that are too short or too idle to tell anything are
+/// The logs are those of the pack. OptionError where the capacity is to be the one that the autopilots were
+/// told, and they were told different ones. Flights that are too short or too idle to tell anything are
 /// refused; LoadError where all of them are.
 [[nodiscard]] HealthReport AssessHealth(const Cell& reference,
                                         std::vector<Log> logs,

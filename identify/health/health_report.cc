@@ -122,6 +122,7 @@ Json HealthToJson(const HealthReport& report) {
             {"reference_degC", report.reference_degC},
             {"activation_energy_J_per_mol", report.activation_energy_J_per_mol},
             {"temperature_assumed", report.temperature_assumed}}},
+          {"sentences", FirstLines(report)},
           {"flights", std::move(flights)},
           {"refused", std::move(refused)},
           {"trend", std::move(trend)}};

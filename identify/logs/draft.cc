@@ -127,6 +127,11 @@ int CellsInSeries(double highest_V) {
   return static_cast<int>(std::max(least, std::round(highest_V / kFullCell_V)));
 }
 
+int CellsInSeries(const Inspection& log) {
+  const int told = log.report.flight ? log.report.flight->cells : 0;
+  return told > 0 ? told : CellsInSeries(log.voltage_V.largest);
+}
+
 namespace {
 
 // The inspected tests of all files, as those of one cell.
@@ -186,7 +191,7 @@ class Drafting {
         draft_.unused.emplace_back(Relative(file.file), file.problems.front().message);
         continue;
       }
-      const int series = CellsInSeries(file.inspection->voltage_V.largest);
+      const int series = CellsInSeries(*file.inspection);
       if (file.inspection->parts.empty()) tests_.push_back({&file, *file.inspection, series});
       for (const Inspection& part : file.inspection->parts) tests_.push_back({&file, part, series});
     }

@@ -91,7 +91,7 @@ Json InspectionToJson(const Inspection& log) {
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
   if (log.suggestion.kind) json["suggested_kind"] = NameOf(*log.suggestion.kind);
   json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);
-  json["series"] = CellsInSeries(log.voltage_V.largest);
+  json["series"] = CellsInSeries(log);
   json["parts"] = Json::array();
   for (const Inspection& part : log.parts) {
     json["parts"].push_back(

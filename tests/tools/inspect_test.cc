@@ -138,5 +138,16 @@ TEST(Inspect, OfEveryRealLogSucceeds) {
   }
 }
 
+// The highest voltage of this flight on eight cells is that of seven full ones.
+TEST(Inspect, TakesTheCellsThatTheAutopilotWasTold) {
+  const std::string folder = TestFolder();
+  const std::string log = SourcePath("fixtures/flights/quadrotor_local.ulg");
+  const auto run = RunLipoid(folder, {"inspect", log, "--summary", "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json inspection = ReadJson(folder, "s.json").at("files").at(0);
+  EXPECT_EQ(inspection.at("flight").at("cells"), 8);
+  EXPECT_EQ(inspection.at("series"), 8);
+}
+
 }  // namespace
 }  // namespace lipoid::test

@@ -182,6 +182,17 @@ class Fly(PageTest):
         peaks = json.loads((self.folder / "compensated.json").read_text())["peak_altitude_error_m"]
         self.assertIn(f"{1e3 * peaks[0]:.4g}", page.run("return document.querySelector('main').textContent"))
 
+    def test_flights_are_named_by_the_option_in_which_they_differ(self):
+        for wind in (0, 1):
+            self.lipoid("fly", "hover", "--duration", "2", "--wind", wind, "--summary", f"wind{wind}.json")
+        self.lipoid("report", "wind0.json", "wind1.json", "-o", "wind.html")
+        page = self.open("wind.html", **SMALL)
+        self.assertEqual(page.run("return [...document.querySelectorAll('.stage .name')].map((each) => each.textContent)"),
+                         ["wind 0 m/s", "wind 1 m/s"])
+        shown = page.run("return document.querySelector('main').innerText")
+        self.assertIn("position error, root mean square / m", shown)
+        self.assertIn("Where wind1.json comes from", shown)
+
     def test_without_webgl_the_path_is_drawn_flat(self):
         page = self.open("both.html", webgl=False, **SMALL)
         self.assertIn("no WebGL", page.run("return document.querySelector('.plan').textContent"))

@@ -4,7 +4,7 @@ import json
 import math
 import unittest
 
-from page import PageTest, main
+from page import PROJECT, PageTest, main
 
 CELL = "gifi-600mAh-1"
 
@@ -194,6 +194,50 @@ class Studies(PageTest):
         charts = page.run(CHARTS)
         self.assertEqual(charts[0]["data"][1], [step["cost"] for step in summary["improvements"]])
         self.assertEqual(sum(chart["title"].startswith("Poles of") for chart in charts), 2)
+
+    def test_endurance_shows_speeds_and_the_flights_over_a_temperature(self):
+        vehicle = ["--vehicle", "camera-10in", "--cell", "grepow-32Ah-1", "--capacity-Ah", "5.2", "--series", "4",
+                   "--ensemble", "0"]
+        summary, page = self.page("endurance", *vehicle, "--mission", "cruise")
+        shown = page.run("return document.querySelector('main').innerText")
+        for key, label in (("best_endurance_m_per_s", "Flies longest at"), ("best_range_m_per_s", "Flies farthest at"),
+                           ("fastest_m_per_s", "Flies no faster than")):
+            self.assertIn(f"{label}\n{summary['speeds'][key]:.3g} m/s", shown)
+        summary, page = self.page("endurance", *vehicle, "--over", "ambient-degC=-30:35:40")
+        self.assertEqual(self.column(page, 1, 1), ["-30", "5", "40"])
+        self.assertEqual([row["ended_by"] for row in summary["over"]["rows"]], ["cut-off", "reserve", "reserve"])
+        self.assertEqual(self.column(page, 1, 5)[0], "the battery was below its cut-off")
+        shown = page.run("return document.querySelector('main').innerText")
+        self.assertIn("Flight time over the temperature of the air", shown)
+        self.assertNotIn("reference temperature of the cell throughout", shown)
+
+    def test_health_begins_with_what_the_command_says(self):
+        log = PROJECT / "fixtures" / "flights" / "log171.bin"
+        copy = self.folder / "copy.bin"
+        copy.write_bytes(log.read_bytes())
+        said = ["health", "--cell", "gifi-600mAh-1", "--capacity-Ah", "5.2", "--series"]
+        summary, page = self.page(*said, "5", log, code=1)
+        self.assertEqual(page.run("return [...document.querySelectorAll('p.sentence')].map((p) => p.textContent)"),
+                         summary["sentences"])
+        self.assertIn("is --series (now 5) wrong?", summary["sentences"][0])
+        # One reason once, not for every quantity of the flight.
+        self.assertNotIn(" is not known: the voltage", page.run("return document.querySelector('main').innerText"))
+        summary, page = self.page(*said, "4", log, copy)
+        charts = page.run(CHARTS)
+        self.assertEqual([chart["title"].split()[0] for chart in charts], ["Capacity", "Resistance"])
+        for chart, key in zip(charts, ("counted_capacity_Ah", "counted_resistance_Ohm")):
+            self.assertIn("as the sensor counts it", chart["title"])
+            self.assertIsNone(chart["data"][1][1])  # the copy, which the trend leaves out
+            self.assertIsNotNone(summary["flights"][1][key])
+
+    def test_every_result_says_where_it_comes_from(self):
+        for arguments in (["poles", "attitude", "--xi", "0.9"],
+                          ["design", "altitude", "--xi", "1", "--check", "never"],
+                          ["fly", "hover", "--duration", "2", "--wind", "1"]):
+            _, page = self.page(*arguments)
+            shown = page.run("return document.querySelector('main').innerText")
+            self.assertIn("Where this comes from", shown, arguments)
+            self.assertIn(f"lipoid {' '.join(arguments)} --summary s.json", shown)
 
     def test_several_results_stand_in_one_page_with_a_note_where_samples_are_missing(self):
         self.lipoid("poles", "attitude", "--xi", "0.9", "--summary", "poles.json")

@@ -1,6 +1,7 @@
 // The page of a report: each result by the view of its command.
 import { resultsOf } from "./data.js";
 import { element, note, notice, section } from "./dom.js";
+import { provenance } from "./provenance.js";
 import { HELP } from "./zoom.js";
 
 // A result that no view is for, shown as it is.
@@ -27,6 +28,8 @@ function articlesOf(results, views) {
   return articles;
 }
 
+const ownRun = (summary) => summary.run;
+
 // What went wrong with one part leaves the others readable.
 function articleOf({ view, shown, failed }, k) {
   const { title, parts } = failed
@@ -41,6 +44,7 @@ function articleOf({ view, shown, failed }, k) {
     files.length > 0 ? note(`From ${files.join(", ")}.`) : null,
     all.flatMap(({ notes }) => notes ?? []).map((text) => notice("warning", text)),
     ...parts(shown),
+    ...all.map(({ file, summary }) => provenance((view.run ?? ownRun)(summary), summary.command, all.length > 1 ? file : null)),
   );
 }
 

@@ -6,14 +6,14 @@ const hash = (text) => element("span", { class: "hash" }, text);
 
 const word = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
-/** run: the run record of a cell file, or that of a command, whose name it lacks. */
-export function provenance(run, name) {
+/** run: the run record of a cell file, or that of a command, whose name it lacks; of: the file of one result among several. */
+export function provenance(run, name, of = null) {
   if (!run) return null;
   const command = run.command ?? (Array.isArray(run.arguments) ? ["lipoid", name, ...run.arguments].map(word).join(" ") : null);
   const inputs = Array.isArray(run.inputs) ? run.inputs : [];
   const options = run.options && Object.keys(run.options).length > 0;
   return section(
-    "Where this comes from",
+    of ? `Where ${of} comes from` : "Where this comes from",
     facts([
       ["Program", run.version ? `lipoid ${run.version} (${run.commit ?? "commit unknown"})` : null],
       ["Seed", run.seed],

@@ -39,14 +39,31 @@ const NAMING = [
   (s) => Object.entries(s.maneuver_options ?? {}).map(([name, value]) => `${name} = ${value}`).join(", "),
 ];
 
+// "ambient-degC": "air in °C".
+function optionWords(name) {
+  const parts = name.split("-");
+  const unit = parts.length > 1 && /^(V|A|Ah|s|degC|g|m)$/.test(parts[parts.length - 1]) ? parts.pop() : null;
+  return parts.join(" ").replace(/^ambient$/, "air") + (unit ? ` in ${unit.replace("degC", "°C")}` : "");
+}
+
 // What was typed for a flight and not for all of them, files apart.
 const FILES = ["--summary", "--report", "--output", "-o"];
 function typed(summary, summaries) {
   const words = (each) => (each.run?.arguments ?? []).filter((word, k, all) =>
     !FILES.some((option) => word === option || word.startsWith(`${option}=`) || all[k - 1] === option));
-  const others = summaries.filter((other) => other !== summary).map(words);
-  const own = words(summary).filter((word) => !others.every((list) => list.includes(word)));
-  return own.map((word) => word.replace(/^[a-z]+\.(.+)=/, "$1 = ")).join(" ");
+  // An option stays with its value: a bare "3" says nothing.
+  const pairs = (each) => words(each).reduce((all, word) => {
+    const last = all.length - 1;
+    if (!word.startsWith("--") && last >= 0 && /^--[^= ]+$/.test(all[last])) all[last] += ` ${word}`;
+    else all.push(word);
+    return all;
+  }, []);
+  const others = summaries.filter((other) => other !== summary).map(pairs);
+  const own = pairs(summary).filter((pair) => !others.every((list) => list.includes(pair)));
+  return own.map((pair) => pair.replace(/^--([^ =]+)[ =]?/, (_, name) => `${optionWords(name)} `).trim()
+    .replace(/^set /, "")
+    .replace(/^[a-z]+\.(.+)=/, "$1 = ")
+    .replace(/^(wind|gusts) (.+)$/, "$1 $2 m/s").replace(/^(.+) in (\S+) (.+)$/, "$1 $3 $2")).join(", ");
 }
 
 /** A short name for each summary, by what they differ in; never twice the same. */

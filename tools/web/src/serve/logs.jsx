@@ -171,7 +171,7 @@ function Facts({ inspection }) {
     spread(voltage_V, "V"),
     temperature_degC && spread(temperature_degC, "°C"),
     `${significant(charge_out_C / 3600, 4)} Ah out`,
-    series > 1 && `${series} cells in series, by the voltage`,
+    series > 1 && `${series} cells in series, ${inspection.flight?.cells ? "as the autopilot was told" : "by the voltage"}`,
   ].filter(Boolean);
   const dropped = inspection.dropped_rows;
   const segments = Object.entries(inspection.segments_of_kind ?? {})

@@ -3,7 +3,6 @@ import { lineChart } from "../chart.js";
 import { element, facts, note, notice, section } from "../dom.js";
 import { significant } from "../format.js";
 import { isNumber, listOf } from "../numbers.js";
-import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 
 const SUFFIX = "_interval_95";
@@ -15,6 +14,7 @@ const ENDED = {
   "motor-voltage": "the motors need more voltage than the battery gives",
   power: "no current of the battery gives the power any more",
   "mission-done": "the mission was flown to its end",
+  full: "powers that flow back charge the pack beyond full",
   "time-limit": "the calculation ended before the battery did",
 };
 
@@ -39,6 +39,9 @@ function uncertain(quantity, unit = "", factor = 1) {
   return `${significant(factor * quantity.value)}${error}${unit}`;
 }
 
+const speed = (value) => (isNumber(value) ? `${significant(value, 3)} m/s` : null);
+const flownSpeed = ({ level_flight }) => (level_flight?.airspeed_m_per_s > 0 ? speed(level_flight.airspeed_m_per_s) : null);
+
 // "payload_g": payload / g.
 function words(key) {
   const parts = key.split("_");
@@ -51,15 +54,31 @@ function overQuantity({ name, rows }) {
   const values = listOf(rows);
   const ends = (side) => values.map((row) => row.minutes_interval_95?.[side] ?? null);
   const known = values.some((row) => Array.isArray(row.minutes_interval_95));
-  const label = words(name.replaceAll("-", "_"));
-  return section(`Over the ${label.split(" / ")[0]}`,
+  const label = name === "ambient-degC" ? "temperature of the air / °C" : words(name.replaceAll("-", "_"));
+  const title = label.split(" / ")[0];
+  return section(`Over the ${title}`,
     lineChart({
-      title: `Flight time over the ${label.split(" / ")[0]}`,
+      title: `Flight time over the ${title}`,
       x: { label, values: values.map(({ value }) => value) },
       y: { label: "flight time / min", zero: true },
       lines: [{ label: known ? "minutes, with their 95 % interval" : "minutes", values: values.map(({ minutes }) => minutes), band: known ? [ends(0), ends(1)] : undefined, dots: true }],
       name: "flight time",
-    }));
+    }),
+    table(
+      [
+        { title: label, of: ({ value }) => value },
+        { title: "flight time / min", of: ({ minutes }) => minutes },
+        ...(known ? [
+          { title: "95 % from", of: (row) => row.minutes_interval_95?.[0] ?? null },
+          { title: "to", of: (row) => row.minutes_interval_95?.[1] ?? null },
+        ] : []),
+        { title: "voltage at landing / V", of: (row) => row.landing_voltage_V },
+        { title: "rested / V", of: (row) => row.landing_rest_voltage_V },
+        { title: "the flight ends because", of: (row) => ENDED[row.ended_by] ?? row.ended_by },
+      ],
+      values,
+      { caption: `The flights over the ${title}` },
+    ));
 }
 
 export const endurance = {
@@ -83,8 +102,13 @@ export const endurance = {
         ["Capacity of a new cell", isNumber(summary.capacity_Ah) ? `${significant(summary.capacity_Ah)} Ah` : null],
         ["Mission", summary.mission],
         ["Payload", uncertain(summary.payload_kg, " g", 1e3)],
-        ["Airspeed", uncertain(summary.airspeed_m_per_s, " m/s")],
-        ["Air", uncertain(summary.ambient_degC, " °C") ?? "the battery has the reference temperature of the cell throughout"],
+        ["Airspeed", uncertain(summary.airspeed_m_per_s, " m/s") ?? flownSpeed(summary)],
+        ["Flies longest at", speed(summary.speeds?.best_endurance_m_per_s)],
+        ["Flies farthest at", speed(summary.speeds?.best_range_m_per_s)],
+        ["Flies no faster than", speed(summary.speeds?.fastest_m_per_s)],
+        ["Temperature of the air", uncertain(summary.ambient_degC, " °C") ??
+          (isNumber(summary.hottest_degC) ? "that of the cell's reference, from which the battery warms"
+            : "the battery has the reference temperature of the cell throughout")],
         ["Capacity left, over that of the new cell", uncertain(summary.health)],
         ["Resistance over that of the cell file", uncertain(summary.resistance_factor)],
         ["Power over that of the vehicle file", uncertain(summary.power_factor)],
@@ -103,7 +127,6 @@ export const endurance = {
       ),
       summary.over ? overQuantity(summary.over) : null,
       known ? null : note("Give a cell with `uncertainty`, as lipoid identify writes it, or values as X+-SE, for intervals."),
-      provenance(summary.run, summary.command),
     ];
   },
 };

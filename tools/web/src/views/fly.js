@@ -6,6 +6,7 @@ import { flightCharts } from "../flight/flight_charts.js";
 import { flightOf, namesOf, troubleOf } from "../flight/flights.js";
 import { planOf } from "../flight/plan.js";
 import { Player, wantsLessMotion } from "../flight/player.js";
+import { listOf } from "../numbers.js";
 import { table } from "../table.js";
 
 // What is read off while it plays, at most so often.
@@ -21,14 +22,21 @@ const RESULTS = [
   ["simulated / s", (s) => s.simulated_s],
   ["altitude error, root mean square / mm", (s) => root(s.mse_altitude_m2, 1e3)],
   ["pitch error, root mean square / degrees", (s) => root(s.mse_pitch_deg2)],
+  ["position error, root mean square / m", (s) => root(s.mse_position_m2)],
+  ["position error, largest / m", (s) => s.largest_position_error_m ?? null],
   ["charge / C", (s) => s.charge_C],
   ["voltage at the end / V", (s) => s.final_voltage_V],
   ["lowest voltage / V", (s) => s.minimum_voltage_V],
-  ["state of charge at the end / %", (s) => percent(s.final_soc)],
+  ["available state of charge A at the end, under load / %", (s) => percent(s.final_soc)],
   ["steps in which a motor is at its limit / %", (s) => percent(s.saturated_share)],
   ["duty cycle in hover at the start", (s) => s.trim.duty],
   ["current in hover at the start / A", (s) => s.trim.battery_A],
 ];
+
+// One row for each waypoint that any of the flights has.
+const waypoints = (summaries) => Array.from(
+  { length: Math.max(...summaries.map((s) => listOf(s.waypoint_distance_m).length)) },
+  (_, k) => [`distance from waypoint ${k + 1} at the end of its stay / m`, (s) => listOf(s.waypoint_distance_m)[k] ?? null]);
 
 // Flights side by side.
 function results(summaries, names) {
@@ -38,7 +46,7 @@ function results(summaries, names) {
       ...summaries.map((summary, k) => ({ title: names[k], of: ([, of]) => of(summary) })),
     ],
     // What no flight has (a state of charge on an ideal source) is left out.
-    RESULTS.filter(([, of]) => summaries.some((summary) => of(summary) !== null)),
+    [...RESULTS, ...waypoints(summaries)].filter(([, of]) => summaries.some((summary) => of(summary) !== null)),
     { caption: "Results" },
   );
 }
@@ -63,7 +71,7 @@ function peaks(summaries, names) {
 }
 
 const ENSEMBLE = [
-  ["final_soc", "state of charge at the end"],
+  ["final_soc", "available state of charge A at the end, under load"],
   ["minimum_voltage_V", "least voltage / V"],
   ["simulated_s", "flown / s"],
   ["mse_altitude_m2", "mean square altitude error / m²"],
@@ -109,7 +117,7 @@ function readout(flights, player) {
     ["reference / m", (flight, time) => flight.value("altitude_reference_m", time), 3],
     ["voltage / V", (flight, time) => flight.value("battery_V", time), 3],
     ["current / A", (flight, time) => flight.value("battery_A", time), 2],
-    ["state of charge / %", (flight, time) => 100 * flight.value("soc", time), 1],
+    ["available charge A / %", (flight, time) => 100 * flight.value("soc", time), 1],
   ].filter(([, of]) => flights.some((flight) => Number.isFinite(of(flight, 0))));
   const cells = flights.map(() => rows.map(() => element("td", { class: "number" })));
   let last_ms = -Infinity;

@@ -3,7 +3,6 @@ import { lineChart } from "../chart.js";
 import { element, facts, note, notice, section } from "../dom.js";
 import { baseName, duration, plural, significant } from "../format.js";
 import { isNumber, listOf, times } from "../numbers.js";
-import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 
 const interval = (pair, factor = 1, digits = 3) =>
@@ -12,7 +11,9 @@ const interval = (pair, factor = 1, digits = 3) =>
 // What stands under an interval's name: "soc_start_interval_95", or with the unit's place taken, "capacity_interval_95".
 const intervalOf = (one, name) => one[`${name}_interval_95`] ?? one[`${name.replace(/_[A-Za-z]+$/, "")}_interval_95`];
 
-function overFlights(flights, name, title, label, factor) {
+function overFlights(all, name, title, label, factor) {
+  // A copy of an earlier flight is no flight of its own, for the trend neither.
+  const flights = all.map((one) => (one.same_rows_as ? {} : one));
   const ends = (side) => flights.map((one) => times(factor, intervalOf(one, name)?.[side]));
   return lineChart({
     title,
@@ -36,6 +37,7 @@ export const health = {
     const flights = listOf(summary.flights);
     const reference = summary.reference ?? {};
     return [
+      listOf(summary.sentences).map((text) => element("p", { class: "sentence" }, text)),
       facts([
         ["Flights", plural(flights.length, "flight")],
         ["When new", isNumber(reference.capacity_Ah) ? `${significant(reference.capacity_Ah)} Ah` : null],
@@ -58,17 +60,19 @@ export const health = {
         { sort: true, caption: "What each flight says of the pack" },
       ),
       flights.length > 1
-        ? [overFlights(flights, "counted_capacity_Ah", "Capacity over the flights", "capacity / Ah", 1),
-           overFlights(flights, "counted_resistance_Ohm", "Resistance over the flights", "resistance / mΩ", 1e3)]
+        ? [overFlights(flights, "counted_capacity_Ah", "Capacity as the sensor counts it, over the flights", "counted capacity / Ah", 1),
+           overFlights(flights, "counted_resistance_Ohm", "Resistance as the sensor counts it, over the flights", "counted resistance / mΩ", 1e3)]
         : note("Give several flights on one pack, the oldest first, to see how it ages."),
       listOf(summary.refused).map(({ file, reason }) => notice("warning", `${file}: ${reason}`)),
       flights.map((one) => {
-        const all = [one.capacity_unknown_because, one.resistance_unknown_because, ...listOf(one.cautions)].filter(Boolean);
+        // Where the flight is doubted altogether, that is why its quantities are not known.
+        const unknown = (what, why) => (why && !one.doubted_because ? `The ${what} is not known: ${why}` : null);
+        const all = [unknown("capacity", one.capacity_unknown_because),
+          unknown("resistance", one.resistance_unknown_because), ...listOf(one.cautions)].filter(Boolean);
         const doubted = one.doubted_because ? notice("warning", one.doubted_because) : null;
         return doubted || all.length > 0
           ? section(baseName(one.file), doubted, element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
       }),
-      provenance(summary.run, summary.command),
     ];
   },
 };

@@ -32,7 +32,6 @@ function cell(summary, series, program, key) {
     profiles(result),
     tried(result),
     stages(result),
-    provenance(summary.cell?.run),
   ].filter((part) => part !== null);
 }
 
@@ -64,6 +63,7 @@ function batch({ summary, series, program }) {
       const part = disclosure(
         `${nameOf(one)}: ${one.verdict?.grade ?? "no verdict"}`,
         cell(one, series.filter(({ of }) => of === k), program, `cell ${k}`),
+        provenance(one.cell?.run),
       );
       part.classList.add("cell");
       return part;
@@ -73,6 +73,7 @@ function batch({ summary, series, program }) {
 
 export const identify = {
   command: "identify",
+  run: (summary) => summary.cell?.run ?? summary.run,  // that of the cell file, which lives longer
   title: ({ summary }) => (summary.cells ? "Cells identified" : nameOf(summary)),
   parts: (result) =>
     result.summary.cells ? batch(result) : cell(result.summary, result.series, result.program, "cell"),

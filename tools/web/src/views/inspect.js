@@ -2,7 +2,6 @@
 import { disclosure, element, facts, note, notice, section } from "../dom.js";
 import { baseName, duration, plural, significant } from "../format.js";
 import { logCharts, thinnedNote } from "../log_charts.js";
-import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 
 const KINDS = { rest: 6, "constant-current": 2, pulse: 1, varying: 3 };
@@ -133,7 +132,6 @@ export const inspect = {
           )
         : null,
       ...files.map((one, k) => file(one, k, series)),
-      provenance(summary.run, summary.command),
     ].filter((part) => part !== null);
   },
 };

@@ -2,7 +2,6 @@
 import { element, note, section } from "../dom.js";
 import { baseName } from "../format.js";
 import { logCharts, thinnedNote } from "../log_charts.js";
-import { provenance } from "../provenance.js";
 import { table } from "../table.js";
 import { judgement } from "./identify/header.js";
 
@@ -34,6 +33,5 @@ export const validate = {
       { sort: true, caption: "Errors of the logs" },
     ),
     ...series.filter(({ kind }) => kind === "log").map(log),
-    provenance(summary.run, summary.command),
   ].filter((part) => part !== null),
 };
