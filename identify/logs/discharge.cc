@@ -33,6 +33,15 @@ struct Found {
   std::string instead;
 };
 
+// Of the last row under load, where its interval is a small part of the discharge.
+double LastFall(const Record& record, const Segment& first, const Segment& last) {
+  constexpr double kSmallPart = 0.01;
+  if (last.last == first.first) return 0.0;
+  const double interval_s = record.time_s[last.last] - record.time_s[last.last - 1];
+  if (interval_s > kSmallPart * (last.end_s - first.start_s)) return 0.0;
+  return record.voltage_V[last.last - 1] - record.voltage_V[last.last];
+}
+
 // The one discharge of a record: its loaded rows, without anything about its end.
 Found LookForDischarge(const Record& record) {
   const auto segments = FindSegments(record);
@@ -97,7 +106,8 @@ Found LookForDischarge(const Record& record) {
                     .start_s = first->start_s,
                     .end_s = last.end_s,
                     .end_voltage_V = record.voltage_V[last.last],
-                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last)},
+                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last),
+                    .last_fall_V = LastFall(record, *first, last)},
           {}};
 }
 
@@ -176,10 +186,17 @@ std::vector<Point> LoadedVoltages(const Record& record, const Discharge& dischar
 
 }  // namespace
 
+double CutoffTolerance(const Discharge& discharge) {
+  constexpr double kMostOfFall_V = 0.05;
+  return std::max({kCutoffTolerance_V,
+                   3.0 * discharge.voltage_noise_V,
+                   std::min(2.0 * discharge.last_fall_V, kMostOfFall_V)});
+}
+
 Discharge FindDischarge(const Record& record, double cutoff_V) {
   Discharge discharge = OneDischarge(record, "one discharge at constant current");
   const auto points = LoadedVoltages(record, discharge);
-  const double tolerance_V = std::max(kCutoffTolerance_V, 3.0 * discharge.voltage_noise_V);
+  const double tolerance_V = CutoffTolerance(discharge);
   const auto crossing = std::find_if(points.begin(), points.end(), [&](const Point& point) {
     return point.voltage_V <= cutoff_V;
   });
