@@ -19,14 +19,14 @@ class Quantities {
              const GivenParameters& known,
              const std::vector<JointRate>& searched,
              double typical_A,
-             double alpha_ratio)
+             const FitAxis& axis)
       : fit_(fit),
         solution_(solution),
         known_(known),
         searched_(searched),
         layout_(solution.structure),
         typical_A_(typical_A),
-        alpha_ratio_(alpha_ratio) {}
+        axis_(axis) {}
 
   void Fill() {
     AddRate("beta", solution_.rates.beta_per_sqrt_s);
@@ -88,7 +88,7 @@ class Quantities {
       // The e-folds of hysteresis are counted over the alpha of the cell.
       for (const std::string& name :
            rate.means.empty() ? std::vector<std::string>{rate.name} : rate.means) {
-        AddRate(name, rate.name, rate.In(rates), rate.name == "gamma" ? alpha_ratio_ : 1.0);
+        AddRate(name, rate.name, rate.In(rates), rate.name == "gamma" ? axis_.alpha_ratio : 1.0);
       }
     }
   }
@@ -111,7 +111,7 @@ class Quantities {
     if (nodes.size() == 1) return add(table.name, {});
     NodeFinder find(nodes);
     for (const double soc : {0.2, 0.5, 0.8}) {
-      const double on_axis = 1.0 - (1.0 - soc) * alpha_ratio_;
+      const double on_axis = axis_(soc);
       if (on_axis >= nodes.front() && on_axis <= nodes.back())
         add(fmt::format("{}({:.1f})", table.name, soc), find(on_axis));
     }
@@ -137,7 +137,7 @@ class Quantities {
     }
     NodeFinder find(nodes);
     for (const double soc : {0.2, 0.5, 0.8}) {
-      const double on_axis = 1.0 - (1.0 - soc) * alpha_ratio_;
+      const double on_axis = axis_(soc);
       if (on_axis < nodes.front() || on_axis > nodes.back()) continue;
       const NodeShare at = find(on_axis);
       const double low = solution_.x[table + at.lower];
@@ -176,7 +176,7 @@ class Quantities {
   const std::vector<JointRate>& searched_;
   JointLayout layout_;
   double typical_A_;
-  double alpha_ratio_;
+  FitAxis axis_;
 };
 
 }  // namespace
@@ -212,7 +212,7 @@ Eigen::MatrixXd LinearizedFit::Project(Eigen::MatrixXd sensitivity,
 LinearizedFit Linearize(const Observations& seen,
                         const JointSolution& solution,
                         const GivenParameters& known,
-                        double alpha_ratio) {
+                        const FitAxis& axis) {
   const JointLayout layout(solution.structure);
   const JointFit fit(seen, known);
   LinearizedFit all;
@@ -236,7 +236,7 @@ LinearizedFit Linearize(const Observations& seen,
   ToRises(nodes, layout.voltages());
   all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
-  Quantities(all, solution, known, searched, seen.scales().typical_A, alpha_ratio).Fill();
+  Quantities(all, solution, known, searched, seen.scales().typical_A, axis).Fill();
   return all;
 }
 

@@ -36,10 +36,10 @@ struct LinearizedFit {
   }
 };
 
-/// Tables are asked at states of charge of a cell whose alpha is so many times that of the fit.
+/// Tables are asked at states of charge of the cell.
 [[nodiscard]] LinearizedFit Linearize(const Observations& seen,
                                       const JointSolution& solution,
                                       const GivenParameters& known,
-                                      double alpha_ratio = 1.0);
+                                      const FitAxis& axis = {});
 
 }  // namespace lipoid

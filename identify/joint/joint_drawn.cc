@@ -93,7 +93,7 @@ class Nodes {
 
   // The node of the fit that is the first of the cell.
   [[nodiscard]] std::size_t First(const std::vector<double>& nodes, double cell_soc) const {
-    const double soc = 1.0 - (1.0 - cell_soc) * result_.AxisRatio();
+    const double soc = result_.Axis()(cell_soc);
     const auto nearer = [soc](double a, double b) { return std::abs(a - soc) < std::abs(b - soc); };
     return static_cast<std::size_t>(std::min_element(nodes.begin(), nodes.end(), nearer) -
                                     nodes.begin());

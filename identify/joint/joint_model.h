@@ -31,6 +31,14 @@
 
 namespace lipoid {
 
+/// Where on the axis of the fit a state of charge of the cell lies, whose alpha is so many times that
+/// of the fit. Both axes agree where the logs start.
+struct FitAxis {
+  double alpha_ratio = 1.0;
+  double start_soc = 1.0;
+  double operator()(double soc) const { return start_soc - (start_soc - soc) * alpha_ratio; }
+};
+
 /// What does not change while rates are searched.
 struct JointSetup {
   double alpha_C = 0.0;

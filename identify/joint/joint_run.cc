@@ -84,10 +84,13 @@ class JointRun {
       if (!for_staged.alpha_C) for_staged.alpha_C = given_.reference->cell.alpha_C();
     }
     result_.fixed = known_.fixed;
+    starts_alike_ = CommonStart(logs_).has_value();
+    result_.start_soc = CommonStart(logs_).value_or(1.0);
     for (const LoadedLog& log : logs_) {
       const std::vector<double> delivered_C = DeliveredCharge(log.log.record);
       deepest_C_.push_back(
           delivered_C.empty() ? 0.0 : *std::max_element(delivered_C.begin(), delivered_C.end()));
+      FindLeastAlpha(log, delivered_C);
     }
     FitBesideTheStaged(for_staged);
     MakeCell();
@@ -156,6 +159,24 @@ class JointRun {
     if (failed) std::rethrow_exception(failed);
     StopIfAsked();
     result_.staged = std::move(staged);
+  }
+
+  // A log that charges may rest above v_oc, and says nothing.
+  void FindLeastAlpha(const LoadedLog& log, const std::vector<double>& delivered_C) {
+    const Record& record = log.log.record;
+    if (log.entry.kind == LogKind::kValidation || !campaign_.cutoff_V || !starts_alike_) return;
+    if (std::any_of(
+            record.current_A.begin(), record.current_A.end(), [](double i) { return i < 0.0; }))
+      return;
+    for (std::size_t k = 0; k < delivered_C.size(); ++k) {
+      if (record.voltage_V[k] >= *campaign_.cutoff_V)
+        result_.least_alpha_C = std::max(result_.least_alpha_C, delivered_C[k] / result_.start_soc);
+    }
+  }
+
+  // What leaves the logs from their start down to the cut-off is this share of alpha.
+  [[nodiscard]] double AlphaTo(const CutoffPoint& cutoff, double alpha_C) const {
+    return alpha_C * (result_.start_soc - cutoff.soc) / result_.start_soc;
   }
 
   void Prepare(double alpha_C) {
@@ -273,7 +294,7 @@ class JointRun {
       Tell("alpha", 0.2 + 0.05 * pass);
       search();
       if (rough.x.size() == 0) return;
-      const double next_C = alpha_C * (1.0 - Cutoff(rough).soc);
+      const double next_C = AlphaTo(Cutoff(rough), alpha_C);
       if (!IsNear(next_C, alpha_C)) return;
       const double change = std::abs(next_C / alpha_C - 1.0);
       alpha_C = next_C;
@@ -281,7 +302,7 @@ class JointRun {
     }
     // Where logs say at which state of charge they start, alpha is no mere reference: it moves them
     // against one another, and one that fits clearly better is taken.
-    if (!AllStartFull(logs_)) {
+    if (!starts_alike_) {
       const double cutoff_C = alpha_C;
       const double rmse_of_cutoff_V = search();
       free_alpha_ = true;
@@ -381,8 +402,9 @@ class JointRun {
     JointSolution& best = result_.choice.best;
     const CutoffPoint cutoff = Cutoff(best);
     if (!cutoff.found || best.structure.voltage_soc != CurveNodes()) return;
-    if (!IsNear(result_.setup.alpha_C * (1.0 - cutoff.soc), result_.setup.alpha_C)) return;
-    Prepare(result_.setup.alpha_C * (1.0 - cutoff.soc));
+    const double alpha_C = AlphaTo(cutoff, result_.setup.alpha_C);
+    if (!IsNear(alpha_C, result_.setup.alpha_C)) return;
+    Prepare(alpha_C);
     best.structure.voltage_soc = CurveNodes();
     const JointObservations seen(result_.logs, result_.setup);
     const JointFit fit(seen, known_);
@@ -408,12 +430,12 @@ class JointRun {
       cell.temperature->reference_K = setup.reference_K;
       result_.heat.reset();
     }
-    // Every log that starts full is the same with any capacity reference: the last word on alpha
-    // costs nothing.
+    // Logs that start alike are the same with any capacity reference: the last word on alpha costs
+    // nothing.
     double alpha_C = setup.alpha_C;
     if (result_.alpha_source == "cut-off") {
       const CutoffPoint cutoff = Cutoff(best);
-      const double at_cutoff_C = alpha_C * (1.0 - cutoff.soc);
+      const double at_cutoff_C = AlphaTo(cutoff, alpha_C);
       if (IsNear(at_cutoff_C, alpha_C)) {
         result_.cutoff = cutoff;
         alpha_C = at_cutoff_C;
@@ -432,9 +454,10 @@ class JointRun {
     }
     if (setup.axis_follows_alpha) {
       // Every curve is over A already.
-    } else if ((AllStartFull(logs_) || free_alpha_) && alpha_C != setup.alpha_C) {
+    } else if ((starts_alike_ || free_alpha_) && alpha_C != setup.alpha_C) {
       const auto move = [&](std::vector<double> at) {
-        for (double& a : at) a = 1.0 - (1.0 - a) * setup.alpha_C / alpha_C;
+        const double start = result_.start_soc;
+        for (double& a : at) a = start - (start - a) * setup.alpha_C / alpha_C;
         return at;
       };
       cell.open_circuit_voltage = OpenCircuitVoltage::Linear(move(cell.open_circuit_voltage.soc()),
@@ -594,6 +617,13 @@ class JointRun {
 
   // A log that starts at A_0 after the charge q has A_0 = 1 - q/alpha: dalpha/dA_0 = alpha/(1 - A_0).
   void NameStartsThatAlphaRestsOn() {
+    if (result_.start_soc < 1.0 && result_.alpha_source == "cut-off") {
+      result_.cautions.push_back(fmt::format(
+          "every log starts at initial_soc = {0:.6g}, which is taken as exact: alpha is the charge from "
+          "there to the cut-off over {0:.6g}, and a start that is off by 0.01 would change it by {1:.2g} %",
+          result_.start_soc,
+          1.0 / result_.start_soc));
+    }
     if (!free_alpha_ || result_.setup.axis_follows_alpha) return;
     constexpr double kStep = 0.01;
     constexpr std::size_t kNamed = 5;
@@ -666,6 +696,7 @@ class JointRun {
   const StageProgress& progress_;
   GivenParameters known_;
   bool curve_given_ = false;
+  bool starts_alike_ = true;       // all logs, at start_soc of the result
   bool free_alpha_ = false;        // alpha is one of the unknowns
   std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most

@@ -42,11 +42,16 @@ struct JointResult {
   JointSetup setup;
   std::map<std::string, double> fixed;  ///< what the user held
   std::optional<HeatFit> heat;          ///< none: the temperature of the cell is not predicted
-  CutoffPoint cutoff;  ///< among the nodes of v_oc; found only where it fixed alpha
+  CutoffPoint cutoff;      ///< among the nodes of v_oc; found only where it fixed alpha
+  double start_soc = 1.0;  ///< of all logs, where they start alike
+  /// What one of these logs delivered before its voltage was below the cut-off, over start_soc: alpha
+  /// is no less, since v_oc lies above the voltage of a discharge. 0: not known.
+  double least_alpha_C = 0.0;
 
   /// The axis of the cell against that of the fit.
-  [[nodiscard]] double AxisRatio() const {
-    return setup.axis_follows_alpha ? 1.0 : alpha_C / setup.alpha_C;
+  [[nodiscard]] FitAxis Axis() const {
+    return {.alpha_ratio = setup.axis_follows_alpha ? 1.0 : alpha_C / setup.alpha_C,
+            .start_soc = start_soc};
   }
 };
 

@@ -1,5 +1,7 @@
 #include "identify/joint/joint_trust.h"
 
+#include <algorithm>
+
 #include "identify/fit/pulse_resistance.h"
 #include "identify/joint/joint_drawn.h"
 #include "identify/joint/structure_spread.h"
@@ -7,13 +9,16 @@
 namespace lipoid {
 namespace {
 
-// alpha' = alpha (1 - A_0), A_0 where the line through two nodes is the cut-off.
+// alpha' = alpha (A_s - A_0)/A_s, A_0 where the line through two nodes is the cut-off and A_s where
+// the logs start.
 TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
   const CutoffPoint& cutoff = result.cutoff;
   TrustedQuantity q = fit.Quantity("alpha", "C", result.alpha_C);
   // Of nodes; of rises the suffix sums of these.
-  const double of_lower = -result.setup.alpha_C * cutoff.per_lower_V;
-  const double of_upper = -result.setup.alpha_C * cutoff.per_upper_V;
+  const double per_soc_C = -result.setup.alpha_C / result.start_soc;
+  const double of_lower = per_soc_C * cutoff.per_lower_V;
+  const double of_upper = per_soc_C * cutoff.per_upper_V;
+  q.lower = std::min(result.least_alpha_C, q.value);
   for (std::size_t k = 0; k <= cutoff.upper; ++k) {
     q.combination[fit.Linear(static_cast<int>(k))] =
         of_upper + (k <= cutoff.lower ? of_lower : 0.0);
@@ -32,7 +37,7 @@ TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
   const JointLayout layout(best.structure);
   const auto& nodes = best.structure.resistance_soc;
   const double per_A = 1.0 / result.logs.typical_A;
-  const NodeShare at = NodeFinder(nodes)(1.0 - 0.5 * result.AxisRatio());
+  const NodeShare at = NodeFinder(nodes)(result.Axis()(0.5));
   TrustedQuantity q = fit.Quantity("r_total(0.5)", "Ohm", 0.0);
   for (int t = 0; t < layout.tables(); ++t) {
     const int k = layout.table(t) + at.lower;
@@ -49,12 +54,12 @@ TrustedQuantity Total(const JointResult& result, const LinearizedFit& fit) {
 TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) {
   const JointSolution& best = result.choice.best;
   const JointObservations seen(result.logs, result.setup);
-  const LinearizedFit fit = Linearize(seen, best, {.fixed = result.fixed}, result.AxisRatio());
+  const LinearizedFit fit = Linearize(seen, best, {.fixed = result.fixed}, result.Axis());
   std::vector<TrustedQuantity> quantities = fit.quantities;
   if (JointLayout(best.structure).tables() > 1) quantities.push_back(Total(result, fit));
   for (TrustedQuantity& q : quantities) {
     q.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& solution) {
-      return ValueIn(solution, q.name, result.logs.typical_A, best, result.AxisRatio());
+      return ValueIn(solution, q.name, result.logs.typical_A, best, result.Axis());
     });
   }
   if (result.cutoff.found) quantities.insert(quantities.begin(), Alpha(result, fit));
@@ -64,8 +69,7 @@ TrustReport AssessJoint(const JointResult& result, const TrustOptions& options) 
   if (!options.assumed) with_held.drawn = DrawnOfJoint(result, quantities, fit.Linear(0));
 
   // Half charge on the axis of the fit, and 1C.
-  PulseQuestion question{.soc = 1.0 - 0.5 * result.AxisRatio(),
-                         .current_A = result.alpha_C / 3600.0};
+  PulseQuestion question{.soc = result.Axis()(0.5), .current_A = result.alpha_C / 3600.0};
   if (best.structure.temperature) question.temperature_degC = CelsiusOf(result.logs.told_K);
   const auto resistances = [&](const JointSolution& solution) {
     return PulseResistancesOf(solution, result.setup, result.logs.typical_A, question);

@@ -54,7 +54,7 @@ double ValueIn(const JointSolution& solution,
                const std::string& name,
                double typical_A,
                const JointSolution& taken,
-               double alpha_ratio) {
+               const FitAxis& axis) {
   if (solution.x.size() == 0) return kNaN;
   Cell cell;
   cell.diffusion = Cell::Diffusion{};
@@ -68,7 +68,7 @@ double ValueIn(const JointSolution& solution,
   // A table where one number is asked for: its mean.
   std::vector<double> soc{0.2, 0.5, 0.8};
   if (bracket != std::string::npos) {
-    soc = {1.0 - (1.0 - std::strtod(name.c_str() + bracket + 1, nullptr)) * alpha_ratio};
+    soc = {axis(std::strtod(name.c_str() + bracket + 1, nullptr))};
   }
   const auto mean = [&](const Resistance<double>& r) {
     double sum = 0.0;
@@ -85,8 +85,8 @@ double ValueIn(const JointSolution& solution,
     if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
     const std::vector<double> shares = SharesIn(solution, taken, known->branch);
     if (shares.empty()) return kNaN;
-    const auto nearest = static_cast<std::size_t>(
-        std::max_element(shares.begin(), shares.end()) - shares.begin());
+    const auto nearest =
+        static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
     double resistance_Ohm = 0.0;
     double log_tau = 0.0;  // weighed by the resistances
     for (std::size_t j = 0; j < shares.size(); ++j) {

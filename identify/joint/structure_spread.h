@@ -26,13 +26,12 @@ namespace lipoid {
 /// nearest time constant stands for it, and with it what that one shares with others that have no
 /// nearer one: a branch that was split in two is compared as one. A constant stands for its value at every state of
 /// charge; what a table says of a constant is its mean at 0.2, 0.5 and 0.8. NaN where the solution
-/// has no such quantity. States of charge are those of a cell whose alpha is so many times that of the
-/// fit.
+/// has no such quantity. States of charge are those of the cell.
 [[nodiscard]] double ValueIn(const JointSolution& solution,
                              const std::string& name,
                              double typical_A,
                              const JointSolution& taken,
-                             double alpha_ratio = 1.0);
+                             const FitAxis& axis = {});
 
 /// v_oc at a state of charge; `reference` is that of the fit. NaN where the curve was given.
 [[nodiscard]] double OpenCircuitVoltageIn(const JointSolution& solution,

@@ -34,6 +34,15 @@ struct Found {
   std::string instead;
 };
 
+// Of the last row under load, where its interval is a small part of the discharge.
+double LastFall(const Record& record, const Segment& first, const Segment& last) {
+  constexpr double kSmallPart = 0.01;
+  if (last.last == first.first) return 0.0;
+  const double interval_s = record.time_s[last.last] - record.time_s[last.last - 1];
+  if (interval_s > kSmallPart * (last.end_s - first.start_s)) return 0.0;
+  return record.voltage_V[last.last - 1] - record.voltage_V[last.last];
+}
+
 // The one discharge of a record: its loaded rows, without anything about its end.
 Found LookForDischarge(const Record& record) {
   const auto segments = FindSegments(record);
@@ -98,7 +107,8 @@ Found LookForDischarge(const Record& record) {
                     .start_s = first->start_s,
                     .end_s = last.end_s,
                     .end_voltage_V = record.voltage_V[last.last],
-                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last)},
+                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last),
+                    .last_fall_V = LastFall(record, *first, last)},
           {}};
 }
 
@@ -177,6 +187,7 @@ std::vector<Point> LoadedVoltages(const Record& record, const Discharge& dischar
 
 }  // namespace
 
+<<<<<<< HEAD
 bool IsBelowCutoff(const Cell& cell,
                    double voltage_V,
                    std::size_t rows_before,
@@ -185,12 +196,19 @@ bool IsBelowCutoff(const Cell& cell,
   const bool last = rows_before > 0 && rows_before + 1 == rows_of_log;
   return !(voltage_V >=
            cell.series * (cell.cutoff_V - kCutoffTolerance_V - (last ? kLastStep_V : 0.0)));
+=======
+double CutoffTolerance(const Discharge& discharge) {
+  constexpr double kMostOfFall_V = 0.05;
+  return std::max({kCutoffTolerance_V,
+                   3.0 * discharge.voltage_noise_V,
+                   std::min(2.0 * discharge.last_fall_V, kMostOfFall_V)});
+>>>>>>> speed
 }
 
 Discharge FindDischarge(const Record& record, double cutoff_V) {
   Discharge discharge = OneDischarge(record, "one discharge at constant current");
   const auto points = LoadedVoltages(record, discharge);
-  const double tolerance_V = std::max(kCutoffTolerance_V, 3.0 * discharge.voltage_noise_V);
+  const double tolerance_V = CutoffTolerance(discharge);
   const auto crossing = std::find_if(points.begin(), points.end(), [&](const Point& point) {
     return point.voltage_V <= cutoff_V;
   });

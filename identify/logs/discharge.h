@@ -6,8 +6,7 @@
 /// A discharge runs from the switch-on of the current to cut-off. With backward hold the current of
 /// row k flows over (t[k-1], t[k]], so the switch-on is the stamp of the row before the first
 /// loaded one; without such a row it is the first stamp. Cut-off is reached when the voltage comes
-/// within max(kCutoffTolerance_V, 3 sigma of its noise); where it crosses, the crossing is
-/// interpolated. The current is charge over time. Rests before and after are welcome.
+/// within CutoffTolerance(); where it crosses, the crossing is interpolated. The current is charge over time. Rests before and after are welcome.
 ///
 /// A record that is not what it should be is a LoadError at its file, in one sentence with the
 /// numbers. Tests: tests/identify/logs/discharge_test.cc.
@@ -40,10 +39,14 @@ struct Discharge {
   double current_A = 0.0;        ///< charge over time
   double end_voltage_V = 0.0;    ///< at end_s
   double voltage_noise_V = 0.0;  ///< standard deviation of a row
+  double last_fall_V =
+      0.0;  ///< from the row before the last one to it; 0 where rows are so few that
+            ///< one more would change the time
 
   [[nodiscard]] double time_s() const { return end_s - start_s; }
 };
 
+<<<<<<< HEAD
 /// Whether a cell has reached its cut-off where it has `voltage_V` under a load, in volts of the pack,
 /// after so many rows of a log of `rows_of_log`. A current that ends there is whole: the last row of a
 /// discharge lies on a steep end.
@@ -51,6 +54,11 @@ struct Discharge {
                                  double voltage_V,
                                  std::size_t rows_before,
                                  std::size_t rows_of_log);
+=======
+/// max(kCutoffTolerance_V, 3 sigma of the noise, two falls of the last row but 50 mV at most): a cycler that stops at the
+/// cut-off may do so between two rows, and the fall gets faster.
+[[nodiscard]] double CutoffTolerance(const Discharge& discharge);
+>>>>>>> speed
 
 /// The discharge of a constant-current log, from switch-on to the cut-off of one cell.
 [[nodiscard]] Discharge FindDischarge(const Record& record, double cutoff_V);

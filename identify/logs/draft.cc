@@ -42,10 +42,6 @@ double RoundToDigits(double value, int digits) {
   return std::stod(fmt::format("{:.12g}", std::round(value / step) * step));
 }
 
-double Tolerance(const Discharge& discharge) {
-  return std::max(kCutoffTolerance_V, 3.0 * discharge.voltage_noise_V);
-}
-
 // Text that stays within its comment, whatever the name of a file is.
 std::string Comment(std::string text) {
   for (char& c : text) {
@@ -315,7 +311,7 @@ class Drafting {
     draft_.campaign.cutoff_V = cutoff_V;
     for (const Candidate& each : fast_) {
       const Discharge& discharge = *each.inspection->discharge;
-      if (discharge.end_voltage_V <= cutoff_V + Tolerance(discharge)) continue;
+      if (discharge.end_voltage_V <= cutoff_V + CutoffTolerance(discharge)) continue;
       each.entry->left_out =
           fmt::format("ends at {:.4g} V, above the cut-off", discharge.end_voltage_V);
     }

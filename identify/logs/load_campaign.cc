@@ -61,14 +61,15 @@ void CheckCapacity(const Campaign& campaign,
   const bool too_little = full_Ah > 0.0 ? full_Ah < kLeastOfFullDischarge * campaign.capacity_Ah
                                         : fits && any_Ah < kLeastOfAnyLog * campaign.capacity_Ah;
   if (!too_little) return;
-  Refuse(campaign,
-         "capacity-Ah",
-         "capacity_Ah",
-         fmt::format("expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at "
-                     "most; is the capacity in mAh, or are times in minutes or currents in another "
-                     "unit than their headers say?",
-                     campaign.capacity_Ah,
-                     full_Ah > 0.0 ? full_Ah : any_Ah));
+  Refuse(
+      campaign,
+      "capacity-Ah",
+      "capacity_Ah",
+      fmt::format("expected logs that move the charge of a cell of {:.6g} Ah, found {:.3g} Ah at "
+                  "most; is the capacity in mAh, or are times in minutes or currents in another "
+                  "unit than their headers say?",
+                  campaign.capacity_Ah,
+                  full_Ah > 0.0 ? full_Ah : any_Ah));
 }
 
 // v_oc(A) would have to be followed upwards to it.
@@ -81,18 +82,19 @@ void CheckCutoff(const Campaign& campaign, const std::vector<LoadedLog>& logs) {
         voltage_V.empty())
       continue;
     // Most logs begin above it, and long ones need not be read again.
-    highest_V = std::max(highest_V,
-                         voltage_V.front() > *campaign.cutoff_V ? voltage_V.front()
-                                                                : FindExtent(voltage_V).most);
+    highest_V = std::max(
+        highest_V,
+        voltage_V.front() > *campaign.cutoff_V ? voltage_V.front() : FindExtent(voltage_V).most);
   }
   if (highest_V == 0.0 || highest_V > *campaign.cutoff_V) return;
-  Refuse(campaign,
-         "cutoff-V",
-         "cutoff_V",
-         fmt::format("expected a voltage that a discharge ends at, found {:.4g} V, and no log of this "
-                     "cell is above {:.4g} V; the cut-off is that of one cell",
-                     *campaign.cutoff_V,
-                     highest_V));
+  Refuse(
+      campaign,
+      "cutoff-V",
+      "cutoff_V",
+      fmt::format("expected a voltage that a discharge ends at, found {:.4g} V, and no log of this "
+                  "cell is above {:.4g} V; the cut-off is that of one cell",
+                  *campaign.cutoff_V,
+                  highest_V));
 }
 
 // No lithium cell takes so much more than its capacity: a sensor turned round does.
@@ -226,6 +228,16 @@ std::vector<LoadedLog> TakeLogs(const Campaign& campaign, std::vector<Log> logs)
 bool AllStartFull(const std::vector<LoadedLog>& logs) {
   return std::all_of(
       logs.begin(), logs.end(), [](const LoadedLog& log) { return log.entry.initial_soc == 1.0; });
+}
+
+std::optional<double> CommonStart(const std::vector<LoadedLog>& logs) {
+  std::optional<double> start;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kValidation) continue;
+    if (start && *start != log.entry.initial_soc) return std::nullopt;
+    start = log.entry.initial_soc;
+  }
+  return start;
 }
 
 std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {

@@ -29,6 +29,10 @@ struct LoadedLog {
 /// elsewhere than full.
 [[nodiscard]] bool AllStartFull(const std::vector<LoadedLog>& logs);
 
+/// The state of charge at which every log starts that is fitted; none where they differ, which moves
+/// them against one another with alpha.
+[[nodiscard]] std::optional<double> CommonStart(const std::vector<LoadedLog>& logs);
+
 /// What a reader of any result should know of the logs, one sentence each: whose sign other logs
 /// settled, and which two logs of one format count their current in opposite ways.
 [[nodiscard]] std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs);

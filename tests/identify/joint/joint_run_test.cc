@@ -119,6 +119,40 @@ TEST(JointRun, LogsThatDoNotStartFullAreNoTrouble) {
   }
 }
 
+// Every log from 90 %: nothing moves them against one another, and v_oc leads to alpha as where all
+// start full. Alpha is no less than what the slow discharge delivered says.
+TEST(JointRun, LogsThatStartAlikeLeaveAlphaToTheCutoff) {
+  const Cell truth = Truth();
+  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  double delivered_C = 0.0;
+  for (LoadedLog& log : logs) {
+    Record& record = log.log.record;
+    log.entry.initial_soc = 0.9;
+    record.voltage_V = Predict(truth, record.time_s, record.current_A, record.hold, 0.9).voltage_V;
+    std::size_t rows = 0;
+    while (rows < record.size() && record.voltage_V[rows] > 3.0) ++rows;
+    rows = std::min(rows + 1, record.size());  // the row that crosses the cut-off
+    for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+      column->resize(rows);
+    delivered_C = std::max(delivered_C, DeliveredCharge(record).back());
+  }
+  const JointResult result = Identify(logs);
+  EXPECT_EQ(result.alpha_source, "cut-off");
+  EXPECT_TRUE(OneSays(result.cautions, "every log starts at initial_soc = 0.9"));
+  for (const char* parameter : {"alpha", "beta", "r_s", "r_1", "tau_1"}) {
+    const double is = *CellParameter(truth, parameter);
+    EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.005 * is) << parameter;
+  }
+  // The curve lies where it is, too: 2 mV are a hundredth of what 3 % of the charge would make of it.
+  for (const double soc : {0.2, 0.5, 0.8})
+    EXPECT_NEAR(result.cell.open_circuit_voltage(soc), truth.open_circuit_voltage(soc), 0.002);
+  const QuantityTrust alpha = AssessJoint(result).quantities.front();
+  ASSERT_EQ(alpha.name, "alpha");
+  // But for the row in which the slow discharge crosses it.
+  EXPECT_NEAR(result.least_alpha_C, delivered_C / 0.9, 1.0);
+  EXPECT_GE(alpha.low, std::min(result.least_alpha_C, alpha.estimate));
+}
+
 // On a curve that is given over the whole charge alpha is an unknown like any other.
 TEST(JointRun, AGivenCurveTellsAlpha) {
   const Cell truth = Truth();

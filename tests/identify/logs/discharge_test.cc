@@ -134,6 +134,21 @@ TEST(Discharge, RefusesOneThatNeverReachesCutOff) {
             "which it was stopped");
 }
 
+// A cycler stops when the voltage reaches the cut-off, which may be between two rows: a last row that
+// is as far above it as the row before fell is the end. 10 mV/s at the end, rows of 1 s.
+TEST(Discharge, MayEndWithinTwoRowsOfTheCutOff) {
+  const auto record =
+      WithVoltage(RecordOfSteps({{100.0, 0.0, 10.0}, {3600.0, 2.0, 1.0}}),
+                  [](double t) { return t < 3640.0 ? 3.6 : 3.6 - 0.01 * (t - 3640.0); });
+  const double last_V = record.voltage_V.back();
+  EXPECT_NEAR(FindDischarge(record, last_V - 0.019).time_s(), 3600.0, 1.0);
+  EXPECT_NE(Refusal(record, last_V - 0.021).find("within 20 mV"), std::string::npos);
+  // Where a row is more than a hundredth of the discharge, it is no small matter.
+  const auto coarse = WithVoltage(RecordOfSteps({{100.0, 0.0, 10.0}, {800.0, 2.0, 20.0}}), Falling);
+  EXPECT_NE(Refusal(coarse, coarse.voltage_V.back() - 0.006).find("within 5 mV"),
+            std::string::npos);
+}
+
 TEST(Discharge, RefusesACutOffAboveItsStart) {
   const auto record = WithVoltage(RecordOfSteps({{100.0, 0.0, 10.0}, {800.0, 2.0}}), Falling);
   EXPECT_EQ(Refusal(record, 4.2),
