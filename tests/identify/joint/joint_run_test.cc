@@ -149,7 +149,7 @@ TEST(JointRun, LogsThatStartAlikeLeaveAlphaToTheCutoff) {
   const QuantityTrust alpha = AssessJoint(result).quantities.front();
   ASSERT_EQ(alpha.name, "alpha");
   // But for the row in which the slow discharge crosses it.
-  EXPECT_NEAR(result.least_alpha_C, delivered_C / 0.9, 1.0);
+  EXPECT_NEAR(result.least_alpha_C, delivered_C / 0.9, 3.0);
   EXPECT_GE(alpha.low, std::min(result.least_alpha_C, alpha.estimate));
 }
 
