@@ -39,39 +39,13 @@ struct Discharge {
   double current_A = 0.0;        ///< charge over time
   double end_voltage_V = 0.0;    ///< at end_s
   double voltage_noise_V = 0.0;  ///< standard deviation of a row
-  double last_fall_V =
-      0.0;  ///< from the row before the last one to it; 0 where rows are so few that
-            ///< one more would change the time
+  /// From the row before the last one to it; 0 where rows are so few that one more would change the
+  /// time.
+  double last_fall_V = 0.0;
 
   [[nodiscard]] double time_s() const { return end_s - start_s; }
 };
 
-<<<<<<< HEAD
-/// Whether a cell has reached its cut-off where it has `voltage_V` under a load, in volts of the pack,
-/// after so many rows of a log of `rows_of_log`. A current that ends there is whole: the last row of a
-/// discharge lies on a steep end.
-[[nodiscard]] bool IsBelowCutoff(const Cell& cell,
-                                 double voltage_V,
-                                 std::size_t rows_before,
-                                 std::size_t rows_of_log);
-=======
-/// max(kCutoffTolerance_V, 3 sigma of the noise, two falls of the last row but 50 mV at most): a cycler that stops at the
-/// cut-off may do so between two rows, and the fall gets faster.
+/// max(kCutoffTolerance_V, 3 sigma of the noise, two falls of the last row but 50 mV at most): a
+/// cycler that stops at the cut-off may do so between two rows, and the fall gets faster.
 [[nodiscard]] double CutoffTolerance(const Discharge& discharge);
->>>>>>> speed
-
-/// The discharge of a constant-current log, from switch-on to the cut-off of one cell.
-[[nodiscard]] Discharge FindDischarge(const Record& record, double cutoff_V);
-
-/// The discharge of a low-rate log: constant, and no faster than kMaxLowRate_per_h. It need not
-/// reach any cut-off. The rate is that of capacity_Ah, or of the log's own charge where that is 0.
-[[nodiscard]] Discharge FindLowRateDischarge(const Record& record, double capacity_Ah);
-
-/// The one discharge at constant current that a record holds, from switch-on to its last loaded row
-/// whatever the voltage; none where there is no such.
-[[nodiscard]] std::optional<Discharge> WholeDischarge(const Record& record);
-
-/// The segments of a log of pulses, in which at least one load is followed by a rest.
-[[nodiscard]] std::vector<Segment> FindPulses(const Record& record);
-
-}  // namespace lipoid
