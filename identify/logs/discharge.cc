@@ -192,3 +192,107 @@ double CutoffTolerance(const Discharge& discharge) {
   return std::max({kCutoffTolerance_V,
                    3.0 * discharge.voltage_noise_V,
                    std::min(2.0 * discharge.last_fall_V, kMostOfFall_V)});
+}
+
+bool IsBelowCutoff(const Cell& cell,
+                   double voltage_V,
+                   std::size_t rows_before,
+                   std::size_t rows_of_log) {
+  constexpr double kLastStep_V = 0.3;
+  const bool last = rows_before > 0 && rows_before + 1 == rows_of_log;
+  return !(voltage_V >=
+           cell.series * (cell.cutoff_V - kCutoffTolerance_V - (last ? kLastStep_V : 0.0)));
+}
+
+Discharge FindDischarge(const Record& record, double cutoff_V) {
+  Discharge discharge = OneDischarge(record, "one discharge at constant current");
+  const auto points = LoadedVoltages(record, discharge);
+  const double tolerance_V = CutoffTolerance(discharge);
+  const auto crossing = std::find_if(points.begin(), points.end(), [&](const Point& point) {
+    return point.voltage_V <= cutoff_V;
+  });
+  if (crossing == points.begin()) {
+    Refuse(
+        record,
+        fmt::format(
+            "expected a discharge that starts above the cut-off of {:.4g} V, found {:.4g} V in the "
+            "first row under load",
+            cutoff_V,
+            crossing->voltage_V));
+  }
+  if (crossing != points.end()) {
+    const Point& above = *(crossing - 1);
+    const double share = (above.voltage_V - cutoff_V) / (above.voltage_V - crossing->voltage_V);
+    discharge.end_s = above.time_s + share * (crossing->time_s - above.time_s);
+    discharge.end_voltage_V = cutoff_V;
+    discharge.last = crossing->row;
+  } else {
+    const auto lowest =
+        std::min_element(points.begin(), points.end(), [](const Point& a, const Point& b) {
+          return a.voltage_V < b.voltage_V;
+        });
+    if (lowest->voltage_V > cutoff_V + tolerance_V) {
+      Refuse(record,
+             fmt::format("expected the voltage to reach the cut-off of {:.4g} V within {:.2g} mV, "
+                         "found {:.4f} V as the lowest under load, at {:.6g} s; log the discharge "
+                         "to its end, or set cutoff_V to the voltage at which it was stopped",
+                         cutoff_V,
+                         1000.0 * tolerance_V,
+                         lowest->voltage_V,
+                         lowest->time_s));
+    }
+    discharge.end_s = lowest->time_s;
+    discharge.end_voltage_V = lowest->voltage_V;
+    discharge.last = lowest->row;
+  }
+  MeasureCharge(record, discharge);
+  return discharge;
+}
+
+Discharge FindLowRateDischarge(const Record& record, double capacity_Ah) {
+  Discharge discharge = OneDischarge(record, "one slow discharge at constant current");
+  MeasureCharge(record, discharge);
+  const bool nominal = capacity_Ah > 0.0;
+  const double rate_per_h =
+      discharge.current_A / (nominal ? capacity_Ah : discharge.charge_C / 3600.0);
+  if (rate_per_h > kMaxLowRate_per_h) {
+    Refuse(record,
+           fmt::format("expected a low rate, at most {:.2g} C, found {:.3g} C ({:.4g} A for a {} "
+                       "of {:.4g} Ah)",
+                       kMaxLowRate_per_h,
+                       rate_per_h,
+                       discharge.current_A,
+                       nominal ? "capacity" : "charge",
+                       nominal ? capacity_Ah : discharge.charge_C / 3600.0));
+  }
+  return discharge;
+}
+
+std::optional<Discharge> WholeDischarge(const Record& record) {
+  auto found = LookForDischarge(record).discharge;
+  if (found) MeasureCharge(record, *found);
+  return found;
+}
+
+std::vector<Segment> FindPulses(const Record& record) {
+  auto segments = FindSegments(record);
+  std::size_t loads = 0;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (IsRest(segments[k])) continue;
+    ++loads;
+    const bool relaxes =
+        k + 1 < segments.size() && IsRest(segments[k + 1]) && segments[k + 1].rows() >= kRestRows;
+    if (relaxes) return segments;
+  }
+  if (loads == 0)
+    Refuse(record,
+           "expected pulses, found no current but rest over " + Counted(record.size(), "row"));
+  Refuse(record,
+         fmt::format("expected pulses with rests between them, found {} load{} and no rest after "
+                     "any; a discharge is of kind \"constant-current\", any other load of kind "
+                     "\"validation\"",
+                     loads,
+                     loads == 1 ? "" : "s"));
+}
+
+}  // namespace lipoid

@@ -6,7 +6,8 @@
 /// A discharge runs from the switch-on of the current to cut-off. With backward hold the current of
 /// row k flows over (t[k-1], t[k]], so the switch-on is the stamp of the row before the first
 /// loaded one; without such a row it is the first stamp. Cut-off is reached when the voltage comes
-/// within CutoffTolerance(); where it crosses, the crossing is interpolated. The current is charge over time. Rests before and after are welcome.
+/// within CutoffTolerance(); where it crosses, the crossing is interpolated. The current is charge over
+/// time. Rests before and after are welcome.
 ///
 /// A record that is not what it should be is a LoadError at its file, in one sentence with the
 /// numbers. Tests: tests/identify/logs/discharge_test.cc.
@@ -49,3 +50,27 @@ struct Discharge {
 /// max(kCutoffTolerance_V, 3 sigma of the noise, two falls of the last row but 50 mV at most): a
 /// cycler that stops at the cut-off may do so between two rows, and the fall gets faster.
 [[nodiscard]] double CutoffTolerance(const Discharge& discharge);
+
+/// Whether a cell has reached its cut-off where it has `voltage_V` under a load, in volts of the pack,
+/// after so many rows of a log of `rows_of_log`. A current that ends there is whole: the last row of a
+/// discharge lies on a steep end.
+[[nodiscard]] bool IsBelowCutoff(const Cell& cell,
+                                 double voltage_V,
+                                 std::size_t rows_before,
+                                 std::size_t rows_of_log);
+
+/// The discharge of a constant-current log, from switch-on to the cut-off of one cell.
+[[nodiscard]] Discharge FindDischarge(const Record& record, double cutoff_V);
+
+/// The discharge of a low-rate log: constant, and no faster than kMaxLowRate_per_h. It need not
+/// reach any cut-off. The rate is that of capacity_Ah, or of the log's own charge where that is 0.
+[[nodiscard]] Discharge FindLowRateDischarge(const Record& record, double capacity_Ah);
+
+/// The one discharge at constant current that a record holds, from switch-on to its last loaded row
+/// whatever the voltage; none where there is no such.
+[[nodiscard]] std::optional<Discharge> WholeDischarge(const Record& record);
+
+/// The segments of a log of pulses, in which at least one load is followed by a rest.
+[[nodiscard]] std::vector<Segment> FindPulses(const Record& record);
+
+}  // namespace lipoid
