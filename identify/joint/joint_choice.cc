@@ -422,6 +422,8 @@ class Choosing {
   // The terms first: without them no number of nodes tells a cell that warms from one that does
   // not. Each alone, as one may stand in for the other; then both, if both helped.
   void TryTerms(JointStructure structure) {
+    // At one current both are one more process in time, and say nothing of another current.
+    if (!logs_.several_currents) return;
     const bool free_heating = options_.self_heating == Presence::kAuto && !structure.temperature;
     const bool free_transfer = options_.charge_transfer == Presence::kAuto;
     const LeftOutErrors plain = choice_.errors;  // with temperature, where that was taken

@@ -255,6 +255,23 @@ double MeanTemperature(const JointLog& log) {
   return sum_K / rows;
 }
 
+// Whether a hundredth of the points under load has half as much current again as another hundredth.
+bool SeveralCurrents(const JointLogs& all) {
+  constexpr double kLoad = 0.05;  // of the largest current
+  constexpr double kRatio = 1.5;
+  std::vector<double> loads_A;
+  for (const JointLog& log : all.logs) {
+    if (log.kind == LogKind::kLowRate || log.kind == LogKind::kLowRateCharge) continue;
+    for (const double current_A : log.current_A) {
+      if (std::abs(current_A) > kLoad * all.largest_A) loads_A.push_back(std::abs(current_A));
+    }
+  }
+  if (loads_A.empty()) return false;
+  const std::size_t few = loads_A.size() / 100;
+  const double small_A = ValueAtPlace(loads_A, few);
+  return ValueAtPlace(loads_A, loads_A.size() - 1 - few) >= kRatio * small_A;
+}
+
 // What the temperatures of the logs let be asked; every log knows its own.
 void FindTemperatures(JointLogs& all) {
   struct Span {
@@ -317,9 +334,7 @@ JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs) {
   JointLogs all;
   all.logs.resize(used.size());
   all.whole = DifferentCurrents(used) >= kWholeCurrents;
-  ParallelFor(used.size(), [&](std::size_t l) {
-    all.logs[l] = MakePoints(*used[l], all.whole);
-  });
+  ParallelFor(used.size(), [&](std::size_t l) { all.logs[l] = MakePoints(*used[l], all.whole); });
   if (std::none_of(all.logs.begin(),
                    all.logs.end(),
                    [](const JointLog& log) { return log.temperature_K.empty(); }) &&
@@ -333,6 +348,7 @@ JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs) {
     if (log.noise_V > 0.0 && !(all.noise_V > 0.0 && all.noise_V < log.noise_V))
       all.noise_V = log.noise_V;
   }
+  all.several_currents = SeveralCurrents(all);
   return all;
 }
 

@@ -83,6 +83,9 @@ struct JointLogs {
   std::vector<double> unit_weight;
   double weight_sum = 0.0;  ///< over all logs
   double largest_A = 0.0;
+  /// Not all loads are of one current, low rates aside: only such logs show how the voltage goes with
+  /// the current.
+  bool several_currents = false;
   double noise_V = 0.0;       ///< of a row: of one instrument, so the least that any log shows
   double noise_mean_V = 0.0;  ///< weighted mean size of the noise of what can be left out
   /// Coldest and warmest point; NaN where not every log knows its temperature.

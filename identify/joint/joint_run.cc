@@ -582,6 +582,14 @@ class JointRun {
                             "better beyond it",
                             name));
     }
+    const bool looked_for = best.structure.charge_transfer || best.structure.self_heating;
+    if (!result_.logs.several_currents && !looked_for && !given_.reference) {
+      say.push_back(fmt::format(
+          "low rates aside, all loads of these logs are of about {:.3g} A: charge transfer and "
+          "self-heating, which only several currents show, are not looked for, and a load of another "
+          "current is an extrapolation",
+          result_.logs.typical_A));
+    }
     NameStartsThatAlphaRestsOn();
     NameTemperatureCautions();
     if (best.structure.current_offset) {

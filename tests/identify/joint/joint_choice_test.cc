@@ -97,6 +97,28 @@ TEST(JointChoice, FindsChargeTransfer) {
   EXPECT_NEAR(result.cell.charge_transfer->resistance_Ohm(0.5), 0.1, 0.005);
 }
 
+// Low rate and pulses of one current, of a cell that heats itself: what its drop does with the current
+// is not in these logs, and one more process in time would be taken for it.
+TEST(JointChoice, LoadsOfOneCurrentAskForNothingThatGoesWithTheCurrent) {
+  Cell truth = Truth();
+  truth.self_heating =
+      Cell::SelfHeating{.time_constant_s = 300.0, .resistance_drop_Ohm_per_A2 = 3e-3};
+  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  logs.erase(logs.begin(), logs.begin() + 3);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  EXPECT_FALSE(result.logs.several_currents);
+  for (const TriedStructure& row : result.choice.tried) {
+    EXPECT_FALSE(row.solution.structure.self_heating) << row.what;
+    EXPECT_FALSE(row.solution.structure.charge_transfer) << row.what;
+  }
+  EXPECT_TRUE(std::any_of(result.cautions.begin(), result.cautions.end(), [](const auto& one) {
+    return one.find("a load of another current is an extrapolation") != std::string::npos;
+  }));
+  JointOptions told;
+  told.self_heating = Presence::kOn;
+  EXPECT_TRUE(IdentifyJoint(test::CampaignOf(logs), logs, {}, told).cell.self_heating);
+}
+
 TEST(JointChoice, DoesWhatItIsTold) {
   const JointResult result = Identify(Truth(),
                                       {.branches = 2,
