@@ -437,6 +437,8 @@ Identification Identify(const Campaign& campaign,
   if (const auto& held = options.given.reference) {
     if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
+    if (const auto& move = found.joint->held_curve; move && move->doubted())
+      found.quality.Doubt(DoubtAboutHeldCurve(held->source, *move));
   }
   NoteOnOtherLogs(found);
   return found;

@@ -77,8 +77,16 @@ Json JointToJson(const JointResult& result, const TrustReport& trust) {
   joint["shared_energies"] = SharedEnergyNames(best.structure, result.setup.diffusion);
   joint.update({{"smoothness", best.smoothness}, {"at_bound", best.at_bound}, {"tried", tried}});
   if (best.structure.current_offset) joint["current_offset_A"] = best.rates.current_offset_A;
-  if (const auto& held = result.setup.held)
+  if (const auto& held = result.setup.held) {
     joint["reference"] = {{"file", held->source}, {"held", held->Names()}};
+    if (const auto& move = result.held_curve) {
+      joint["reference"]["curve"] = {{"rmse_V", move->rmse_V},
+                                     {"corrected_rmse_V", move->corrected_rmse_V},
+                                     {"largest_V", move->largest_V},
+                                     {"soc", move->soc},
+                                     {"doubted", move->doubted()}};
+    }
+  }
   Json report = {{"method", "joint"},
                  {"converged", result.converged},
                  {"alpha_C", result.alpha_C},

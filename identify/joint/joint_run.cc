@@ -94,6 +94,7 @@ class JointRun {
     }
     FitBesideTheStaged(for_staged);
     MakeCell();
+    result_.held_curve = MoveOfHeldCurve(result_);
     Judge();
     NameCautions();
     result_.wall_s =

@@ -18,6 +18,7 @@
 #include "identify/joint/capacity_reference.h"
 #include "identify/joint/heat_fit.h"
 #include "identify/joint/joint_choice.h"
+#include "identify/joint/reference_curve.h"
 #include "identify/stages/staged_run.h"
 
 namespace lipoid {
@@ -44,6 +45,8 @@ struct JointResult {
   std::optional<HeatFit> heat;          ///< none: the temperature of the cell is not predicted
   CutoffPoint cutoff;      ///< among the nodes of v_oc; found only where it fixed alpha
   double start_soc = 1.0;  ///< of all logs, where they start alike
+  /// Whether a v_oc(A) that is held is that of these logs.
+  std::optional<CurveMove> held_curve = {};
   /// What one of these logs delivered before its voltage was below the cut-off, over start_soc: alpha
   /// is no less, since v_oc lies above the voltage of a discharge. 0: not known.
   double least_alpha_C = 0.0;
