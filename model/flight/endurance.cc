@@ -35,6 +35,9 @@ double StepFor(const EnduranceSetup& setup, double mean_W) {
   return std::clamp(battery_J / mean_W / kSteps, kShortest_s, kLongest_s);
 }
 
+// A change of A for which the tangent of v_oc(A) stands: packs that fly move A by less at once.
+constexpr double kFar_soc = 0.1;
+
 class Mission {
  public:
   explicit Mission(const EnduranceSetup& setup)
@@ -43,8 +46,8 @@ class Mission {
     if (warms_) result_.hottest_degC = battery_.temperature_degC();
     result_.minimum_voltage_V = std::numeric_limits<double>::infinity();
     result_.mission_power_W = MeanPower(setup.mission);
-    step_s_ = setup.options.step_s > 0.0 ? setup.options.step_s
-                                         : StepFor(setup, result_.mission_power_W);
+    step_s_ =
+        setup.options.step_s > 0.0 ? setup.options.step_s : StepFor(setup, result_.mission_power_W);
   }
 
   // What the flight begins with; ends it where it cannot begin.
@@ -62,6 +65,8 @@ class Mission {
     }
   }
   [[nodiscard]] bool ended() const { return ended_; }
+  // Whether the load moves A at once by more than a tangent holds for.
+  [[nodiscard]] bool far() const { return far_; }
   [[nodiscard]] double step_s() const { return step_s_; }
 
   // Goes on where lanes stopped, within a first leg without end.
@@ -109,11 +114,49 @@ class Mission {
       voltage_V_ = 0.5 * (open_V + std::sqrt(std::max(discriminant, 0.0)));
       current_A_ = suffices_ ? power_W / voltage_V_ + leg.switched_A
                              : std::max(0.0, voltage_V_ / supply.resistance_Ohm);
+      far_ = battery_.SocMovedBy(current_A_) > kFar_soc;
+      if (once && far_) return Climb(leg);
       if (once || std::abs(current_A_ - last_A) < kNear_A) return;
       last_A = current_A_;
       battery_.Expect(current_A_);
       supply = battery_.Linearize();
     }
+    if (far_) Climb(leg);
+  }
+
+  // As Draw(), where the current moves A so far that the tangent of the curve says nothing of where
+  // it lands: that of an empty battery is steep, and would promise more than a full one gives. From
+  // no current upwards, each current is what the load draws at the voltage under the one before. A
+  // voltage falls with its current, so that this ends at the lowest current that gives the power,
+  // or, where there is none, beyond the current of the most power.
+  void Climb(const MissionLeg& leg) {
+    constexpr double kNear = 1e-12;
+    constexpr int kRounds = 1000;
+    const auto voltage_under = [&](double pack_A) {
+      battery_.Expect(pack_A);
+      const Supply<double> supply = battery_.Linearize();
+      return supply.voltage_V - supply.resistance_Ohm * pack_A;
+    };
+    suffices_ = false;
+    current_A_ = 0.0;
+    voltage_V_ = voltage_under(0.0);
+    double most_W = 0.0;
+    double at_A = 0.0;
+    for (int round = 0; round < kRounds; ++round) {
+      const double at_V = voltage_under(at_A);
+      if (!(at_V > 0.0)) break;
+      if (at_A < 0.0 || at_A * at_V >= most_W) {
+        most_W = std::max(0.0, at_A * at_V);
+        current_A_ = at_A;
+        voltage_V_ = at_V;
+      }
+      const double wanted_A =
+          (leg.power_W + leg.drive_W * (at_V / (at_V + leg.diode_V))) / at_V + leg.switched_A;
+      suffices_ = std::abs(wanted_A - at_A) <= kNear * std::abs(wanted_A);
+      if (suffices_) break;
+      at_A = wanted_A;
+    }
+    battery_.Expect(current_A_);
   }
 
   void FlyLeg(const MissionLeg& leg) {
@@ -188,6 +231,7 @@ class Mission {
   bool warms_ = false;
   bool ended_ = false;
   bool suffices_ = true;
+  bool far_ = false;
   double step_s_ = 0.0;
   double steps_flown_ = 0.0;                                    // of the leg, by lanes
   double before_A_ = std::numeric_limits<double>::quiet_NaN();  // at the beginning of the last step
@@ -240,7 +284,7 @@ std::vector<EnduranceResult> FlyMissions(std::span<const EnduranceSetup> setups)
       const EnduranceSetup& setup = group[k];
       CheckSetup(setup);
       missions.emplace_back(setup).Begin();
-      if (missions[k].ended() || !FitsLanes(setup)) continue;
+      if (missions[k].ended() || missions[k].far() || !FitsLanes(setup)) continue;
       if (!beside.empty() && !AreAlike(setup.cell, beside.front()->cell)) continue;
       flown.push_back(k);
       beside.push_back(&setup);

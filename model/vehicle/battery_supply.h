@@ -5,6 +5,7 @@
 /// imposed. Tests: tests/model/vehicle/battery_supply_test.cc.
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "model/battery/cell.h"
@@ -93,6 +94,11 @@ class BatterySupply {
   [[nodiscard]] bool bends() const {
     const auto& p = model_.parameters();
     return p.charge_transfer.has_value() || !p.series_resistance_Ohm.constant();
+  }
+
+  /// How far A moves at once when the current changes from the last one to this.
+  [[nodiscard]] double SocMovedBy(double pack_current_A) const {
+    return std::abs(model_.Soc(state_, pack_current_A / parallel_) - soc());
   }
 
   /// The current at which v_oc(A) and charge transfer are taken as straight lines until the next

@@ -116,6 +116,25 @@ TEST(Endurance, TheChargeThatDiffusionHoldsBackIsNotUsedUp) {
   EXPECT_NEAR(result.rest_soc * 3600.0, held_C, 0.05 * held_C);
 }
 
+// Resistance, branches and diffusion only lower the voltage of a battery that is discharged, so that
+// no pack gives more under load than it has at rest, however small it is.
+TEST(Endurance, NoBatteryGivesMoreUnderLoadThanAtRest) {
+  EnduranceSetup setup = At(LoadCell("grepow-32Ah-1"), 52.0);
+  const double alpha_C = setup.cell.diffusion->alpha_C;
+  for (const double capacity_Ah : {5.2, 0.5, 0.26, 0.15, 0.1, 0.07, 0.052, 0.04, 0.02, 0.005}) {
+    SCOPED_TRACE(capacity_Ah);
+    setup.cell.diffusion->alpha_C = alpha_C * capacity_Ah / 32.0;
+    const EnduranceResult result = FlyMission(setup);
+    EXPECT_LE(result.initial_voltage_V, 4.2);
+    EXPECT_LE(result.landing_voltage_V, result.landing_rest_voltage_V);
+    EXPECT_GT(result.landing_voltage_V, 0.0);
+    EXPECT_LE(result.landing_rest_voltage_V, 4.2);
+    const std::vector<EnduranceSetup> two(2, setup);
+    for (const EnduranceResult& beside : FlyMissions(two))
+      EXPECT_NEAR(beside.landing_voltage_V, result.landing_voltage_V, 1e-6);
+  }
+}
+
 TEST(Endurance, AMissionRepeatsOrIsFlownOnce) {
   EnduranceSetup setup = At(StraightCell(4.0, 4.0, 0.0), 0.0);
   setup.mission.legs = {{.duration_s = 10.001, .power_W = 20.0},
