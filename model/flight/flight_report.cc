@@ -71,6 +71,7 @@ Json FlightToJson(const FlightResult& flight) {
                   {"charge_C", NumberOrNull(flight.charge_C)},
                   {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
                   {"final_soc", NumberOrNull(flight.final_soc)},
+                  {"remaining_soc", NumberOrNull(flight.rest_soc)},
                   {"minimum_voltage_V", NumberOrNull(flight.minimum_voltage_V)},
                   {"saturated_share", flight.saturated_share}};
   if (std::isfinite(flight.final_temperature_degC))

@@ -27,7 +27,8 @@ struct FlightNumber {
   double FlightResult::*of;
 };
 inline constexpr FlightNumber kFlightNumbers[] = {
-    {"final_soc", "soc at the end", &FlightResult::final_soc},
+    {"final_soc", "soc at the end, available under load", &FlightResult::final_soc},
+    {"remaining_soc", "share of the charge left", &FlightResult::rest_soc},
     {"minimum_voltage_V", "lowest voltage / V", &FlightResult::minimum_voltage_V},
     {"simulated_s", "flown / s", &FlightResult::simulated_s},
     {"mse_altitude_m2", "altitude error / m^2", &FlightResult::mse_altitude_m2},

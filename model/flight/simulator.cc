@@ -181,6 +181,7 @@ class Simulation {
     result_.charge_C = x_[kCharge];
     result_.final_voltage_V = electrical.battery_V;
     result_.final_soc = Soc();
+    result_.rest_soc = battery_ ? battery_->rest_soc() : std::numeric_limits<double>::quiet_NaN();
     if (setup_.cell && setup_.cell->temperature)
       result_.final_temperature_degC = battery_->temperature_degC();
     metrics_.Report(result_);

@@ -126,7 +126,8 @@ struct FlightResult {
   double charge_C = 0.0;
   double final_voltage_V = 0.0;
   double minimum_voltage_V = 0.0;
-  double final_soc = 1.0;  ///< NaN with an ideal source
+  double final_soc = 1.0;  ///< A, available under load; NaN with an ideal source
+  double rest_soc = 1.0;   ///< share of the charge that is left; NaN with an ideal source
   /// Of the cell; NaN where it knows no temperature.
   double final_temperature_degC = std::numeric_limits<double>::quiet_NaN();
   std::optional<double> landed_s;

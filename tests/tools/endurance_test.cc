@@ -46,6 +46,76 @@ TEST(EnduranceCommand, SaysTimeUseAndLandingVoltage) {
   EXPECT_NE(run.err.find("no intervals"), std::string::npos) << run.err;
 }
 
+// The page is made of the summary: what is said beside the numbers is in it, also of a quiet run.
+TEST(EnduranceCommand, TheSummaryHoldsWhatIsSaid) {
+  const auto folder = TestFolder();
+  std::vector<std::string> arguments{"endurance",
+                                     "--vehicle",
+                                     "camera-10in",
+                                     "--cell",
+                                     "grepow-32Ah-1",
+                                     "--capacity-Ah",
+                                     "5.2",
+                                     "--series",
+                                     "6",
+                                     "--mission",
+                                     "cruise",
+                                     "--ambient-degC",
+                                     "20",
+                                     "--summary",
+                                     "s.json"};
+  const auto said = RunLipoid(folder, arguments);
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  const auto summary = ReadJson(folder, "s.json");
+  ASSERT_EQ(summary.at("sentences").size(), 2U);
+  for (const auto& sentence : summary.at("sentences"))
+    EXPECT_NE(said.out.find(sentence.get<std::string>()), std::string::npos) << sentence;
+  ASSERT_EQ(summary.at("messages").size(), 4U) << summary.at("messages");
+  for (const auto& message : summary.at("messages"))
+    EXPECT_NE(said.err.find(message.get<std::string>()), std::string::npos) << message;
+  arguments.emplace_back("--quiet");
+  const auto quiet = RunLipoid(folder, arguments);
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("messages"), summary.at("messages"));
+}
+
+// A of the model is what diffusion lets out under load; the share that is left is a count of charge.
+TEST(EnduranceCommand, FlyAndEnduranceTellTheSameShareOfTheChargeLeft) {
+  const auto folder = TestFolder();
+  const auto flown = RunLipoid(
+      folder, {"fly", "hover", "--cell", kCell, "--duration", "60", "--summary", "flight.json"});
+  ASSERT_EQ(flown.exit_code, 0) << flown.err;
+  const auto flight = ReadJson(folder, "flight.json");
+  const double left = flight.at("remaining_soc").get<double>();
+  // 1353.6 C is alpha of the cell.
+  EXPECT_NEAR(left, 1.0 - flight.at("charge_C").get<double>() / 1353.6, 1e-3);
+  EXPECT_GT(left, flight.at("final_soc").get<double>() + 0.01);
+  EXPECT_NE(flown.out.find("charge left"), std::string::npos) << flown.out;
+}
+
+TEST(EnduranceCommand, APackThatCannotFlySaysSoFirst) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"endurance",
+                              "--vehicle",
+                              "camera-10in",
+                              "--cell",
+                              "grepow-32Ah-1",
+                              "--capacity-Ah",
+                              "5.2",
+                              "--series",
+                              "4",
+                              "--health",
+                              "0.01",
+                              "--summary",
+                              "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(run.out.starts_with("This pack cannot carry this mission")) << run.out;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_TRUE(summary.at("sentences").at(0).get<std::string>().starts_with("This pack cannot"));
+  EXPECT_LT(summary.at("landing_voltage_V").get<double>(), 4 * 4.2);
+}
+
 TEST(EnduranceCommand, StandardErrorsGiveIntervals) {
   const auto folder = TestFolder();
   const auto summary = SummaryOf(folder,

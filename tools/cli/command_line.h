@@ -253,8 +253,11 @@ class CommandLine {
   /// A message on standard error, silenced by --quiet.
   template <class... Args>
   void Message(fmt::format_string<Args...> format, Args&&... args) {
-    if (!quiet_) WriteMessage(fmt::format(format, std::forward<Args>(args)...));
+    messages_.push_back(fmt::format(format, std::forward<Args>(args)...));
+    if (!quiet_) WriteMessage(messages_.back());
   }
+  /// All messages so far, for a summary: also those that --quiet silenced.
+  [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
   /// Wrong input that does not stop the command; --quiet does not silence it.
   void Problem(const LoadError& error) { WriteMessage(error.what()); }
   [[nodiscard]] Progress& progress() { return *progress_; }
@@ -323,6 +326,7 @@ class CommandLine {
 
   const Command& command_;
   std::vector<std::string> arguments_;
+  std::vector<std::string> messages_;
   std::string what_;
   std::vector<std::string> examples_;
   std::vector<std::unique_ptr<Declared>> options_;

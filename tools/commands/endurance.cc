@@ -71,17 +71,34 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
   return "";
 }
 
-void PrintAnswer(cli::CommandLine& line,
-                 const EnduranceRequest& request,
-                 const EnduranceAnswer& answer) {
+// What the numbers mean, as the command says it and its summary keeps it.
+std::vector<std::string> Sentences(const EnduranceRequest& request, const EnduranceAnswer& answer) {
+  std::vector<std::string> sentences;
   if (!IsFlight(answer.estimate)) {
-    line.Print(
-        "{}",
-        cli::Wrapped(fmt::format(
-            "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
-            "(--series, --parallel) or a fuller pack, or take less payload or power.\n\n",
-            answer.estimate.time_s)));
+    sentences.push_back(fmt::format(
+        "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
+        "(--series, --parallel) or a fuller pack, or take less payload or power.",
+        answer.estimate.time_s));
   }
+  sentences.push_back(Reason(request, answer));
+  if (answer.speeds) {
+    sentences.push_back(
+        fmt::format("At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no "
+                    "faster than {:.1f} m/s.",
+                    answer.flight.airspeed_m_per_s,
+                    answer.speeds->endurance.airspeed_m_per_s,
+                    answer.speeds->range.airspeed_m_per_s,
+                    answer.speeds->fastest_m_per_s));
+  }
+  return sentences;
+}
+
+void PrintAnswer(cli::CommandLine& line,
+                 const std::vector<std::string>& sentences,
+                 const EnduranceAnswer& answer) {
+  // That the pack cannot fly comes before its numbers.
+  auto sentence = sentences.begin();
+  if (!IsFlight(answer.estimate)) line.Print("{}", cli::Wrapped(*sentence++ + "\n\n"));
   const bool intervals = !answer.flights.empty();
   std::vector<cli::TextTable::Column> columns{{"until landing", Align::kLeft}, {"estimate"}};
   if (intervals) columns.insert(columns.end(), {{"95 % from"}, {"to"}});
@@ -97,15 +114,8 @@ void PrintAnswer(cli::CommandLine& line,
     }
     table.Row(std::move(cells));
   }
-  line.Print("{}{}\n", table.Text(), Reason(request, answer));
-  if (!answer.speeds) return;
-  line.Print(
-      "At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no faster "
-      "than {:.1f} m/s.\n",
-      answer.flight.airspeed_m_per_s,
-      answer.speeds->endurance.airspeed_m_per_s,
-      answer.speeds->range.airspeed_m_per_s,
-      answer.speeds->fastest_m_per_s);
+  line.Print("{}", table.Text());
+  for (; sentence != sentences.end(); ++sentence) line.Print("{}\n", *sentence);
 }
 
 PowerMission MissionOf(const PowerProfile& profile) {
@@ -350,7 +360,9 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.summary() = EnduranceToJson(request, answer);
   line.summary()["mission"] = mission;
   if (!vehicle_name.empty()) line.summary()["vehicle"] = request.vehicle.name;
-  PrintAnswer(line, request, answer);
+  const std::vector<std::string> sentences = Sentences(request, answer);
+  line.summary()["sentences"] = sentences;
+  PrintAnswer(line, sentences, answer);
   line.summary()["over"] = over ? PrintOver(line, request, *over) : Json(nullptr);
   if (!request.uncertain()) {
     line.Message(
@@ -364,6 +376,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
     line.Message("{}", doubt);
   if (request.cell.open_circuit_voltage_assumed)
     line.Message("the open-circuit voltage of {} is a typical one, not measured", cell_name);
+  line.summary()["messages"] = line.messages();
   const MissionEnd end = answer.estimate.ended_by;
   const bool answered =
       IsFlight(answer.estimate) && end != MissionEnd::kTimeLimit && end != MissionEnd::kFull;

@@ -69,8 +69,12 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   row("charge", fmt::format("{:.2f}", flight.charge_C), "C");
   row("voltage", fmt::format("{:.4f}", flight.final_voltage_V), "V at the end");
   row("", fmt::format("{:.4f}", flight.minimum_voltage_V), "V at the lowest");
-  if (std::isfinite(flight.final_soc))
+  if (std::isfinite(flight.final_soc)) {
     row("soc", fmt::format("{:.4f}", flight.final_soc), "at the end, available under load");
+    row("charge left",
+        fmt::format("{:.4f}", flight.rest_soc),
+        "of what the pack can deliver: what it has after a rest");
+  }
   if (std::isfinite(flight.final_temperature_degC))
     row("temperature", fmt::format("{:.2f}", flight.final_temperature_degC), "degC at the end");
   if (flight.saturated_share > 0.0) {

@@ -92,10 +92,14 @@ export const endurance = {
       .filter((key) => isNumber(summary[key]) && key + SUFFIX in summary)
       .map((key) => ({ key, interval: summary[key + SUFFIX] }));
     const known = rows.some(({ interval }) => Array.isArray(interval));
+    // The first sentence of a pack that cannot fly is the notice.
+    const sentences = listOf(summary.sentences).slice(summary.carries_mission ? 0 : 1);
+    if (sentences.length === 0) sentences.push(`The flight ends because ${ENDED[summary.ended_by] ?? summary.ended_by}.`);
     return [
-      element("p", { class: "sentence" }, `The flight ends because ${ENDED[summary.ended_by] ?? summary.ended_by}.`),
+      ...sentences.map((text) => element("p", { class: "sentence" }, text)),
       summary.carries_mission ? null : notice("error",
         `The flight ends after ${significant(60 * summary.minutes, 2)} s. Give more cells (--series, --parallel) or a fuller pack, or take less payload or power.`),
+      ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Vehicle", summary.vehicle],
         ["Battery", `${summary.series}S${summary.parallel}P of ${summary.cell}`],

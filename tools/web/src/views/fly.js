@@ -28,6 +28,7 @@ const RESULTS = [
   ["voltage at the end / V", (s) => s.final_voltage_V],
   ["lowest voltage / V", (s) => s.minimum_voltage_V],
   ["available state of charge A at the end, under load / %", (s) => percent(s.final_soc)],
+  ["share of the charge left, of what the pack can deliver / %", (s) => percent(s.remaining_soc)],
   ["steps in which a motor is at its limit / %", (s) => percent(s.saturated_share)],
   ["duty cycle in hover at the start", (s) => s.trim.duty],
   ["current in hover at the start / A", (s) => s.trim.battery_A],
@@ -72,6 +73,7 @@ function peaks(summaries, names) {
 
 const ENSEMBLE = [
   ["final_soc", "available state of charge A at the end, under load"],
+  ["remaining_soc", "share of the charge left"],
   ["minimum_voltage_V", "least voltage / V"],
   ["simulated_s", "flown / s"],
   ["mse_altitude_m2", "mean square altitude error / m²"],
