@@ -301,19 +301,6 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   return health;
 }
 
-// Of the flights that tell it, by their place among all.
-std::optional<HealthTrend> TrendOf(const std::vector<FlightHealth>& flights,
-                                   WithInterval FlightHealth::*counted,
-                                   double FlightHealth::*deviation) {
-  std::vector<TrendPoint> points;
-  for (std::size_t k = 0; k < flights.size(); ++k) {
-    const WithInterval& quantity = flights[k].*counted;
-    if (quantity.known() && flights[k].same_rows_as.empty())
-      points.push_back({static_cast<double>(k), quantity.value, flights[k].*deviation});
-  }
-  return FitTrend(points);
-}
-
 // What the autopilots were told of the pack; 0: none was told. OptionError where they were told different
 // things, or only some of them: these are flights on several packs, and one has no number for the others.
 template <class Value>
@@ -365,6 +352,19 @@ int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
         "say; give --series 4, say");
   }
   return found;
+}
+
+std::optional<HealthTrend> TrendOf(std::span<const FlightHealth> flights,
+                                   WithInterval FlightHealth::*counted,
+                                   double FlightHealth::*deviation) {
+  std::vector<TrendPoint> points;
+  for (std::size_t k = 0; k < flights.size(); ++k) {
+    const FlightHealth& flight = flights[k];
+    const WithInterval& quantity = flight.*counted;
+    if (quantity.known() && flight.converged && flight.same_rows_as.empty())
+      points.push_back({static_cast<double>(k), quantity.value, flight.*deviation});
+  }
+  return FitTrend(points);
 }
 
 HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthOptions& options) {

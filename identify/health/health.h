@@ -7,6 +7,7 @@
 /// tests/identify/health/coverage_test.cc.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,12 @@ struct HealthReport {
 /// Cells in series: `given`, else as the autopilots were told. OptionError where not every log says the
 /// same.
 [[nodiscard]] int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given);
+
+/// Of the flights that tell the quantity, by their place among all. A copy of an earlier flight, and
+/// one whose search did not converge, do not count.
+[[nodiscard]] std::optional<HealthTrend> TrendOf(std::span<const FlightHealth> flights,
+                                                 WithInterval FlightHealth::*counted,
+                                                 double FlightHealth::*deviation);
 
 /// The logs are those of the pack. OptionError where the capacity is to be the one that the autopilots were
 /// told, and they were told different ones. Flights that are too short or too idle to tell anything are

@@ -16,12 +16,14 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
   std::size_t loads = 0;
   std::size_t pulses = 0;
   std::size_t relaxations = 0;
+  std::size_t varying = 0;
   double out_C = 0.0;
   double in_C = 0.0;
   for (std::size_t k = 0; k < segments.size(); ++k) {
     if (segments[k].kind == SegmentKind::kRest) continue;
     ++loads;
     (segments[k].charge_C > 0.0 ? out_C : in_C) += std::abs(segments[k].charge_C);
+    if (segments[k].kind == SegmentKind::kVarying) ++varying;
     if (segments[k].kind != SegmentKind::kPulse) continue;
     ++pulses;
     const bool relaxes = k + 1 < segments.size() && segments[k + 1].kind == SegmentKind::kRest &&
@@ -29,7 +31,8 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
     if (relaxes) ++relaxations;
   }
   if (loads == 0) return {{}, "only rest"};
-  if (relaxations > 0) {
+  constexpr std::size_t kMostVarying = 4;  // for each pulse; a drive cycle has ten
+  if (relaxations > 0 && varying <= kMostVarying * pulses) {
     return {
         LogKind::kPulses,
         fmt::format("{}, {} of them followed by a rest", Counted(pulses, "pulse"), relaxations)};
@@ -54,6 +57,11 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
   if (in_C > 0.5 * out_C) {
     return {LogKind::kValidation,
             "charges and discharges; for another kind choose a part with steps, cycles or times"};
+  }
+  if (relaxations > 0) {
+    return {LogKind::kValidation,
+            fmt::format(
+                "{}, {} of them varying, as in a drive cycle", Counted(loads, "load"), varying)};
   }
   return {LogKind::kValidation,
           fmt::format("{} without a pulse followed by a rest", Counted(loads, "load"))};

@@ -1,12 +1,17 @@
 #include "model/flight/endurance_report.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "model/battery/cell_ensemble.h"
 #include "model/statistics/interval_95.h"
+#include "model/vehicle/vehicle_file.h"
 
 namespace lipoid {
 namespace {
@@ -81,6 +86,48 @@ Json SpeedsToJson(const BestSpeeds& speeds) {
           {"fastest_m_per_s", speeds.fastest_m_per_s}};
 }
 
+// Why the flight ended, as a sentence.
+std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answer) {
+  const EnduranceResult& result = answer.estimate;
+  switch (result.ended_by) {
+    case MissionEnd::kReserve:
+      return fmt::format(
+          "The reserve of {:g} % of the charge was reached: land when the battery "
+          "falls to {:.2f} V in flight.",
+          100.0 * request.reserve.value,
+          result.landing_voltage_V);
+    case MissionEnd::kCutOff:
+      return fmt::format(
+          "The battery was below its cut-off of {:.4g} V for a second, with {:.1f} % "
+          "of its charge left.",
+          request.cell.series * request.cell.cutoff_V,
+          100.0 * result.rest_soc);
+    case MissionEnd::kEmpty:
+      return fmt::format(
+          "The charge that is available at this current was used up, with {:.1f} % "
+          "held back by diffusion.",
+          100.0 * result.rest_soc);
+    case MissionEnd::kMotorVoltage:
+      return fmt::format(
+          "The motors need {}more than the {:.2f} V that the battery gives under load.",
+          request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
+          result.landing_voltage_V);
+    case MissionEnd::kPower:
+      return "No current of the battery gives the power of the mission any more.";
+    case MissionEnd::kMissionDone:
+      return "The mission was flown to its end.";
+    case MissionEnd::kFull:
+      return fmt::format(
+          "The powers of the mission charge the pack beyond full, to {:.3g} of its charge: negative "
+          "power is power that flows back.",
+          result.rest_soc);
+    case MissionEnd::kTimeLimit:
+      return fmt::format("The battery was not empty after {:g} s; --set longest_s allows more.",
+                         request.options.longest_s);
+  }
+  return "";
+}
+
 }  // namespace
 
 std::span<const EnduranceNumber> EnduranceNumbers() { return kNumbers; }
@@ -107,6 +154,50 @@ Json EnduranceNumbersToJson(const EnduranceAnswer& answer) {
   }
   json["ended_by"] = options_internal::ToText(answer.estimate.ended_by);
   return json;
+}
+
+std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
+                                            const EnduranceAnswer& answer) {
+  std::vector<std::string> sentences;
+  if (!IsFlight(answer.estimate)) {
+    sentences.push_back(fmt::format(
+        "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
+        "(--series, --parallel) or a fuller pack, or take less payload or power.",
+        answer.estimate.time_s));
+  }
+  sentences.push_back(Reason(request, answer));
+  if (answer.speeds) {
+    sentences.push_back(
+        fmt::format("At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no "
+                    "faster than {:.1f} m/s.",
+                    answer.flight.airspeed_m_per_s,
+                    answer.speeds->endurance.airspeed_m_per_s,
+                    answer.speeds->range.airspeed_m_per_s,
+                    answer.speeds->fastest_m_per_s));
+  }
+  return sentences;
+}
+
+std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
+                                         const EnduranceAnswer& answer) {
+  std::vector<std::string> doubts;
+  const auto add = [&](std::string doubt) {
+    if (!doubt.empty()) doubts.push_back(std::move(doubt));
+  };
+  add(DoubtAboutPack(request.vehicle, request.cell.series));
+  if (request.uncertain()) {
+    add(DoubtAboutFew(answer.flights.size(), "flights"));
+  } else {
+    add(fmt::format(
+        "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
+        request.cell.name));
+  }
+  add(DoubtAboutMoved(static_cast<std::size_t>(answer.moved), answer.flights.size()));
+  if (request.cell.open_circuit_voltage_assumed) {
+    add(fmt::format("the open-circuit voltage of {} is a typical one, not measured",
+                    request.cell.name));
+  }
+  return doubts;
 }
 
 Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer) {
@@ -142,6 +233,8 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   json["airspeed_m_per_s"] =
       request.airspeed_m_per_s ? UncertainToJson(*request.airspeed_m_per_s) : Json(nullptr);
   json["reserve"] = UncertainToJson(request.reserve);
+  json["sentences"] = EnduranceSentences(request, answer);
+  json["messages"] = EnduranceDoubts(request, answer);
   return json;
 }
 

@@ -6,8 +6,10 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "model/core/json.h"
 #include "model/flight/endurance_request.h"
@@ -30,7 +32,18 @@ struct EnduranceNumber {
 /// The numbers alone, each with its interval, and why it ended: a row of a table.
 [[nodiscard]] Json EnduranceNumbersToJson(const EnduranceAnswer& answer);
 
-/// minutes, minutes_interval_95, charge_Ah, ...; ended_by, initial, ensemble.
+/// What the numbers mean: why the flight ended, and which speeds the vehicle has. Of a pack that
+/// cannot carry the mission the first sentence says so.
+[[nodiscard]] std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
+                                                          const EnduranceAnswer& answer);
+
+/// What the numbers rest on that a reader should know, a sentence each: a pack that the vehicle is
+/// not made for, no or few intervals, cells moved, an open-circuit voltage that is assumed.
+[[nodiscard]] std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
+                                                       const EnduranceAnswer& answer);
+
+/// minutes, minutes_interval_95, charge_Ah, ...; ended_by, initial, ensemble; its sentences and,
+/// as messages, its doubts.
 [[nodiscard]] Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& answer);
 
 }  // namespace lipoid

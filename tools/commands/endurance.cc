@@ -9,13 +9,11 @@
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
-#include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
 #include "model/flight/endurance_route.h"
-#include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/number_range.h"
 #include "tools/cli/text_table.h"
@@ -28,70 +26,6 @@ namespace {
 
 using cli::Align;
 using cli::Significant;
-
-// Why the flight ended, as a sentence.
-std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answer) {
-  const EnduranceResult& result = answer.estimate;
-  switch (result.ended_by) {
-    case MissionEnd::kReserve:
-      return fmt::format(
-          "The reserve of {:g} % of the charge was reached: land when the battery "
-          "falls to {:.2f} V in flight.",
-          100.0 * request.reserve.value,
-          result.landing_voltage_V);
-    case MissionEnd::kCutOff:
-      return fmt::format(
-          "The battery was below its cut-off of {:.4g} V for a second, with {:.1f} % "
-          "of its charge left.",
-          request.cell.series * request.cell.cutoff_V,
-          100.0 * result.rest_soc);
-    case MissionEnd::kEmpty:
-      return fmt::format(
-          "The charge that is available at this current was used up, with {:.1f} % "
-          "held back by diffusion.",
-          100.0 * result.rest_soc);
-    case MissionEnd::kMotorVoltage:
-      return fmt::format(
-          "The motors need {}more than the {:.2f} V that the battery gives under load.",
-          request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
-          result.landing_voltage_V);
-    case MissionEnd::kPower:
-      return "No current of the battery gives the power of the mission any more.";
-    case MissionEnd::kMissionDone:
-      return "The mission was flown to its end.";
-    case MissionEnd::kFull:
-      return fmt::format(
-          "The powers of the mission charge the pack beyond full, to {:.3g} of its charge: negative "
-          "power is power that flows back.",
-          result.rest_soc);
-    case MissionEnd::kTimeLimit:
-      return fmt::format("The battery was not empty after {:g} s; --set longest_s allows more.",
-                         request.options.longest_s);
-  }
-  return "";
-}
-
-// What the numbers mean, as the command says it and its summary keeps it.
-std::vector<std::string> Sentences(const EnduranceRequest& request, const EnduranceAnswer& answer) {
-  std::vector<std::string> sentences;
-  if (!IsFlight(answer.estimate)) {
-    sentences.push_back(fmt::format(
-        "This pack cannot carry this mission: the flight ends after {:.2g} s. Give more cells "
-        "(--series, --parallel) or a fuller pack, or take less payload or power.",
-        answer.estimate.time_s));
-  }
-  sentences.push_back(Reason(request, answer));
-  if (answer.speeds) {
-    sentences.push_back(
-        fmt::format("At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no "
-                    "faster than {:.1f} m/s.",
-                    answer.flight.airspeed_m_per_s,
-                    answer.speeds->endurance.airspeed_m_per_s,
-                    answer.speeds->range.airspeed_m_per_s,
-                    answer.speeds->fastest_m_per_s));
-  }
-  return sentences;
-}
 
 void PrintAnswer(cli::CommandLine& line,
                  const std::vector<std::string>& sentences,
@@ -351,31 +285,14 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
                     over->variable->name));
   }
 
-  if (!vehicle_name.empty()) {
-    if (const auto doubt = DoubtAboutPack(request.vehicle, request.cell.series); !doubt.empty())
-      line.Message("{}", doubt);
-  }
   const EnduranceAnswer answer = FindEndurance(
       request, [&](double fraction) { line.progress().Update(fraction, "flying the ensemble"); });
   line.summary() = EnduranceToJson(request, answer);
   line.summary()["mission"] = mission;
   if (!vehicle_name.empty()) line.summary()["vehicle"] = request.vehicle.name;
-  const std::vector<std::string> sentences = Sentences(request, answer);
-  line.summary()["sentences"] = sentences;
-  PrintAnswer(line, sentences, answer);
+  PrintAnswer(line, EnduranceSentences(request, answer), answer);
   line.summary()["over"] = over ? PrintOver(line, request, *over) : Json(nullptr);
-  if (!request.uncertain()) {
-    line.Message(
-        "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
-        cell_name);
-  } else if (const auto doubt = DoubtAboutFew(answer.flights.size(), "flights"); !doubt.empty()) {
-    line.Message("{}", doubt);
-  }
-  const auto moved = static_cast<std::size_t>(answer.moved);
-  if (const auto doubt = DoubtAboutMoved(moved, answer.flights.size()); !doubt.empty())
-    line.Message("{}", doubt);
-  if (request.cell.open_circuit_voltage_assumed)
-    line.Message("the open-circuit voltage of {} is a typical one, not measured", cell_name);
+  for (const std::string& doubt : EnduranceDoubts(request, answer)) line.Message("{}", doubt);
   line.summary()["messages"] = line.messages();
   const MissionEnd end = answer.estimate.ended_by;
   const bool answered =

@@ -54,5 +54,22 @@ TEST(HealthReport, DoubtsNoSearchThatConverged) {
   EXPECT_TRUE(flight.at("doubted_because").is_null());
 }
 
+TEST(HealthReport, ASearchThatDidNotConvergeHasNoPartInTheTrend) {
+  std::vector<FlightHealth> flights;
+  for (const double capacity_Ah : {5.0, 4.8, 1.0, 4.6, 4.4, 9.0}) {
+    FlightHealth flight = Flight("a.csv", capacity_Ah != 1.0);
+    flight.counted_capacity_Ah = {capacity_Ah, 0.9 * capacity_Ah, 1.1 * capacity_Ah, {}};
+    flight.log_capacity_deviation = 0.01;
+    if (capacity_Ah == 9.0) flight.same_rows_as = "a.csv";
+    flights.push_back(flight);
+  }
+  const auto trend =
+      TrendOf(flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
+  ASSERT_TRUE(trend);
+  EXPECT_EQ(trend->flights, 4U);
+  EXPECT_NEAR(trend->first.value, 5.0, 0.1);
+  EXPECT_NEAR(trend->last.value, 4.4, 0.1);
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -40,6 +40,35 @@ TEST(SuggestKind, OfEachKind) {
       "charges and discharges; for another kind choose a part with steps, cycles or times");
 }
 
+// US06 of a cell: here and there a load is even and a rest follows, but it is no pulse test.
+TEST(SuggestKind, ADriveCycleIsForValidation) {
+  std::vector<Segment> segments;
+  const auto add = [&](SegmentKind kind, std::size_t rows, double charge_C) {
+    Segment segment;
+    segment.kind = kind;
+    segment.first = segments.empty() ? 0 : segments.back().last + 1;
+    segment.last = segment.first + rows - 1;
+    segment.charge_C = charge_C;
+    segments.push_back(segment);
+  };
+  for (int k = 0; k < 20; ++k) {
+    for (int load = 0; load < 9; ++load) add(SegmentKind::kVarying, 20, 30.0);
+    add(SegmentKind::kPulse, 20, 20.0);
+    add(SegmentKind::kRest, 100, 0.0);
+  }
+  const Suggestion cycle = SuggestKind(segments, std::nullopt, 2.0);
+  EXPECT_EQ(cycle.kind, LogKind::kValidation);
+  EXPECT_EQ(cycle.reason, "200 loads, 180 of them varying, as in a drive cycle");
+  // Pulses whose current settles over some rows remain pulses.
+  segments.clear();
+  for (int k = 0; k < 20; ++k) {
+    add(SegmentKind::kVarying, 3, 5.0);
+    add(SegmentKind::kPulse, 20, 20.0);
+    add(SegmentKind::kRest, 100, 0.0);
+  }
+  EXPECT_EQ(SuggestKind(segments, std::nullopt, 2.0).kind, LogKind::kPulses);
+}
+
 TEST(SuggestKind, NoneForRestOrChargingAlone) {
   ExpectSuggestion(RecordOfSteps({{60.0, 0.0}}), {}, "only rest");
   ExpectSuggestion(RecordOfSteps({{60.0, 0.0}, {3600.0, -2.0}}),
@@ -69,6 +98,8 @@ TEST(SuggestKind, OfRealLogsIsWhatTheirCampaignsSay) {
       {"dmegc_inr18650_26_r1/random_walk_01.csv", LogKind::kValidation},
       {"lg_m50_5ah/cc_2c.csv", LogKind::kConstantCurrent},
       {"lg_m50_5ah/low_rate.csv", LogKind::kLowRate},
+      {"panasonic_18650pf/t25/us06.csv", LogKind::kValidation},
+      {"panasonic_18650pf/tm20/us06.csv", LogKind::kValidation},
       {"samsung_30t_hppc/multipulse.csv", LogKind::kPulses}};
   for (const auto& [name, kind] : cases) {
     const auto file = test::LabDataPath(name);

@@ -212,8 +212,34 @@ class Serve(PageTest):
         self.fine()
 
     def test_says_when_the_server_has_ended(self):
+        self.page.run("document.getElementById('use-fly').open = true")
         self.end()
+        self.page.run("document.getElementById('fly').click()")
         self.page.wait("document.querySelector('[role=alert]')?.textContent.includes('lipoid serve has ended')", 30)
+        self.assertNotIn("Failed to fetch", self.page.run("return document.body.textContent"))
+
+    def test_a_flight_that_ends_early_is_not_shown_as_a_success(self):
+        self.page.run("document.getElementById('use-fly').open = true")
+        self.page.run("""
+          const input = [...document.querySelectorAll('#use-fly .label')].find(l => l.textContent === '--initial-soc')
+            .parentElement.querySelector('input');
+          input.closest('details').open = true;
+          input.focus();
+          input.value = '0.02';
+          input.dispatchEvent(new Event('input', { bubbles: true }));
+          input.blur();""")
+        time.sleep(0.3)
+        self.page.run("document.getElementById('fly').click()")
+        self.wait_job(1, "done")
+        status = f"{self.job(1)}.querySelector('.status')"
+        self.assertIn("done, with reservations", self.page.run(f"return {status}.textContent"))
+        colours = self.page.run(f"""
+          const good = document.createElement('span');
+          good.className = 'status done';
+          document.body.append(good);
+          return [getComputedStyle({status}).color, getComputedStyle(good).color];""")
+        self.assertNotEqual(*colours)
+        self.fine()
 
     def test_goes_by_keys_and_fits_a_telephone(self):
         for width, dark in ((390, False), (390, True), (800, True)):

@@ -6,27 +6,39 @@ const HEADERS = { "X-Lipoid": "1" };
 const BUSY_MS = 400;
 const IDLE_MS = 2500;
 
+const UNREACHABLE = "lipoid serve has ended, or cannot be reached";
+
+/** As fetch; where no answer comes, its error is a sentence ("Failed to fetch" says nothing to a reader). */
+async function reach(path, options) {
+  try {
+    return await fetch(path, { cache: "no-store", ...options });
+  } catch (error) {
+    if (error instanceof TypeError) throw new Error(`${UNREACHABLE}.`, { cause: error });
+    throw error;
+  }
+}
+
 async function answerOf(response) {
   if (response.ok) return response.json();
   throw new Error((await response.text()).trim() || `the server answered ${response.status}`);
 }
 
 export async function get(path) {
-  return answerOf(await fetch(path, { cache: "no-store" }));
+  return answerOf(await reach(path));
 }
 
 export async function getText(path) {
-  const response = await fetch(path, { cache: "no-store" });
+  const response = await reach(path);
   if (!response.ok) throw new Error((await response.text()).trim());
   return response.text();
 }
 
 export async function post(path, json) {
-  return answerOf(await fetch(path, { method: "POST", headers: HEADERS, body: JSON.stringify(json) }));
+  return answerOf(await reach(path, { method: "POST", headers: HEADERS, body: JSON.stringify(json) }));
 }
 
 export async function remove(path) {
-  return answerOf(await fetch(path, { method: "DELETE", headers: HEADERS }));
+  return answerOf(await reach(path, { method: "DELETE", headers: HEADERS }));
 }
 
 /** Sends a file as it is; `sent` is told how many bytes are on their way. */
@@ -68,8 +80,7 @@ export function useWorkbench() {
       asking = true;
       clearTimeout(timer);
       try {
-        const response = await fetch("api/state", {
-          cache: "no-store",
+        const response = await reach("api/state", {
           headers: etag ? { "If-None-Match": etag } : {},
         });
         if (response.status !== 304) {
@@ -80,8 +91,8 @@ export function useWorkbench() {
         setLost("");
       } catch (error) {
         setLost(
-          error instanceof TypeError
-            ? "lipoid serve has ended, or cannot be reached. What is shown here is what it said last."
+          error.cause instanceof TypeError
+            ? `${UNREACHABLE}. What is shown here is what it said last.`
             : error.message,
         );
       }

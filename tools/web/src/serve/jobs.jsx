@@ -24,9 +24,11 @@ function optionText(options) {
   return options.map(([name, value]) => (value === undefined ? `--${name}` : `--${name} ${value}`)).join(" ");
 }
 
+/** Exit 1: a result that is doubted, or a flight that did not end as it should. */
+const isDoubted = (job) => job.status === "done" && job.exit_code === 1;
+
 function statusText(job) {
-  if (job.status === "done" && job.exit_code === 1) return "done, with reservations";
-  return STATUS[job.status];
+  return isDoubted(job) ? "done, with reservations" : STATUS[job.status];
 }
 
 function Outputs({ job }) {
@@ -55,7 +57,7 @@ function Job({ job, selected, compared, act }) {
         <h3>
           {job.id}. {titleOf(job)}
         </h3>
-        <span class={`status ${job.status}`} role="status">
+        <span class={`status ${isDoubted(job) ? "doubted" : job.status}`} role="status">
           {statusText(job)}
           {took && `, ${took}`}
         </span>

@@ -12,8 +12,8 @@ const interval = (pair, factor = 1, digits = 3) =>
 const intervalOf = (one, name) => one[`${name}_interval_95`] ?? one[`${name.replace(/_[A-Za-z]+$/, "")}_interval_95`];
 
 function overFlights(all, name, title, label, factor) {
-  // A copy of an earlier flight is no flight of its own, for the trend neither.
-  const flights = all.map((one) => (one.same_rows_as ? {} : one));
+  // A copy of an earlier flight is no flight of its own, and a search that stopped says nothing: for the trend neither.
+  const flights = all.map((one) => (one.same_rows_as || one.converged === false ? {} : one));
   const ends = (side) => flights.map((one) => times(factor, intervalOf(one, name)?.[side]));
   return lineChart({
     title,
@@ -69,7 +69,9 @@ export const health = {
         const unknown = (what, why) => (why && !one.doubted_because ? `The ${what} is not known: ${why}` : null);
         const all = [unknown("capacity", one.capacity_unknown_because),
           unknown("resistance", one.resistance_unknown_because), ...listOf(one.cautions)].filter(Boolean);
-        const doubted = one.doubted_because ? notice("warning", one.doubted_because) : null;
+        // What the sentences above say is not said again.
+        const said = listOf(summary.sentences).some((text) => text.includes(one.doubted_because));
+        const doubted = one.doubted_because && !said ? notice("warning", one.doubted_because) : null;
         return doubted || all.length > 0
           ? section(baseName(one.file), doubted, element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
       }),
