@@ -103,6 +103,35 @@ std::vector<double> Halved(const std::vector<double>& nodes) {
   return fine;
 }
 
+// How often the values turn round, by more than a quarter of their mean each time.
+int Turns(const Eigen::VectorXd& values) {
+  const double least = 0.25 * values.mean();
+  int turns = 0;
+  int direction = 0;
+  double extreme = values[0];  // the highest since it rises, the lowest since it falls
+  for (const double value : values) {
+    if (direction >= 0 ? value > extreme : value < extreme) {
+      extreme = value;
+    } else if (std::abs(value - extreme) > least) {
+      if (direction != 0) ++turns;
+      direction = direction >= 0 && value < extreme ? -1 : 1;
+      extreme = value;
+    }
+  }
+  return turns;
+}
+
+// Whether a branch goes up and down over the state of charge as no cell's does.
+bool Zigzags(const JointSolution& solution) {
+  constexpr int kMostTurns = 6;  // real cells turn at most five times, noise seventeen
+  const JointLayout layout(solution.structure);
+  for (int j = 0; j < solution.structure.branches; ++j) {
+    const int turns = Turns(solution.x.segment(layout.branch(j), layout.nodes()));
+    if (turns > kMostTurns) return true;
+  }
+  return false;
+}
+
 std::string Describe(const JointStructure& s) {
   std::string text = s.nodes() == 1 ? "constant resistances" : fmt::format("{} nodes", s.nodes());
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
@@ -115,6 +144,8 @@ std::string Describe(const JointStructure& s) {
   if (s.hysteresis_soc.size() > 1) text += fmt::format(", M at {} nodes", s.hysteresis_soc.size());
   if (s.voltage_soc.size() > kUsualVoltageNodes)
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
+  if (s.branch_smoothness > 1.0)
+    text += fmt::format(", branches {:g} times as smooth", s.branch_smoothness);
   return text;
 }
 
@@ -233,6 +264,7 @@ class Choosing {
       TryShared();
       if (logs_.whole) DropTerms();
       TryVoltageNodes();
+      SmoothBranches();
     } else {
       choice_.reason =
           "too few pulses and discharges to leave any out: the simplest structure is taken";
@@ -497,6 +529,25 @@ class Choosing {
     Judge(Assess(std::move(solution)));
   }
 
+  // At each node the logs may hardly tell r_s from a branch, and then noise divides their sum: one
+  // node gives all to the one, the next to the other. No resistance of a cell goes up and down so
+  // often. The branches are made smoother, as little as does, and r_s stays as free as it was.
+  void SmoothBranches() {
+    if (best().nodes() < 3 || options_.smoothness > 0.0) return;
+    for (const double times : {10.0, 100.0, 1000.0}) {
+      if (!Zigzags(choice_.best)) return;
+      JointStructure smoother = best();
+      smoother.branch_smoothness = times;
+      JointSolution solution = fit_.Solve(smoother, choice_.best.rates, choice_.errors.smoothness);
+      solution.termination = choice_.best.termination;
+      solution.message = choice_.best.message;
+      TriedStructure row{.what = Describe(smoother), .solution = std::move(solution)};
+      row.errors = LeaveOut(fit_, logs_, smoother, row.solution.rates, {choice_.errors.smoothness});
+      choice_.tried.push_back(std::move(row));
+      Take(choice_.tried.size() - 1);
+    }
+  }
+
   // The last polish follows the fit. Where held-out rows are predicted worse for it, it followed
   // noise along a flat valley.
   void PolishBest() {
@@ -527,7 +578,7 @@ class Choosing {
       TriedStructure& row = choice_.tried[k];
       if (k == taken_) {
         row.weight = 0.5;
-      } else if (row.solution.x.size() > 0) {
+      } else if (row.solution.x.size() > 0 && !Zigzags(row.solution)) {
         row.weight =
             CompareErrors(choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
                 .Probability();

@@ -220,10 +220,10 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
   const JointLayout layout(structure);
   Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(layout.size(), layout.size());
   const double second = smoothness * smoothness * scales_.weight_sum;
-  const auto bend = [&](int first, int count) {
+  const auto bend = [&](int first, int count, double weight) {
     for (int k = first; k + 2 < first + count; ++k) {
       const Eigen::Vector3d d(1.0, -2.0, 1.0);
-      penalty.block<3, 3>(k, k) += second * d * d.transpose();
+      penalty.block<3, 3>(k, k) += weight * d * d.transpose();
     }
   };
   const auto slope = [&](int first, int count, double weight) {
@@ -232,11 +232,13 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
       penalty.block<2, 2>(k, k) += weight * d * d.transpose();
     }
   };
-  bend(0, layout.voltages());
+  bend(0, layout.voltages(), second);
   slope(0, layout.voltages(), 1e-6 * second);  // a curve that no row reaches keeps its shape
   for (int t = 0; t < layout.tables(); ++t) {
     if (!setup_.held || layout.nodes() == 1) {
-      bend(layout.table(t), layout.nodes());
+      const bool branch = t > 0 && t <= structure.branches;
+      const double times = branch ? structure.branch_smoothness : 1.0;
+      bend(layout.table(t), layout.nodes(), times * times * second);
       slope(layout.table(t), layout.nodes(), 0.01 * second);
       continue;
     }
@@ -252,7 +254,7 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
     block = (ratio.asDiagonal() * block * ratio.asDiagonal()).eval();
   }
   for (const JointTable& table : OtherTables(structure, scales_.typical_A)) {
-    bend(table.first, static_cast<int>(table.soc.size()));
+    bend(table.first, static_cast<int>(table.soc.size()), second);
     slope(table.first, static_cast<int>(table.soc.size()), 0.01 * second);
   }
   return penalty;

@@ -82,6 +82,8 @@ struct JointStructure {
   std::vector<double> hysteresis_soc = {};  ///< nodes of M; one: constant; empty: no hysteresis
   bool current_offset = false;              ///< of the sensor that all logs share
   bool free_alpha = false;  ///< the charge at which logs that do not start full begin is searched
+  /// How many times as smooth as r_s the branches are over the state of charge.
+  double branch_smoothness = 1.0;
 
   [[nodiscard]] int nodes() const { return static_cast<int>(resistance_soc.size()); }
   friend bool operator==(const JointStructure&, const JointStructure&) = default;

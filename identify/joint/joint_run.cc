@@ -592,6 +592,7 @@ class JointRun {
           result_.logs.typical_A));
     }
     NameStartsThatAlphaRestsOn();
+    NameSmoothBranches();
     NameTemperatureCautions();
     if (best.structure.current_offset) {
       say.push_back(fmt::format(
@@ -657,6 +658,15 @@ class JointRun {
         "that is off by {:g} would change alpha by the figure in brackets: {}",
         kStep,
         fmt::join(words, ", ")));
+  }
+
+  void NameSmoothBranches() {
+    const double times = result_.choice.best.structure.branch_smoothness;
+    if (times <= 1.0) return;
+    result_.cautions.push_back(fmt::format(
+        "the resistances of the branches are held {:g} times as smooth over the state of charge as r_s: "
+        "freer ones go up and down from node to node, as no cell's do",
+        times));
   }
 
   void NameTemperatureCautions() {
