@@ -44,10 +44,38 @@ std::string WhatItAdds(const PlannedVariation& with, const PlannedVariation& wit
       "{} would tell {} (95 %); {}", what, fmt::join(gains, ", "), with.plan.trust.sentence);
 }
 
+// Root mean square over the logs of what the fit left above a tenth of the charge: near empty a cell
+// is steep, and there no pulse tells much. None where the file does not say.
+std::optional<double> ErrorOfFit_V(const Cell& cell) {
+  if (!cell.run) return std::nullopt;
+  const Json::json_pointer place("/metrics/logs");
+  if (!cell.run->contains(place) || !cell.run->at(place).is_array()) return std::nullopt;
+  double sum = 0.0;
+  int logs = 0;
+  for (const Json& log : cell.run->at(place)) {
+    if (!log.is_object()) continue;
+    const auto error_V = log.find("rmse_V_above_10_soc");
+    if (error_V == log.end() || !error_V->is_number()) continue;
+    sum += error_V->get<double>() * error_V->get<double>();
+    ++logs;
+  }
+  const double rms_V = std::sqrt(sum / logs);
+  return std::isfinite(rms_V) ? std::optional(rms_V) : std::nullopt;
+}
+
 class Variations {
  public:
   Variations(const Cell& cell, const PlanGrid& grid, const std::function<void(double)>& progress)
       : grid_(grid), progress_(progress), ambients_degC_(grid.ambient_degC) {
+    result_.noise = grid.noise;
+    if (grid.coloured_noise_V) {
+      result_.noise.coloured_V = *grid.coloured_noise_V;
+      result_.slow_errors = SlowErrors::kGiven;
+    } else if (const auto error_V = ErrorOfFit_V(cell);
+               error_V && *error_V > result_.noise.coloured_V) {
+      result_.noise.coloured_V = *error_V;
+      result_.slow_errors = SlowErrors::kOfFit;
+    }
     result_.temperature =
         cell.temperature || !grid.ambient_degC.empty() || !grid.second_degC.empty();
     const bool assume = result_.temperature && !cell.temperature;
@@ -137,14 +165,14 @@ class Variations {
   void Add(const Cell& seen, SynthesisOptions options) {
     Tell();
     if (!result_.temperature) {
-      Push(options, PlanExperiment(seen, options, grid_.noise));
+      Push(options, PlanExperiment(seen, options, result_.noise));
       return;
     }
     const DecimalStep sampling = SamplingOf(options);
     options.ambient_degC = TemperaturesAsText(ambients_degC_);
     const std::vector<TestPlan> tests = ThesisProtocol(seen, options);
     const std::size_t first = result_.variations.size();
-    if (Push(options, PlanCampaign(seen, tests, sampling, grid_.noise)) == nullptr) return;
+    if (Push(options, PlanCampaign(seen, tests, sampling, result_.noise)) == nullptr) return;
     const auto pulses = std::find_if(
         tests.begin(), tests.end(), [](const auto& test) { return test.kind == LogKind::kPulses; });
     for (const double second_degC : seconds_degC_) {
@@ -153,7 +181,7 @@ class Variations {
         std::vector<TestPlan> more = tests;
         more.push_back(AtAnotherTemperature(*pulses, second_degC));
         if (how == SecondPulses::kOne) more.back().cycles = 1;
-        PlannedVariation* with = Push(options, PlanCampaign(seen, more, sampling, grid_.noise));
+        PlannedVariation* with = Push(options, PlanCampaign(seen, more, sampling, result_.noise));
         if (with == nullptr) continue;
         with->second = how;
         with->second_degC = second_degC;
@@ -180,7 +208,30 @@ PlanGridResult PlanVariations(const Cell& cell,
   return Variations(cell, grid, progress).Run();
 }
 
-Json PlanGridToJson(const Cell& cell, const PlanGrid& grid, const PlanGridResult& result) {
+std::string NoiseSentence(const PlanGridResult& result) {
+  const PlannedNoise& noise = result.noise;
+  std::string source;
+  switch (result.slow_errors) {
+    case SlowErrors::kGiven:
+      break;
+    case SlowErrors::kOfFit:
+      source = ", which is what the fit left of the logs of this cell above 10 % of the charge";
+      break;
+    case SlowErrors::kAssumed:
+      source =
+          ", those of a good instrument: the file of this cell does not say how well a model describes it, "
+          "and real cells are described to some millivolts (--coloured-noise-V)";
+      break;
+  }
+  return fmt::format(
+      "Assumed: noise of {:.3g} mV in each row, and slow errors of {:.3g} mV over {:g} s{}.",
+      1e3 * noise.white_V,
+      1e3 * noise.coloured_V,
+      noise.correlation_s,
+      source);
+}
+
+Json PlanGridToJson(const Cell& cell, const PlanGridResult& result) {
   Json rows = Json::array();
   for (const PlannedVariation& one : result.variations) {
     rows.push_back({{"rate_C", one.rate_C},
@@ -202,11 +253,13 @@ Json PlanGridToJson(const Cell& cell, const PlanGrid& grid, const PlanGridResult
     row["second_pulses"] = !more ? Json() : Json(one.second == SecondPulses::kOne ? "one" : "all");
   }
   Json json = {{"cell", cell.name}};
-  json["noise"] = {{"white_V", grid.noise.white_V},
-                   {"coloured_V", grid.noise.coloured_V},
-                   {"correlation_s", grid.noise.correlation_s}};
+  json["noise"] = {{"white_V", result.noise.white_V},
+                   {"coloured_V", result.noise.coloured_V},
+                   {"coloured_from", options_internal::ToText(result.slow_errors)},
+                   {"correlation_s", result.noise.correlation_s},
+                   {"sentence", NoiseSentence(result)}};
   if (result.temperature) {
-    json["noise"]["temperature_K"] = grid.noise.temperature_K;
+    json["noise"]["temperature_K"] = result.noise.temperature_K;
     json["temperature_assumed"] = result.temperature_assumed;
   }
   json["rows"] = std::move(rows);

@@ -7,8 +7,12 @@
 /// add to it; else the pulses alone (experiment_plan.h).
 /// Tests: tests/tools/plan_test.cc, tests/python/test_identify.py.
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "identify/trust/experiment_plan.h"
@@ -30,6 +34,9 @@ struct PlanGrid {
   /// Those that would be added; empty: kSecondBelow_K below the coldest.
   std::vector<double> second_degC = {};
   PlannedNoise noise = {};
+  /// Its slow errors; none: what the fit left of the logs of this cell, where its file says, and at
+  /// least those of PlannedNoise.
+  std::optional<double> coloured_noise_V = {};
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& v) {
@@ -47,9 +54,10 @@ struct PlanGrid {
       Range{0.0, 1e3},
       "standard deviation of the voltage's noise that is independent from row to row, V");
     v("coloured_noise_V",
-      self.noise.coloured_V,
+      self.coloured_noise_V,
       Range{0.0, 1e3},
-      "standard deviation of slow errors of the voltage, V");
+      "standard deviation of slow errors of the voltage, V; by default what the fit of the cell left "
+      "of its logs, at least 0.0005");
     v("correlation_s",
       self.noise.correlation_s,
       Range{kTiny, kYear_s},
@@ -88,12 +96,23 @@ struct PlannedVariation {
   double second_degC = 0.0;  ///< where there are some
 };
 
+/// Where the slow errors of a plan are from.
+enum class SlowErrors { kAssumed, kOfFit, kGiven };
+
+constexpr std::array<std::pair<SlowErrors, std::string_view>, 3> OptionNames(SlowErrors) {
+  return {{{SlowErrors::kAssumed, "assumed"},
+           {SlowErrors::kOfFit, "fit"},
+           {SlowErrors::kGiven, "given"}}};
+}
+
 struct PlanGridResult {
   std::vector<PlannedVariation> variations;  ///< by rate, pulse, rest and sampling
   std::vector<std::string> left_out;         ///< of the cell and of what was asked for, in words
   std::vector<std::string> terms_left_out;   ///< of the cell, by name
-  bool temperature = false;                  ///< whether it takes part
-  bool temperature_assumed = false;          ///< energies and heat of the cell are typical values
+  PlannedNoise noise;                        ///< that the plan assumes
+  SlowErrors slow_errors = SlowErrors::kAssumed;
+  bool temperature = false;          ///< whether it takes part
+  bool temperature_assumed = false;  ///< energies and heat of the cell are typical values
 };
 
 /// OptionError where there are more than kMostVariations, or no experiment suits the cell.
@@ -102,9 +121,10 @@ inline constexpr std::size_t kMostVariations = 1000;
                                             const PlanGrid& grid,
                                             const std::function<void(double)>& progress = {});
 
+/// The noise that the plan assumes, as a sentence.
+[[nodiscard]] std::string NoiseSentence(const PlanGridResult& result);
+
 /// The keys of `lipoid plan --summary` (docs/formats.md).
-[[nodiscard]] Json PlanGridToJson(const Cell& cell,
-                                  const PlanGrid& grid,
-                                  const PlanGridResult& result);
+[[nodiscard]] Json PlanGridToJson(const Cell& cell, const PlanGridResult& result);
 
 }  // namespace lipoid

@@ -352,7 +352,7 @@ class PlanOptions(TypedDict, total=False):
     rate_C: float | Sequence[float] | None
     sampling_s: float | Sequence[float]
     voltage_noise_V: float
-    coloured_noise_V: float
+    coloured_noise_V: float | None
     correlation_s: float
     ambient_degC: float | Sequence[float] | None
     second_degC: float | Sequence[float] | None

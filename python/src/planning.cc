@@ -32,7 +32,7 @@ nb::object Plan(const PythonCell& cell, const nb::dict& given, const nb::object&
       [&](const Tell& tell) {
         const auto result =
             PlanVariations(cell.cell, grid, [&](double share) { tell("planning", share); });
-        summary = PlanGridToJson(cell.cell, grid, result);
+        summary = PlanGridToJson(cell.cell, result);
       },
       progress);
   return ToPython(summary);

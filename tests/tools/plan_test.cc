@@ -2,8 +2,11 @@
 // tests/identify/trust/.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
@@ -58,6 +61,44 @@ TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
   const Json parameters = ReadJson(folder, "s.json").at("rows")[0].at("parameters");
   ASSERT_EQ(parameters.size(), 2U);  // beta, r_s
   EXPECT_NEAR(parameters[1].at("estimate").get<double>(), 0.1314 + 2.3643e-5, 1e-12);
+}
+
+// A plan that takes a real cell for its model promises errors ten times too small.
+TEST(Plan, SlowErrorsAreAtLeastWhatTheFitLeftOfTheLogs) {
+  const auto folder = TestFolder();
+  Json cell = CellToJson(LoadCell("gifi-600mAh-1"));
+  cell["run"]["metrics"]["logs"] = {{{"file", "a.csv"}, {"rmse_V_above_10_soc", 0.006}},
+                                    {{"file", "b.csv"}, {"rmse_V_above_10_soc", 0.008}},
+                                    {{"file", "c.csv"}, {"rmse_V_above_10_soc", nullptr}}};
+  WriteFileAtomically(folder + "/cell.json", JsonText(cell));
+  const auto plan = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "plan");
+    words.insert(words.end(), {"--summary", "s.json"});
+    const auto run = RunLipoid(folder, words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const Json summary = ReadJson(folder, "s.json");
+    const Json& noise = summary.at("noise");
+    // The same words, whatever the lines.
+    std::string out = run.out;
+    std::replace(out.begin(), out.end(), '\n', ' ');
+    EXPECT_NE(out.find(noise.at("sentence").get<std::string>()), std::string::npos) << run.out;
+    return summary;
+  };
+  const auto series_error = [](const Json& summary) {
+    const Json& parameter = summary.at("rows")[0].at("parameters")[1];
+    EXPECT_EQ(parameter.at("name"), "r_s");
+    return parameter.at("standard_error").get<double>();
+  };
+  const Json of_fit = plan({"cell.json"});
+  EXPECT_EQ(of_fit.at("noise").at("coloured_from"), "fit");
+  EXPECT_NEAR(of_fit.at("noise").at("coloured_V").get<double>(), std::sqrt(5e-5), 1e-12);
+  const Json assumed = plan({"gifi-600mAh-1"});
+  EXPECT_EQ(assumed.at("noise").at("coloured_from"), "assumed");
+  EXPECT_EQ(assumed.at("noise").at("coloured_V"), 5e-4);
+  EXPECT_GT(series_error(of_fit), 8.0 * series_error(assumed));
+  const Json given = plan({"cell.json", "--coloured-noise-V", "0.0005"});
+  EXPECT_EQ(given.at("noise").at("coloured_from"), "given");
+  EXPECT_EQ(series_error(given), series_error(assumed));
 }
 
 // Terms of the cell that the analysis does not have are none of "every parameter".

@@ -140,8 +140,9 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
                TableOfExperiments(result));
     if (all.size() == 1) line.Print("{}\n\n", cli::Wrapped(all[0].plan.trust.sentence));
   }
+  line.Print("{}\n\n", cli::Wrapped(NoiseSentence(result)));
   line.Print("{}", cli::Bullets("Left out", result.left_out));
-  line.summary() = PlanGridToJson(cell, grid, result);
+  line.summary() = PlanGridToJson(cell, result);
   return cli::ExitCode::kDone;
 }
 

@@ -90,6 +90,7 @@ export const plan = {
           .map(({ key, title, unit }) => [title, `${significant(rows[0]?.[key])} ${unit}`]),
         ["Slow errors", isNumber(noise.coloured_V) ? `${significant(1e3 * noise.coloured_V)} mV over ${duration(noise.correlation_s)}` : null],
       ]),
+      noise.sentence ? element("p", { class: "sentence" }, noise.sentence) : null,
       planTable(rows, names, varied, warms),
       varied.map((each) => against(each, rows, names, varied.filter(({ key }) => key !== each.key))),
       varied.length === 0 && !warms
