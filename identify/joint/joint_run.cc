@@ -486,6 +486,7 @@ class JointRun {
       cell.diffusion.reset();
       cell.capacity_Ah = alpha_C / 3600.0;
     }
+    SayWhereSeen(cell);
     if (setup.held && setup.held->cell.temperature) {
       // What these logs do not show is as it was.
       if (!cell.temperature) cell.temperature = setup.held->cell.temperature;
@@ -500,6 +501,21 @@ class JointRun {
     cell.temperature->heat = result_.heat->balance;
     if (cell.temperature->entropy)
       cell.temperature->entropy->reversible_heat = result_.heat->reversible;
+  }
+
+  // The logs' own temperatures, and those that a cell that is held was seen at.
+  void SayWhereSeen(Cell& cell) const {
+    const Cell* held = result_.setup.held ? &result_.setup.held->cell : nullptr;
+    cell.temperature_seen.reset();
+    if (std::isnan(result_.logs.coldest_K)) return;
+    TemperatureRange seen{.coldest_degC = result_.logs.coldest_K - kZeroCelsius_K,
+                          .warmest_degC = result_.logs.warmest_K - kZeroCelsius_K};
+    if (held != nullptr && held->temperature && !held->temperature_seen) return;
+    if (held != nullptr && held->temperature_seen) {
+      seen.coldest_degC = std::min(seen.coldest_degC, held->temperature_seen->coldest_degC);
+      seen.warmest_degC = std::max(seen.warmest_degC, held->temperature_seen->warmest_degC);
+    }
+    cell.temperature_seen = seen;
   }
 
   // By the currents that flowed, where the sensor was found to have an offset.

@@ -15,6 +15,7 @@
 #include "model/battery/open_circuit_voltage.h"
 #include "model/battery/ranges.h"
 #include "model/battery/resistance.h"
+#include "model/battery/temperature_range.h"
 #include "model/core/json.h"
 
 namespace lipoid {
@@ -62,8 +63,9 @@ struct Cell {
   std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
   std::optional<Temperature> temperature;         ///< none: it is the same at every temperature
   bool temperature_assumed = false;               ///< typical energies and heat, not measured ones
-  std::optional<Hysteresis> hysteresis;           ///< none: v_oc does not know the current's past
-  std::optional<Uncertainty> uncertainty;         ///< none: nothing is known of it
+  std::optional<TemperatureRange> temperature_seen;  ///< none: the file does not say
+  std::optional<Hysteresis> hysteresis;    ///< none: v_oc does not know the current's past
+  std::optional<Uncertainty> uncertainty;  ///< none: nothing is known of it
   /// How it was made, an object (see RunRecord); copies of the cell share it. None: it is not known.
   std::shared_ptr<const Json> run;
 

@@ -178,6 +178,7 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
                  "entropy",
                  "reversible_heat",
                  "shared_energies",
+                 "seen_degC",
                  "assumed"});
   const auto energy = [](const JsonReader& value) {
     return value.Number(kActivationEnergies_J_per_mol.lo, kActivationEnergies_J_per_mol.hi);
@@ -237,6 +238,17 @@ std::vector<std::string> SharedEnergies(const Cell::Temperature& term,
     if (alike > 1 && own > 0.0) shared.push_back(name);
   }
   return shared;
+}
+
+TemperatureRange ReadSeen(const JsonReader& json) {
+  if (json.Size() != 2) json.Fail("two temperatures, the coldest and the warmest");
+  const auto at = [&](std::size_t k) {
+    return json.Item(k).Number(kTemperatures_degC.lo, kTemperatures_degC.hi);
+  };
+  const TemperatureRange seen{.coldest_degC = at(0), .warmest_degC = at(1)};
+  if (seen.coldest_degC > seen.warmest_degC)
+    json.Fail("the coldest temperature before the warmest");
+  return seen;
 }
 
 Json TemperatureToJson(const Cell::Temperature& term, bool assumed, bool diffusion, bool transfer) {
@@ -406,6 +418,7 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     }
     cell.temperature = ReadTemperature(*term, cell);
     if (const auto assumed = term->Find("assumed")) cell.temperature_assumed = assumed->Boolean();
+    if (const auto seen = term->Find("seen_degC")) cell.temperature_seen = ReadSeen(*seen);
   }
   if (const auto term = json.Find("hysteresis")) cell.hysteresis = ReadHysteresis(*term);
   if (const auto run = json.Find("run")) {
@@ -462,6 +475,8 @@ Json CellToJson(const Cell& cell) {
                                             cell.temperature_assumed,
                                             cell.diffusion.has_value(),
                                             cell.charge_transfer.has_value());
+    if (const auto& seen = cell.temperature_seen)
+      json["temperature"]["seen_degC"] = {seen->coldest_degC, seen->warmest_degC};
   }
   if (const auto& term = cell.hysteresis) {
     json["hysteresis"] = {{"folds", term->folds},

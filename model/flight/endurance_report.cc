@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/battery/cell_ensemble.h"
+#include "model/battery/temperature_range.h"
 #include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
 
@@ -191,6 +192,10 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
     add(fmt::format(
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
         request.cell.name));
+  }
+  if (request.ambient_degC) {
+    const double degC = request.ambient_degC->value;
+    add(DoubtAboutTemperature(request.cell, degC, degC));
   }
   add(DoubtAboutMoved(static_cast<std::size_t>(answer.moved), answer.flights.size()));
   if (request.cell.open_circuit_voltage_assumed) {

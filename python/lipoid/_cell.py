@@ -373,6 +373,10 @@ class Cell:
             if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
                 raise OptionError(f"{what}: expected a finite temperature for each row")
         self._tell_what_says_nothing(ambient_degC)
+        for felt in (measured, ambient_degC):
+            if felt is not None:
+                lowest, highest = float(np.min(felt)), float(np.max(felt))
+                self._tell(_core.doubt_about_temperature(self._core, lowest, highest))
         return t, i, measured, {"hold": hold, "ambient_degC": ambient_degC}
 
     def _tell(self, *doubts: str) -> None:

@@ -254,6 +254,14 @@ void AddCells(nb::module_& module) {
       },
       nb::arg("text"),
       nb::arg("file"));
+  module.def(
+      "doubt_about_temperature",
+      [](const PythonCell& cell, double coldest_degC, double warmest_degC) {
+        return DoubtAboutTemperature(cell.cell, coldest_degC, warmest_degC);
+      },
+      nb::arg("cell"),
+      nb::arg("coldest_degC"),
+      nb::arg("warmest_degC"));
   module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
   module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
   module.def("cell_names", &ShippedCellNames);

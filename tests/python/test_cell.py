@@ -350,6 +350,20 @@ def test_a_cell_that_knows_no_temperature_says_so(caplog: pytest.LogCaptureFixtu
     assert caplog.text == ""
 
 
+def test_temperatures_that_were_never_seen_are_said(caplog: pytest.LogCaptureFixture) -> None:
+    given = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature().to_dict()
+    given["temperature"]["seen_degC"] = [10.0, 40.0]
+    cell = lipoid.Cell.from_dict(given)
+    cell.simulate(T, I, ambient_degC=6.0)
+    cell.simulate(T, I)
+    assert caplog.text == ""
+    cell.simulate(T, I, ambient_degC=-10.0)
+    assert "was identified from logs between 10 and 40 degC: at -10 degC" in caplog.text
+    caplog.clear()
+    cell.simulate(T, I, temperature_degC=np.linspace(20.0, 60.0, len(T)))
+    assert "at 60 degC its resistances" in caplog.text
+
+
 def test_drawn_cells_that_were_moved_are_said(caplog: pytest.LogCaptureFixture) -> None:
     """Branches of no resistance with wide errors: nearly every draw has a negative one."""
     given = lipoid.Cell.read("gifi-600mAh-1").to_dict()

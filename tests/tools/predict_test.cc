@@ -2,14 +2,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/typical_temperature.h"
 #include "model/core/atomic_file.h"
 #include "model/core/json_text.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid::test {
 namespace {
@@ -542,6 +545,45 @@ TEST(Validate, ALogGivenTwiceIsNamedWithoutAnOptionThatIsNot) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("error: 'a.csv' is given twice; name each log once"), std::string::npos)
       << run.err;
+}
+
+// A cell that was identified in the warm says nothing of the cold, whatever its energies.
+TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
+  const auto folder = TestFolder();
+  Json cell = CellToJson(WithTypicalTemperature(LoadCell("gifi-600mAh-1")));
+  cell["temperature"].erase("assumed");
+  cell["temperature"]["seen_degC"] = {10.0, 40.0};
+  WriteFileAtomically(folder + "/cell.json", JsonText(cell));
+  WriteText(folder + "/current.csv", "time_s,current_A\n0,0\n1,1\n2,1\n");
+  WriteText(folder + "/cold.csv", "time_s,current_A,temperature_degC\n0,0,-8\n1,1,-8\n2,1,-7\n");
+  const std::string doubt = "was identified from logs between 10 and 40 degC: at ";
+  const auto says = [&](const std::vector<std::string>& words) {
+    const auto run = RunLipoid(folder, words);
+    std::string text = run.err;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text.find(doubt) != std::string::npos;
+  };
+  EXPECT_FALSE(says(
+      {"simulate", "cell.json", "--current", "current.csv", "-o", "p.csv", "--ambient-degC", "6"}));
+  EXPECT_TRUE(says({"simulate",
+                    "cell.json",
+                    "--current",
+                    "current.csv",
+                    "-o",
+                    "p.csv",
+                    "--ambient-degC",
+                    "-10"}));
+  EXPECT_TRUE(says({"simulate", "cell.json", "--current", "cold.csv", "-o", "p.csv"}));
+  EXPECT_TRUE(
+      says({"fly", "hover", "--cell", "cell.json", "--duration", "1", "--ambient-degC", "-10"}));
+  EXPECT_FALSE(says({"fly", "hover", "--cell", "cell.json", "--duration", "1"}));
+  EXPECT_TRUE(says({"endurance",
+                    "--vehicle",
+                    "mambo-physical",
+                    "--cell",
+                    "cell.json",
+                    "--ambient-degC",
+                    "-10"}));
 }
 
 }  // namespace

@@ -23,6 +23,7 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
+#include "tools/commands/surroundings_options.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
 
@@ -247,6 +248,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (setup.cell) {
     if (const auto doubt = DoubtAboutPack(setup.vehicle, setup.cell->series); !doubt.empty())
       line.Message("{}", doubt);
+    TellWhatIsExtrapolated(line, *setup.cell, {.ambient_degC = setup.ambient_degC});
   }
   EnsembleOption::Drawn drawn;
   if (ensemble.asked())

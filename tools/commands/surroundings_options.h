@@ -13,4 +13,9 @@ void TellWhatSaysNothing(cli::CommandLine& line,
                          const Cell& cell,
                          const SurroundingsRequest& surroundings);
 
+/// A message where the cell was never seen as cold or as warm as it is here.
+void TellWhatIsExtrapolated(cli::CommandLine& line,
+                            const Cell& cell,
+                            const Surroundings& surroundings);
+
 }  // namespace lipoid

@@ -214,6 +214,11 @@ TEST(JointTemperature, FindsEnergiesAndHeatOfASyntheticCell) {
   EXPECT_NEAR(result.heat->balance.heat_capacity_J_per_K, 15.0, 0.6);
   EXPECT_NEAR(result.heat->balance.thermal_resistance_K_per_W, 20.0, 0.6);
   EXPECT_LT(result.heat->rmse_K, 0.01 * result.heat->largest_rise_K);
+  // The coldest log begins at 10 degC, the warmest at 40, and it warms; the thermometer has noise.
+  ASSERT_TRUE(result.cell.temperature_seen);
+  EXPECT_NEAR(result.cell.temperature_seen->coldest_degC, 10.0, 0.5);
+  EXPECT_GT(result.cell.temperature_seen->warmest_degC, 40.0);
+  EXPECT_LT(result.cell.temperature_seen->warmest_degC, 80.0);
 }
 
 // Ensembles draw the heat balance, the activation energies and the slope of v_oc with all else.

@@ -682,7 +682,8 @@ Json WithTemperature() {
       {"heat_capacity_J_per_K", 15.0},
       {"thermal_resistance_K_per_W", 20.0},
       {"entropy", {{"soc", {0.0, 1.0}}, {"slope_V_per_K", {-2e-4, 1e-4}}}},
-      {"assumed", true}};
+      {"assumed", true},
+      {"seen_degC", {-20.0, 35.5}}};
   json["hysteresis"] = {{"folds", 30.0},
                         {"half_V", {{"soc", {0.0, 1.0}}, {"half_V", {0.03, 0.01}}}}};
   json["run"] = run;
@@ -704,6 +705,7 @@ TEST(CellFile, TemperatureAndHysteresisAreReadAndWrittenBack) {
   EXPECT_EQ(parameters.temperature->heat->thermal_resistance_K_per_W, 20.0);
   EXPECT_NEAR((*parameters.temperature->entropy)(0.5), -5e-5, 1e-18);
   EXPECT_TRUE(cell.temperature_assumed);
+  EXPECT_EQ(cell.temperature_seen, (TemperatureRange{-20.0, 35.5}));
   EXPECT_EQ(parameters.hysteresis->folds, 30.0);
   EXPECT_NEAR(parameters.hysteresis->Voltage(0.5, 1.0), 0.02, 1e-17);
   EXPECT_EQ(CellToJson(cell).dump(2), json.dump(2));
@@ -718,6 +720,15 @@ TEST(CellFile, EveryBadTemperatureIsRefusedWhereItStands) {
       {"/temperature/reference_degC",
        296,
        "/temperature/reference_degC: expected a number from -60 to 150, found 296"},
+      {"/temperature/seen_degC",
+       Json::array({25.0}),
+       "/temperature/seen_degC: expected two temperatures, the coldest and the warmest, found a list of 1"},
+      {"/temperature/seen_degC",
+       Json::array({25.0, 0.0}),
+       "/temperature/seen_degC: expected the coldest temperature before the warmest, found a list of 2"},
+      {"/temperature/seen_degC",
+       Json::array({253.0, 298.0}),
+       "/temperature/seen_degC/0: expected a number from -60 to 150, found 253"},
       {"/temperature/activation_energy_J_per_mol/series",
        -1,
        "/temperature/activation_energy_J_per_mol/series: expected a number from 0 to 200000, found "

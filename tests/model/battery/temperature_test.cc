@@ -9,6 +9,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
 #include "model/battery/prediction.h"
+#include "model/battery/temperature_range.h"
 #include "model/battery/typical_temperature.h"
 #include "tests/support/constants.h"
 #include "tests/support/ridders.h"
@@ -208,6 +209,22 @@ TEST(Temperature, PredictedFollowsTheHeatOfAResistance) {
   const double rise_K = 16.0 * 0.05 * 10.0 * -std::expm1(-1000.0 / 400.0);
   // v_oc less v_b, both near 4 V, has their roundings.
   EXPECT_NEAR(state.temperature_K, 263.15 + rise_K, 1e-10);
+}
+
+TEST(Temperature, BeyondWhatWasSeenItIsExtrapolated) {
+  Cell cell;
+  cell.name = "a";
+  EXPECT_EQ(DoubtAboutTemperature(cell, -40.0, 60.0), "");  // knows no temperature
+  cell.temperature.emplace();
+  EXPECT_EQ(DoubtAboutTemperature(cell, -40.0, 60.0), "");  // and where it was seen
+  cell.temperature_seen = {.coldest_degC = 0.0, .warmest_degC = 30.0};
+  EXPECT_EQ(DoubtAboutTemperature(cell, -5.0, 35.0), "");
+  EXPECT_EQ(
+      DoubtAboutTemperature(cell, -20.0, 25.0),
+      "a was identified from logs between 0 and 30 degC: at -20 degC its resistances and diffusion "
+      "are extrapolated, and no interval counts that");
+  EXPECT_NE(DoubtAboutTemperature(cell, 20.0, 40.0).find("at 40 degC"), std::string::npos);
+  EXPECT_NE(DoubtAboutTemperature(cell, -10.0, 40.0).find("at -10 and 40 degC"), std::string::npos);
 }
 
 TEST(Temperature, TypicalValuesAreMarkedAndScaleWithTheCell) {
