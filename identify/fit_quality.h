@@ -45,6 +45,9 @@ inline constexpr GradeLimits kCutoffLimits{0.1, 0.3};
 /// What all resistances take at half charge and 1C over what v_oc there is above the cut-off: a cell
 /// that loses more of it cannot be discharged in an hour.
 inline constexpr GradeLimits kDropLimits{1.0, 4.0};
+/// How far the fall of the voltage after a step of the current may be from that of the logs
+/// (trust/edges.h), as a share.
+inline constexpr double kEdgeLimit = 0.2;
 /// A lithium-polymer cell at rest, in V; v_oc(A) beyond these is no cell's.
 inline constexpr double kLowestOpenCircuit_V = 1.0;
 inline constexpr double kHighestOpenCircuit_V = 5.0;

@@ -434,6 +434,14 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (found.joint) {
+    std::vector<Edge> edges;
+    for (const LogErrors& log : found.joint->fitted)
+      edges.insert(edges.end(), log.edges.begin(), log.edges.end());
+    found.edges = GroupEdges(edges);
+    if (auto doubt = DoubtAboutEdges(found.edges); !doubt.empty())
+      found.quality.Doubt(std::move(doubt));
+  }
   if (const auto& held = options.given.reference) {
     if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
@@ -458,6 +466,7 @@ Json IdentificationToJson(const Identification& found) {
   json["expected_error_interval_95"] = {NumberOrNull(found.expected_error.low_percent),
                                         NumberOrNull(found.expected_error.high_percent)};
   json["resistance"] = PulseResistancesToJson(found.trust);
+  if (found.joint) json["edges"] = EdgesToJson(found.edges);
   if (!found.profiles.empty()) json["profiles"] = ProfilesToJson(found.profiles);
   if (!found.log_notes.empty()) json["log_notes"] = found.log_notes;
   return json;

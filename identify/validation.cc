@@ -24,6 +24,7 @@ void Validation::Add(const Record& rows, const Surroundings& surroundings) {
            !rows.temperature_degC.empty();
   const auto compare = [&](std::size_t k, const PredictedRow& row) {
     all_.Add(rows.voltage_V[k], row.voltage_V);
+    edges_.Add(rows.time_s[k], rows.current_A[k], rows.voltage_V[k], row.voltage_V, row.soc);
     if (row.soc > kLowSoc) above_.Add(rows.voltage_V[k], row.voltage_V);
     if (!cell_.open_circuit_voltage.InRange(row.soc)) ++outside_;
     if (!warms_) return;
@@ -36,6 +37,7 @@ void Validation::Add(const Record& rows, const Surroundings& surroundings) {
 
 LogErrors Validation::Result() const {
   LogErrors errors{{}, all_.Result(), above_.Result(), outside_};
+  errors.edges = edges_.edges();
   if (warms_) errors.temperature_rmse_K = std::sqrt(squares_K2_ / static_cast<double>(rows_));
   return errors;
 }

@@ -14,6 +14,7 @@
 
 #include "identify/logs/load_campaign.h"
 #include "identify/logs/record.h"
+#include "identify/trust/edges.h"
 #include "model/battery/cell.h"
 #include "model/battery/error_metrics.h"
 #include "model/battery/prediction.h"
@@ -28,6 +29,7 @@ struct LogErrors {
   std::size_t rows_outside_curve = 0;
   /// Of the cell's temperature, predicted where it was measured too; NaN where it was not both.
   double temperature_rmse_K = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Edge> edges = {};  ///< of the pack
 };
 
 /// Compares a cell with the rows of a log, which may come in blocks.
@@ -48,6 +50,7 @@ class Validation {
   RowPredictor predictor_;
   ErrorAccumulator all_;
   ErrorAccumulator above_;
+  EdgeFinder edges_;
   std::size_t rows_ = 0;
   std::size_t outside_ = 0;
   bool warms_ = false;

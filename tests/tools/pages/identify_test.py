@@ -5,6 +5,7 @@ import shutil
 import unittest
 
 from page import LAB, PageTest, main
+from scipy import stats
 
 LEAF = LAB / "nissan_leaf_33ah" / "campaign.toml"
 DMEGC = LAB / "dmegc_inr18650_26_r1" / "campaign.toml"
@@ -48,7 +49,10 @@ class Identify(PageTest):
         for row, one in zip(rows, summary["parameters"]):
             self.assertAlmostEqual(float(row[1]), one["estimate"], delta=2e-4 * abs(one["estimate"]))
         beta = next(row for row in rows if row[0] == "beta")
-        self.assertIn("only with r_1(0.2)", beta)
+        self.assertIn("only with r_1(0.5)", beta)
+        falls = page.run(TABLE, "Fall of the voltage")
+        self.assertGreater(len(falls), 2)
+        self.assertEqual([float(row[3]) for row in falls], [float(f"{1e3 * one['measured_Ohm']:.3g}") for one in summary["edges"]])
         # Digits that tell the charge from its interval; what stands in the header stands there alone.
         charge = page.run("return [...document.querySelectorAll('tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
                           ".find(([name]) => name === 'charge alpha')")
@@ -100,9 +104,8 @@ class Identify(PageTest):
             const figure = [...document.querySelectorAll('.chart')].find(f => f.querySelector('.title').textContent === 'Series resistance r_s');
             return figure.plot.data.slice(1, 4).map(values => values[10]);""")
         self.assertAlmostEqual(middle, 1e3 * summary["cell"]["series_resistance_Ohm"]["resistance_Ohm"][10], places=9)
-        # Student's quantile lies between that of 4 and that of 5 degrees of freedom.
-        self.assertTrue(4 < uncertainty["degrees_of_freedom"] < 5)
-        self.assertTrue(2.570 < (high - middle) / (1e3 * sigma) < 2.777)
+        student = stats.t.ppf(0.975, uncertainty["degrees_of_freedom"])
+        self.assertAlmostEqual((high - middle) / (1e3 * sigma), student, delta=1e-5 * student)
         self.assertGreaterEqual(low, 0)
 
     def test_shows_the_staged_method_by_itself(self):

@@ -36,8 +36,9 @@ export const health = {
   parts: ({ summary }) => {
     const flights = listOf(summary.flights);
     const reference = summary.reference ?? {};
+    const doubts = (text) => flights.some(({ doubted_because }) => doubted_because && text.includes(doubted_because));
     return [
-      listOf(summary.sentences).map((text) => element("p", { class: "sentence" }, text)),
+      listOf(summary.sentences).map((text) => element("p", { class: doubts(text) ? "sentence notice warning" : "sentence" }, text)),
       facts([
         ["Flights", plural(flights.length, "flight")],
         ["When new", isNumber(reference.capacity_Ah) ? `${significant(reference.capacity_Ah)} Ah` : null],

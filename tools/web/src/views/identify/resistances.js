@@ -3,6 +3,8 @@ import { lineChart } from "../../chart.js";
 import { bandOf, resistanceCurve } from "../../curves.js";
 import { element, note, section } from "../../dom.js";
 import { significant } from "../../format.js";
+import { isNumber, listOf, times } from "../../numbers.js";
+import { table } from "../../table.js";
 
 // What is small in ohm is shown in mOhm.
 const MILLI = 1e3;
@@ -12,6 +14,24 @@ function timeOf(branch) {
   if (typeof branch.resistance_Ohm === "number" && typeof branch.capacitance_F === "number")
     return `, tau ${significant(branch.resistance_Ohm * branch.capacitance_F)} s`;
   return "";
+}
+
+// What the voltage falls by after a step of the current, as a pulse test has it.
+function falls({ edges }) {
+  const rows = listOf(edges);
+  if (rows.length === 0) return null;
+  return table(
+    [
+      { title: "after / s", of: ({ after_s }) => after_s },
+      { title: "charge / %", of: ({ soc: [from, to] }) => `${significant(100 * from)} to ${significant(100 * to)}`, class: "number" },
+      { title: "steps", of: (one) => one.edges },
+      { title: "by the logs / mΩ", of: ({ measured_Ohm }) => times(MILLI, measured_Ohm), digits: 3 },
+      { title: "by the cell / mΩ", of: ({ cell_Ohm }) => times(MILLI, cell_Ohm), digits: 3 },
+      { title: "off by / %", of: ({ ratio }) => (isNumber(ratio) ? 100 * (ratio - 1) : null), digits: 2 },
+    ],
+    rows,
+    { caption: "Fall of the voltage after steps of the current: medians" },
+  );
 }
 
 export function resistances({ summary, key }) {
@@ -44,5 +64,6 @@ export function resistances({ summary, key }) {
     note("The band holds the resistance in 95 % of cases; where it is missing the logs say nothing of that state of charge, or the value stands at a bound. " +
          "A straight line is a resistance that does not depend on it."),
     element("div", { class: "columns" }, all.map(chart)),
+    falls(summary),
   );
 }
