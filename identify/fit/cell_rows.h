@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -64,21 +63,20 @@ class SocState {
   /// Steps of these lengths, for Step().
   template <class Lengths>
   void SetSteps(const Lengths& lengths_s, ModeSteps& steps) const {
-    steps.Set(unavailable_C_.size(), lengths_s, [this](Eigen::Index m, double dt_s) {
-      return DiffusionStep(static_cast<int>(m) + 1, beta_per_sqrt_s_, dt_s);
-    });
+    steps.Resize(unavailable_C_.size(), static_cast<Eigen::Index>(lengths_s.size()));
+    for (std::size_t c = 0; c < lengths_s.size(); ++c)
+      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta_per_sqrt_s_, lengths_s[c]);
   }
   /// The same, each step at a temperature of its own; slopes are those in beta at that temperature.
   void SetStepsAt(const std::vector<double>& lengths_s,
                   const std::vector<AtTemperature>& at,
                   double energy_J_per_mol,
                   ModeSteps& steps) const {
-    std::vector<std::size_t> columns(lengths_s.size());
-    std::iota(columns.begin(), columns.end(), std::size_t{0});
-    steps.Set(unavailable_C_.size(), columns, [&](Eigen::Index m, std::size_t c) {
+    steps.Resize(unavailable_C_.size(), static_cast<Eigen::Index>(lengths_s.size()));
+    for (std::size_t c = 0; c < lengths_s.size(); ++c) {
       const double beta = beta_per_sqrt_s_ / std::sqrt(at[c].Factor(energy_J_per_mol));
-      return DiffusionStep(static_cast<int>(m) + 1, beta, lengths_s[c]);
-    });
+      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta, lengths_s[c]);
+    }
   }
   /// From here on the cell has this temperature; E_d is its energy.
   void SetTemperature(const AtTemperature& at, double energy_J_per_mol) {

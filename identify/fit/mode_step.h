@@ -19,30 +19,44 @@ struct ModeStep {
   double decay, gain, decay_slope, gain_slope;
 };
 
+/// d gain/d rate over dt² of a mode with z = rate dt, fall = 1 - e^-z and decay = 1 - fall:
+/// (z e^-z - (1 - e^-z))/z² = -sum_k (-z)^k/(k! (k + 2)). The closed form cancels where z is small, and
+/// nine terms are exact to 1e-16 there.
+inline double GainCurve(double z, double fall, double decay) {
+  constexpr double kSmall = 0.05;
+  if (z >= kSmall) return (z * decay - fall) / (z * z);
+  constexpr double kTerms[] = {1.0 / 2.0,
+                               -1.0 / 3.0,
+                               1.0 / 8.0,
+                               -1.0 / 30.0,
+                               1.0 / 144.0,
+                               -1.0 / 840.0,
+                               1.0 / 5760.0,
+                               -1.0 / 45360.0,
+                               1.0 / 403200.0};
+  double sum = 0.0;
+  for (int k = 8; k >= 0; --k) sum = sum * z + kTerms[k];
+  return -sum;
+}
+
+/// sigma_um of (4.46) of a mode whose rate is beta² times mm = m²; fall = 1 - e^(-mm beta² dt).
+inline ModeStep DiffusionStepOf(double mm, double beta_per_sqrt_s, double dt_s, double fall) {
+  const double rate_slope = 2.0 * mm * beta_per_sqrt_s;
+  const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
+  const double decay = 1.0 - fall;
+  const double gain = z < 1e-300 ? dt_s : dt_s * (fall / z);  // (4.46)
+  return {decay,
+          gain,
+          -decay * dt_s * rate_slope,
+          dt_s * dt_s * GainCurve(z, fall, decay) * rate_slope};
+}
+
 /// Mode m >= 1 of the diffusion, sigma_um of (4.46); slopes in beta > 0. The gain is in seconds.
 /// Equal to ExactHold() and its derivative, in one exponential.
 inline ModeStep DiffusionStep(int m, double beta_per_sqrt_s, double dt_s) {
   const double mm = static_cast<double>(m) * static_cast<double>(m);
-  const double rate_per_s = mm * beta_per_sqrt_s * beta_per_sqrt_s;
-  const double rate_slope = 2.0 * mm * beta_per_sqrt_s;
-  const double z = rate_per_s * dt_s;
-  const double fall = -std::expm1(-z);  // 1 - decay
-  const double decay = 1.0 - fall;
-  // d gain/d rate = (z e^-z - (1 - e^-z))/rate² = -dt² sum_k (-z)^k/(k! (k + 2)): the closed form
-  // cancels where z is small, and nine terms are exact to 1e-16 there.
-  constexpr double kSmall = 0.05;
-  double curve = 0.0;
-  if (z < kSmall) {
-    double term = 1.0;
-    for (int k = 0; k < 9; ++k) {
-      curve -= term / (k + 2);
-      term *= -z / (k + 1);
-    }
-  } else {
-    curve = (z * decay - fall) / (z * z);
-  }
-  const double gain = z < 1e-300 ? dt_s : dt_s * (fall / z);  // (4.46)
-  return {decay, gain, -decay * dt_s * rate_slope, dt_s * dt_s * curve * rate_slope};
+  const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
+  return DiffusionStepOf(mm, beta_per_sqrt_s, dt_s, -std::expm1(-z));
 }
 
 /// A low pass of unit gain, x' = (i - x)/tau: a branch of (4.50) over its resistance. Slopes in tau.
@@ -62,16 +76,39 @@ struct ModeSteps {
   template <class Lengths, class Step>
   void Set(Eigen::Index modes, const Lengths& lengths_s, Step&& step) {
     const auto columns = static_cast<Eigen::Index>(lengths_s.size());
-    for (Eigen::ArrayXXd* v : {&decay, &gain, &decay_slope, &gain_slope}) v->resize(modes, columns);
+    Resize(modes, columns);
     for (Eigen::Index c = 0; c < columns; ++c) {
-      for (Eigen::Index k = 0; k < modes; ++k) {
-        const ModeStep one = step(k, lengths_s[static_cast<std::size_t>(c)]);
-        decay(k, c) = one.decay;
-        gain(k, c) = one.gain;
-        decay_slope(k, c) = one.decay_slope;
-        gain_slope(k, c) = one.gain_slope;
-      }
+      for (Eigen::Index k = 0; k < modes; ++k)
+        Put(k, c, step(k, lengths_s[static_cast<std::size_t>(c)]));
     }
+  }
+
+  /// Column c: the modes 1, 2, ... of the diffusion over one length, in one exponential for all. With
+  /// f_m = 1 - q^(m²) and o_m = 1 - q^(2m - 1), q = e^(-beta² dt),
+  ///
+  ///   o_m+1 = o_m + (1 - o_m) f_2',   f_m+1 = f_m + (1 - f_m) o_m+1,   f_2' = 1 - q²
+  ///
+  /// in which nothing cancels.
+  void SetDiffusion(Eigen::Index c, double beta_per_sqrt_s, double dt_s) {
+    double fall = -std::expm1(-beta_per_sqrt_s * beta_per_sqrt_s * dt_s);
+    double odd = fall;
+    const double two = fall * (2.0 - fall);
+    for (Eigen::Index k = 0; k < decay.rows(); ++k) {
+      const auto m = static_cast<double>(k + 1);
+      Put(k, c, DiffusionStepOf(m * m, beta_per_sqrt_s, dt_s, fall));
+      odd += (1.0 - odd) * two;
+      fall += (1.0 - fall) * odd;
+    }
+  }
+
+  void Resize(Eigen::Index modes, Eigen::Index columns) {
+    for (Eigen::ArrayXXd* v : {&decay, &gain, &decay_slope, &gain_slope}) v->resize(modes, columns);
+  }
+  void Put(Eigen::Index k, Eigen::Index c, const ModeStep& one) {
+    decay(k, c) = one.decay;
+    gain(k, c) = one.gain;
+    decay_slope(k, c) = one.decay_slope;
+    gain_slope(k, c) = one.gain_slope;
   }
 };
 

@@ -3,6 +3,9 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "model/battery/exact_hold.h"
 #include "tests/support/ridders.h"
 
@@ -49,6 +52,32 @@ TEST(ModeStep, SlopesKeepTheirDigitsWhereTheStepIsShort) {
         << z;
     // At z = 0.05 the closed form has lost 2.5 digits of 16.
     EXPECT_NEAR(step.gain_slope, hold.gain.v[0], 1e-13 * std::abs(hold.gain.v[0])) << z;
+  }
+}
+
+// All modes by a recurrence that adds what is positive: each is that of an exponential of its own.
+TEST(ModeStep, OfAllModesAreThoseOfEach) {
+  constexpr int kModes = 40;
+  ModeSteps steps;
+  const std::vector<double> lengths_s{0.0, 1e-9, 1e-3, 0.01, 1.0, 7.3, 60.0, 3600.0, 1e6};
+  for (const double beta : {1e-6, 0.01, 0.2, 1.0}) {
+    steps.Resize(kModes, static_cast<Eigen::Index>(lengths_s.size()));
+    for (std::size_t c = 0; c < lengths_s.size(); ++c) {
+      const auto column = static_cast<Eigen::Index>(c);
+      steps.SetDiffusion(column, beta, lengths_s[c]);
+      for (int m = 1; m <= kModes; ++m) {
+        const ModeStep one = DiffusionStep(m, beta, lengths_s[c]);
+        // A rounding for each step of the recurrence, relative to what has fallen.
+        const double rounding = 2e-16 * m;
+        EXPECT_NEAR(steps.decay(m - 1, column), one.decay, rounding * (1.0 - one.decay) + 2e-16);
+        EXPECT_NEAR(steps.gain(m - 1, column), one.gain, (rounding + 4e-16) * one.gain);
+        EXPECT_NEAR(steps.decay_slope(m - 1, column),
+                    one.decay_slope,
+                    2.0 * (rounding + 4e-16) * lengths_s[c] * m * m * beta);
+        EXPECT_NEAR(
+            steps.gain_slope(m - 1, column), one.gain_slope, 1e-12 * std::abs(one.gain_slope));
+      }
+    }
   }
 }
 
