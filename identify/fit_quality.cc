@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "model/battery/cell_parameters.h"
 #include "model/core/json.h"
@@ -135,6 +136,11 @@ FitQuality JudgeFit(const Cell& cell,
                               1e3 * kRmseLimits_V.good,
                               1e3 * kRmseLimits_V.fair));
   CountTimes(times, judgement);
+  std::vector<Edge> edges;
+  for (const LogErrors& log : fitted) edges.insert(edges.end(), log.edges.begin(), log.edges.end());
+  quality.edges = GroupEdges(edges);
+  if (auto doubt = DoubtAboutEdges(quality.edges); !doubt.empty())
+    judgement.Count(FitGrade::kFair, std::move(doubt));
   const double alpha_Ah = cell.alpha_C() / 3600.0;
   if (nominal_Ah > 0.0) {
     judgement.Count(

@@ -216,7 +216,10 @@ FitQuality QualityOf(const Identification& found,
                      const std::vector<LoadedLog>& logs) {
   if (found.flights_alone) {
     std::vector<LogErrors> fitted;
-    for (const auto& flight : found.flights_alone->flights) fitted.push_back(flight.errors);
+    for (const auto& flight : found.flights_alone->flights) {
+      fitted.push_back(flight.errors);
+      fitted.back().edges.clear();  // voltage and current of an autopilot are not of one moment
+    }
     const double moved_C = (1.0 - found.flights_alone->lowest_soc) * found.cell.alpha_C();
     FitQuality quality =
         JudgeFit(found.cell, fitted, {}, moved_C, campaign.capacity_Ah, AlphaOf::kElsewhere);
@@ -434,14 +437,6 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
-  if (found.joint) {
-    std::vector<Edge> edges;
-    for (const LogErrors& log : found.joint->fitted)
-      edges.insert(edges.end(), log.edges.begin(), log.edges.end());
-    found.edges = GroupEdges(edges);
-    if (auto doubt = DoubtAboutEdges(found.edges); !doubt.empty())
-      found.quality.Doubt(std::move(doubt));
-  }
   if (const auto& held = options.given.reference) {
     if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
@@ -466,7 +461,7 @@ Json IdentificationToJson(const Identification& found) {
   json["expected_error_interval_95"] = {NumberOrNull(found.expected_error.low_percent),
                                         NumberOrNull(found.expected_error.high_percent)};
   json["resistance"] = PulseResistancesToJson(found.trust);
-  if (found.joint) json["edges"] = EdgesToJson(found.edges);
+  if (found.joint) json["edges"] = EdgesToJson(found.quality.edges);
   if (!found.profiles.empty()) json["profiles"] = ProfilesToJson(found.profiles);
   if (!found.log_notes.empty()) json["log_notes"] = found.log_notes;
   return json;

@@ -21,7 +21,6 @@
 #include "identify/joint/joint_run.h"
 #include "identify/joint/leave_out.h"
 #include "identify/stages/staged_run.h"
-#include "identify/trust/edges.h"
 #include "identify/trust/profile.h"
 #include "model/core/json.h"
 #include "model/core/run_record.h"
@@ -45,7 +44,6 @@ struct Identification {
   Cell cell;  ///< with its uncertainty, from which cells can be drawn
   bool converged = false;
   FitQuality quality;            ///< the verdict on the whole
-  std::vector<EdgeGroup> edges;  ///< of the fitted logs, by the joint method
   TrustReport trust;
   std::vector<std::string>
       not_drawn;  ///< parameters of which cells drawn vary only in what is known

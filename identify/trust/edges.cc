@@ -94,10 +94,10 @@ std::string DoubtAboutEdges(const std::vector<EdgeGroup>& groups) {
       groups.begin(), groups.end(), [&](const auto& a, const auto& b) { return off(a) < off(b); });
   if (worst == groups.end() || !(off(*worst) > kEdgeLimit)) return "";
   return fmt::format(
-      "after a step of the current the voltage of the logs falls by {:.3g} mOhm within {:g} s, and that of "
-      "this cell by {:.3g} ({:+.0f} %, median of {} steps between {:g} and {:g} % of the charge)",
-      1e3 * worst->measured_Ohm,
+      "{:g} s after steps of the current the logs show {:.3g} mOhm and this cell {:.3g} ({:+.0f} %, median of "
+      "{} steps between {:g} and {:g} % of the charge)",
       worst->after_s,
+      1e3 * worst->measured_Ohm,
       1e3 * worst->predicted_Ohm,
       100.0 * (worst->ratio - 1.0),
       worst->edges,

@@ -51,6 +51,21 @@ TEST(FitQuality, TheWorstOfItsReasonsCounts) {
             "cut-off, where 1700 s were measured");
 }
 
+// Few rows lie near a step, and the error over all rows hardly sees it.
+TEST(FitQuality, SeesStepsThatTheCellAnswersOtherwise) {
+  LogErrors a = Fitted(0.1, 0.003);
+  LogErrors b = a;
+  a.edges = {{0.5, 10.0, 0.05, 0.07}, {0.6, 10.0, 0.05, 0.07}};
+  EXPECT_EQ(JudgeFit(TheCell(), {a}, {}, 1300, 0.4).grade, FitGrade::kGood);  // two are few
+  b.edges = {{0.5, 10.0, 0.05, 0.07}};
+  const auto quality = JudgeFit(TheCell(), {a, b}, {}, 1300, 0.4);
+  EXPECT_EQ(quality.grade, FitGrade::kFair);
+  ASSERT_EQ(quality.edges.size(), 1U);
+  EXPECT_EQ(quality.reasons, std::vector{DoubtAboutEdges(quality.edges)});
+  // What is worse explains the grade alone.
+  EXPECT_EQ(JudgeFit(TheCell(), {a, b}, {Time(1700, 34)}, 1300, 0.4).reasons.size(), 1U);
+}
+
 TEST(FitQuality, SeesWhatNoCellIs) {
   const std::vector<LogErrors> well{Fitted(0.1, 0.003)};
   EXPECT_EQ(JudgeFit(TheCell(), {Fitted(219.0, 8.137)}, {}, 1300, 0.4).grade, FitGrade::kPoor);

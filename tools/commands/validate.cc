@@ -128,6 +128,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
     line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
   line.summary()["fit"] = FitToJson(quality);
+  line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);
   const std::string verdict =
       fmt::format("{} {}",
