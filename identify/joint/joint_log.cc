@@ -283,18 +283,21 @@ void FindTemperatures(JointLogs& all) {
     }
   };
   Span points;
+  Span starts;
   Span means;
   std::map<LogKind, Span> of_kind;
   for (const JointLog& log : all.logs) {
     const auto [low, high] =
         std::minmax_element(log.temperature_K.begin(), log.temperature_K.end());
     points.Take(*low, *high);
+    starts.Take(log.temperature_K.front(), log.temperature_K.front());
     const double mean_K = MeanTemperature(log);
     means.Take(mean_K, mean_K);
     of_kind[log.kind].Take(mean_K, mean_K);
   }
   all.coldest_K = points.low_K;
   all.warmest_K = points.high_K;
+  all.start_span_K = starts.high_K - starts.low_K;
   for (const auto& [kind, span] : of_kind)
     all.like_span_K = std::max(all.like_span_K, span.high_K - span.low_K);
   const auto pulses = of_kind.find(LogKind::kPulses);

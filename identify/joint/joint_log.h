@@ -91,6 +91,8 @@ struct JointLogs {
   /// Coldest and warmest point; NaN where not every log knows its temperature.
   double coldest_K = std::numeric_limits<double>::quiet_NaN();
   double warmest_K = std::numeric_limits<double>::quiet_NaN();
+  /// How far apart the temperatures are at which logs begin: those of chambers.
+  double start_span_K = 0.0;
   /// How far apart the mean temperatures of two logs of one kind are at most: only such logs show
   /// v_oc at several temperatures and nothing else that differs.
   double like_span_K = 0.0;

@@ -689,6 +689,14 @@ class JointRun {
     auto& say = result_.cautions;
     const JointLogs& logs = result_.logs;
     if (result_.choice.best.structure.temperature) {
+      if (logs.start_span_K < kLeastSpan_K && !result_.setup.held) {
+        say.push_back(fmt::format(
+            "all logs begin within {:.2g} degC of one another: the activation energies rest on how the cell warms "
+            "by itself, which goes with the current and with time, as other things do; pulses from a chamber that "
+            "is {:g} degC colder or warmer would tell them",
+            logs.start_span_K,
+            kLeastSpan_K));
+      }
       if (result_.heat && !result_.heat->reversible) {
         say.push_back(fmt::format(
             "dv_oc/dT holds more than entropy: measured temperatures are explained to {:.2f} degC "

@@ -2,6 +2,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -304,6 +305,24 @@ TEST(JointTemperature, OneTemperatureTellsNothingOfIt) {
   for (const std::string& caution : result.cautions)
     said = said || caution.starts_with("activation energies are not identifiable: the logs lie");
   EXPECT_TRUE(said);
+}
+
+// A cell that warms by itself shows energies of a kind, and nobody sees that they were never tried.
+TEST(JointTemperature, OneChamberTellsOnlyWhatWarmingDoes) {
+  const auto says = [](const std::vector<LoadedLog>& logs) {
+    IdentifyOptions options;
+    options.joint.temperature = Presence::kOn;
+    options.joint.branches = 1;
+    const Identification found = Identify(test::CampaignOf(logs), logs, options);
+    EXPECT_TRUE(found.cell.temperature);
+    return std::any_of(
+        found.joint->cautions.begin(), found.joint->cautions.end(), [](const std::string& caution) {
+          return caution.find("the activation energies rest on how the cell warms by itself") !=
+                 std::string::npos;
+        });
+  };
+  EXPECT_TRUE(says(ClimateChamber(ColdTruth(), {25.0}, 0.0005)));
+  EXPECT_FALSE(says(ClimateChamber(ColdTruth(), {25.0, 10.0}, 0.0005)));
 }
 
 // Energies are one where the truth has one, and each is then better known; and stay apart where they
