@@ -217,7 +217,7 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
       "found \"convert\"");
   ExpectRefused(
       refused("{\"command\": \"validate\"}\n"),
-      "c.json:1:1: error: /: expected an object with the key 'exit_code', found an object");
+      "c.json:1:1: error: /: expected an object with the key 'edges', found an object");
   ExpectRefused(refused("{\"command\": \"poles\", \"command\": \"poles\"}\n"),
                 "c.json:1:22: error: expected every key once, found 'command' again");
 }
