@@ -60,7 +60,7 @@ struct FitQuality {
   double rmse_V = 0.0;               ///< over the fitted logs, each with the same weight
   double mean_error_percent = 0.0;   ///< the same
   std::vector<std::string> reasons;  ///< why it is no better; empty where it is good
-  std::vector<EdgeGroup> edges = {};
+  std::vector<EdgeGroup> edges = {};  ///< of all fitted logs together
 
   /// Good becomes fair for this reason; worse keeps its own.
   void Doubt(std::string reason);

@@ -29,8 +29,14 @@ void EdgeFinder::TakeAfter(const Row& row) {
     const double measured_V = before_->measured_V - row.measured_V;
     const double predicted_V = before_->predicted_V - row.predicted_V;
     if (std::max(std::abs(measured_V), std::abs(predicted_V)) < kLeastFall_V) continue;
-    edges_.push_back({before_->soc, wanted_s, measured_V / step_A, predicted_V / step_A});
+    edges_.push_back({before_->soc, wanted_s, measured_V / step_A, predicted_V / step_A, step_});
   }
+  if (edges_.size() > kMostEdges) Thin();
+}
+
+void EdgeFinder::Thin() {
+  every_ *= 3;  // odd: of pulses, switching on and switching off stay
+  std::erase_if(edges_, [&](const Edge& edge) { return edge.step % every_ != 0; });
 }
 
 void EdgeFinder::Add(
@@ -38,22 +44,22 @@ void EdgeFinder::Add(
   const Row row{time_s, measured_V, predicted_V, soc};
   const double largest_before_A = largest_A_;
   largest_A_ = std::max(largest_A_, std::abs(current_A));
-  if (!started_) {
-    started_ = true;
+  if (!last_) {
     level_A_ = current_A;
     held_since_s_ = began_s_ = time_s;
   } else if (std::abs(current_A - level_A_) > kSameLevel * largest_A_) {
     before_.reset();
     // What seemed a step of a rest was noise: nothing was known to be larger.
     if (largest_before_A <= kSameLevel * largest_A_) held_since_s_ = began_s_;
-    const bool held = last_.time_s - held_since_s_ >= kHeld_s;
-    if (held && std::abs(current_A - level_A_) >= kLeastStep * largest_A_) {
+    const bool held = last_->time_s - held_since_s_ >= kHeld_s;
+    if (held && std::abs(current_A - level_A_) >= kLeastStep * largest_A_ &&
+        ++step_ % every_ == 0) {
       before_ = last_;
       before_A_ = level_A_;
       next_ = 0;
     }
     level_A_ = current_A;
-    held_since_s_ = last_.time_s;
+    held_since_s_ = last_->time_s;
   }
   if (before_ && next_ < kAfterEdge_s.size()) TakeAfter(row);
   last_ = row;

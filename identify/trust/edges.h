@@ -28,12 +28,15 @@ struct Edge {
   double after_s = 0.0;  ///< of kAfterEdge_s; the row is within a third of it
   double measured_Ohm = 0.0;
   double predicted_Ohm = 0.0;
+  std::size_t step = 0;  ///< of the log
 };
 
-/// Finds the steps between levels that are held, as rows come.
+/// Finds the steps between levels that are held, as rows come. Of a log of any length it keeps at most
+/// kMostEdges, of steps that are evenly spread: every third one, or ninth, and so on.
+inline constexpr std::size_t kMostEdges = 30'000;
 class EdgeFinder {
  public:
-  /// A row of the log of one cell, discharge positive. `soc` is that of the cell.
+  /// A row of a log, of a cell or of its pack, discharge positive. `soc` is that of the cell.
   void Add(double time_s, double current_A, double measured_V, double predicted_V, double soc);
 
   [[nodiscard]] const std::vector<Edge>& edges() const { return edges_; }
@@ -47,14 +50,16 @@ class EdgeFinder {
   };
 
   void TakeAfter(const Row& row);
+  void Thin();
 
   std::vector<Edge> edges_;
   double largest_A_ = 0.0;
   double level_A_ = 0.0;
-  Row last_;
+  std::optional<Row> last_;  // none before the first
   double began_s_ = 0.0;
   double held_since_s_ = 0.0;
-  bool started_ = false;
+  std::size_t step_ = 0;       // how many there were
+  std::size_t every_ = 1;      // of them is kept
   std::optional<Row> before_;  // of the step to this level; none: the level before was not held
   double before_A_ = 0.0;
   std::size_t next_ = 0;  // of kAfterEdge_s

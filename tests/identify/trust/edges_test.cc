@@ -67,6 +67,34 @@ TEST(Edges, NeedAHeldLevelBeforeALargeStepAndAFallAboveTheResolution) {
   EXPECT_TRUE(EdgesOfSteps({{20.0, 0.0}, {40.0, 0.1}}, 1.0).empty());
 }
 
+// 60,000 steps over the charge: what is kept does not grow with the log, and shows all of it.
+TEST(Edges, OfALongLogAreFewAndFromAllOfIt) {
+  constexpr int kSteps = 60'000;
+  EdgeFinder finder;
+  double time_s = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double current_A = step % 2 == 0 ? 0.0 : 2.0;
+    const double soc = 1.0 - static_cast<double>(step) / kSteps;
+    for (int row = 0; row < 11; ++row) {
+      time_s += 1.0;
+      finder.Add(time_s,
+                 current_A,
+                 4.0 - kMeasured_Ohm * current_A,
+                 4.0 - kPredicted_Ohm * current_A,
+                 soc);
+    }
+  }
+  EXPECT_LE(finder.edges().size(), kMostEdges);
+  EXPECT_GE(finder.edges().size(), kMostEdges / 3);
+  const auto groups = GroupEdges(finder.edges());
+  ASSERT_EQ(groups.size(), 6U);  // after 1 and 10 s, in thirds
+  const double tenths = static_cast<double>(finder.edges().size()) / 20.0;  // of each of both times
+  for (const EdgeGroup& group : groups) {
+    EXPECT_NEAR(static_cast<double>(group.edges), 3.0 * tenths, 3.0);
+    EXPECT_NEAR(group.ratio, kPredicted_Ohm / kMeasured_Ohm, 1e-12);
+  }
+}
+
 TEST(Edges, AreComparedByTimeAndThirdsOfTheCharge) {
   std::vector<Edge> edges;
   for (const double ratio : {1.0, 1.3, 5.0}) edges.push_back({0.5, 10.0, 0.05, 0.05 * ratio});
