@@ -39,8 +39,10 @@ inline double GainCurve(double z, double fall, double decay) {
   return -sum;
 }
 
-/// sigma_um of (4.46) of a mode whose rate is beta² times mm = m²; fall = 1 - e^(-mm beta² dt).
-inline ModeStep DiffusionStepOf(double mm, double beta_per_sqrt_s, double dt_s, double fall) {
+/// A mode of the diffusion, sigma_um of (4.46), whose rate is beta² times mm = m²; slopes in beta > 0.
+/// fall = 1 - e^(-mm beta² dt) is given, for modes side by side share an exponential. The gain is in
+/// seconds. Equal to ExactHold() and its derivative.
+inline ModeStep DiffusionStep(double mm, double beta_per_sqrt_s, double dt_s, double fall) {
   const double rate_slope = 2.0 * mm * beta_per_sqrt_s;
   const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
   const double decay = 1.0 - fall;
@@ -49,14 +51,6 @@ inline ModeStep DiffusionStepOf(double mm, double beta_per_sqrt_s, double dt_s, 
           gain,
           -decay * dt_s * rate_slope,
           dt_s * dt_s * GainCurve(z, fall, decay) * rate_slope};
-}
-
-/// Mode m >= 1 of the diffusion, sigma_um of (4.46); slopes in beta > 0. The gain is in seconds.
-/// Equal to ExactHold() and its derivative, in one exponential.
-inline ModeStep DiffusionStep(int m, double beta_per_sqrt_s, double dt_s) {
-  const double mm = static_cast<double>(m) * static_cast<double>(m);
-  const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
-  return DiffusionStepOf(mm, beta_per_sqrt_s, dt_s, -std::expm1(-z));
 }
 
 /// A low pass of unit gain, x' = (i - x)/tau: a branch of (4.50) over its resistance. Slopes in tau.
@@ -72,7 +66,7 @@ inline ModeStep LowPassStep(double tau_s, double dt_s) {
 struct ModeSteps {
   Eigen::ArrayXXd decay, gain, decay_slope, gain_slope;
 
-  /// step(k, length) gives that of mode k; a length may be anything that says how long a step is.
+  /// step(k, length) gives that of mode k.
   template <class Lengths, class Step>
   void Set(Eigen::Index modes, const Lengths& lengths_s, Step&& step) {
     const auto columns = static_cast<Eigen::Index>(lengths_s.size());
@@ -95,7 +89,7 @@ struct ModeSteps {
     const double two = fall * (2.0 - fall);
     for (Eigen::Index k = 0; k < decay.rows(); ++k) {
       const auto m = static_cast<double>(k + 1);
-      Put(k, c, DiffusionStepOf(m * m, beta_per_sqrt_s, dt_s, fall));
+      Put(k, c, DiffusionStep(m * m, beta_per_sqrt_s, dt_s, fall));
       odd += (1.0 - odd) * two;
       fall += (1.0 - fall) * odd;
     }
