@@ -518,15 +518,21 @@ class Choosing {
     }
   }
 
+  // A structure at the rates of the best one, whose search it ends as.
+  [[nodiscard]] JointSolution AtFoundRates(const JointStructure& structure,
+                                           double smoothness) const {
+    JointSolution solution = fit_.Solve(structure, choice_.best.rates, smoothness);
+    solution.termination = choice_.best.termination;
+    solution.message = choice_.best.message;
+    return solution;
+  }
+
   // The nodes of v_oc do not move the rates: those found are kept.
   void TryVoltageNodes() {
     if (voltage_soc_.empty() || options_.voltage_nodes != 0) return;
     JointStructure finer = best();
     finer.voltage_soc = Halved(voltage_soc_);
-    JointSolution solution = fit_.Solve(finer, choice_.best.rates, rough_);
-    solution.termination = choice_.best.termination;
-    solution.message = choice_.best.message;
-    Judge(Assess(std::move(solution)));
+    Judge(Assess(AtFoundRates(finer, rough_)));
   }
 
   // At each node the logs may hardly tell r_s from a branch, and then noise divides their sum: one
@@ -538,10 +544,8 @@ class Choosing {
       if (!Zigzags(choice_.best)) return;
       JointStructure smoother = best();
       smoother.branch_smoothness = times;
-      JointSolution solution = fit_.Solve(smoother, choice_.best.rates, choice_.errors.smoothness);
-      solution.termination = choice_.best.termination;
-      solution.message = choice_.best.message;
-      TriedStructure row{.what = Describe(smoother), .solution = std::move(solution)};
+      TriedStructure row{.what = Describe(smoother),
+                         .solution = AtFoundRates(smoother, choice_.errors.smoothness)};
       row.errors = LeaveOut(fit_, logs_, smoother, row.solution.rates, {choice_.errors.smoothness});
       choice_.tried.push_back(std::move(row));
       Take(choice_.tried.size() - 1);
@@ -556,9 +560,7 @@ class Choosing {
     if (compare_ && options_.smoothness == 0.0 && Held() == nullptr &&
         choice_.errors.fitted_V <= logs_.noise_V)
       choice_.errors.smoothness = kNoSmoothness;
-    JointSolution before = fit_.Solve(best(), choice_.best.rates, choice_.errors.smoothness);
-    before.termination = choice_.best.termination;
-    before.message = choice_.best.message;
+    JointSolution before = AtFoundRates(best(), choice_.errors.smoothness);
     JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);
     if (compare_) {
       const LeftOutErrors errors =
