@@ -31,6 +31,7 @@ Cell WithTypicalTemperature(Cell cell, double size_factor) {
       .heat_capacity_J_per_K = mass_kg * kSpecificHeat_J_per_kg_K / size_factor,
       .thermal_resistance_K_per_W = size_factor / (kTransfer_W_per_m2_K * surface_m2)};
   cell.temperature_assumed = true;
+  cell.temperature_seen.reset();  // nobody has seen these values anywhere
   cell.self_heating.reset();
   return cell;
 }

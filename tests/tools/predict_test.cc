@@ -584,6 +584,15 @@ TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
                     "cell.json",
                     "--ambient-degC",
                     "-10"}));
+  const std::vector<std::string> table{
+      "endurance", "--vehicle", "mambo-physical", "--cell", "cell.json", "--over"};
+  const auto over = [&](const char* range) {
+    auto words = table;
+    words.emplace_back(range);
+    return says(words);
+  };
+  EXPECT_TRUE(over("ambient-degC=-20:20:20"));
+  EXPECT_FALSE(over("ambient-degC=10:10:20"));
 }
 
 }  // namespace

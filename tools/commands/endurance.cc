@@ -1,6 +1,7 @@
 // lipoid endurance: how long a vehicle flies on a pack, and how far that is known.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/temperature_range.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
@@ -292,6 +294,11 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   if (!vehicle_name.empty()) line.summary()["vehicle"] = request.vehicle.name;
   PrintAnswer(line, EnduranceSentences(request, answer), answer);
   line.summary()["over"] = over ? PrintOver(line, request, *over) : Json(nullptr);
+  if (over && over->variable->name == "ambient-degC") {
+    const auto [coldest, warmest] = std::minmax_element(over->values.begin(), over->values.end());
+    if (const auto doubt = DoubtAboutTemperature(request.cell, *coldest, *warmest); !doubt.empty())
+      line.Message("{}", doubt);
+  }
   for (const std::string& doubt : EnduranceDoubts(request, answer)) line.Message("{}", doubt);
   line.summary()["messages"] = line.messages();
   const MissionEnd end = answer.estimate.ended_by;
