@@ -46,24 +46,19 @@ TEST(EnduranceCommand, SaysTimeUseAndLandingVoltage) {
   EXPECT_NE(run.err.find("no intervals"), std::string::npos) << run.err;
 }
 
+// A camera drone on a cell of 5.2 Ah.
+std::vector<std::string> Camera(const std::vector<std::string>& more) {
+  std::vector<std::string> words{
+      "endurance", "--vehicle", "camera-10in", "--cell", "grepow-32Ah-1", "--capacity-Ah", "5.2"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 // The page is made of the summary: what is said beside the numbers is in it, also of a quiet run.
 TEST(EnduranceCommand, TheSummaryHoldsWhatIsSaid) {
   const auto folder = TestFolder();
-  std::vector<std::string> arguments{"endurance",
-                                     "--vehicle",
-                                     "camera-10in",
-                                     "--cell",
-                                     "grepow-32Ah-1",
-                                     "--capacity-Ah",
-                                     "5.2",
-                                     "--series",
-                                     "6",
-                                     "--mission",
-                                     "cruise",
-                                     "--ambient-degC",
-                                     "20",
-                                     "--summary",
-                                     "s.json"};
+  std::vector<std::string> arguments = Camera(
+      {"--series", "6", "--mission", "cruise", "--ambient-degC", "20", "--summary", "s.json"});
   const auto said = RunLipoid(folder, arguments);
   ASSERT_EQ(said.exit_code, 0) << said.err;
   const auto summary = ReadJson(folder, "s.json");
@@ -95,20 +90,8 @@ TEST(EnduranceCommand, FlyAndEnduranceTellTheSameShareOfTheChargeLeft) {
 
 TEST(EnduranceCommand, APackThatCannotFlySaysSoFirst) {
   const auto folder = TestFolder();
-  const auto run = RunLipoid(folder,
-                             {"endurance",
-                              "--vehicle",
-                              "camera-10in",
-                              "--cell",
-                              "grepow-32Ah-1",
-                              "--capacity-Ah",
-                              "5.2",
-                              "--series",
-                              "4",
-                              "--health",
-                              "0.01",
-                              "--summary",
-                              "s.json"});
+  const auto run =
+      RunLipoid(folder, Camera({"--series", "4", "--health", "0.01", "--summary", "s.json"}));
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_TRUE(run.out.starts_with("This pack cannot carry this mission")) << run.out;
   const auto summary = ReadJson(folder, "s.json");

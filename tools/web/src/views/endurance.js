@@ -6,6 +6,7 @@ import { isNumber, listOf } from "../numbers.js";
 import { table } from "../table.js";
 
 const SUFFIX = "_interval_95";
+const CANNOT = "This pack cannot carry this mission";
 
 const ENDED = {
   reserve: "the charge that is left was down to the reserve",
@@ -85,20 +86,19 @@ export const endurance = {
   command: "endurance",
   title: ({ summary }) => {
     if (!isNumber(summary.minutes)) return "Endurance";
-    return summary.carries_mission ? `${significant(summary.minutes, 3)} minutes until landing` : "This pack cannot carry this mission";
+    return summary.carries_mission ? `${significant(summary.minutes, 3)} minutes until landing` : CANNOT;
   },
   parts: ({ summary }) => {
     const rows = Object.keys(summary)
       .filter((key) => isNumber(summary[key]) && key + SUFFIX in summary)
       .map((key) => ({ key, interval: summary[key + SUFFIX] }));
     const known = rows.some(({ interval }) => Array.isArray(interval));
-    // The first sentence of a pack that cannot fly is the notice.
-    const sentences = listOf(summary.sentences).slice(summary.carries_mission ? 0 : 1);
-    if (sentences.length === 0) sentences.push(`The flight ends because ${ENDED[summary.ended_by] ?? summary.ended_by}.`);
+    // Of a pack that cannot fly the first sentence begins with the title.
+    const [first, ...others] = listOf(summary.sentences);
+    const sentence = (text) => element("p", { class: "sentence" }, text);
     return [
-      ...sentences.map((text) => element("p", { class: "sentence" }, text)),
-      summary.carries_mission ? null : notice("error",
-        `The flight ends after ${significant(60 * summary.minutes, 2)} s. Give more cells (--series, --parallel) or a fuller pack, or take less payload or power.`),
+      summary.carries_mission ? sentence(first) : notice("error", first.replace(`${CANNOT}: t`, "T")),
+      ...others.map(sentence),
       ...listOf(summary.messages).map((text) => notice("warning", text)),
       facts([
         ["Vehicle", summary.vehicle],

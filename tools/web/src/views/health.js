@@ -36,9 +36,10 @@ export const health = {
   parts: ({ summary }) => {
     const flights = listOf(summary.flights);
     const reference = summary.reference ?? {};
-    const doubts = (text) => flights.some(({ doubted_because }) => doubted_because && text.includes(doubted_because));
+    const sentences = listOf(summary.sentences);
+    const doubts = (text, { doubted_because }) => Boolean(doubted_because) && text.includes(doubted_because);
     return [
-      listOf(summary.sentences).map((text) => element("p", { class: doubts(text) ? "sentence notice warning" : "sentence" }, text)),
+      sentences.map((text) => element("p", { class: flights.some((one) => doubts(text, one)) ? "sentence notice warning" : "sentence" }, text)),
       facts([
         ["Flights", plural(flights.length, "flight")],
         ["When new", isNumber(reference.capacity_Ah) ? `${significant(reference.capacity_Ah)} Ah` : null],
@@ -71,7 +72,7 @@ export const health = {
         const all = [unknown("capacity", one.capacity_unknown_because),
           unknown("resistance", one.resistance_unknown_because), ...listOf(one.cautions)].filter(Boolean);
         // What the sentences above say is not said again.
-        const said = listOf(summary.sentences).some((text) => text.includes(one.doubted_because));
+        const said = sentences.some((text) => doubts(text, one));
         const doubted = one.doubted_because && !said ? notice("warning", one.doubted_because) : null;
         return doubted || all.length > 0
           ? section(baseName(one.file), doubted, element("ul", {}, all.map((text) => element("li", {}, text)))) : null;
