@@ -203,26 +203,23 @@ namespace {
 
 class Choosing {
  public:
-  Choosing(const JointFit& fit,
-           const JointLogs& logs,
-           const std::vector<double>& voltage_soc,
-           double lowest_soc,
-           const JointOptions& options,
-           bool free_alpha,
-           const std::function<void(double)>& progress)
-      : fit_(fit),
-        logs_(logs),
-        voltage_soc_(voltage_soc),
-        lowest_soc_(lowest_soc),
-        options_(options),
-        free_alpha_(free_alpha),
-        progress_(progress),
-        compare_(logs.groups >= 2),
-        rough_(options.smoothness > 0.0  ? options.smoothness
-               : fit.seen().setup().held ? kTypicalOfHeld
-                                         : kTypicalSmoothness) {}
+  Choosing(const ChoiceTask& task, JointChoice choice, const JointChoice* before)
+      : fit_(task.fit),
+        logs_(task.logs),
+        voltage_soc_(task.voltage_soc),
+        lowest_soc_(task.lowest_soc),
+        options_(task.options),
+        free_alpha_(task.free_alpha),
+        progress_(task.progress),
+        before_(before),
+        compare_(logs_.groups >= 2),
+        rough_(options_.smoothness > 0.0  ? options_.smoothness
+               : fit_.seen().setup().held ? kTypicalOfHeld
+                                          : kTypicalSmoothness),
+        choice_(std::move(choice)) {}
 
   JointChoice Run() {
+    choice_.longest_tau_s = fit_.seen().scales().longest_tau_s;
     JointStructure structure;
     structure.branches =
         options_.branches >= 0 ? options_.branches : std::min(1, options_.most_branches);
@@ -250,7 +247,7 @@ class Choosing {
     if (Held() != nullptr) {  // nothing is left to choose
       structure.resistance_soc = Held()->ResistanceNodes();
       Search(structure);
-      return Finish();
+      return std::move(choice_);
     }
     Search(structure);
     if (compare_) {
@@ -269,15 +266,14 @@ class Choosing {
       choice_.reason =
           "too few pulses and discharges to leave any out: the simplest structure is taken";
     }
-    return Finish();
+    return std::move(choice_);
   }
 
- private:
   JointChoice Finish() {
     for (std::size_t k = 0; compare_ && k < choice_.tried.size(); ++k) {
-      if (k != taken_) choice_.tried[k].gain = Gain(k, taken_);
+      if (k != choice_.taken) choice_.tried[k].gain = Gain(k, choice_.taken);
     }
-    choice_.tried[taken_].taken = true;
+    choice_.tried[choice_.taken].taken = true;
     PolishBest();
     FindWeights();
     if (Held() == nullptr) FindFiner();
@@ -285,6 +281,7 @@ class Choosing {
     return std::move(choice_);
   }
 
+ private:
   void Tell(double share) {
     done_ = std::max(done_, share);
     if (progress_) progress_(done_);
@@ -294,7 +291,7 @@ class Choosing {
   }
   [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
   void Take(std::size_t k) {
-    taken_ = k;
+    choice_.taken = k;
     choice_.best = choice_.tried[k].solution;
     choice_.errors = choice_.tried[k].errors;
   }
@@ -322,6 +319,16 @@ class Choosing {
     }
     return row;
   }
+  // The same row of the choice before, as long as all rows up to it are the same there, and no time
+  // constant came near its limit.
+  [[nodiscard]] const TriedStructure* FromBefore(std::size_t row, const JointStructure& structure) {
+    if (before_ == nullptr) return nullptr;
+    const bool same = row < before_->tried.size() &&
+                      before_->tried[row].solution.structure == structure &&
+                      !NearSlowest(before_->tried[row].solution.rates, before_->longest_tau_s);
+    if (!same) before_ = nullptr;
+    return same ? &before_->tried[row] : nullptr;
+  }
   // A structure tried is taken where it is better than what was taken before.
   std::size_t Judge(TriedStructure row) {
     const bool taking = choice_.tried.empty() ||
@@ -336,8 +343,12 @@ class Choosing {
   std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures) {
     const JointSolution* near = choice_.tried.empty() ? nullptr : &choice_.best;
     std::vector<TriedStructure> rows(structures.size());
-    ParallelFor(rows.size(),
-                [&](std::size_t k) { rows[k] = Assess(fit_.Search(structures[k], rough_, near)); });
+    std::vector<const TriedStructure*> known;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      known.push_back(FromBefore(choice_.tried.size() + k, structures[k]));
+    ParallelFor(rows.size(), [&](std::size_t k) {
+      rows[k] = known[k] != nullptr ? *known[k] : Assess(fit_.Search(structures[k], rough_, near));
+    });
     std::vector<std::size_t> tried;
     for (TriedStructure& row : rows) tried.push_back(Judge(std::move(row)));
     return tried;
@@ -348,9 +359,12 @@ class Choosing {
   void Simplify(const JointStructure& simpler, const JointSolution* near = nullptr) {
     const LeftOutErrors richer = choice_.errors;
     const bool complete = Complete(choice_.best, logs_);
+    const TriedStructure* known = FromBefore(choice_.tried.size(), simpler);
     const std::size_t k =
-        Judge(Assess(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best)));
-    if (k != taken_ && Complete(choice_.tried[k].solution, logs_) &&
+        Judge(known != nullptr
+                  ? *known
+                  : Assess(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best)));
+    if (k != choice_.taken && Complete(choice_.tried[k].solution, logs_) &&
         !(complete && IsBetter(richer, choice_.tried[k].errors)))
       Take(k);
   }
@@ -385,7 +399,7 @@ class Choosing {
     JointStructure richer = structure;
     richer.temperature = true;
     if (options_.entropy == Presence::kOn) richer.entropy_soc = Entropies();
-    if (Search(richer) == taken_) structure = richer;
+    if (Search(richer) == choice_.taken) structure = richer;
   }
 
   // What charge and discharge do not agree on: the voltage, or the charge itself. Each alone, as one
@@ -475,7 +489,7 @@ class Choosing {
   }
 
   void TryNodes() {
-    const std::size_t middle = taken_;
+    const std::size_t middle = choice_.taken;
     JointStructure fewest = best();
     JointStructure most = best();
     fewest.resistance_soc = Nodes(1);
@@ -501,7 +515,7 @@ class Choosing {
     while (options_.branches < 0 && best().branches < most) {
       JointStructure richer = best();
       ++richer.branches;
-      if (Search(richer) != taken_) return;
+      if (Search(richer) != choice_.taken) return;
     }
   }
 
@@ -578,11 +592,12 @@ class Choosing {
     double sum = 0.0;
     for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
       TriedStructure& row = choice_.tried[k];
-      if (k == taken_) {
+      if (k == choice_.taken) {
         row.weight = 0.5;
       } else if (row.solution.x.size() > 0 && !Zigzags(row.solution)) {
         row.weight =
-            CompareErrors(choice_.tried[taken_].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
+            CompareErrors(
+                choice_.tried[choice_.taken].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
                 .Probability();
       }
       sum += row.weight;
@@ -605,23 +620,27 @@ class Choosing {
   const JointOptions& options_;
   bool free_alpha_;
   const std::function<void(double)>& progress_;
+  const JointChoice* before_;
   bool compare_;
   double rough_;
   double done_ = 0.0;
-  std::size_t taken_ = 0;
   JointChoice choice_;
 };
 
 }  // namespace
 
-JointChoice ChooseStructure(const JointFit& fit,
-                            const JointLogs& logs,
-                            const std::vector<double>& voltage_soc,
-                            double lowest_soc,
-                            const JointOptions& options,
-                            bool free_alpha,
-                            const std::function<void(double)>& progress) {
-  return Choosing(fit, logs, voltage_soc, lowest_soc, options, free_alpha, progress).Run();
+bool NearSlowest(const JointRates& rates, double longest_tau_s) {
+  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
+    return tau_s > 0.5 * longest_tau_s;
+  });
+}
+
+JointChoice ChooseStructure(const ChoiceTask& task, const JointChoice* before) {
+  return Choosing(task, {}, before).Run();
+}
+
+JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice) {
+  return Choosing(task, std::move(choice), nullptr).Finish();
 }
 
 }  // namespace lipoid

@@ -132,6 +132,8 @@ struct JointChoice {
   JointSolution best;
   LeftOutErrors errors;
   std::vector<TriedStructure> tried;
+  std::size_t taken = 0;       ///< of these
+  double longest_tau_s = 0.0;  ///< up to which time constants were searched
   /// The best structure with a node more between any two of every table, refitted: what straight
   /// lines and smoothness do to the parameters shows in the difference. Empty where there are no
   /// tables.
@@ -139,16 +141,27 @@ struct JointChoice {
   std::string reason;  ///< where nothing could be compared, or what decided is an extrapolation
 };
 
-/// `voltage_soc` are the nodes of v_oc, none where the curve is given; lowest_soc is where the
-/// charge of the logs ends; free_alpha: the charge from which logs that do not start full are counted
-/// is searched, too. Progress gets the share done.
-[[nodiscard]] JointChoice ChooseStructure(const JointFit& fit,
-                                          const JointLogs& logs,
-                                          const std::vector<double>& voltage_soc,
-                                          double lowest_soc,
-                                          const JointOptions& options,
-                                          bool free_alpha = false,
-                                          const std::function<void(double)>& progress = {});
+/// All of it must outlive the choice.
+struct ChoiceTask {
+  const JointFit& fit;
+  const JointLogs& logs;
+  std::vector<double> voltage_soc;  ///< nodes of v_oc; none where the curve is given
+  double lowest_soc = 0.0;          ///< where the charge of the logs ends
+  const JointOptions& options;
+  /// The charge from which logs that do not start full are counted is searched, too.
+  bool free_alpha = false;
+  std::function<void(double)> progress = {};  ///< gets the share done
+};
+
+/// Whether a time constant came so near to its limit that this may have kept it there.
+[[nodiscard]] bool NearSlowest(const JointRates& rates, double longest_tau_s);
+
+/// A choice, not yet finished. Of one made `before`, by a fit whose time constants had a lower limit,
+/// what that limit did not touch is not searched again.
+[[nodiscard]] JointChoice ChooseStructure(const ChoiceTask& task,
+                                          const JointChoice* before = nullptr);
+/// The best structure is polished; how sure the choice is, and the finer structure, are found.
+[[nodiscard]] JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice);
 
 /// What the temperatures of the logs must span, so that activation energies can be told from other
 /// differences between the logs.

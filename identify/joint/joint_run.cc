@@ -336,8 +336,11 @@ class JointRun {
   }
 
   void Fit() {
-    const double longest_s = Choose(0.3, 0.3);
-    if (WantsSlower(longest_s)) ChooseAmongSlower(longest_s);
+    Choose(0.3, 0.3);
+    if (WantsSlower()) ChooseAmongSlower();
+    WithTask(0.3, 0.6, [&](const ChoiceTask& task) {
+      result_.choice = FinishChoice(task, std::move(result_.choice));
+    });
     if (result_.choice.best.x.size() == 0) {
       throw LoadError({campaign_.file.empty() ? "(command line)" : campaign_.file},
                       "expected logs from which v_oc(A) and a resistance follow, found none that "
@@ -351,44 +354,50 @@ class JointRun {
     result_.converged = best.termination == Termination::kConverged;
   }
 
-  // Up to the time constant that it returns. Progress goes from `began` on by `share`.
-  double Choose(double began, double share) {
+  // Progress goes from `began` on by `share`.
+  template <class Work>
+  void WithTask(double began, double share, Work&& work) {
     const JointObservations seen(result_.logs, result_.setup);
     const JointFit fit(seen, known_);
-    result_.choice =
-        ChooseStructure(fit,
-                        result_.logs,
-                        CurveNodes(),
-                        LowestSoc(result_.setup.alpha_C),
-                        options_,
-                        free_alpha_,
-                        [&](double done) { Tell("all logs at once", began + share * done); });
+    work(ChoiceTask{
+        .fit = fit,
+        .logs = result_.logs,
+        .voltage_soc = CurveNodes(),
+        .lowest_soc = LowestSoc(result_.setup.alpha_C),
+        .options = options_,
+        .free_alpha = free_alpha_,
+        .progress = [&](double done) { Tell("all logs at once", began + share * done); }});
     result_.evaluations += fit.evaluations();
-    return seen.scales().longest_tau_s;
+  }
+
+  void Choose(double began, double share, const JointChoice* before = nullptr) {
+    WithTask(began, share, [&](const ChoiceTask& task) {
+      result_.choice = ChooseStructure(task, before);
+    });
   }
 
   // A branch wants to be as slow as that, or slower, and nobody has said that it must not.
-  [[nodiscard]] bool WantsSlower(double longest_s) const {
+  [[nodiscard]] bool WantsSlower() const {
     const JointSolution& best = result_.choice.best;
     return std::any_of(best.at_bound.begin(), best.at_bound.end(), [&](const std::string& name) {
       if (!name.starts_with("tau_") || name == "tau_h" || known_.Bounds(name)) return false;
       const auto j = static_cast<std::size_t>(std::stoi(name.substr(4)) - 1);
-      return best.rates.time_constant_s[j] > 0.5 * longest_s;
+      return best.rates.time_constant_s[j] > 0.5 * result_.choice.longest_tau_s;
     });
   }
 
   // Left-out rows decide whether branches may be slower than the logs' segments.
-  void ChooseAmongSlower(double longest_s) {
+  void ChooseAmongSlower() {
     JointChoice before = std::move(result_.choice);
     result_.setup.slow_branches = true;
-    const double slowest_s = Choose(0.6, 0.3);
+    Choose(0.6, 0.3, &before);
     if (result_.choice.errors.expected_V < before.errors.expected_V) {
       result_.cautions.push_back(fmt::format(
           "a branch stood at {:.6g} s, the longest time at one current: time constants of up to "
           "{:.6g} s were let in, since left-out rows are predicted better so (to {:.4g} mV, not "
           "{:.4g} mV)",
-          longest_s,
-          slowest_s,
+          before.longest_tau_s,
+          result_.choice.longest_tau_s,
           1e3 * result_.choice.errors.expected_V,
           1e3 * before.errors.expected_V));
       return;
