@@ -65,7 +65,7 @@ class SocState {
   void SetSteps(const Lengths& lengths_s, ModeSteps& steps) const {
     steps.Resize(unavailable_C_.size(), static_cast<Eigen::Index>(lengths_s.size()));
     for (std::size_t c = 0; c < lengths_s.size(); ++c)
-      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta_per_sqrt_s_, lengths_s[c]);
+      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta_per_sqrt_s_, lengths_s[c], slopes_);
   }
   /// The same, each step at a temperature of its own; slopes are those in beta at that temperature.
   void SetStepsAt(const std::vector<double>& lengths_s,
@@ -75,7 +75,7 @@ class SocState {
     steps.Resize(unavailable_C_.size(), static_cast<Eigen::Index>(lengths_s.size()));
     for (std::size_t c = 0; c < lengths_s.size(); ++c) {
       const double beta = beta_per_sqrt_s_ / std::sqrt(at[c].Factor(energy_J_per_mol));
-      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta, lengths_s[c]);
+      steps.SetDiffusion(static_cast<Eigen::Index>(c), beta, lengths_s[c], slopes_);
     }
   }
   /// From here on the cell has this temperature; E_d is its energy.
@@ -441,13 +441,15 @@ class CellRows {
       if (i != 0.0) {
         const double i_0 = rates_.charge_transfer_A;
         const double ratio = transfer_factor_ * current_A / i_0;
+        const double drop = std::asinh(ratio);
         const double per_A = at_.ratio * per_A_;  // the thermal voltage
-        const TableAt at = put_table(layout_.transfer(), i_0 * std::asinh(ratio) * per_A);
-        slope_[slots_.transfer()] =
-            -at.value * (std::asinh(ratio) - ratio / std::hypot(1.0, ratio)) * per_A;
-        by_current_V += at.value * transfer_factor_ / std::hypot(1.0, ratio) * per_A;
-        by_transfer_energy_V =
-            -at.value * i_0 * ratio / std::hypot(1.0, ratio) * at_.inverse_mol_per_J * per_A;
+        const TableAt at = put_table(layout_.transfer(), i_0 * drop * per_A);
+        if (x_ != nullptr) {
+          const double root = std::hypot(1.0, ratio);
+          slope_[slots_.transfer()] = -at.value * (drop - ratio / root) * per_A;
+          by_current_V += at.value * transfer_factor_ / root * per_A;
+          by_transfer_energy_V = -at.value * i_0 * ratio / root * at_.inverse_mol_per_J * per_A;
+        }
       }
     }
     if (structure_.self_heating) {

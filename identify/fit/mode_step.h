@@ -41,12 +41,14 @@ inline double GainCurve(double z, double fall, double decay) {
 
 /// A mode of the diffusion, sigma_um of (4.46), whose rate is beta² times mm = m²; slopes in beta > 0.
 /// fall = 1 - e^(-mm beta² dt) is given, for modes side by side share an exponential. The gain is in
-/// seconds. Equal to ExactHold() and its derivative.
-inline ModeStep DiffusionStep(double mm, double beta_per_sqrt_s, double dt_s, double fall) {
+/// seconds. Equal to ExactHold() and its derivative; slopes are 0 where they are not asked for.
+inline ModeStep DiffusionStep(
+    double mm, double beta_per_sqrt_s, double dt_s, double fall, bool slopes) {
   const double rate_slope = 2.0 * mm * beta_per_sqrt_s;
   const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
   const double decay = 1.0 - fall;
   const double gain = z < 1e-300 ? dt_s : dt_s * (fall / z);  // (4.46)
+  if (!slopes) return {decay, gain, 0.0, 0.0};
   return {decay,
           gain,
           -decay * dt_s * rate_slope,
@@ -83,13 +85,13 @@ struct ModeSteps {
   ///   o_m+1 = o_m + (1 - o_m) f_2',   f_m+1 = f_m + (1 - f_m) o_m+1,   f_2' = 1 - q²
   ///
   /// in which nothing cancels.
-  void SetDiffusion(Eigen::Index c, double beta_per_sqrt_s, double dt_s) {
+  void SetDiffusion(Eigen::Index c, double beta_per_sqrt_s, double dt_s, bool slopes = true) {
     double fall = -std::expm1(-beta_per_sqrt_s * beta_per_sqrt_s * dt_s);
     double odd = fall;
     const double two = fall * (2.0 - fall);
     for (Eigen::Index k = 0; k < decay.rows(); ++k) {
       const auto m = static_cast<double>(k + 1);
-      Put(k, c, DiffusionStep(m * m, beta_per_sqrt_s, dt_s, fall));
+      Put(k, c, DiffusionStep(m * m, beta_per_sqrt_s, dt_s, fall, slopes));
       odd += (1.0 - odd) * two;
       fall += (1.0 - fall) * odd;
     }

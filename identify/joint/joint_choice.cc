@@ -212,6 +212,7 @@ class Choosing {
         free_alpha_(task.free_alpha),
         progress_(task.progress),
         before_(before),
+        near_(task.near),
         compare_(logs_.groups >= 2),
         rough_(options_.smoothness > 0.0  ? options_.smoothness
                : fit_.seen().setup().held ? kTypicalOfHeld
@@ -338,10 +339,18 @@ class Choosing {
     Tell(0.1 * static_cast<double>(choice_.tried.size()));
     return choice_.tried.size() - 1;
   }
+  // What was found before for a structure like the first, unless its limits held it.
+  [[nodiscard]] const JointSolution* Near(const JointStructure& structure) const {
+    const bool like = near_ != nullptr && near_->x.size() > 0 &&
+                      near_->structure.branches == structure.branches &&
+                      near_->structure.temperature == structure.temperature &&
+                      !NearSlowest(near_->rates, fit_.seen().scales().longest_start_tau_s);
+    return like ? near_ : nullptr;
+  }
   // Structures that do not wait for one another are searched side by side, each near what was taken
   // before all of them, and judged in their order.
   std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures) {
-    const JointSolution* near = choice_.tried.empty() ? nullptr : &choice_.best;
+    const JointSolution* near = choice_.tried.empty() ? Near(structures[0]) : &choice_.best;
     std::vector<TriedStructure> rows(structures.size());
     std::vector<const TriedStructure*> known;
     for (std::size_t k = 0; k < rows.size(); ++k)
@@ -621,6 +630,7 @@ class Choosing {
   bool free_alpha_;
   const std::function<void(double)>& progress_;
   const JointChoice* before_;
+  const JointSolution* near_;
   bool compare_;
   double rough_;
   double done_ = 0.0;

@@ -150,6 +150,8 @@ struct ChoiceTask {
   const JointOptions& options;
   /// The charge from which logs that do not start full are counted is searched, too.
   bool free_alpha = false;
+  /// Of the search for alpha, near which the first structure is looked for if it is like it.
+  const JointSolution* near = nullptr;
   std::function<void(double)> progress = {};  ///< gets the share done
 };
 

@@ -67,6 +67,41 @@ std::vector<std::string> AtBound(const std::vector<JointRate>& searched, JointRa
   return names;
 }
 
+// The best of the solutions on a grid of rates, the best first. Where they are to lie apart each is
+// the bottom of a valley: none is cheaper that is one step of the grid away, at most, in each of the
+// rates. What starts on the side of a valley ends where its bottom does.
+std::vector<JointSolution> BestOf(std::vector<JointSolution> grid,
+                                  std::size_t most,
+                                  bool apart,
+                                  const std::vector<JointRate>& rates) {
+  std::stable_sort(
+      grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::vector<std::vector<std::ptrdiff_t>> step(grid.size());  // of the grid, in each rate
+  for (const JointRate& rate : rates) {
+    std::vector<double> values;
+    for (JointSolution& solution : grid) values.push_back(rate.In(solution.rates));
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      const auto at = std::lower_bound(values.begin(), values.end(), rate.In(grid[k].rates));
+      step[k].push_back(at - values.begin());
+    }
+  }
+  const auto neighbours = [&](std::size_t a, std::size_t b) {
+    return std::equal(step[a].begin(), step[a].end(), step[b].begin(), [](auto i, auto j) {
+      return std::abs(i - j) <= 1;
+    });
+  };
+  std::vector<JointSolution> best;
+  for (std::size_t k = 0; k < grid.size() && best.size() < most; ++k) {
+    bool bottom = true;
+    for (std::size_t cheaper = 0; apart && bottom && cheaper < k; ++cheaper)
+      bottom = !neighbours(cheaper, k);
+    if (bottom) best.push_back(grid[k]);
+  }
+  return best;
+}
+
 // Least squares over the coordinates of the rates (JointRate), with the linear unknowns at their best for each:
 // variable projection. The Jacobian is Kaufman's: slopes at fixed linear unknowns, less what the
 // free linear unknowns can follow.
@@ -513,15 +548,12 @@ JointSolution JointFit::Search(const JointStructure& structure,
     line.push_back(Base(structure));
     if (known_.Start("beta")) betas.push_back(line.back().beta_per_sqrt_s);
   }
-  // One line of the grid per beta, along which active bounds are handed on. With v_oc given a
-  // solution is small, and all of them are compared; else the best of each line.
-  const bool keep_all = structure.voltage_soc.empty();
+  // One line of the grid per beta, along which active bounds are handed on.
   std::vector<std::vector<JointSolution>> lines(betas.size());
   ParallelFor(betas.size(), [&](std::size_t b) {
     JointRates with_beta = line.front();
     with_beta.beta_per_sqrt_s = betas[b];  // energy and offset are those of the whole line
     auto rows = seen_.At(with_beta, false);
-    std::vector<JointSolution>& kept = lines[b];
     std::vector<char> guess;
     for (JointRates rates : line) {
       StopIfAsked();
@@ -534,26 +566,22 @@ JointSolution JointFit::Search(const JointStructure& structure,
       JointSolution solution =
           SolveSums(coarse, rates, smoothness, rows->Sum(coarse, rates), guess);
       guess = solution.active;
-      if (keep_all || kept.empty()) {
-        kept.push_back(std::move(solution));
-      } else if (solution.cost < kept[0].cost) {
-        kept[0] = std::move(solution);
-      }
+      lines[b].push_back(std::move(solution));
     }
   });
-  std::vector<JointSolution> best;
-  for (auto& kept : lines) std::move(kept.begin(), kept.end(), std::back_inserter(best));
-  // Neighbours may lie in different valleys.
-  const auto cheaper = [](const auto& a, const auto& b) { return a.cost < b.cost; };
-  const auto polished = std::min(static_cast<std::size_t>(followed), best.size());
-  const auto end = best.begin() + static_cast<std::ptrdiff_t>(polished);
-  std::partial_sort(best.begin(), end, best.end(), cheaper);
-  ParallelFor(polished, [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
-  JointSolution found = std::move(*std::min_element(best.begin(), end, cheaper));
+  std::vector<JointSolution> grid;
+  for (auto& of_beta : lines) std::move(of_beta.begin(), of_beta.end(), std::back_inserter(grid));
+  // With v_oc given an approach costs little, and the best may be neighbours.
+  const bool curve_given = structure.voltage_soc.empty();
+  std::vector<JointSolution> best =
+      BestOf(std::move(grid), static_cast<std::size_t>(followed), !curve_given, Rates(structure));
+  ParallelFor(best.size(), [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
+  JointSolution found = std::move(*std::min_element(
+      best.begin(), best.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; }));
   if (coarse != structure && found.x.size() > 0)
     found = Approach(Solve(structure, found.rates, smoothness));
   constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates
-  return structure.voltage_soc.empty() ? found : Polish(std::move(found), kRoughStep);
+  return curve_given ? found : Polish(std::move(found), kRoughStep);
 }
 
 // The cost has a kink wherever a row crosses a node of v_oc, and rows of short logs are few: with the

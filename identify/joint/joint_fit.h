@@ -69,7 +69,8 @@ class JointFit {
       : seen_(seen), setup_(seen.setup()), known_(known), scales_(scales) {}
 
   /// The whole search: over a grid, or, from the rates of a neighbouring structure, over a thin grid
-  /// of beta and whatever that structure lacks. So many of the best of the grid are followed down.
+  /// of beta and whatever that structure lacks. So many of the best of the grid are followed down,
+  /// each from a valley of its own unless v_oc is given.
   [[nodiscard]] JointSolution Search(const JointStructure& structure,
                                      double smoothness,
                                      const JointSolution* near = nullptr,

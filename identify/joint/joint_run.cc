@@ -286,16 +286,15 @@ class JointRun {
     result_.alpha_source = "cut-off";
     // Twice: the nodes move with the capacity reference, and where they lie matters a little.
     const double charge_C = alpha_C;
-    JointSolution rough;
     const auto search = [&] {
-      rough = RoughFit(alpha_C, rough);
-      return std::sqrt(std::max(rough.square, 0.0) / result_.logs.weight_sum);
+      rough_ = RoughFit(alpha_C, rough_);
+      return std::sqrt(std::max(rough_.square, 0.0) / result_.logs.weight_sum);
     };
     for (int pass = 0; pass < 2; ++pass) {
       Tell("alpha", 0.2 + 0.05 * pass);
       search();
-      if (rough.x.size() == 0) return;
-      const double next_C = AlphaTo(Cutoff(rough), alpha_C);
+      if (rough_.x.size() == 0) return;
+      const double next_C = AlphaTo(Cutoff(rough_), alpha_C);
       if (!IsNear(next_C, alpha_C)) return;
       const double change = std::abs(next_C / alpha_C - 1.0);
       alpha_C = next_C;
@@ -315,12 +314,12 @@ class JointRun {
       double rmse_V = kInfinity;
       for (int pass = 0; pass < kMostPasses; ++pass) {
         rmse_V = search();
-        if (rough.x.size() == 0) break;
-        const double change = std::abs(rough.rates.alpha_C / alpha_C - 1.0);
-        alpha_C = rough.rates.alpha_C;
+        if (rough_.x.size() == 0) break;
+        const double change = std::abs(rough_.rates.alpha_C / alpha_C - 1.0);
+        alpha_C = rough_.rates.alpha_C;
         if (change < kSettled) break;
       }
-      if (rough.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
+      if (rough_.x.size() > 0 && rmse_V < kClearlyBetter * rmse_of_cutoff_V) {
         result_.alpha_source = "least-squares";
       } else {
         alpha_C = cutoff_C;
@@ -366,6 +365,7 @@ class JointRun {
         .lowest_soc = LowestSoc(result_.setup.alpha_C),
         .options = options_,
         .free_alpha = free_alpha_,
+        .near = &rough_,
         .progress = [&](double done) { Tell("all logs at once", began + share * done); }});
     result_.evaluations += fit.evaluations();
   }
@@ -752,6 +752,7 @@ class JointRun {
   bool free_alpha_ = false;        // alpha is one of the unknowns
   std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most
+  JointSolution rough_;            // of the search for alpha
   JointResult result_;
 };
 
