@@ -40,6 +40,66 @@ bool SolveFree(const Eigen::MatrixXd& G,
   return right.allFinite();
 }
 
+// How far the multiplier of an active bound pulls inwards, beyond what rounding may do to it.
+double PullInwards(double g, double gradient, char active) {
+  const double noise = 1e-13 * (std::abs(g) + std::abs(gradient));
+  return (g - gradient) * (active == 1 ? 1.0 : -1.0) - noise;
+}
+
+// Exchanges of many bounds at once may go round in circles. This takes one bound at a time, from a
+// point within all of them, and never rises: it ends.
+void WalkDown(const Eigen::MatrixXd& G,
+              const Eigen::VectorXd& g,
+              const Eigen::VectorXd& lower,
+              const Eigen::VectorXd& upper,
+              BoundedQuadraticResult& result) {
+  const Eigen::Index n = g.size();
+  Eigen::VectorXd& x = result.x;
+  std::vector<char>& active = result.active;
+  x = x.cwiseMax(lower).cwiseMin(upper);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (active[k]) x[k] = active[k] == 1 ? lower[k] : upper[k];
+  }
+  const int most = result.factorizations + 20 * static_cast<int>(n);
+  while (result.factorizations < most) {
+    ++result.factorizations;
+    Eigen::VectorXd target = x;
+    if (!SolveFree(G, g, active, target)) return;
+    double share = 1.0;  // of the way to the target
+    Eigen::Index stops = -1;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (active[k] || (target[k] >= lower[k] && target[k] <= upper[k])) continue;
+      const double bound = target[k] < lower[k] ? lower[k] : upper[k];
+      const double until = (bound - x[k]) / (target[k] - x[k]);
+      if (stops >= 0 && until >= share) continue;
+      share = until;
+      stops = k;
+    }
+    if (stops >= 0) {
+      active[stops] = target[stops] < lower[stops] ? 1 : 2;
+      x += share * (target - x);
+      x = x.cwiseMax(lower).cwiseMin(upper);
+      x[stops] = active[stops] == 1 ? lower[stops] : upper[stops];
+      continue;
+    }
+    x = target;
+    const Eigen::VectorXd gradient = G.selfadjointView<Eigen::Lower>() * x;
+    Eigen::Index worst = -1;
+    double pull = 0.0;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (!active[k] || lower[k] == upper[k]) continue;
+      const double inwards = PullInwards(g[k], gradient[k], active[k]);
+      if (inwards > pull) {
+        pull = inwards;
+        worst = k;
+      }
+    }
+    result.solved = worst < 0;
+    if (result.solved) return;
+    active[worst] = 0;
+  }
+}
+
 }  // namespace
 
 BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
@@ -91,10 +151,7 @@ BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
       if (is_held(k)) continue;
       char instead = result.active[k];
       if (result.active[k]) {
-        // Its multiplier must not pull inwards.
-        const double noise = 1e-13 * (std::abs(g[k]) + std::abs(gradient[k]));
-        const double inwards = (g[k] - gradient[k]) * (result.active[k] == 1 ? 1.0 : -1.0);
-        if (inwards > noise) instead = 0;
+        if (PullInwards(g[k], gradient[k], result.active[k]) > 0.0) instead = 0;
       } else if (result.x[k] < lower[k] - beyond(lower[k])) {
         instead = 1;
       } else if (result.x[k] > most_of(k) + beyond(most_of(k))) {
@@ -120,6 +177,9 @@ BoundedQuadraticResult MinimizeBoundedQuadratic(const Eigen::MatrixXd& G,
     }
     for (std::size_t w = 0; w < wrong.size(); ++w) result.active[wrong[w]] = other[w];
   }
+  const Eigen::VectorXd no_upper =
+      Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  WalkDown(G, g, lower, upper.size() == 0 ? no_upper : upper, result);
   return result;
 }
 

@@ -8,7 +8,8 @@
 /// by block principal pivoting (Portugal, Judice and Vicente 1994; Kim and Park 2011): guess which
 /// bounds are active, solve the rest by Cholesky, exchange all that disagree with the optimality
 /// conditions at once; where that does not bring fewer disagreements, one at a time by Murty's
-/// rule, which ends after finitely many. A good guess, say the answer to a neighbouring problem,
+/// rule, which ends after finitely many, though they may be very many: then by an active set from
+/// within the bounds, which never rises. A good guess, say the answer to a neighbouring problem,
 /// ends after one factorization. No library at hand has this: general solvers for quadratic
 /// programs need ten times as long for a hundred unknowns as the sums that make G.
 /// Tests: tests/identify/fit/bounded_quadratic_test.cc.

@@ -43,7 +43,7 @@ inline double GainCurve(double z, double fall, double decay) {
 /// fall = 1 - e^(-mm beta² dt) is given, for modes side by side share an exponential. The gain is in
 /// seconds. Equal to ExactHold() and its derivative; slopes are 0 where they are not asked for.
 inline ModeStep DiffusionStep(
-    double mm, double beta_per_sqrt_s, double dt_s, double fall, bool slopes) {
+    double mm, double beta_per_sqrt_s, double dt_s, double fall, bool slopes = true) {
   const double rate_slope = 2.0 * mm * beta_per_sqrt_s;
   const double z = mm * beta_per_sqrt_s * beta_per_sqrt_s * dt_s;
   const double decay = 1.0 - fall;

@@ -71,6 +71,41 @@ TEST(BoundedQuadratic, FindsWhatTryingEveryActiveSetFinds) {
   }
 }
 
+// Unknowns whose columns are alike, as those of neighbouring nodes are, and noise: exchanges find no
+// end, and what is found all the same meets the conditions of the minimum of a convex function.
+TEST(BoundedQuadratic, EndsWhereExchangesDoNot) {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (int trial = 0; trial < 60; ++trial) {
+    const int n = 20 + trial;
+    Problem p = RandomProblem(n, engine);
+    Eigen::MatrixXd a(n, n);
+    for (int c = 0; c < n; ++c) {
+      for (int r = 0; r < n; ++r)
+        a(r, c) = std::exp(-0.5 * std::pow((r - c) / 6.0, 2)) + 1e-4 * normal(engine);
+    }
+    p.G = a.transpose() * a + 1e-9 * Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd truth(n);
+    for (double& x : truth) x = std::max(normal(engine), 0.0);
+    Eigen::VectorXd y = a * truth;
+    for (double& v : y) v += 0.3 * normal(engine);
+    p.g = a.transpose() * y;
+    p.lower.setZero();
+    const Eigen::VectorXd upper = Eigen::VectorXd::Constant(n, 2.0);
+    const auto result = MinimizeBoundedQuadratic(p.G, p.g, p.lower, {}, upper);
+    ASSERT_TRUE(result.solved) << trial;
+    EXPECT_GT(result.factorizations, 50 + 5 * n);
+    const Eigen::VectorXd slope = p.G * result.x - p.g;
+    const double rounding = 1e-12 * p.g.lpNorm<Eigen::Infinity>();
+    for (int k = 0; k < n; ++k) {
+      ASSERT_GE(result.x[k], 0.0);
+      ASSERT_LE(result.x[k], upper[k]);
+      EXPECT_TRUE(result.x[k] == 0.0 || slope[k] < rounding) << trial;
+      EXPECT_TRUE(result.x[k] == upper[k] || slope[k] > -rounding) << trial;
+    }
+  }
+}
+
 TEST(BoundedQuadratic, MeetsTheOptimalityConditionsOfLargeProblems) {
   std::mt19937_64 engine(3);
   for (int trial = 0; trial < 30; ++trial) {
