@@ -78,6 +78,65 @@ TEST(VehicleCommand, FitsABenchTable) {
   }
 }
 
+// docs/vehicles.md has the commands: the numbers of the files are what they give.
+TEST(VehicleCommand, ShippedVehiclesAreThoseOfTheirCommands) {
+  const auto folder = TestFolder();
+  struct Shipped {
+    std::string name;
+    std::string table;
+    std::vector<std::string> options;  // the values of those below
+  };
+  const std::vector<std::string> names{"--mass-g",
+                                       "--frame-mm",
+                                       "--series",
+                                       "--propeller-in",
+                                       "--avionics-W",
+                                       "--kv-rpm-per-V",
+                                       "--layout"};
+  const std::vector<Shipped> all{{"f450",
+                                  "readytosky-2312-920kv_dji-9450.csv",
+                                  {"1600", "450", "4", "9.4", "5", "920", "quad-x"}},
+                                 {"camera-10in",
+                                  "tmotor-3110-780kv_multistar-1045.csv",
+                                  {"1800", "460", "4", "10", "9", "780", "quad-x"}},
+                                 {"hexacopter",
+                                  "tarot-4114-320kv_tarot-1555.csv",
+                                  {"5000", "960", "6", "15", "10", "320", "hexa-x"}}};
+  for (const Shipped& one : all) {
+    std::vector<std::string> words{"vehicle",
+                                   "--name",
+                                   one.name,
+                                   "-o",
+                                   one.name + ".toml",
+                                   "--front-right-turns",
+                                   "counter-clockwise",
+                                   "--bench-table",
+                                   SourcePath("fixtures/bench/" + one.table)};
+    for (std::size_t k = 0; k < names.size(); ++k)
+      words.insert(words.end(), {names[k], one.options[k]});
+    const auto run = RunLipoid(folder, words);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto numbers = [](const Vehicle& v) {
+      return std::vector<double>{v.mass_kg,
+                                 v.inertia_kg_m2[0],
+                                 v.inertia_kg_m2[2],
+                                 v.thrust_coefficient_N_s2,
+                                 v.torque_coefficient_N_m_s2,
+                                 v.motor_constant_N_m_per_A,
+                                 v.armature_resistance_Ohm,
+                                 v.friction_N_m_s,
+                                 v.rotor_inertia_kg_m2,
+                                 v.avionics_power_W,
+                                 v.linear_drag_N_s_per_m};
+    };
+    const auto shipped = numbers(LoadVehicle(one.name));
+    const auto made = numbers(ReadVehicleFile(folder + "/" + one.name + ".toml"));
+    // Files have five digits of what is fitted.
+    for (std::size_t k = 0; k < shipped.size(); ++k)
+      EXPECT_NEAR(made[k], shipped[k], 2e-5 * std::abs(shipped[k])) << one.name << " " << k;
+  }
+}
+
 // Losses at part load are not friction, and a propeller of 5 inch has no figure of merit of 1.3.
 TEST(VehicleCommand, TakesATableOfARacerAndItsCurrentWithoutLoad) {
   const auto folder = TestFolder();
