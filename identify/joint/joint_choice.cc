@@ -29,6 +29,10 @@ constexpr std::size_t kUsualVoltageNodes = 80;  // VoltageNodes(0) has fewer
 constexpr int kFewNodes = 13;
 constexpr int kManyNodes = 34;
 
+bool FitsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) {
+  return rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
+}
+
 // Whether a richer structure is worth it. What fits as well as the noise lets it can only be
 // overtaken by following the noise. Discharges that are left out whole are an experiment of their
 // own: the richer structure is asked for where it predicts them better by more than chance. Pieces
@@ -37,8 +41,7 @@ bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointL
   if (simple.fitted_V <= std::max(kAtTheNoise * logs.noise_mean_V, kFinest_V)) return false;
   if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
   if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
-  return rich.expected_V < simple.expected_V &&
-         rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
+  return rich.expected_V < simple.expected_V && FitsBetter(rich, simple);
 }
 
 // Nodes at equal steps of t in [0, 1], bent so that they are dense near empty, where cells bend
@@ -349,8 +352,9 @@ class Choosing {
   }
   // Structures that do not wait for one another are searched side by side, each near what was taken
   // before all of them, and judged in their order.
-  std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures) {
-    const JointSolution* near = choice_.tried.empty() ? Near(structures[0]) : &choice_.best;
+  std::vector<std::size_t> SearchEach(const std::vector<JointStructure>& structures,
+                                      const JointSolution* near = nullptr) {
+    if (near == nullptr) near = choice_.tried.empty() ? Near(structures[0]) : &choice_.best;
     std::vector<TriedStructure> rows(structures.size());
     std::vector<const TriedStructure*> known;
     for (std::size_t k = 0; k < rows.size(); ++k)
@@ -362,7 +366,9 @@ class Choosing {
     for (TriedStructure& row : rows) tried.push_back(Judge(std::move(row)));
     return tried;
   }
-  std::size_t Search(const JointStructure& structure) { return SearchEach({structure}).front(); }
+  std::size_t Search(const JointStructure& structure, const JointSolution* near = nullptr) {
+    return SearchEach({structure}, near).front();
+  }
 
   // The simpler structure is taken where the richer one is not better, or holds a part that is zero.
   void Simplify(const JointStructure& simpler, const JointSolution* near = nullptr) {
@@ -509,6 +515,26 @@ class Choosing {
       if (IsBetter(choice_.tried[k].errors, choice_.tried[best].errors)) best = k;
     }
     Take(best);
+    // Tables that fit better and predict worse may follow what one more branch would say.
+    if (best == tried[0] && FitsBetter(choice_.tried[middle].errors, choice_.errors))
+      AddBranches(middle);
+  }
+
+  // From that structure on, as long as each fits better than the one before. Two branches may be
+  // worth it where one more is not.
+  void AddBranches(std::size_t from) {
+    if (options_.branches >= 0) return;
+    // Cold slows what a warm cell does at once, so that more of it is seen.
+    const int most = options_.most_branches + (best().temperature ? 1 : 0);
+    while (choice_.tried[from].solution.structure.branches < most) {
+      const JointSolution near = choice_.tried[from].solution;
+      JointStructure richer = near.structure;
+      ++richer.branches;
+      const std::size_t k = Search(richer, &near);
+      if (k != choice_.taken && !FitsBetter(choice_.tried[k].errors, choice_.tried[from].errors))
+        return;
+      from = k;
+    }
   }
 
   void TryBranches() {
@@ -519,13 +545,7 @@ class Choosing {
       Simplify(simpler);
       if (best().branches == 0) return;
     }
-    // Cold slows what a warm cell does at once, so that more of it is seen.
-    const int most = options_.most_branches + (best().temperature ? 1 : 0);
-    while (options_.branches < 0 && best().branches < most) {
-      JointStructure richer = best();
-      ++richer.branches;
-      if (Search(richer) != choice_.taken) return;
-    }
+    AddBranches(choice_.taken);
   }
 
   // A term that was asked for beside other tables must be asked for beside these too.
