@@ -104,14 +104,28 @@ double StartGuess(const ReferenceCell& reference, const FlightSamples& flight) {
   return std::clamp(reference.cell.open_circuit_voltage.SocAtVoltage(rest_V), 0.05, 1.0);
 }
 
-}  // namespace
-
-FlightFit FitFlight(const ReferenceCell& reference,
-                    const FlightSamples& flight,
-                    const FlightModel& model,
-                    const SensorSpread& sensors) {
-  const Record& record = flight.record;
+struct FoundFrom {
   FlightFit fit;
+  double minus_log_likelihood =
+      std::numeric_limits<double>::infinity();  // marginal, priors included
+};
+
+// Where a search begins: the capacity over the reference, and how much noise is believed at first.
+// Much of it holds the search near what was known before.
+struct Beginning {
+  double log_capacity;
+  std::array<double, 5> noise;
+};
+constexpr Beginning kAsKnown{0.0, {0.03, 0.03, 2.0, 0.05, 60.0}};
+
+FoundFrom FitFrom(const Beginning& beginning,
+                  const ReferenceCell& reference,
+                  const FlightSamples& flight,
+                  const FlightModel& model,
+                  const SensorSpread& sensors) {
+  const Record& record = flight.record;
+  FoundFrom found_from;
+  FlightFit& fit = found_from.fit;
   fit.duration_s = record.time_s.back() - record.time_s.front();
   fit.charge_C = DeliveredCharge(record).back();
   fit.starts_at_rest = StartsAtRest(record);
@@ -125,6 +139,7 @@ FlightFit FitFlight(const ReferenceCell& reference,
   Eigen::VectorXd scaled = Eigen::VectorXd::Zero(problem.size());
   const auto start = [&](int u, double value) { scaled[u] = problem.Scaled(u, value); };
   start(U::kStart, StartGuess(reference, flight));
+  start(U::kCapacity, beginning.log_capacity);
   if (flight.edge_resistance_Ohm > 0.0) {
     const auto edge =
         model.StepResistance(problem.Natural(scaled).head(p), 0.5, 0.3 * flight.largest_A);
@@ -132,8 +147,7 @@ FlightFit FitFlight(const ReferenceCell& reference,
     start(U::kSeries, more);
     start(U::kBranches, more);
   }
-  // Much noise at first: what was known before holds the search near it.
-  Eigen::VectorXd log_noise = NoiseProblem::Log({0.03, 0.03, 2.0, 0.05, 60.0});
+  Eigen::VectorXd log_noise = NoiseProblem::Log(beginning.noise);
   problem.noise = NoiseProblem::NoiseOf(log_noise);
 
   Eigen::MatrixXd at_rows;
@@ -190,7 +204,10 @@ FlightFit FitFlight(const ReferenceCell& reference,
     settings.nelder_mead.iterations_per_variable = 40;
     log_noise = log_noise.cwiseMax(noise.lower()).cwiseMin(noise.upper());
     const auto likely = FindOptimizer("nelder-mead").Minimize(noise, log_noise, settings);
-    if (likely.usable()) log_noise = likely.x;
+    if (likely.usable()) {
+      log_noise = likely.x;
+      found_from.minus_log_likelihood = likely.cost;
+    }
     problem.noise = NoiseProblem::NoiseOf(log_noise);
   }
   fit.noise = problem.noise;
@@ -222,7 +239,33 @@ FlightFit FitFlight(const ReferenceCell& reference,
     fit.mean_error_percent += error / static_cast<double>(flight.fresh.size());
     fit.max_error_percent = std::max(fit.max_error_percent, error);
   }
-  return fit;
+  return found_from;
+}
+
+}  // namespace
+
+FlightFit FitFlight(const ReferenceCell& reference,
+                    const FlightSamples& flight,
+                    const FlightModel& model,
+                    const SensorSpread& sensors) {
+  FoundFrom found = FitFrom(kAsKnown, reference, flight, model, sensors);
+  // A pack that is said to be much too large seems hardly used, and its curve hardly to fall: no slope
+  // leads from there to a small one. So a search begins at the pack that this flight nearly empties,
+  // too, and the likelier end is taken.
+  constexpr double kNearlyEmpty = 0.1;
+  constexpr double kMuchSmaller = -0.5;  // a factor of 0.6
+  const double used = StartGuess(reference, flight) - kNearlyEmpty;
+  if (reference.spread.log_capacity <= kHeldSpread || !(used > 0.0) || !(found.fit.charge_C > 0.0))
+    return std::move(found.fit);
+  const double small = std::log(found.fit.charge_C / used / reference.cell.alpha_C());
+  if (small < kMuchSmaller) {
+    const Beginning nearly_empty{std::max(small, kLowestLogCapacity),
+                                 {0.005, 0.005, 2.0, 0.005, 60.0}};
+    FoundFrom other = FitFrom(nearly_empty, reference, flight, model, sensors);
+    if (other.fit.converged && other.minus_log_likelihood < found.minus_log_likelihood)
+      found = std::move(other);
+  }
+  return std::move(found.fit);
 }
 
 }  // namespace lipoid

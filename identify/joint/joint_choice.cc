@@ -259,7 +259,9 @@ class Choosing {
       TryBothWays(structure);
       TryTerms(structure);
       if (given == 0) TryNodes();
+      const int branches = best().branches;
       TryBranches();
+      if (best().branches > branches) TrySimpler();
       TryEntropy();
       TryHysteresisNodes();
       TryShared();
@@ -546,6 +548,29 @@ class Choosing {
       if (best().branches == 0) return;
     }
     AddBranches(choice_.taken);
+  }
+
+  // Tables and terms that were asked for beside fewer branches must be asked for beside these. What is
+  // far worse at the rates that were found is not searched.
+  void TrySimpler() {
+    const auto simplify = [&](const JointStructure& simpler) {
+      constexpr double kFarWorse = 1.2;
+      const TriedStructure glance = Assess(AtFoundRates(simpler, rough_));
+      if (glance.errors.expected_V < kFarWorse * choice_.errors.expected_V) Simplify(simpler);
+    };
+    for (bool JointStructure::*term :
+         {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
+      const Presence wish =
+          term == &JointStructure::self_heating ? options_.self_heating : options_.charge_transfer;
+      if (!(best().*term) || wish != Presence::kAuto) continue;
+      JointStructure simpler = best();
+      simpler.*term = false;
+      simplify(simpler);
+    }
+    if (options_.resistance_nodes > 0 || best().nodes() == 1) return;
+    JointStructure simpler = best();
+    simpler.resistance_soc = Nodes(1);
+    simplify(simpler);
   }
 
   // A term that was asked for beside other tables must be asked for beside these too.

@@ -28,7 +28,8 @@ void EdgeFinder::TakeAfter(const Row& row) {
     if (after_s > (1.0 + kNear) * wanted_s) continue;
     const double measured_V = before_->measured_V - row.measured_V;
     const double predicted_V = before_->predicted_V - row.predicted_V;
-    if (std::max(std::abs(measured_V), std::abs(predicted_V)) < kLeastFall_V) continue;
+    // What does not fall by a step of the load tells no resistance: rows out of their order, or noise.
+    if (!(measured_V / step_A > 0.0) || std::abs(measured_V) < kLeastFall_V) continue;
     edges_.push_back({before_->soc, wanted_s, measured_V / step_A, predicted_V / step_A, step_});
   }
   if (edges_.size() > kMostEdges) Thin();

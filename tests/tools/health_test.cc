@@ -339,6 +339,7 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
         std::to_string(k) + std::string(static_cast<std::size_t>(columns) - 2, ',') + "16.8,0,1\n";
   for (std::size_t at = 0; (at = rest.find(",,", at)) != std::string::npos;) rest.insert(++at, "0");
   flight.insert(header, rest);
+  const std::string rested = WriteText("rested.csv", flight);
   const auto run = RunLipoid(folder,
                              {"health",
                               "--cell",
@@ -347,7 +348,7 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
                               "4",
                               "--capacity-Ah",
                               std::to_string(of_new_Ah),
-                              WriteText("rested.csv", flight),
+                              rested,
                               "--summary",
                               "s.json"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
@@ -355,6 +356,19 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
   EXPECT_TRUE(found.at("converged").get<bool>());
   EXPECT_LT(found.at("capacity_interval_95")[0].get<double>(), 0.8 * of_new_Ah);
   EXPECT_GT(found.at("capacity_interval_95")[1].get<double>(), 0.8 * of_new_Ah);
+  // A capacity mistyped by three: near it lies an end of the search that no slope leaves.
+  const auto mistyped = RunLipoid(folder,
+                                  {"health",
+                                   "--cell",
+                                   reference,
+                                   "--series",
+                                   "4",
+                                   "--capacity-Ah",
+                                   std::to_string(3.0 * of_new_Ah),
+                                   rested});
+  EXPECT_NE(mistyped.out.find("capacity not known: the flight fits a pack of 0.2"),
+            std::string::npos)
+      << mistyped.out;
 }
 
 TEST(Health, CountsAFlightOnce) {

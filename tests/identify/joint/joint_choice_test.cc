@@ -75,6 +75,26 @@ TEST(JointChoice, FindsThatThereIsNoBranch) {
   }
 }
 
+// With one branch, tables and terms stand in for the second; beside the second nobody asks for them.
+TEST(JointChoice, DropsWhatStoodInForABranch) {
+  Cell truth = Truth();
+  truth.branches.push_back(truth.branches.front());
+  truth.branches[0].resistance_Ohm = truth.branches[1].resistance_Ohm = 0.05;
+  truth.branches[0].time_constant_s = 20.0;
+  truth.branches[1].time_constant_s = 400.0;
+  for (Cell::Branch& branch : truth.branches)
+    branch.capacitance_F = branch.time_constant_s / branch.resistance_Ohm.resistance_Ohm[0];
+  const JointResult result = Identify(truth);
+  const JointStructure& found = result.choice.best.structure;
+  EXPECT_EQ(found.branches, 2);
+  EXPECT_EQ(found.nodes(), 1);
+  EXPECT_FALSE(found.charge_transfer || found.self_heating);
+  EXPECT_GT(result.choice.tried[result.choice.taken - 1].solution.structure.nodes(), 1);
+  ASSERT_EQ(result.cell.branches.size(), 2);
+  EXPECT_NEAR(result.cell.branches[0].time_constant_s, 20.0, 2.0);
+  EXPECT_NEAR(result.cell.branches[1].time_constant_s, 400.0, 40.0);
+}
+
 TEST(JointChoice, FindsSelfHeating) {
   Cell truth = Truth();
   truth.self_heating =
