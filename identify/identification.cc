@@ -437,6 +437,8 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (found.joint && !found.joint->alpha_doubt.empty())
+    found.quality.Doubt(found.joint->alpha_doubt);
   if (const auto& held = options.given.reference) {
     if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
       found.quality.Doubt(std::move(doubt));

@@ -4,6 +4,7 @@
 /// Logs as a fit sees them: sums over their rows at given rates. Two kinds: the points of all logs of
 /// a campaign (joint_sweep.h), and every row of some logs with v_oc(A) given (voltage_sweep.h).
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct FitScales {
   double shortest_tau_s = 0.0;  ///< time constants lie between these two
   double longest_tau_s = 0.0;
   double longest_start_tau_s = 0.0;  ///< none is looked for above it, but one may move there
+  /// Between which states of charge loads were seen that tell a resistance.
+  double lowest_loaded_soc = -std::numeric_limits<double>::infinity();
+  double highest_loaded_soc = std::numeric_limits<double>::infinity();
 };
 
 class Observations {

@@ -275,6 +275,16 @@ Eigen::MatrixXd JointFit::Penalty(const JointStructure& structure, double smooth
       const double times = branch ? structure.branch_smoothness : 1.0;
       bend(layout.table(t), layout.nodes(), times * times * second);
       slope(layout.table(t), layout.nodes(), 0.01 * second);
+      // Far from every load a resistance goes on as a constant: a slow discharge cannot tell it from
+      // v_oc. Under load A is below the state of charge that is counted here.
+      constexpr double kFar = 0.05;
+      constexpr double kLevel = 1e-7;  // a millivolt costs as much as 0.3 uV in every row
+      for (int k = 0; k + 1 < layout.nodes(); ++k) {
+        const auto& soc = structure.resistance_soc;
+        if (soc[static_cast<std::size_t>(k) + 1] < scales_.lowest_loaded_soc - kFar ||
+            soc[static_cast<std::size_t>(k)] > scales_.highest_loaded_soc + kFar)
+          slope(layout.table(t) + k, 2, kLevel * scales_.weight_sum);
+      }
       continue;
     }
     // The ratio to the shape that is held, in the unit of its mean, goes on as a constant.

@@ -188,6 +188,26 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
 }
 
 // Weights of rows, then of the log.
+// A slow discharge shows v_oc, and no resistance beside it.
+void FindLoads(JointLogs& all, double alpha_C) {
+  constexpr double kLoad = 0.2;
+  constexpr double kWide = 0.15;
+  double lowest = 1.0;
+  double highest = 0.0;
+  for (const JointLog& log : all.logs) {
+    double delivered_C = log.delivered_C;
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      if (k > 0) delivered_C += log.step_A[k] * (log.time_s[k] - log.time_s[k - 1]);
+      if (std::abs(log.current_A[k]) < kLoad * all.typical_A) continue;
+      const double soc = 1.0 - delivered_C / alpha_C;
+      lowest = std::min(lowest, soc);
+      highest = std::max(highest, soc);
+    }
+  }
+  all.lowest_loaded_soc = lowest > kWide ? lowest : -kInfinity;
+  all.highest_loaded_soc = highest < 1.0 - kWide ? highest : kInfinity;
+}
+
 void WeighLog(JointLog& log,
               double alpha_C,
               const OpenCircuitVoltage& curve,
@@ -385,6 +405,7 @@ void Weigh(JointLogs& all,
   constexpr double kMeanOfNormal = 0.79788;  // sqrt(2/pi)
   if (left_out > 0.0) all.noise_mean_V *= kMeanOfNormal / left_out;
   all.typical_A = loaded > 0.0 ? std::sqrt(squares / loaded) : 1.0;
+  FindLoads(all, alpha_C);
 }
 
 }  // namespace lipoid

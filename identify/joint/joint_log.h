@@ -29,6 +29,7 @@
 #include "identify/logs/load_campaign.h"
 #include "model/battery/arrhenius.h"
 #include "model/battery/open_circuit_voltage.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -100,6 +101,10 @@ struct JointLogs {
   /// taken on both sides of it or within 5 degC, else the mean of the nearest of them, in whole degC.
   double told_K = kUsual_K;
   double typical_A = 0.0;  ///< root mean square of the currents under load
+  /// Between which states of charge a current of a fifth of that or more flowed; infinite where that is
+  /// as far as 0.15 from empty, or from full.
+  double lowest_loaded_soc = -kInfinity;
+  double highest_loaded_soc = kInfinity;
 };
 
 /// The points of the logs, which no alpha moves and which have no weight yet. Logs of kind validation

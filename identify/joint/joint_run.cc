@@ -265,11 +265,25 @@ class JointRun {
     Prepare(alpha_C);
   }
 
-  // The charge of the low-rate log, or else alpha of the staged run.
+  // The charge of the low-rate log, or else alpha of the staged run; what a log delivers is more than
+  // that of a slow discharge that was stopped.
   [[nodiscard]] double ChargeOfLogs() {
-    const double charge_C = LowRateCharge(result_.staged, logs_);
+    double charge_C = LowRateCharge(result_.staged, logs_);
     source_of_start_ = charge_C > 0.0 ? "low-rate-charge" : result_.staged.alpha_source;
-    return charge_C > 0.0 ? charge_C : result_.staged.alpha_C;
+    if (!(charge_C > 0.0)) charge_C = result_.staged.alpha_C;
+    const double delivered_C = (1.0 - LowestSoc(charge_C)) * charge_C;
+    constexpr double kStopped = 1.2;
+    if (delivered_C > kStopped * charge_C) {
+      source_of_start_ = "delivered-charge";
+      charge_C = delivered_C;
+    }
+    return charge_C;
+  }
+
+  // Whether the last slope of v_oc would have to say too much of alpha.
+  [[nodiscard]] bool HardlySeen(double alpha_C) const {
+    constexpr double kMostUnseen = 0.2;
+    return LowestSoc(alpha_C) > kMostUnseen;
   }
 
   // alpha with which v_oc(0) is the cut-off, by a first fit.
@@ -326,7 +340,26 @@ class JointRun {
         free_alpha_ = false;
       }
     }
-    Prepare(alpha_C);
+    if (!free_alpha_ && HardlySeen(alpha_C)) TakeKnownCharge(alpha_C, charge_C);
+    Prepare(result_.alpha_doubt.empty() ? alpha_C : result_.alpha_C);
+  }
+
+  // Not the alpha of the last slope, but the charge of the logs, or the nominal one where that is more
+  // than what was delivered.
+  void TakeKnownCharge(double of_slope_C, double of_logs_C) {
+    result_.alpha_source = source_of_start_;
+    result_.alpha_C = of_logs_C;
+    const double nominal_C = 3600.0 * campaign_.capacity_Ah;
+    if (source_of_start_ == "delivered-charge" && nominal_C > of_logs_C) {
+      result_.alpha_source = "nominal-capacity";
+      result_.alpha_C = nominal_C;
+    }
+    result_.alpha_doubt = fmt::format(
+        "the logs end {:.0f} % of the charge above where the last slope of v_oc leads to the cut-off: alpha is "
+        "taken as {:.4g} Ah ({}), and a log down to the cut-off would tell",
+        100.0 * LowestSoc(of_slope_C),
+        result_.alpha_C / 3600.0,
+        result_.alpha_source);
   }
 
   // Where the solution's v_oc reaches the cut-off.
@@ -616,8 +649,10 @@ class JointRun {
           "current is an extrapolation",
           result_.logs.typical_A));
     }
+    if (!result_.alpha_doubt.empty()) say.push_back(result_.alpha_doubt);
     NameStartsThatAlphaRestsOn();
     NameSmoothBranches();
+    NameWhereNoLoadWas();
     NameTemperatureCautions();
     if (best.structure.current_offset) {
       say.push_back(fmt::format(
@@ -692,6 +727,17 @@ class JointRun {
         "the resistances of the branches are held {:g} times as smooth over the state of charge as r_s: "
         "freer ones go up and down from node to node, as no cell's do",
         times));
+  }
+
+  void NameWhereNoLoadWas() {
+    const JointLogs& logs = result_.logs;
+    if (result_.setup.held || result_.choice.best.structure.nodes() == 1) return;
+    if (!std::isfinite(logs.lowest_loaded_soc) && !std::isfinite(logs.highest_loaded_soc)) return;
+    result_.cautions.push_back(fmt::format(
+        "loads were between {:.2f} and {:.2f} of the charge: beyond, resistances are taken to go on as they are "
+        "there, and neither they nor their intervals are seen",
+        std::max(logs.lowest_loaded_soc, 0.0),
+        std::min(logs.highest_loaded_soc, 1.0)));
   }
 
   void NameTemperatureCautions() {

@@ -289,6 +289,8 @@ JointObservations::JointObservations(const JointLogs& logs, const JointSetup& se
   scales_.typical_A = logs.typical_A;
   scales_.largest_A = logs.largest_A;
   scales_.weight_sum = logs.weight_sum;
+  scales_.lowest_loaded_soc = logs.lowest_loaded_soc;
+  scales_.highest_loaded_soc = logs.highest_loaded_soc;
   scales_.slowest_A = logs.largest_A;
   for (const JointLog& log : logs.logs)
     scales_.slowest_A = std::min(scales_.slowest_A, LargestMagnitude(log.current_A));

@@ -455,6 +455,58 @@ TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
   EXPECT_LT(result.fitted.back().all.rmse, 1.2 * kNoise_V);
 }
 
+// The first part of a log: a test that was stopped.
+LoadedLog Stopped(LoadedLog log, double share) {
+  Record& record = log.log.record;
+  const auto rows = static_cast<std::size_t>(share * static_cast<double>(record.size()));
+  for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) column->resize(rows);
+  return log;
+}
+
+// Below half of the charge there is a slow discharge alone. Free resistances took part of it there, up to
+// a hundred times those of the cell.
+TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
+  Cell truth = Truth();
+  truth.series_resistance_Ohm = {{0.0, 0.3, 1.0}, {0.16, 0.14, 0.13}};
+  const auto all = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  const std::vector<LoadedLog> logs{all[3], Stopped(all[4], 0.5)};
+  const JointResult result = Identify(logs, {}, {.resistance_nodes = 13});
+  EXPECT_TRUE(OneSays(result.cautions, "of the charge: beyond, resistances are taken to go on"));
+  const auto total = [](const Cell& cell, double soc) {
+    return cell.series_resistance_Ohm(soc) + cell.branches[0].resistance_Ohm(soc);
+  };
+  for (const double soc : {0.05, 0.15, 0.3}) {
+    EXPECT_GT(total(result.cell, soc), 0.7 * total(truth, soc)) << soc;
+    EXPECT_LT(total(result.cell, soc), 1.4 * total(truth, soc)) << soc;
+  }
+  EXPECT_NEAR(result.alpha_C, truth.alpha_C(), 0.005 * truth.alpha_C());
+  EXPECT_FALSE(OneSays(Identify(all).cautions, "resistances are taken to go on"));
+}
+
+// Pulses that end at 3.7 V say nothing of the charge below: the last slope of their v_oc led to 1.5
+// times the charge, with an interval that missed it.
+TEST(JointRun, LogsThatEndFarAboveTheCutoffLeaveAlphaToTheNominalCapacity) {
+  const Cell truth = Truth();
+  const std::vector<LoadedLog> logs{Stopped(test::SyntheticLogs(truth, 2.0, kNoise_V)[4], 0.5)};
+  const double nominal_Ah = truth.alpha_C() / 3600.0;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs, nominal_Ah), logs);
+  EXPECT_EQ(result.alpha_source, "nominal-capacity");
+  EXPECT_NEAR(result.alpha_C, truth.alpha_C(), 1e-9 * truth.alpha_C());
+  EXPECT_NE(result.alpha_doubt.find("a log down to the cut-off would tell"), std::string::npos);
+  EXPECT_TRUE(OneSays(result.cautions, "(nominal-capacity)"));
+}
+
+// A slow discharge that was stopped gives v_oc where it went, and others the charge.
+TEST(JointRun, ASlowDischargeThatWasStoppedIsNotTheCharge) {
+  const Cell truth = Truth();
+  const auto all = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  const std::vector<LoadedLog> logs{all[0], all[1], Stopped(all[3], 0.4), all[4]};
+  const JointResult result = Identify(logs);
+  EXPECT_EQ(result.alpha_source, "cut-off");
+  EXPECT_NEAR(result.alpha_C, truth.alpha_C(), 0.02 * truth.alpha_C());
+  EXPECT_TRUE(result.alpha_doubt.empty()) << result.alpha_doubt;
+}
+
 // The refitted curve stays near the rests, whose own drift is up to 9 mV, above a quarter of the
 // charge. Below, v_oc and a branch as slow as the rests cannot be told apart by logs of one current
 // (docs/joint.md, 7): there it may leave them by some ten millivolts.
