@@ -262,7 +262,8 @@ FlightFit FitFlight(const ReferenceCell& reference,
     const Beginning nearly_empty{std::max(small, kLowestLogCapacity),
                                  {0.005, 0.005, 2.0, 0.005, 60.0}};
     FoundFrom other = FitFrom(nearly_empty, reference, flight, model, sensors);
-    if (other.fit.converged && other.minus_log_likelihood < found.minus_log_likelihood)
+    constexpr double kClearly = 2.0;  // two searches of one end differ by less
+    if (other.fit.converged && other.minus_log_likelihood < found.minus_log_likelihood - kClearly)
       found = std::move(other);
   }
   return std::move(found.fit);

@@ -67,11 +67,16 @@ double FindCutoff(const std::vector<Candidate>& discharges) {
   return std::abs(round_V - middle_V) <= 2.0 * kCutoffTolerance_V ? round_V : fine_V;
 }
 
+constexpr double kSameCharge = 0.02;  // of two slow discharges of one cell
+
 // Whether `a` tells more about the open-circuit voltage than `b`.
 bool BetterLowRate(const Candidate& a, const Candidate& b) {
   const double slower = a.inspection->discharge->current_A / b.inspection->discharge->current_A;
   if (slower < 1.0 - kSameRate) return true;
   if (slower > 1.0 / (1.0 - kSameRate)) return false;
+  // The one that shows more of the charge.
+  const double more = a.inspection->discharge->charge_C / b.inspection->discharge->charge_C;
+  if (more > 1.0 + kSameCharge || more < 1.0 - kSameCharge) return more > 1.0;
   const double resistance_a = a.inspection->edge_resistance_Ohm;
   const double resistance_b = b.inspection->edge_resistance_Ohm;
   return resistance_a < resistance_b || (std::isnan(resistance_b) && !std::isnan(resistance_a));
@@ -324,13 +329,20 @@ class Drafting {
       if (each.entry == low_rate_.entry) continue;
       const bool slower = low_rate_.inspection->discharge->current_A <
                           (1.0 - kSameRate) * each.inspection->discharge->current_A;
+      const double charge_C = low_rate_.inspection->discharge->charge_C;
+      const double less_C = each.inspection->discharge->charge_C;
       each.entry->left_out =
           slower ? fmt::format("{} is slower", low_rate_.entry->log.file)
-                 : fmt::format(
-                       "as slow as {}, whose first edge shows {:.3g} Ohm instead of {:.3g} Ohm",
-                       low_rate_.entry->log.file,
-                       low_rate_.inspection->edge_resistance_Ohm,
-                       each.inspection->edge_resistance_Ohm);
+          : less_C < (1.0 - kSameCharge) * charge_C
+              ? fmt::format("as slow as {}, which moves {:.4g} Ah and not {:.4g}",
+                            low_rate_.entry->log.file,
+                            charge_C / 3600.0,
+                            less_C / 3600.0)
+              : fmt::format(
+                    "as slow as {}, whose first edge shows {:.3g} Ohm instead of {:.3g} Ohm",
+                    low_rate_.entry->log.file,
+                    low_rate_.inspection->edge_resistance_Ohm,
+                    each.inspection->edge_resistance_Ohm);
     }
   }
 

@@ -219,8 +219,8 @@ std::string NoiseSentence(const PlanGridResult& result) {
       break;
     case SlowErrors::kAssumed:
       source =
-          ", those of a good instrument: the file of this cell does not say how well a model describes it, "
-          "and real cells are described to some millivolts (--coloured-noise-V)";
+          ", those of a good instrument: the file of this cell does not say that a model describes it worse, "
+          "and most real cells are described to some millivolts (--coloured-noise-V)";
       break;
   }
   return fmt::format(

@@ -266,6 +266,21 @@ void RefuseNoResistance(const BenchTable& table,
                         : "check --kv-rpm-per-V, or give a table with a column of speeds"));
 }
 
+// No motor turns faster than its KV times the voltage: such speeds are in another unit.
+void CheckSpeeds(const BenchTable& table, const BenchGiven& given) {
+  constexpr double kMost = 1.5;  // KV as printed is good to a tenth
+  for (const BenchRow& row : table.rows) {
+    const double induced_V = *given.motor_constant_N_m_per_A * row.speed_rad_per_s;
+    if (induced_V <= kMost * row.voltage_V) continue;
+    throw OptionError(fmt::format(
+        "--bench-table: a row has {:.4g} rad/s at {:.4g} V, for which a motor of this KV would need {:.4g} V: "
+        "look whether the unit of the speeds is that of the header, and KV right",
+        row.speed_rad_per_s,
+        row.voltage_V,
+        induced_V));
+  }
+}
+
 }  // namespace
 
 std::vector<BenchQuantity> BenchFit::Quantities() const {
@@ -284,6 +299,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
         "a bench table without a column of speeds does not say how fast the propeller turns: give "
         "the motor's constant (--kv-rpm-per-V)");
   }
+  if (table.has_speed && given.motor_constant_N_m_per_A) CheckSpeeds(table, given);
   const Beginning beginning = Start(table, given);
   const Scales& scales = beginning.scales;
   std::vector<int> held;

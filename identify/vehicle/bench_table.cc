@@ -28,7 +28,8 @@ struct Unit {
 struct Column {
   std::string_view what;
   std::array<std::string_view, 3> begins;  // what a header's name begins with, in lower case
-  std::array<Unit, 5> units;               // a name of "" is a header without a unit
+  std::array<Unit, 11> units;              // the first `units_known`; "": a header without a unit
+  std::size_t units_known;
   double BenchRow::*member;
   std::string_view expected;
   bool required;
@@ -38,18 +39,21 @@ constexpr Column kColumns[] = {
     {"throttle",
      {"throttle", "duty", "throttle"},
      {{{"%", 0.01}, {"us", 1e-3, 1000.0}, {"", 1.0}, {"percent", 0.01}, {"µs", 1e-3, 1000.0}}},
+     5,
      &BenchRow::throttle,
      "%, us, or no unit for a fraction",
      true},
     {"voltage",
      {"volt", "battery voltage", "voltage"},
-     {{{"v", 1.0}, {"mv", 1e-3}, {"volt", 1.0}, {"volts", 1.0}, {"v", 1.0}}},
+     {{{"v", 1.0}, {"mv", 1e-3}, {"volt", 1.0}, {"volts", 1.0}}},
+     4,
      &BenchRow::voltage_V,
      "V or mV",
      true},
     {"current",
      {"current", "battery current", "amp"},
      {{{"a", 1.0}, {"ma", 1e-3}, {"amp", 1.0}, {"amps", 1.0}, {"ampere", 1.0}}},
+     5,
      &BenchRow::current_A,
      "A or mA",
      true},
@@ -60,6 +64,7 @@ constexpr Column kColumns[] = {
        {"kg", kStandardGravity_m_per_s2},
        {"gf", 1e-3 * kStandardGravity_m_per_s2},
        {"kgf", kStandardGravity_m_per_s2}}},
+     5,
      &BenchRow::thrust_N,
      "g, kg or N",
      true},
@@ -69,9 +74,16 @@ constexpr Column kColumns[] = {
        {"rpm", kPerRpm_rad_per_s},
        {"rad/s", 1.0},
        {"1/min", kPerRpm_rad_per_s},
+       {"rev/min", kPerRpm_rad_per_s},
+       {"r/min", kPerRpm_rad_per_s},
+       {"u/min", kPerRpm_rad_per_s},
+       {"krpm", 1e3 * kPerRpm_rad_per_s},
+       {"hz", 60.0 * kPerRpm_rad_per_s},
+       {"rps", 60.0 * kPerRpm_rad_per_s},
        {"rad_per_s", 1.0}}},
+     11,
      &BenchRow::speed_rad_per_s,
-     "rpm or rad/s",
+     "rpm, krpm, Hz or rad/s",
      false},
 };
 
@@ -108,11 +120,12 @@ std::optional<Found> Find(const Column& column,
       return found.name.starts_with(begin);
     });
     if (!named) continue;
-    for (const Unit& known : column.units) {
-      if (known.name == found.unit) return Found{field, known};
+    for (std::size_t k = 0; k < column.units_known; ++k) {
+      if (column.units[k].name == found.unit) return Found{field, column.units[k]};
     }
-    // A speed that is that of the air, say, is no column of ours.
-    if (!column.required) continue;
+    // A speed that is that of the air is no column of ours.
+    constexpr std::string_view kOfAir[] = {"m/s", "km/h", "kn", "kt", "mph", "ft/s", "m_per_s"};
+    if (std::find(std::begin(kOfAir), std::end(kOfAir), found.unit) != std::end(kOfAir)) continue;
     throw LoadError({file, line, header[field].column},
                     fmt::format("{}: expected the unit {}, found '{}'",
                                 column.what,
@@ -140,7 +153,7 @@ void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std:
   if (!(row.current_A > 0.0 && row.current_A < 1e5)) refuse("a current above 0 A", row.current_A);
   if (!(row.thrust_N > 0.0 && row.thrust_N < 1e6)) refuse("a thrust above 0 N", row.thrust_N);
   if (has_speed && !(row.speed_rad_per_s > 0.0 && row.speed_rad_per_s < 1e5)) {
-    refuse("a speed above 0 rad/s", row.speed_rad_per_s);
+    refuse("a speed above 0 and below 1e5 rad/s", row.speed_rad_per_s);
   }
 }
 

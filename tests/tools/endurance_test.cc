@@ -54,6 +54,18 @@ std::vector<std::string> Camera(const std::vector<std::string>& more) {
   return words;
 }
 
+// The density of the air is the one that a hover feels.
+TEST(EnduranceCommand, SaysWhichOfTheAirAHoverDoesNotFeel) {
+  const auto folder = TestFolder();
+  const auto with = [&](const std::string& set) {
+    const auto run = RunLipoid(folder, Camera({"--series", "4", "--set", set}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("change nothing in a hover") != std::string::npos;
+  };
+  EXPECT_FALSE(with("air.air_density_kg_per_m3=0.9"));
+  EXPECT_TRUE(with("air.flat_plate_area_m2=0.1"));
+}
+
 // The page is made of the summary: what is said beside the numbers is in it, also of a quiet run.
 TEST(EnduranceCommand, TheSummaryHoldsWhatIsSaid) {
   const auto folder = TestFolder();

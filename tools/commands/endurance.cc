@@ -83,6 +83,9 @@ void SetMission(cli::CommandLine& line,
           "out");
     }
     request.power = FlyRoute(request, GainsFor(gains, request.vehicle, "aware"), file);
+    line.Message(
+        "the route is flown without the drag of the air, and a climb costs no more than a hover: a fast or "
+        "a high route takes more than this says (--mission cruise knows the power of a speed)");
     return;
   }
   if (text.starts_with(kPower)) {
@@ -250,10 +253,12 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
         "options --set air.*: they are for --mission hover and cruise; a route is flown by `lipoid fly`, "
         "in still air of 1.225 kg/m³, and powers are those of the file");
   }
-  if (mission == "hover" && !request.airspeed_m_per_s && line.Sets("air.")) {
+  LevelFlightOptions of_density;
+  of_density.air_density_kg_per_m3 = request.air.air_density_kg_per_m3;
+  if (mission == "hover" && !request.airspeed_m_per_s && request.air != of_density) {
     line.Message(
-        "options --set air.* change nothing in a hover without --airspeed-m-per-s: its power is "
-        "that of the vehicle file");
+        "options --set air.*, but for air.air_density_kg_per_m3, change nothing in a hover without "
+        "--airspeed-m-per-s: its power is that of the vehicle file");
   }
   if (line.Given("gains") && !mission.starts_with("waypoints=")) {
     throw OptionError(

@@ -308,9 +308,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
     }
     line.Print("\nCell file: {}\n", paths[k]);
     if (!batch && result.quality.grade != FitGrade::kPoor) {
-      line.Print("Next: lipoid {}\n",
-                 result.flights_alone ? fmt::format("health --cell {} FLIGHT...", paths[k])
-                                      : fmt::format("validate {} LOG...", paths[k]));
+      line.Print(
+          "Next: lipoid {}\n",
+          result.flights_alone
+              ? fmt::format("health --cell {} --series {} FLIGHT...", paths[k], campaign.series)
+              : fmt::format("validate {} LOG...", paths[k]));
     }
     if (k + 1 < campaigns.size()) line.Print("\n");
     mean_errors.push_back(result.mean_error_percent());

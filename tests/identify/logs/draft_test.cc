@@ -46,6 +46,20 @@ TEST(Draft, TakesCapacityFromTheSlowestAndCutOffFromTheEnds) {
   EXPECT_EQ(draft.campaign.logs[2].kind, LogKind::kLowRate);
 }
 
+// The one that did not start full has the lower edge, since v_oc is steep near full.
+TEST(Draft, OfSlowDischargesTheOneThatMovesMostIsTaken) {
+  const auto draft = DraftCampaign({Ending("lab/1c.csv", 2.0, 3550.0, 3.0),
+                                    Ending("lab/slow_95.csv", 0.1, 69000.0, 3.0, 3.4),
+                                    Ending("lab/slow.csv", 0.1, 73000.0, 3.0, 3.5)},
+                                   "lab",
+                                   "lab/campaign.toml");
+  ASSERT_EQ(draft.campaign.logs.size(), 2U);
+  EXPECT_EQ(draft.campaign.logs[1].file, "slow.csv");
+  EXPECT_NE(DraftToToml(draft).find("slow.csv, which moves 2.028 Ah and not 1.917"),
+            std::string::npos)
+      << DraftToToml(draft);
+}
+
 // The log that settled the sign may be left out of the campaign.
 TEST(Draft, WritesASignThatAnotherLogSettled) {
   auto settled = Ending("lab/slow.csv", 0.1, 73000.0, 3.0);

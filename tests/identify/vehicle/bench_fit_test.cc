@@ -164,6 +164,18 @@ TEST(BenchFit, AMotorWithoutResistanceIsRefused) {
             "of 706.3 rpm/V: check --kv-rpm-per-V against the table's speeds and voltages");
 }
 
+// rpm under a header of rad/s.
+TEST(BenchFit, SpeedsThatNoMotorReachesAreRefused) {
+  Truth truth;
+  BenchTable table = Table(truth, true);
+  for (BenchRow& row : table.rows) row.speed_rad_per_s *= 9.549;
+  const std::string said = test::MessageOf<OptionError>(
+      [&] { (void)FitBenchTable(table, {.motor_constant_N_m_per_A = truth.k_e}); });
+  EXPECT_NE(said.find("look whether the unit of the speeds is that of the header"),
+            std::string::npos)
+      << said;
+}
+
 // Losses of a controller at part load look like friction, of which a motor has little.
 TEST(BenchFit, FrictionIsAtMostWhatMotorsHave) {
   Truth truth;

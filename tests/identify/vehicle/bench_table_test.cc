@@ -41,6 +41,25 @@ TEST(BenchTable, UnitsAreThoseOfTheHeader) {
   EXPECT_DOUBLE_EQ(table.rows[0].voltage_V, 16.0);
   EXPECT_DOUBLE_EQ(table.rows[0].current_A, 4.0);
   EXPECT_DOUBLE_EQ(table.rows[0].thrust_N, 0.5 * 9.80665);
+  // One speed in every unit; that of the air is none.
+  const double rad_per_s = 100.0 * 2.0 * std::numbers::pi;
+  for (const auto& [unit, value] : {std::pair{"krpm", "6"},
+                                    {"Hz", "100"},
+                                    {"rps", "100"},
+                                    {"U/min", "6000"},
+                                    {"rev/min", "6000"},
+                                    {"m/s", ""}}) {
+    const std::string speed = *value != '\0' ? value : "3";
+    std::string text =
+        std::string("duty,voltage (V),current (A),thrust (N),Speed (") + unit + ")\n";
+    for (const char* row : {"0.5,16,4,1,", "0.6,16,5,2,", "0.7,16,6,3,", "0.8,16,7,4,"})
+      text += row + speed + "\n";
+    const auto with_speed = ParseBenchTable(text, "b.csv");
+    ASSERT_EQ(with_speed.has_speed, *value != '\0') << unit;
+    if (with_speed.has_speed) {
+      EXPECT_DOUBLE_EQ(with_speed.rows[0].speed_rad_per_s, rad_per_s) << unit;
+    }
+  }
 }
 
 TEST(BenchTable, IdleRowsSayNothingAndCopiesCountOnce) {
@@ -85,6 +104,9 @@ TEST(BenchTable, EveryMistakeHasItsPlace) {
             "throttle (%),voltage (V),thrust (g)");
   EXPECT_EQ(Refusal("throttle (%),voltage (V),current (A),thrust (oz)\n"),
             "b.csv:1:38: error: thrust: expected the unit g, kg or N, found 'thrust (oz)'");
+  EXPECT_EQ(
+      Refusal("throttle (%),voltage (V),current (A),thrust (g),speed (turns)\n"),
+      "b.csv:1:49: error: speed: expected the unit rpm, krpm, Hz or rad/s, found 'speed (turns)'");
   EXPECT_EQ(Refusal(header + "50,16,3,400\n50,16,three,400\n"),
             "b.csv:3:7: error: current: expected a number, found 'three'");
   EXPECT_EQ(Refusal(header + "50,16,3\n"),

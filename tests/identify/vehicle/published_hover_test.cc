@@ -53,7 +53,7 @@ TEST(PublishedHover, F450DrawsWhatItsMotorsWereMeasuredToDraw) {
 }
 
 // The 3DR Solo that made log171.bin hovers from 200 to 230 s of the log; `lipoid convert log171.bin`
-// gives 14.3 A at 15.30 V there.
+// gives 14.4 A at 15.31 V there.
 TEST(PublishedHover, CameraDroneDrawsWhatASoloWasLoggedToDraw) {
   const Vehicle v = LoadVehicle("camera-10in");
   const double power_W = 4.0 * MotorPower_W(v, 4.0) + v.avionics_power_W;
