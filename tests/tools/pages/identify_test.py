@@ -124,7 +124,7 @@ class Identify(PageTest):
         logs = self.synthesized()
         campaign = (logs / "campaign.toml").read_text()
         (logs / "short.toml").write_text(campaign.replace('"low_rate.csv"', '"low_rate.csv"\nend_s = 800'))
-        summary = self.identify(logs / "short.toml", code=1)
+        summary = self.identify(logs / "short.toml")
         self.assertGreater(summary["logs"][0]["staged"]["rmse_V"], 10)
         page = self.open("page.html")
         low, high, staged = page.run("""const { plot } = document.querySelector('.chart');
