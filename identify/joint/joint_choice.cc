@@ -265,7 +265,7 @@ class Choosing {
       TryEntropy();
       TryHysteresisNodes();
       TryShared();
-      if (logs_.whole) DropTerms();
+      if (logs_.whole) DropTerms([&](const JointStructure& simpler) { Simplify(simpler); });
       TryVoltageNodes();
       SmoothBranches();
     } else {
@@ -558,6 +558,16 @@ class Choosing {
       const TriedStructure glance = Assess(AtFoundRates(simpler, rough_));
       if (glance.errors.expected_V < kFarWorse * choice_.errors.expected_V) Simplify(simpler);
     };
+    DropTerms(simplify);
+    if (options_.resistance_nodes > 0 || best().nodes() == 1) return;
+    JointStructure simpler = best();
+    simpler.resistance_soc = Nodes(1);
+    simplify(simpler);
+  }
+
+  // A term that was asked for beside other tables must be asked for beside these too.
+  template <class Simplify>
+  void DropTerms(Simplify&& simplify) {
     for (bool JointStructure::*term :
          {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
       const Presence wish =
@@ -566,23 +576,6 @@ class Choosing {
       JointStructure simpler = best();
       simpler.*term = false;
       simplify(simpler);
-    }
-    if (options_.resistance_nodes > 0 || best().nodes() == 1) return;
-    JointStructure simpler = best();
-    simpler.resistance_soc = Nodes(1);
-    simplify(simpler);
-  }
-
-  // A term that was asked for beside other tables must be asked for beside these too.
-  void DropTerms() {
-    for (bool JointStructure::*term :
-         {&JointStructure::self_heating, &JointStructure::charge_transfer}) {
-      const Presence wish =
-          term == &JointStructure::self_heating ? options_.self_heating : options_.charge_transfer;
-      if (!(best().*term) || wish != Presence::kAuto) continue;
-      JointStructure simpler = best();
-      simpler.*term = false;
-      Simplify(simpler);
     }
   }
 

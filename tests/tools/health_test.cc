@@ -340,32 +340,27 @@ TEST(Health, OfASimulatedFlightConvergesToWhatThePackIs) {
   for (std::size_t at = 0; (at = rest.find(",,", at)) != std::string::npos;) rest.insert(++at, "0");
   flight.insert(header, rest);
   const std::string rested = WriteText("rested.csv", flight);
-  const auto run = RunLipoid(folder,
-                             {"health",
-                              "--cell",
-                              reference,
-                              "--series",
-                              "4",
-                              "--capacity-Ah",
-                              std::to_string(of_new_Ah),
-                              rested,
-                              "--summary",
-                              "s.json"});
+  const auto told = [&](double capacity_Ah) {
+    return RunLipoid(folder,
+                     {"health",
+                      "--cell",
+                      reference,
+                      "--series",
+                      "4",
+                      "--capacity-Ah",
+                      std::to_string(capacity_Ah),
+                      rested,
+                      "--summary",
+                      "s.json"});
+  };
+  const auto run = told(of_new_Ah);
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   const Json found = ReadJson(folder, "s.json").at("flights")[0];
   EXPECT_TRUE(found.at("converged").get<bool>());
   EXPECT_LT(found.at("capacity_interval_95")[0].get<double>(), 0.8 * of_new_Ah);
   EXPECT_GT(found.at("capacity_interval_95")[1].get<double>(), 0.8 * of_new_Ah);
   // A capacity mistyped by three: near it lies an end of the search that no slope leaves.
-  const auto mistyped = RunLipoid(folder,
-                                  {"health",
-                                   "--cell",
-                                   reference,
-                                   "--series",
-                                   "4",
-                                   "--capacity-Ah",
-                                   std::to_string(3.0 * of_new_Ah),
-                                   rested});
+  const auto mistyped = told(3.0 * of_new_Ah);
   EXPECT_NE(mistyped.out.find("capacity not known: the flight fits a pack of 0.2"),
             std::string::npos)
       << mistyped.out;
