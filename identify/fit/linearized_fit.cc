@@ -18,14 +18,16 @@ class Quantities {
              const JointSolution& solution,
              const GivenParameters& known,
              const std::vector<JointRate>& searched,
-             double typical_A,
+             const FitScales& scales,
              const FitAxis& axis)
       : fit_(fit),
         solution_(solution),
         known_(known),
         searched_(searched),
         layout_(solution.structure),
-        typical_A_(typical_A),
+        typical_A_(scales.typical_A),
+        lowest_soc_(scales.lowest_loaded_soc),
+        highest_soc_(scales.highest_loaded_soc),
         axis_(axis) {}
 
   void Fill() {
@@ -61,6 +63,12 @@ class Quantities {
     return found == fit_.rates.end() ? -1 : found - fit_.rates.begin();
   }
   [[nodiscard]] bool Follows(int j) const { return solution_.follows[static_cast<std::size_t>(j)]; }
+
+  // Far from every load a resistance goes on by assumption, and so would its interval.
+  [[nodiscard]] bool Loaded(double soc) const {
+    constexpr double kFar = 0.05;
+    return soc >= lowest_soc_ - kFar && soc <= highest_soc_ + kFar;
+  }
 
   void AddRate(const std::string& rate, double value, double scale = 1.0) {
     AddRate(rate, rate, value, scale);
@@ -138,7 +146,7 @@ class Quantities {
     NodeFinder find(nodes);
     for (const double soc : {0.2, 0.5, 0.8}) {
       const double on_axis = axis_(soc);
-      if (on_axis < nodes.front() || on_axis > nodes.back()) continue;
+      if (on_axis < nodes.front() || on_axis > nodes.back() || !Loaded(on_axis)) continue;
       const NodeShare at = find(on_axis);
       const double low = solution_.x[table + at.lower];
       const double high = solution_.x[table + at.lower + 1];
@@ -176,6 +184,8 @@ class Quantities {
   const std::vector<JointRate>& searched_;
   JointLayout layout_;
   double typical_A_;
+  double lowest_soc_;  // where there were loads, on the axis of the fit
+  double highest_soc_;
   FitAxis axis_;
 };
 
@@ -236,7 +246,7 @@ LinearizedFit Linearize(const Observations& seen,
   ToRises(nodes, layout.voltages());
   all.penalty = Eigen::MatrixXd::Zero(all.Linear(layout.size()), all.Linear(layout.size()));
   all.penalty.bottomRightCorner(layout.size(), layout.size()) = nodes;
-  Quantities(all, solution, known, searched, seen.scales().typical_A, axis).Fill();
+  Quantities(all, solution, known, searched, seen.scales(), axis).Fill();
   return all;
 }
 

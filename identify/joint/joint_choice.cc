@@ -135,7 +135,7 @@ bool Zigzags(const JointSolution& solution) {
   return false;
 }
 
-std::string Describe(const JointStructure& s) {
+std::string Describe(const JointStructure& s, bool diffusion) {
   std::string text = s.nodes() == 1 ? "constant resistances" : fmt::format("{} nodes", s.nodes());
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
   for (const JointTerm& term : JointTerms()) {
@@ -149,6 +149,7 @@ std::string Describe(const JointStructure& s) {
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
   if (s.branch_smoothness > 1.0)
     text += fmt::format(", branches {:g} times as smooth", s.branch_smoothness);
+  if (!diffusion) text += ", no diffusion";
   return text;
 }
 
@@ -259,9 +260,8 @@ class Choosing {
       TryBothWays(structure);
       TryTerms(structure);
       if (given == 0) TryNodes();
-      const int branches = best().branches;
       TryBranches();
-      if (best().branches > branches) TrySimpler();
+      if (best().branches > structure.branches) TrySimpler();
       TryEntropy();
       TryHysteresisNodes();
       TryShared();
@@ -272,6 +272,12 @@ class Choosing {
       choice_.reason =
           "too few pulses and discharges to leave any out: the simplest structure is taken";
     }
+    return std::move(choice_);
+  }
+
+  // What was taken, without what the setup no longer has.
+  JointChoice RunSimpler() {
+    Simplify(JointStructure(best()));
     return std::move(choice_);
   }
 
@@ -296,6 +302,9 @@ class Choosing {
     return OnAxis(ResistanceNodes(count), lowest_soc_);
   }
   [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
+  [[nodiscard]] std::string What(const JointStructure& structure) const {
+    return Describe(structure, fit_.seen().setup().diffusion);
+  }
   void Take(std::size_t k) {
     choice_.taken = k;
     choice_.best = choice_.tried[k].solution;
@@ -312,7 +321,7 @@ class Choosing {
 
   // How well a solution's structure predicts held-out rows.
   [[nodiscard]] TriedStructure Assess(JointSolution solution) const {
-    TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
+    TriedStructure row{.what = What(solution.structure), .solution = std::move(solution)};
     row.errors.smoothness = rough_;
     if (compare_) {
       row.errors =
@@ -605,7 +614,7 @@ class Choosing {
       if (!Zigzags(choice_.best)) return;
       JointStructure smoother = best();
       smoother.branch_smoothness = times;
-      TriedStructure row{.what = Describe(smoother),
+      TriedStructure row{.what = What(smoother),
                          .solution = AtFoundRates(smoother, choice_.errors.smoothness)};
       row.errors = LeaveOut(fit_, logs_, smoother, row.solution.rates, {choice_.errors.smoothness});
       choice_.tried.push_back(std::move(row));
@@ -685,6 +694,10 @@ bool NearSlowest(const JointRates& rates, double longest_tau_s) {
 
 JointChoice ChooseStructure(const ChoiceTask& task, const JointChoice* before) {
   return Choosing(task, {}, before).Run();
+}
+
+JointChoice ChooseBySimplerSetup(const ChoiceTask& task, JointChoice choice) {
+  return Choosing(task, std::move(choice), nullptr).RunSimpler();
 }
 
 JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice) {

@@ -162,6 +162,9 @@ struct ChoiceTask {
 /// what that limit did not touch is not searched again.
 [[nodiscard]] JointChoice ChooseStructure(const ChoiceTask& task,
                                           const JointChoice* before = nullptr);
+/// The structure that was taken is fitted in this setup, which lacks something that the setup of the
+/// choice had, and is taken unless the rule of the choice asks for what is lacking.
+[[nodiscard]] JointChoice ChooseBySimplerSetup(const ChoiceTask& task, JointChoice choice);
 /// The best structure is polished; how sure the choice is, and the finer structure, are found.
 [[nodiscard]] JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice);
 

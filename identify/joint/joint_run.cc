@@ -50,6 +50,9 @@ double LowRateCharge(const StagedResult& staged, const std::vector<LoadedLog>& l
 // A fit by another alpha is better, and not only by what smoothness and nodes make of it.
 constexpr double kClearlyBetter = 0.9;
 
+// The limit of beta at which diffusion is as good as none; at the other, it is slower than the logs.
+constexpr double kShowsNone_per_sqrt_s = 0.5;
+
 // A capacity that the last slope of v_oc leads to, from one that the logs moved.
 bool IsNear(double alpha_C, double from_C) {
   return alpha_C > 0.5 * from_C && alpha_C < 2.0 * from_C;
@@ -93,6 +96,13 @@ class JointRun {
       FindLeastAlpha(log, delivered_C);
     }
     FitBesideTheStaged(for_staged);
+    if (HasOffset()) {
+      result_.least_alpha_C = 0.0;
+      for (const LoadedLog& log : logs_) {
+        const LoadedLog flowing = AsFlowing(log);
+        FindLeastAlpha(flowing, DeliveredCharge(flowing.log.record));
+      }
+    }
     MakeCell();
     result_.held_curve = MoveOfHeldCurve(result_);
     Judge();
@@ -184,7 +194,7 @@ class JointRun {
     const StagedResult& staged = result_.staged;
     JointSetup& setup = result_.setup;
     setup.alpha_C = alpha_C;
-    setup.diffusion = staged_options_.pulses.diffusion;
+    setup.diffusion = diffusion_;
     setup.terms = staged_options_.pulses.terms;
     setup.tail = staged_options_.pulses.tail;
     setup.edge_resistance_Ohm = staged.start.series_resistance_Ohm;
@@ -370,6 +380,7 @@ class JointRun {
   void Fit() {
     Choose(0.3, 0.3);
     if (WantsSlower()) ChooseAmongSlower();
+    if (ShowsNoDiffusion()) TryWithoutDiffusion();
     WithTask(0.3, 0.6, [&](const ChoiceTask& task) {
       result_.choice = FinishChoice(task, std::move(result_.choice));
     });
@@ -437,6 +448,33 @@ class JointRun {
     }
     result_.setup.slow_branches = false;
     result_.choice = std::move(before);
+  }
+
+  // Diffusion as fast as beta may be is a resistance that follows the slope of v_oc, and nobody has
+  // said what beta is. What is fast in the warm need not be in the cold.
+  [[nodiscard]] bool ShowsNoDiffusion() const {
+    const JointSolution& best = result_.choice.best;
+    if (!result_.setup.diffusion || given_.reference || known_.Bounds("beta") ||
+        best.structure.temperature || result_.logs.groups < 2)
+      return false;
+    return std::find(best.at_bound.begin(), best.at_bound.end(), "beta") != best.at_bound.end() &&
+           best.rates.beta_per_sqrt_s > kShowsNone_per_sqrt_s;
+  }
+
+  void TryWithoutDiffusion() {
+    result_.setup.diffusion = diffusion_ = false;
+    const std::size_t with = result_.choice.taken;
+    WithTask(0.6, 0.0, [&](const ChoiceTask& task) {
+      result_.choice = ChooseBySimplerSetup(task, std::move(result_.choice));
+    });
+    if (result_.choice.taken == with) {
+      result_.setup.diffusion = diffusion_ = true;
+      return;
+    }
+    result_.cautions.push_back(fmt::format(
+        "these logs show no diffusion: beta went to its limit of {:.3g} s^-1/2, and left-out rows are predicted "
+        "as well without it; the cell has its capacity alone (--bounds beta=LOW,HIGH keeps diffusion)",
+        result_.choice.tried[with].solution.rates.beta_per_sqrt_s));
   }
 
   // The first capacity reference was rough. Where the model is right to within the noise, kinks of
@@ -560,14 +598,15 @@ class JointRun {
     cell.temperature_seen = seen;
   }
 
+  [[nodiscard]] bool HasOffset() const { return result_.choice.best.structure.current_offset; }
   // By the currents that flowed, where the sensor was found to have an offset.
+  [[nodiscard]] LoadedLog AsFlowing(LoadedLog log) const {
+    for (double& current_A : log.log.record.current_A)
+      current_A = result_.choice.best.rates.Flowing(current_A);
+    return log;
+  }
   [[nodiscard]] LogErrors ValidateAsFlowing(const LoadedLog& log) const {
-    const JointSolution& best = result_.choice.best;
-    if (!best.structure.current_offset) return Validate(result_.cell, log);
-    LoadedLog flowing = log;
-    for (double& current_A : flowing.log.record.current_A)
-      current_A = best.rates.Flowing(current_A);
-    return Validate(result_.cell, flowing);
+    return Validate(result_.cell, HasOffset() ? AsFlowing(log) : log);
   }
 
   // Every log by the cell itself, on all of its rows; and by the staged cell beside it.
@@ -651,6 +690,7 @@ class JointRun {
     }
     if (!result_.alpha_doubt.empty()) say.push_back(result_.alpha_doubt);
     NameStartsThatAlphaRestsOn();
+    NameSensorThatAlphaRestsOn();
     NameSmoothBranches();
     NameWhereNoLoadWas();
     NameTemperatureCautions();
@@ -720,6 +760,36 @@ class JointRun {
         fmt::join(words, ", ")));
   }
 
+  // What a slow discharge counts of a current that does not flow, no other discharge shows.
+  void NameSensorThatAlphaRestsOn() {
+    constexpr double kOffset = 1e-3;  // of the largest current: what current sensors are sold with
+    constexpr double kWorthSaying = 0.01;
+    if (given_.alpha_C || given_.reference || HasOffset()) return;
+    if (std::any_of(logs_.begin(), logs_.end(), [](const LoadedLog& log) {
+          return log.entry.kind == LogKind::kLowRateCharge;
+        }))
+      return;
+    std::size_t deepest = logs_.size();
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      if (logs_[l].entry.kind == LogKind::kValidation) continue;
+      if (deepest == logs_.size() || deepest_C_[l] > deepest_C_[deepest]) deepest = l;
+    }
+    if (deepest == logs_.size() || !(deepest_C_[deepest] > 0.0)) return;
+    const Record& record = logs_[deepest].log.record;
+    double loaded_s = 0.0;
+    for (std::size_t k = 1; k < record.size(); ++k) {
+      if (record.current_A[k] != 0.0) loaded_s += record.time_s[k] - record.time_s[k - 1];
+    }
+    const double per_A = loaded_s / deepest_C_[deepest];
+    if (kOffset * result_.logs.largest_A * per_A < kWorthSaying) return;
+    result_.cautions.push_back(fmt::format(
+        "alpha takes the zero of the current sensor as exact: each mA of an offset would change it by {:.2g} % "
+        "over the {:.3g} h of {}; a slow charge (low-rate-charge) would show it",
+        0.1 * per_A,
+        loaded_s / 3600.0,
+        logs_[deepest].entry.file));
+  }
+
   void NameSmoothBranches() {
     const double times = result_.choice.best.structure.branch_smoothness;
     if (times <= 1.0) return;
@@ -731,13 +801,14 @@ class JointRun {
 
   void NameWhereNoLoadWas() {
     const JointLogs& logs = result_.logs;
-    if (result_.setup.held || result_.choice.best.structure.nodes() == 1) return;
+    if (result_.choice.best.structure.nodes() == 1) return;
     if (!std::isfinite(logs.lowest_loaded_soc) && !std::isfinite(logs.highest_loaded_soc)) return;
     result_.cautions.push_back(fmt::format(
-        "loads were between {:.2f} and {:.2f} of the charge: beyond, resistances are taken to go on as they are "
-        "there, and neither they nor their intervals are seen",
+        "loads were between {:.2f} and {:.2f} of the charge: beyond, resistances are taken to {}, and neither they "
+        "nor their intervals are seen",
         std::max(logs.lowest_loaded_soc, 0.0),
-        std::min(logs.highest_loaded_soc, 1.0)));
+        std::min(logs.highest_loaded_soc, 1.0),
+        result_.setup.held ? "have changed as they have there" : "go on as they are there"));
   }
 
   void NameTemperatureCautions() {
@@ -793,6 +864,7 @@ class JointRun {
   const StagedGiven& given_;
   const StageProgress& progress_;
   GivenParameters known_;
+  bool diffusion_ = staged_options_.pulses.diffusion;
   bool curve_given_ = false;
   bool starts_alike_ = true;       // all logs, at start_soc of the result
   bool free_alpha_ = false;        // alpha is one of the unknowns

@@ -344,6 +344,25 @@ TEST(JointRun, WithoutDiffusionThereIsNoBeta) {
   EXPECT_NEAR(*CellParameter(result.cell, "tau_1"), 45.0, 1.0);
 }
 
+// Held at its limit, beta took half a percent of r_s.
+TEST(JointRun, DiffusionThatNoLogShowsIsLeftOut) {
+  Cell truth = Truth();
+  truth.diffusion.reset();
+  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const JointResult result = Identify(logs);
+  EXPECT_FALSE(result.cell.diffusion);
+  EXPECT_TRUE(OneSays(result.cautions, "these logs show no diffusion"));
+  EXPECT_FALSE(OneSays(result.cautions, "beta is at its limit"));
+  const double r_s = *CellParameter(truth, "r_s");
+  EXPECT_NEAR(*CellParameter(result.cell, "r_s"), r_s, 0.002 * r_s);
+  EXPECT_NEAR(result.cell.capacity_Ah, truth.capacity_Ah, 1e-3 * truth.capacity_Ah);
+
+  StagedGiven within;
+  within.parameters.bounds = {{"beta", {0.01, 1.0}}};
+  EXPECT_TRUE(Identify(logs, within).cell.diffusion);
+  EXPECT_TRUE(Identify(test::SyntheticLogs(Truth(), 5.0, kNoise_V)).cell.diffusion);
+}
+
 // ---- real cells --------------------------------------------------------------------------------
 
 LogErrors Of(const std::vector<LogErrors>& all, const std::string& file) {
@@ -480,7 +499,24 @@ TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
     EXPECT_LT(total(result.cell, soc), 1.4 * total(truth, soc)) << soc;
   }
   EXPECT_NEAR(result.alpha_C, truth.alpha_C(), 0.005 * truth.alpha_C());
+  // What goes on by assumption is no row of the report.
+  std::vector<std::string> reported;
+  for (const auto& quantity : AssessJoint(result).quantities) reported.push_back(quantity.name);
+  const auto has = [&](const char* name) {
+    return std::find(reported.begin(), reported.end(), name) != reported.end();
+  };
+  EXPECT_TRUE(has("r_s(0.8)"));
+  EXPECT_FALSE(has("r_s(0.2)") || has("r_1(0.2)"));
   EXPECT_FALSE(OneSays(Identify(all).cautions, "resistances are taken to go on"));
+}
+
+// A slow discharge counts what a faulty zero adds for twenty hours, and no other discharge shows it.
+TEST(JointRun, SaysWhatTheZeroOfTheCurrentSensorWouldDoToAlpha) {
+  auto logs = test::SyntheticLogs(Truth(), 20.0, kNoise_V);
+  EXPECT_TRUE(
+      OneSays(Identify(logs).cautions, "alpha takes the zero of the current sensor as exact"));
+  std::erase_if(logs, [](const auto& log) { return log.entry.kind == LogKind::kLowRate; });
+  EXPECT_FALSE(OneSays(Identify(logs).cautions, "the zero of the current sensor"));
 }
 
 // Pulses that end at 3.7 V say nothing of the charge below: the last slope of their v_oc led to 1.5
