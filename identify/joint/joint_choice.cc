@@ -38,8 +38,9 @@ bool FitsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) {
 // own: the richer structure is asked for where it predicts them better by more than chance. Pieces
 // share what disturbed their log with their neighbours, and the thresholds above decide.
 bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
-  if (simple.fitted_V <= std::max(kAtTheNoise * logs.noise_mean_V, kFinest_V)) return false;
+  if (simple.fitted_V <= kFinest_V) return false;
   if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
+  if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
   if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
   return rich.expected_V < simple.expected_V && FitsBetter(rich, simple);
 }
@@ -57,20 +58,35 @@ std::vector<double> Bent(int count) {
   return nodes;
 }
 
+// What no row of the voltage shows.
+constexpr double kNothing_V = 1e-6;
+
+bool IsGone(const JointSolution& solution, int table, const JointLogs& logs) {
+  const JointLayout layout(solution.structure);
+  const double scale = logs.typical_A / logs.largest_A;
+  return solution.x.segment(layout.table(table), layout.nodes()).maxCoeff() < kNothing_V * scale;
+}
+
 // Whether every term has a part in the answer.
 bool Complete(const JointSolution& solution, const JointLogs& logs) {
   if (solution.x.size() == 0) return false;
   const JointLayout layout(solution.structure);
-  constexpr double kNothing_V = 1e-6;
-  const double scale = logs.typical_A / logs.largest_A;
   for (int t = 1; t < layout.tables(); ++t) {
-    if (solution.x.segment(layout.table(t), layout.nodes()).maxCoeff() < kNothing_V * scale)
-      return false;
+    if (IsGone(solution, t, logs)) return false;
   }
   if (layout.hystereses() > 0 &&
       solution.x.segment(layout.hysteresis(), layout.hystereses()).maxCoeff() < kNothing_V)
     return false;
   return !solution.structure.self_heating || solution.x[layout.heating()] > 0.0;
+}
+
+// Its structure without terms that have no part in the answer.
+JointStructure WithoutGoneTerms(const JointSolution& solution, const JointLogs& logs) {
+  const JointLayout layout(solution.structure);
+  JointStructure structure = solution.structure;
+  structure.charge_transfer &= !IsGone(solution, layout.tables() - 1, logs);
+  structure.self_heating &= solution.x[layout.heating()] > 0.0;
+  return structure;
 }
 
 // Whether a log shows v_oc from the other side: by how much it was charged.
@@ -541,7 +557,14 @@ class Choosing {
       const JointSolution near = choice_.tried[from].solution;
       JointStructure richer = near.structure;
       ++richer.branches;
-      const std::size_t k = Search(richer, &near);
+      std::size_t k = Search(richer, &near);
+      // A term that stood in for the branch may be gone beside it.
+      const TriedStructure& row = choice_.tried[k];
+      if (k != choice_.taken && row.solution.x.size() > 0 && IsBetter(row.errors, choice_.errors)) {
+        const JointSolution beside = row.solution;
+        const JointStructure without = WithoutGoneTerms(beside, logs_);
+        if (without != beside.structure) k = Search(without, &beside);
+      }
       if (k != choice_.taken && !FitsBetter(choice_.tried[k].errors, choice_.tried[from].errors))
         return;
       from = k;

@@ -95,6 +95,40 @@ TEST(JointChoice, DropsWhatStoodInForABranch) {
   EXPECT_NEAR(result.cell.branches[1].time_constant_s, 400.0, 40.0);
 }
 
+// Beside one branch charge transfer and self-heating follow what the second would say; beside two they
+// are nothing, and a fit that holds nothing is not taken.
+TEST(JointChoice, TermsThatAreGoneBesideANewBranchDoNotStopIt) {
+  Cell truth = Truth();
+  truth.branches.push_back(truth.branches.front());
+  truth.branches[0].resistance_Ohm = 0.1;
+  truth.branches[1].resistance_Ohm = 0.05;
+  truth.branches[0].time_constant_s = 5.0;
+  truth.branches[1].time_constant_s = 1000.0;
+  for (Cell::Branch& branch : truth.branches)
+    branch.capacitance_F = branch.time_constant_s / branch.resistance_Ohm.resistance_Ohm[0];
+  auto logs = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  logs.resize(1);  // at 1C
+  for (int rate = 2; rate <= 5; ++rate) {
+    logs.push_back(test::AsLog(LogKind::kConstantCurrent,
+                               test::SimulateLog(
+                                   truth,
+                                   2.0,
+                                   3600.0,
+                                   [&](double) { return rate * truth.capacity_Ah; },
+                                   fmt::format("cc_{}C.csv", rate),
+                                   kNoise_V,
+                                   static_cast<std::uint64_t>(rate))));
+  }
+  for (LoadedLog& log : test::SyntheticLogs(truth, 2.0, kNoise_V)) {
+    if (log.entry.kind != LogKind::kConstantCurrent) logs.push_back(std::move(log));
+  }
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  const JointStructure& found = result.choice.best.structure;
+  EXPECT_EQ(found.branches, 2);
+  EXPECT_EQ(found.nodes(), 1);
+  EXPECT_FALSE(found.charge_transfer || found.self_heating);
+}
+
 TEST(JointChoice, FindsSelfHeating) {
   Cell truth = Truth();
   truth.self_heating =
