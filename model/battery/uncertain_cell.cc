@@ -14,7 +14,13 @@ namespace {
 
 // Of the estimate.
 constexpr double kLeastPositive = 0.01;
-constexpr double kLeastBeta = 0.001;
+
+// The coordinate of beta, and its slope.
+double HeldBack(double beta_per_sqrt_s) { return 1.0 / (beta_per_sqrt_s * beta_per_sqrt_s); }
+double HeldBackSlope(double beta_per_sqrt_s) {
+  return -2.0 * HeldBack(beta_per_sqrt_s) / beta_per_sqrt_s;
+}
+double BetaOf(double held_back_s) { return 1.0 / std::sqrt(held_back_s); }
 
 Eigen::MatrixXd AsMatrix(const std::vector<std::vector<double>>& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
@@ -63,9 +69,9 @@ UncertainCell::UncertainCell(const Cell& cell) : base_(cell) {
     estimate_[k] = *value;
     kinds_.push_back(KindOf(Name(k)));
     if (Name(k) != "beta") continue;
-    estimate_[k] = std::log(*value);
-    covariance_.row(k) /= *value;
-    covariance_.col(k) /= *value;
+    estimate_[k] = HeldBack(*value);
+    covariance_.row(k) *= HeldBackSlope(*value);
+    covariance_.col(k) *= HeldBackSlope(*value);
   }
   const auto [unit, eigen] = Eigensystem(covariance_);
   factor_ = unit.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -77,12 +83,10 @@ void UncertainCell::FindRange() {
   const Eigen::Index n = estimate_.size();
   for (Eigen::Index k = 0; k < n; ++k) {
     if (Kind(k) == nullptr || Kind(k)->any_sign) continue;
-    if (Name(k) == "beta") {
-      range_.push_back({.more = k, .least = estimate_[k] + std::log(kLeastBeta)});
-      range_.push_back({.less = k, .least = -std::log(Kind(k)->upper)});
-    } else {
-      range_.push_back({.more = k, .least = Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k]});
-    }
+    range_.push_back({.more = k,
+                      .least = Name(k) == "beta" ? HeldBack(Kind(k)->upper)
+                               : Kind(k)->zero   ? 0.0
+                                                 : kLeastPositive * estimate_[k]});
   }
   const auto& voltage_V = base_.open_circuit_voltage.voltage_V();
   node_.assign(voltage_V.size(), -1);
@@ -158,7 +162,7 @@ Cell UncertainCell::At(const Eigen::VectorXd& x) const {
     if (Kind(k) == nullptr) continue;
     double value = x[k];
     if (Name(k) == "beta") {
-      value = std::min(Kind(k)->upper, std::exp(value));
+      value = std::min(Kind(k)->upper, BetaOf(std::max(value, HeldBack(Kind(k)->upper))));
     } else if (!Kind(k)->any_sign) {
       value = std::max(Kind(k)->zero ? 0.0 : kLeastPositive * estimate_[k], value);
       if (!Kind(k)->Holds(value)) continue;  // a branch without inertia stays one
@@ -248,7 +252,7 @@ Cell::Uncertainty UncertainCell::WithCovariance(const Eigen::VectorXd& x,
                                 .soc_follows_alpha = soc_follows_alpha_};
   Eigen::VectorXd unit = Eigen::VectorXd::Ones(x.size());
   for (Eigen::Index k = 0; k < x.size(); ++k) {
-    if (Name(k) == "beta") unit[k] = std::exp(x[k]);
+    if (Name(k) == "beta") unit[k] = 1.0 / HeldBackSlope(BetaOf(x[k]));
   }
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     auto& row = uncertainty.covariance.emplace_back();

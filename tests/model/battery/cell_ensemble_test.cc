@@ -24,8 +24,7 @@ Cell With(std::vector<std::string> parameters,
           std::vector<std::vector<double>> covariance,
           double freedom = kNormal) {
   Cell cell = LoadCell("gifi-600mAh-1");
-  cell.branches = {
-      {.resistance_Ohm = 0.03, .time_constant_s = 45.0, .capacitance_F = 1500.0}};
+  cell.branches = {{.resistance_Ohm = 0.03, .time_constant_s = 45.0, .capacitance_F = 1500.0}};
   cell.uncertainty = Cell::Uncertainty{.parameters = std::move(parameters),
                                        .covariance = std::move(covariance),
                                        .degrees_of_freedom = freedom};
@@ -71,8 +70,8 @@ void ExpectMoments(const Eigen::MatrixXd& values,
 }
 
 TEST(CellEnsemble, MeanAndCovarianceAreThoseGiven) {
-  const Cell cell = With({"r_s", "r_1", "tau_1"},
-                         {{1e-6, -8e-7, 1e-3}, {-8e-7, 1e-6, 0.0}, {1e-3, 0.0, 9.0}});
+  const Cell cell =
+      With({"r_s", "r_1", "tau_1"}, {{1e-6, -8e-7, 1e-3}, {-8e-7, 1e-6, 0.0}, {1e-3, 0.0, 9.0}});
   Eigen::Matrix3d covariance;
   covariance << 1e-6, -8e-7, 1e-3, -8e-7, 1e-6, 0.0, 1e-3, 0.0, 9.0;
   ExpectMoments(Drawn(cell, 20000), {0.1314, 0.03, 45.0}, covariance);
@@ -94,14 +93,25 @@ TEST(CellEnsemble, FewDegreesOfFreedomMakeStudentsTails) {
   EXPECT_NEAR(within / 40000.0, 0.95, 0.004);  // four standard deviations
 }
 
-TEST(CellEnsemble, BetaIsDrawnInItsLogarithm) {
+// The charge that diffusion holds back goes with 1/beta², which is what is drawn.
+TEST(CellEnsemble, BetaIsDrawnByWhatDiffusionHoldsBack) {
   const double beta = 0.1924;
-  const Cell cell = With({"beta"}, {{0.25 * beta * beta}});  // 50 %
-  Eigen::MatrixXd values = Drawn(cell, 20000).array().log();
+  const double held_back_s = 1.0 / (beta * beta);
+  const Cell cell = With({"beta"}, {{0.01 * beta * beta}});  // 10 %
+  const Eigen::MatrixXd values = Drawn(cell, 20000).array().square().inverse();
   Eigen::MatrixXd covariance(1, 1);
-  covariance << 0.25;
-  ExpectMoments(values, {std::log(beta)}, covariance);
-  EXPECT_LE(values.maxCoeff(), 0.0);  // never above 1, where 3 standard errors end
+  covariance << 0.04 * held_back_s * held_back_s;
+  ExpectMoments(values, {held_back_s}, covariance);
+}
+
+// A beta that is known to a factor of itself holds back a few times what the estimate does, and not
+// hundreds of times; none is above 1.
+TEST(CellEnsemble, ABetaThatIsHardlyKnownStaysOfItsKind) {
+  const double beta = 0.25;
+  const Cell cell = With({"beta"}, {{beta * beta}});
+  const Eigen::MatrixXd values = Drawn(cell, 20000);
+  EXPECT_GT(values.minCoeff(), beta / 5.0);  // 25 times 1/beta²: twelve of its standard errors
+  EXPECT_LE(values.maxCoeff(), 1.0);
 }
 
 // The sum of two resistances is known to 0.1 mOhm, each of them to 30: where one would become
@@ -118,7 +128,7 @@ TEST(CellEnsemble, WhatTheDataKnowStaysWhereADrawIsMovedIntoRange) {
     ASSERT_GE(r_s, 0.0);
     ASSERT_GE(r_1, 0.0);
     ASSERT_NEAR(r_s + r_1, 0.1614, 5e-4);  // five standard errors of the sum
-    at_zero += r_1 < 1e-12 ? 1 : 0;  // zero but for rounding
+    at_zero += r_1 < 1e-12 ? 1 : 0;        // zero but for rounding
   }
   // r_1 of 0.03 +- 0.03: a sixth of a normal distribution lies below zero.
   EXPECT_NEAR(at_zero / 4000.0, 0.1587, 0.025);
@@ -136,8 +146,19 @@ TEST(CellEnsemble, AnIntervalOfMovedCellsSaysSo) {
 }
 
 TEST(CellEnsemble, EveryCellIsOneThatAFileMayHold) {
-  Cell cell = With({"alpha", "beta", "r_s[0]", "r_s[1]", "r_1", "tau_1", "tau_h", "rho_h", "i_0",
-                    "r_ct", "v_oc[3]", "v_oc[4]", "v_oc[12]"},
+  Cell cell = With({"alpha",
+                    "beta",
+                    "r_s[0]",
+                    "r_s[1]",
+                    "r_1",
+                    "tau_1",
+                    "tau_h",
+                    "rho_h",
+                    "i_0",
+                    "r_ct",
+                    "v_oc[3]",
+                    "v_oc[4]",
+                    "v_oc[12]"},
                    {},
                    3.0);
   cell.series_resistance_Ohm = Resistance<double>({0.0, 1.0}, {0.2, 0.0});

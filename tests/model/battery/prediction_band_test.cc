@@ -19,10 +19,9 @@ namespace {
 
 Cell WithUncertainSeriesResistance(double standard_error_Ohm, double freedom) {
   Cell cell = LoadCell("gifi-600mAh-1");
-  cell.uncertainty =
-      Cell::Uncertainty{.parameters = {"r_s"},
-                        .covariance = {{standard_error_Ohm * standard_error_Ohm}},
-                        .degrees_of_freedom = freedom};
+  cell.uncertainty = Cell::Uncertainty{.parameters = {"r_s"},
+                                       .covariance = {{standard_error_Ohm * standard_error_Ohm}},
+                                       .degrees_of_freedom = freedom};
   return cell;
 }
 
@@ -52,8 +51,7 @@ TEST(PredictionBand, OfASeriesResistanceIsTheCurrentTimesItsInterval) {
   cell.parallel = 2;
   const Log log = Steps();
   const auto cells = DrawCells(cell, kCells, 1).cells;
-  const auto band =
-      PredictBand(cells, std::vector<double>(kCells, 0.9), log.time_s, log.current_A);
+  const auto band = PredictBand(cells, std::vector<double>(kCells, 0.9), log.time_s, log.current_A);
   const auto estimate = Predict(cell, log.time_s, log.current_A, Hold::kBackward, 0.9);
   // A quantile of 4000 numbers: sqrt(p (1 - p)/N) over the density there, 0.0297 of t_10, is 0.083
   // standard errors; four of them.
@@ -61,9 +59,11 @@ TEST(PredictionBand, OfASeriesResistanceIsTheCurrentTimesItsInterval) {
   for (std::size_t k = 0; k < log.time_s.size(); ++k) {
     const double drop_V = 3.0 * log.current_A[k] / 2.0 * kError_Ohm;
     // Rounding of a dozen volts where no current flows.
-    ASSERT_NEAR(band.voltage_low_V[k], estimate.voltage_V[k] - kQuantile * drop_V,
+    ASSERT_NEAR(band.voltage_low_V[k],
+                estimate.voltage_V[k] - kQuantile * drop_V,
                 kChance * drop_V + 1e-12);
-    ASSERT_NEAR(band.voltage_high_V[k], estimate.voltage_V[k] + kQuantile * drop_V,
+    ASSERT_NEAR(band.voltage_high_V[k],
+                estimate.voltage_V[k] + kQuantile * drop_V,
                 kChance * drop_V + 1e-12);
   }
 }
@@ -83,7 +83,8 @@ TEST(PredictionBand, OfSmallErrorsIsThatOfTheLinearPrediction) {
   correlation(4, 5) = correlation(5, 4) = 0.8;
   correlation(1, 4) = correlation(4, 1) = 0.3;
   const Eigen::MatrixXd covariance = errors.asDiagonal() * correlation * errors.asDiagonal();
-  cell.uncertainty = Cell::Uncertainty{.parameters = names, .covariance = {}, .degrees_of_freedom = 1e7};
+  cell.uncertainty =
+      Cell::Uncertainty{.parameters = names, .covariance = {}, .degrees_of_freedom = 1e7};
   for (Eigen::Index k = 0; k < count; ++k)
     cell.uncertainty->covariance.emplace_back(covariance.row(k).begin(), covariance.row(k).end());
 
@@ -107,8 +108,8 @@ TEST(PredictionBand, OfSmallErrorsIsThatOfTheLinearPrediction) {
   }
   const auto ensemble = DrawCells(cell, kCells, 5);
   EXPECT_EQ(ensemble.moved, 0);
-  const auto band = PredictBand(
-      ensemble.cells, std::vector<double>(kCells, kStart), log.time_s, log.current_A);
+  const auto band =
+      PredictBand(ensemble.cells, std::vector<double>(kCells, kStart), log.time_s, log.current_A);
   // Four standard deviations of a quantile of 4000 normal numbers, 0.0424 each (p = 0.025, density
   // 0.0584), at either end, and a tenth of the width, where A crosses a kink of v_oc and slopes of
   // one side are not those of the other. Without the correlations it would be off by half and more.
@@ -116,7 +117,8 @@ TEST(PredictionBand, OfSmallErrorsIsThatOfTheLinearPrediction) {
   for (Eigen::Index row = 0; row < slope.rows(); ++row) {
     const double expected_V = std::sqrt(slope.row(row) * covariance * slope.row(row).transpose());
     const auto k = static_cast<std::size_t>(row);
-    ASSERT_NEAR(band.voltage_high_V[k] - band.voltage_low_V[k], 2.0 * 1.96 * expected_V,
+    ASSERT_NEAR(band.voltage_high_V[k] - band.voltage_low_V[k],
+                2.0 * 1.96 * expected_V,
                 kChance * expected_V)
         << log.time_s[k];
   }
@@ -127,8 +129,7 @@ TEST(PredictionBand, OfOneCellIsItsPrediction) {
   const Log log = Steps();
   for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
     const std::vector<Cell> one{cell};
-    const auto band =
-        PredictBand(one, std::vector<double>{0.8}, log.time_s, log.current_A, hold);
+    const auto band = PredictBand(one, std::vector<double>{0.8}, log.time_s, log.current_A, hold);
     const auto expected = Predict(cell, log.time_s, log.current_A, hold, 0.8).voltage_V;
     EXPECT_EQ(band.voltage_low_V, expected);
     EXPECT_EQ(band.voltage_high_V, expected);

@@ -34,8 +34,8 @@ TEST(UncertainCell, MovesByStandardErrors) {
   const Cell cell = Uncertain();
   const UncertainCell around(cell);
   Eigen::VectorXd x = around.estimate();
-  x[1] += 0.001;  // one standard error of r_s
-  x[0] += std::log(1.01);
+  x[1] += 0.001;        // one standard error of r_s
+  x[0] /= 1.01 * 1.01;  // 1/beta²
   const Cell at = around.At(x);
   EXPECT_NEAR(*CellParameter(at, "r_s") - *CellParameter(cell, "r_s"), 0.001, 1e-14);
   EXPECT_NEAR(*CellParameter(at, "beta") / *CellParameter(cell, "beta"), 1.01, 1e-12);
