@@ -522,6 +522,35 @@ TEST(Design, WritesGainsThatFly) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
+TEST(Design, SaysWhichBoundsDecided) {
+  const auto folder = TestFolder();
+  const auto design = [&](const std::string& bound) {
+    return RunLipoid(folder,
+                     {"design",
+                      "altitude",
+                      "--optimizer",
+                      "levenberg-marquardt",
+                      "--check",
+                      "never",
+                      "--set",
+                      "design.proportional_bound=" + bound,
+                      "--set",
+                      "design.derivative_bound=3",
+                      "--summary",
+                      "s.json"});
+  };
+  const auto narrow = design("2");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("at_bound"),
+            (std::vector<std::string>{"proportional", "derivative"}));
+  EXPECT_NE(
+      narrow.err.find("the search ended at its upper bound: proportional = 2, derivative = 3"),
+      std::string::npos)
+      << narrow.err;
+  EXPECT_NE(narrow.err.find("--set design.derivative_bound=..."), std::string::npos) << narrow.err;
+  (void)design("1000");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("at_bound"), (std::vector<std::string>{"derivative"}));
+}
+
 TEST(Design, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   EXPECT_EQ(RunLipoid(folder, {"design", "yaw"}).exit_code, 2);
