@@ -402,6 +402,18 @@ TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
   EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
 }
 
+TEST(EnduranceCommand, TablesTakePercent) {
+  const auto folder = TestFolder();
+  const auto rows =
+      SummaryOf(folder,
+                {"--vehicle", "mambo-physical", "--cell", kCell, "--over", "reserve=0%:10%:30%"})
+          .at("over")
+          .at("rows");
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_DOUBLE_EQ(rows[1].at("value").get<double>(), 0.1);
+  EXPECT_DOUBLE_EQ(rows[3].at("value").get<double>(), 0.3);
+}
+
 TEST(EnduranceCommand, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
