@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/battery/cell_ensemble.h"
+#include "model/battery/curve_range.h"
 #include "model/battery/temperature_range.h"
 #include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
@@ -197,6 +198,7 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
     const double degC = request.ambient_degC->value;
     add(DoubtAboutTemperature(request.cell, degC, degC));
   }
+  add(DoubtAboutCurve(request.cell, answer.estimate.soc, request.initial_soc));
   add(DoubtAboutMoved(static_cast<std::size_t>(answer.moved), answer.flights.size()));
   if (request.cell.open_circuit_voltage_assumed) {
     add(fmt::format("the open-circuit voltage of {} is a typical one, not measured",

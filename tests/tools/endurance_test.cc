@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -412,6 +413,28 @@ TEST(EnduranceCommand, TablesTakePercent) {
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_DOUBLE_EQ(rows[1].at("value").get<double>(), 0.1);
   EXPECT_DOUBLE_EQ(rows[3].at("value").get<double>(), 0.3);
+}
+
+// Flights alone show v_oc only as far as they were flown.
+TEST(EnduranceCommand, SaysWhereNoLogHasShownTheVoltage) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  cell["name"] = "flown";
+  cell["diffusion"] = nullptr;
+  cell["open_circuit_voltage"] = {
+      {"method", "linear"}, {"soc", {0.6, 1.0}}, {"voltage_V", {4.0, 4.15}}};
+  WriteText(folder + "/flown.json", cell.dump());
+  const std::vector<std::string> words{"--vehicle", "mambo-physical", "--cell", "flown.json"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return SummaryOf(folder, more).at("messages").dump();
+  };
+  const std::string said = "v_oc of flown is known between 0.6 and 1 of the charge";
+  EXPECT_NE(with({}).find(said), std::string::npos);
+  EXPECT_EQ(with({"--reserve", "65%"}).find(said), std::string::npos);
+  // A row of a table as well as the estimate.
+  EXPECT_NE(with({"--reserve", "65%", "--over", "reserve=20%:45%:65%"}).find(said),
+            std::string::npos);
 }
 
 TEST(EnduranceCommand, SaysWhatIsWrong) {

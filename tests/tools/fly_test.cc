@@ -9,6 +9,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -133,6 +134,25 @@ TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   run = RunLipoid(folder, {"fly", "endurance", "--initial-soc", "0.2", "--summary", "s.json"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
+}
+
+// Flights alone show v_oc only as far as they were flown.
+TEST(Fly, SaysWhereNoLogHasShownTheVoltage) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(CellText("gifi-600mAh-1"));
+  cell["name"] = "flown";
+  cell["open_circuit_voltage"] = {
+      {"method", "linear"}, {"soc", {0.9, 1.0}}, {"voltage_V", {4.1, 4.15}}};
+  WriteText(folder + "/flown.json", cell.dump());
+  const auto said = [&](const std::string& duration_s) {
+    const auto run =
+        RunLipoid(folder, {"fly", "hover", "--cell", "flown.json", "--duration", duration_s});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("v_oc of flown is known between 0.9 and 1 of the charge") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(said("5"));
+  EXPECT_TRUE(said("120"));
 }
 
 TEST(Fly, WhatIsBlownAwayIsSaidFirst) {

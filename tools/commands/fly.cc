@@ -9,6 +9,7 @@
 #include "model/analysis/stability.h"
 #include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/curve_range.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -317,6 +318,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.duty,
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
+  }
+  if (setup.cell) {
+    if (const auto doubt = DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc);
+        !doubt.empty())
+      line.Message("{}", doubt);
   }
   if (!flight.reason.empty() && flight.outcome != Outcome::kOffCourse)
     line.Message("{}", flight.reason);
