@@ -13,7 +13,8 @@
 ///
 /// The mission ends as soon as the share of the charge that is left is down to the reserve, or when
 /// for a second the battery is below its cut-off, too low for the motors, or without the power, or
-/// when A reaches 0. Tests: tests/model/flight/endurance_test.cc.
+/// when A reaches 0; A that reaches 0 under a power that no current gives is the power's doing.
+/// Tests: tests/model/flight/endurance_test.cc.
 
 #include <array>
 #include <limits>
@@ -98,6 +99,13 @@ struct EnduranceSetup {
   EnduranceOptions options;
 };
 
+/// A time from which on no current of the battery gives the power of the mission.
+struct PowerLack {
+  double since_s = 0.0;
+  double power_W = 0.0;  ///< of the mission
+  double most_W = 0.0;   ///< that the battery gives
+};
+
 struct EnduranceResult {
   MissionEnd ended_by = MissionEnd::kTimeLimit;
   double time_s = 0.0;
@@ -116,6 +124,9 @@ struct EnduranceResult {
   double distance_m = 0.0;  ///< over the ground
   int rounds = 0;           ///< how often the whole mission was flown
   double mission_power_W = 0.0;  ///< that the mission takes on the mean
+  /// The one that ended the flight, else the first; none where the battery always gave the power.
+  std::optional<PowerLack> lack;
+  double lack_s = 0.0;  ///< how long no current gave the power, in all
 };
 
 /// A flight lasts for more than the second after which a voltage that is too low ends it.

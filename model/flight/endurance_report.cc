@@ -115,7 +115,12 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
           request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
           result.landing_voltage_V);
     case MissionEnd::kPower:
-      return "No current of the battery gives the power of the mission any more.";
+      return fmt::format(
+          "The pack cannot give the {:.4g} W that the mission takes at {:.6g} s: {:.4g} W is the most that any "
+          "of its currents gives.",
+          result.lack->power_W,
+          result.lack->since_s,
+          result.lack->most_W);
     case MissionEnd::kMissionDone:
       return "The mission was flown to its end.";
     case MissionEnd::kFull:
@@ -128,6 +133,27 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
                          request.options.longest_s);
   }
   return "";
+}
+
+// Peaks that did not end the flight; "": none.
+std::string PassedOver(const EnduranceResult& result) {
+  if (!result.lack || result.ended_by == MissionEnd::kPower) return "";
+  return fmt::format(
+      "The pack cannot give the {:.4g} W that the mission takes at {:.6g} s, {:.4g} W at most. Such peaks last "
+      "{:.3g} s in all; none ended the flight, because each is shorter than a second, and what the pack cannot "
+      "give is not counted as used.",
+      result.lack->power_W,
+      result.lack->since_s,
+      result.lack->most_W,
+      result.lack_s);
+}
+
+Json LackToJson(const EnduranceResult& result) {
+  if (!result.lack) return nullptr;
+  return {{"since_s", result.lack->since_s},
+          {"power_W", result.lack->power_W},
+          {"most_W", NumberOrNull(result.lack->most_W)},
+          {"total_s", result.lack_s}};
 }
 
 }  // namespace
@@ -168,6 +194,8 @@ std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
         answer.estimate.time_s));
   }
   sentences.push_back(Reason(request, answer));
+  if (std::string peaks = PassedOver(answer.estimate); !peaks.empty())
+    sentences.push_back(std::move(peaks));
   if (answer.speeds) {
     sentences.push_back(
         fmt::format("At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no "
@@ -212,6 +240,7 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   const EnduranceResult& estimate = answer.estimate;
   json["carries_mission"] = IsFlight(estimate);
   json["rounds"] = estimate.rounds;
+  json["power_lack"] = LackToJson(estimate);
   json["initial_voltage_V"] = estimate.initial_voltage_V;
   json["initial_current_A"] = estimate.initial_current_A;
   json["initial_power_W"] = estimate.initial_voltage_V * estimate.initial_current_A;

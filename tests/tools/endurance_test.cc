@@ -403,6 +403,36 @@ TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
   EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
 }
 
+TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/peak.csv", "time_s,power_W\n0,0\n0.05,500\n60,3\n");
+  const auto peak = RunLipoid(folder,
+                              {"endurance",
+                               "--cell",
+                               kCell,
+                               "--mission",
+                               "power=peak.csv",
+                               "--once",
+                               "--summary",
+                               "s.json"});
+  EXPECT_EQ(peak.exit_code, 0) << peak.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("ended_by"), "mission-done");
+  EXPECT_EQ(summary.at("power_lack").at("since_s"), 0.0);
+  EXPECT_EQ(summary.at("power_lack").at("power_W"), 500.0);
+  EXPECT_NEAR(summary.at("power_lack").at("total_s").get<double>(), 0.05, 1e-12);
+  EXPECT_NE(peak.out.find("The pack cannot give the 500 W that the mission takes at 0 s"),
+            std::string::npos)
+      << peak.out;
+  WriteText(folder + "/long.csv", "time_s,power_W\n0,0\n10,3\n20,500\n");
+  const auto ends = RunLipoid(
+      folder, {"endurance", "--cell", kCell, "--mission", "power=long.csv", "--summary", "s.json"});
+  EXPECT_EQ(ReadJson(folder, "s.json").at("ended_by"), "power");
+  EXPECT_NE(ends.out.find("The pack cannot give the 500 W that the mission takes at 10 s"),
+            std::string::npos)
+      << ends.out;
+}
+
 TEST(EnduranceCommand, TablesTakePercent) {
   const auto folder = TestFolder();
   const auto rows =
