@@ -20,6 +20,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -48,6 +49,9 @@ struct MissionLeg {
 struct PowerMission {
   std::vector<MissionLeg> legs;  ///< at least one, each longer than 0
   bool repeats = true;           ///< from the last leg it goes on with the first
+  /// Of a route: from its end to its beginning, which repeating it leaves out.
+  double way_back_m = 0.0;
+  std::vector<std::string> doubts = {};  ///< sentences: what its powers leave out
 };
 
 enum class MissionEnd {
@@ -121,8 +125,8 @@ struct EnduranceResult {
   double rest_soc = 1.0;  ///< share of the charge that is left
   /// The highest of a cell on the way; NaN where it knows no temperature.
   double hottest_degC = std::numeric_limits<double>::quiet_NaN();
-  double distance_m = 0.0;  ///< over the ground
-  int rounds = 0;           ///< how often the whole mission was flown
+  double distance_m = 0.0;       ///< over the ground
+  int rounds = 0;                ///< how often the whole mission was flown
   double mission_power_W = 0.0;  ///< that the mission takes on the mean
   /// The one that ended the flight, else the first; none where the battery always gave the power.
   std::optional<PowerLack> lack;

@@ -226,6 +226,16 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
     const double degC = request.ambient_degC->value;
     add(DoubtAboutTemperature(request.cell, degC, degC));
   }
+  if (request.power) {
+    for (const std::string& doubt : request.power->doubts) add(doubt);
+    if (request.power->repeats && request.power->way_back_m > 0.0 && answer.estimate.rounds > 0) {
+      add(fmt::format(
+          "the route ends {:.4g} m from where it begins, and each of its {} rounds begins there all the same: the "
+          "way back costs nothing here. Let it end where it begins, or fly it once",
+          request.power->way_back_m,
+          answer.estimate.rounds + 1));
+    }
+  }
   add(DoubtAboutCurve(request.cell, answer.estimate.soc, request.initial_soc));
   add(DoubtAboutMoved(static_cast<std::size_t>(answer.moved), answer.flights.size()));
   if (request.cell.open_circuit_voltage_assumed) {

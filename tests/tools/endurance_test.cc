@@ -403,6 +403,25 @@ TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
   EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
 }
 
+TEST(EnduranceCommand, SaysThatTheWayBackIsNotFlown) {
+  const auto folder = TestFolder();
+  const std::string there =
+      "[[waypoint]]\naltitude_m = 1\n\n[[waypoint]]\nx_m = 3\naltitude_m = 1\nstay_s = 8\n";
+  const auto messages = [&](const std::string& route, std::vector<std::string> more) {
+    WriteText(folder + "/route.toml", route);
+    more.insert(
+        more.end(),
+        {"--vehicle", "mambo-physical", "--cell", kCell, "--mission", "waypoints=route.toml"});
+    return SummaryOf(folder, more).at("messages").dump();
+  };
+  const std::string said = "the route ends 3 m from where it begins";
+  EXPECT_NE(messages(there, {}).find(said), std::string::npos);
+  EXPECT_NE(messages(there, {}).find("without the drag of the air"), std::string::npos);
+  EXPECT_EQ(messages(there, {"--once"}).find(said), std::string::npos);
+  const std::string back = "\n[[waypoint]]\naltitude_m = 1\nstay_s = 8\n";
+  EXPECT_EQ(messages(there + back, {}).find(said), std::string::npos);
+}
+
 TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {
   const auto folder = TestFolder();
   WriteText(folder + "/peak.csv", "time_s,power_W\n0,0\n0.05,500\n60,3\n");

@@ -173,6 +173,56 @@ TEST(Fly, WhatIsBlownAwayIsSaidFirst) {
   EXPECT_NE(empty.err.find("; it could not hold its place: from "), std::string::npos) << empty.err;
 }
 
+TEST(Fly, SaysThatASpeedWasNotReached) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/line.toml",
+            "[[waypoint]]\naltitude_m = 10\nstay_s = 1\n"
+            "[[waypoint]]\naltitude_m = 10\nx_m = 60\nstay_s = 45\n");
+  const auto fly = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"fly",
+                                   "waypoints",
+                                   "--waypoints",
+                                   "line.toml",
+                                   "--vehicle",
+                                   "f450",
+                                   "--xi",
+                                   "1",
+                                   "--summary",
+                                   "s.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunLipoid(folder, words).err;
+  };
+  const std::string as_usual = fly({});
+  EXPECT_EQ(as_usual.find("the vehicle flew at most"), std::string::npos) << as_usual;
+  EXPECT_NEAR(ReadJson(folder, "s.json").at("fastest_m_per_s").get<double>(), 3.0, 0.2);
+  const std::string far = fly({"--set", "controller.position_speed_m_per_s=20"});
+  EXPECT_NE(
+      far.find("of the 20 m/s that position_speed_m_per_s allows: no way between waypoints is "
+               "long enough"),
+      std::string::npos)
+      << far;
+  // m g tan 20 degrees holds 0.56 m/s against this drag.
+  std::string vehicle = ReadTextFile(SourcePath("fixtures/vehicles/mambo-physical.toml"));
+  const std::string drag = "linear_drag_N_s_per_m = 0.02";
+  vehicle.replace(vehicle.find(drag), drag.size(), "linear_drag_N_s_per_m = 0.4");
+  WriteText(folder + "/kite.toml", vehicle);
+  const auto weak = RunLipoid(folder,
+                              {"fly",
+                               "waypoints",
+                               "--waypoints",
+                               "line.toml",
+                               "--vehicle",
+                               "kite.toml",
+                               "--xi",
+                               "1",
+                               "--set",
+                               "simulation.drag=true"});
+  EXPECT_NE(
+      weak.err.find("along x or y, where its references had 1.5 m/s: a tilt of 20.1 degrees holds"),
+      std::string::npos)
+      << weak.err;
+}
+
 TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
   const auto folder = TestFolder();
   WriteText(folder + "/far.toml",

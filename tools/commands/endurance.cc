@@ -84,9 +84,6 @@ void SetMission(cli::CommandLine& line,
           "out");
     }
     request.power = FlyRoute(request, GainsFor(gains, request.vehicle, "aware"), file);
-    line.Message(
-        "the route is flown without the drag of the air, and a climb costs no more than a hover: a fast or "
-        "a high route takes more than this says (--mission cruise knows the power of a speed)");
     return;
   }
   if (text.starts_with(kPower)) {
