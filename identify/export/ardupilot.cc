@@ -9,6 +9,7 @@
 #include "identify/export/law_limits.h"
 #include "identify/export/projected.h"
 #include "identify/export/projection.h"
+#include "model/battery/curve_range.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/export_error.h"
 #include "model/export/provenance.h"
@@ -38,17 +39,25 @@ Exported ExportArduPilot(const ExportRequest& request) {
   // The table falls off a cliff below 2 % of its capacity: the mission stays above it.
   constexpr double kCliff = 0.02;
   const double least_Ah = std::max(0.5 * capacity_Ah, drawn_Ah / (1.0 - kCliff));
-  const std::vector<FreeParameter> parameters = {
+  // A part of v_oc does not tell where it ends: the capacity is then the cell's own.
+  const bool held = !KnowsCurve(cell, 0.0, 1.0);
+  const double held_Ah = std::max(least_Ah, capacity_Ah);
+  std::vector<FreeParameter> parameters = {
       {"maxVoltage", (1.0 - kFullTolerance) * full_V, (1.0 + kFullTolerance) * full_V, full_V},
-      {"battCapacityAh", least_Ah, 4.0 * least_Ah, capacity_Ah},
       {"refBatRes", 0.05 * drop_Ohm, 20.0 * drop_Ohm, drop_Ohm}};
+  if (!held) parameters.push_back({"battCapacityAh", least_Ah, 4.0 * least_Ah, capacity_Ah});
   std::vector<std::vector<double>> starts;
   for (const double share : {1.0, 1.3, 2.0}) {
-    for (const double ohm : {1.0, 2.0})
-      starts.push_back({full_V, std::max(least_Ah, share * capacity_Ah), ohm * drop_Ohm});
+    for (const double ohm : {1.0, 2.0}) {
+      starts.push_back({full_V, ohm * drop_Ohm});
+      if (!held) starts.back().push_back(std::max(least_Ah, share * capacity_Ah));
+    }
   }
+  const auto battery_of = [&](const std::vector<double>& x) {
+    return ArduPilotBattery{x[0], held ? held_Ah : x[2], x[1]};
+  };
   const auto law = [&](const std::vector<double>& x) {
-    return ArduPilotVoltageSmooth({x[0], x[1], x[2]}, one.mission, one.drawn_Ah);
+    return ArduPilotVoltageSmooth(battery_of(x), one.mission, one.drawn_Ah);
   };
   const Projection found = Project(law, one.reference.voltage_V, parameters, starts);
 
@@ -60,8 +69,7 @@ Exported ExportArduPilot(const ExportRequest& request) {
         pack, request.mission, ArduPilotVoltage(battery, request.mission, pack_drawn_Ah));
   };
   if (!Usable(found, exported)) return exported;
-  ArduPilotBattery battery =
-      OfPack(cell, {found.parameters[0], found.parameters[1], found.parameters[2]});
+  const ArduPilotBattery battery = OfPack(cell, battery_of(found.parameters));
   const NaiveNumbers naive = NaiveNumbersOf(cell);
   exported.error = error_of(battery);
   exported.naive = error_of(OfPack(cell, {naive.full_V, naive.capacity_Ah, naive.resistance_Ohm}));
@@ -88,6 +96,11 @@ Exported ExportArduPilot(const ExportRequest& request) {
             "resistance from the frame alone."
           : "Builds since June 2026 have SIM_BATT_RES_OHM as a parameter, which the target version "
             "2026-06 writes; older ones take the resistance from the frame alone."};
+  if (held) {
+    exported.notes.emplace_back(
+        "battCapacityAh is the cell's own capacity and was not fitted: the part of v_oc that is known does not "
+        "tell it.");
+  }
   AddStartNote(request, exported);
   AddBoundNotes(found, exported);
 

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "model/battery/curve_range.h"
+
 namespace lipoid {
 namespace {
 
@@ -53,6 +55,8 @@ Json ExportToJson(const ExportTarget& target,
   summary["cannot_hold"] = exported.cannot_hold;
   for (const auto& sentence : request.left_out) summary["cannot_hold"].push_back(sentence);
   summary["notes"] = exported.notes;
+  if (const std::string doubt = DoubtAboutCurve(request.cell, 0.0, 1.0); !doubt.empty())
+    summary["notes"].push_back(doubt + ".");
   summary["sha256"] = request.sha256;
   return summary;
 }

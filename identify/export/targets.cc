@@ -12,11 +12,13 @@
 #include "identify/export/px4.h"
 #include "identify/export/simscape.h"
 #include "identify/export/thevenin.h"
+#include "model/battery/curve_range.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 #include "model/export/c_code.h"
 #include "model/export/cell_numbers.h"
 #include "model/export/cell_tables.h"
+#include "model/export/export_error.h"
 #include "model/export/fmi.h"
 #include "model/export/pybamm.h"
 #include "model/export/spice.h"
@@ -44,6 +46,21 @@ constexpr std::array kTargets{
 static_assert(std::is_sorted(kTargets.begin(), kTargets.end(), [](const auto& a, const auto& b) {
   return a.name < b.name;
 }));
+
+// Numbers fitted beyond the ends of v_oc would be those of its end slope: a flat one makes a pack of
+// many times the capacity.
+void RefuseUnknownCurve(const ExportTarget& target, const ExportRequest& request) {
+  if (target.kind != kProjected || KnowsCurve(request.cell, 0.0, 1.0)) return;
+  const std::vector<double> soc = ReferenceOf(request).soc;
+  const auto [lowest, highest] = std::minmax_element(soc.begin(), soc.end());
+  const std::string doubt = DoubtAboutCurve(request.cell, *lowest, *highest);
+  if (doubt.empty()) return;
+  throw OptionError(fmt::format(
+      "{} cannot be fitted over this mission: {}. Give a mission that stays within what is known, such as a log "
+      "that the cell was identified from (--mission LOG, and --initial-soc where it did not start full)",
+      target.name,
+      doubt));
+}
 
 std::vector<std::string> Words(std::string_view text) {
   std::vector<std::string> words;
@@ -103,6 +120,7 @@ Exported Export(const ExportTarget& target, ExportRequest request) {
                           fmt::join(versions, ", "),
                           request.target_version));
   }
+  RefuseUnknownCurve(target, request);
   return target.make(request);
 }
 

@@ -141,6 +141,22 @@ GainProblem::Parameterised GainProblem::At(const Eigen::VectorXd& x) const {
 
 ErrorGains GainProblem::Gains(const Eigen::VectorXd& x) const { return At(x).gains; }
 
+std::vector<GainBound> GainProblem::AtBound(const Eigen::VectorXd& x) const {
+  constexpr double kNear = 1e-4;  // of the bound: local searches stop a little before it
+  constexpr std::string_view kNames[] = {"proportional", "integral", "derivative"};
+  const double bounds[] = {bounds_.proportional, bounds_.integral, bounds_.derivative};
+  std::vector<GainBound> at;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto n = static_cast<std::size_t>(k);
+    if (x[k] >= upper()[k] - kNear) {
+      at.push_back({kNames[n], bounds[n], true});
+    } else if (x[k] <= lower()[k] + kNear) {
+      at.push_back({kNames[n], lower()[k] * bounds[n], false});
+    }
+  }
+  return at;
+}
+
 Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
   Eigen::Vector3d x(gains.proportional, gains.integral, gains.derivative);
   if (regulator_) {
@@ -276,6 +292,7 @@ GainDesignResult DesignGains(const GainDesign& design,
     result.start_cost = 2.0 * problem.Cost(from);
     const Eigen::VectorXd& x = result.optimization.x.size() == 3 ? result.optimization.x : from;
     result.gains = problem.Gains(x);
+    result.at_bound = problem.AtBound(x);
     result.cost = 2.0 * problem.Cost(x);
     const auto polished = polisher.Minimize(of, x, settings);
     const bool better = polished.usable() && problem.Stable(problem.Gains(polished.x));

@@ -18,6 +18,7 @@
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "identify/gains/reduced_loops.h"
@@ -83,6 +84,13 @@ void WidenBounds(GainDesign& design, const ErrorGains& start);
 /// The maneuver of a design: a step up of the altitude, or Fig 6.9's pitch.
 [[nodiscard]] FlightPlan DesignPlan(const GainDesign& design);
 
+/// A parameter of the search that its answer has at the largest or the smallest value allowed.
+struct GainBound {
+  std::string_view gain;  ///< "proportional", as keys and options name it
+  double value = 0.0;
+  bool largest = false;
+};
+
 /// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost. For the control law
 /// lqr they are the roots of the regulator's weights (RegulatorWeights) over the same bounds, from
 /// which the gains follow.
@@ -102,6 +110,7 @@ class GainProblem : public LeastSquaresProblem {
 
   [[nodiscard]] const ErrorGains& bounds() const { return bounds_; }
   [[nodiscard]] ErrorGains Gains(const Eigen::VectorXd& x) const;
+  [[nodiscard]] std::vector<GainBound> AtBound(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd Point(const ErrorGains& gains) const;
   /// sum_i w_i integral of e² dt, (6.3): m² s, or rad² s.
   [[nodiscard]] double CostOf(const ErrorGains& gains) const;
@@ -139,8 +148,9 @@ class GainProblem : public LeastSquaresProblem {
 
 struct GainDesignResult {
   ErrorGains gains;
-  double cost = 0.0;        ///< of gains, as CostOf
-  double start_cost = 0.0;  ///< of the gains it started from
+  std::vector<GainBound> at_bound;  ///< of the control law lqr these are roots of weights
+  double cost = 0.0;                ///< of gains, as CostOf
+  double start_cost = 0.0;          ///< of the gains it started from
   OptimizationSummary optimization;
   /// Of Levenberg-Marquardt from the answer on: what the optimizer left on the table, at least.
   double polished_cost = 0.0;

@@ -266,6 +266,17 @@ void RefuseNoResistance(const BenchTable& table,
                         : "check --kv-rpm-per-V, or give a table with a column of speeds"));
 }
 
+// A controller's duty cycle is about its throttle: what is far from that was fitted to other columns.
+void RefuseStrangeThrottle(const Values& x) {
+  constexpr double kFar = 10.0;
+  const double exponent = std::exp(x[kExponent]);
+  if (exponent > 1.0 / kFar && exponent < kFar) return;
+  throw OptionError(fmt::format(
+      "the duty cycle would be the throttle of the bench table to the power of {:.3g}, where speed controllers have "
+      "about 1: look whether the columns of throttle, voltage, current and speed hold what their headers say",
+      exponent));
+}
+
 // No motor turns faster than its KV times the voltage: such speeds are in another unit.
 void CheckSpeeds(const BenchTable& table, const BenchGiven& given) {
   constexpr double kMost = 1.5;  // KV as printed is good to a tenth
@@ -344,6 +355,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
     if (change < 1e-3) break;
   }
   solved = Solve(Residuals(table, sigma, scales), solved.x, held);
+  RefuseStrangeThrottle(solved.x);
   RefuseNoResistance(table, given, solved.x, scales);
 
   BenchFit fit;

@@ -72,8 +72,8 @@ struct BenchFit {
 };
 
 /// OptionError where the table has no speeds and no motor constant is given, where it has too few
-/// operating points to tell the errors of what is fitted, and where it leaves nothing for the
-/// resistance.
+/// operating points to tell the errors of what is fitted, where it leaves nothing for the resistance,
+/// and where its throttle is far from a duty cycle.
 [[nodiscard]] BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given);
 
 }  // namespace lipoid

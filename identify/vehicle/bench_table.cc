@@ -157,6 +157,37 @@ void CheckRow(const BenchRow& row, bool has_speed, const std::string& file, std:
   }
 }
 
+// Of a motor that pulls more, the current grows and the battery's voltage falls. Of rows at several
+// voltages, some pair does as a motor does.
+void RefuseExchanged(const std::vector<BenchRow>& rows, const std::string& file) {
+  constexpr double kMore = 1.1;
+  bool any = false;
+  for (const BenchRow& a : rows) {
+    for (const BenchRow& b : rows) {
+      if (b.thrust_N < kMore * a.thrust_N) continue;
+      any = true;
+      if (b.voltage_V <= a.voltage_V || b.current_A > kMore * a.current_A) return;
+    }
+  }
+  if (!any) return;
+  const auto [least, most] =
+      std::minmax_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+        return a.thrust_N < b.thrust_N;
+      });
+  throw LoadError(
+      NoFile(file),
+      fmt::format(
+          "expected a current that grows with the thrust, found {:.4g} A at {:.4g} N and "
+          "{:.4g} A at {:.4g} N while the voltage rises from {:.4g} to {:.4g} V: voltage and "
+          "current look exchanged; correct the header",
+          least->current_A,
+          least->thrust_N,
+          most->current_A,
+          most->thrust_N,
+          least->voltage_V,
+          most->voltage_V));
+}
+
 }  // namespace
 
 BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
@@ -240,6 +271,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
                                 kFewestRows,
                                 table.rows.size()));
   }
+  RefuseExchanged(table.rows, file);
   return table;
 }
 

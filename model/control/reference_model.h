@@ -41,6 +41,7 @@ class ReferenceModel {
   Output Step(double command);
 
   [[nodiscard]] double value() const { return value_; }
+  [[nodiscard]] double rate() const { return rate_; }
 
   /// The numbers of which a step is made, for code that is exported: the acceleration against a gap
   /// in 1/s² and against the rate in 1/s, the bound of the acceleration, and the gap beyond which

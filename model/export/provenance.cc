@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model/battery/curve_range.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
 
@@ -70,6 +71,8 @@ std::vector<std::string> ProvenanceLines(const ExportRequest& request, const Exp
   lines.push_back(fmt::format("SHA-256 of the cell file: {}.", HarmlessInComment(request.sha256)));
   lines.push_back(fmt::format(
       "Pack: {} in series, {} in parallel.", request.cell.series, request.cell.parallel));
+  if (const std::string doubt = DoubtAboutCurve(request.cell, 0.0, 1.0); !doubt.empty())
+    lines.push_back(HarmlessInComment(doubt, kMostBytesOfSentence) + ".");
   if (exported.error || exported.charge_error) {
     lines.push_back(fmt::format("Against the cell, over the mission {}{} with its current imposed:",
                                 HarmlessInComment(request.mission.name),

@@ -58,7 +58,10 @@ class Mission {
     result_.initial_current_A = current_A_;
     if (battery_.rest_soc() <= setup_.reserve) {
       Finish(MissionEnd::kReserve, first);
+    } else if (!EmptyAfter(first.duration_s)) {
+      // What is shorter does not end a flight later either.
     } else if (!suffices_) {
+      NoteLack(first, 0.0);
       Finish(MissionEnd::kPower, first);
     } else if (voltage_V_ < first.least_V) {
       Finish(MissionEnd::kMotorVoltage, first);
@@ -186,12 +189,12 @@ class Mission {
     const double spare_C = (battery_.rest_soc() - setup_.reserve) * battery_.capacity_C();
     const bool at_reserve = mean_A * dt_s >= spare_C && mean_A > 0.0;
     if (at_reserve) dt_s = std::max(spare_C / mean_A, 1e-12);
+    NoteLack(leg, dt_s);
     battery_.Advance(mean_A * dt_s, dt_s);
     result_.charge_C += mean_A * dt_s;
     result_.distance_m += leg.ground_speed_m_per_s * dt_s;
     result_.energy_J += voltage_V_ * begin_A * dt_s;
     if (warms_) result_.hottest_degC = std::max(result_.hottest_degC, battery_.temperature_degC());
-    without_power_s_ = suffices_ ? 0.0 : without_power_s_ + dt_s;
     below_motors_s_ = voltage_V_ < leg.least_V ? below_motors_s_ + dt_s : 0.0;
     below_cutoff_s_ = voltage_V_ < battery_.cutoff_V() ? below_cutoff_s_ + dt_s : 0.0;
     constexpr double kMore = 0.05;  // than full, or than the pack began with
@@ -201,10 +204,10 @@ class Mission {
       end = MissionEnd::kFull;
     } else if (at_reserve) {
       end = MissionEnd::kReserve;
+    } else if (EmptyAfter(without_power_s_) || (!suffices_ && battery_.soc() <= 0.0)) {
+      end = MissionEnd::kPower;
     } else if (battery_.soc() <= 0.0) {
       end = MissionEnd::kEmpty;
-    } else if (EmptyAfter(without_power_s_)) {
-      end = MissionEnd::kPower;
     } else if (EmptyAfter(below_motors_s_)) {
       end = MissionEnd::kMotorVoltage;
     } else if (EmptyAfter(below_cutoff_s_)) {
@@ -215,9 +218,23 @@ class Mission {
     Finish(*end, leg);
   }
 
+  // Of a step that begins now, after Draw().
+  void NoteLack(const MissionLeg& leg, double dt_s) {
+    if (suffices_) {
+      without_power_s_ = 0.0;
+      return;
+    }
+    if (without_power_s_ == 0.0)
+      lack_ = {result_.time_s, leg.power_W + leg.drive_W, voltage_V_ * current_A_};
+    if (!result_.lack) result_.lack = lack_;
+    without_power_s_ += dt_s;
+    result_.lack_s += dt_s;
+  }
+
   void Finish(MissionEnd end, const MissionLeg& leg) {
     ended_ = true;
     result_.ended_by = end;
+    if (end == MissionEnd::kPower) result_.lack = lack_;
     result_.soc = battery_.soc();
     result_.rest_soc = battery_.rest_soc();
     result_.landing_rest_voltage_V = battery_.rest_voltage_V();
@@ -238,6 +255,7 @@ class Mission {
   double voltage_V_ = 0.0;
   double current_A_ = 0.0;
   double without_power_s_ = 0.0;
+  PowerLack lack_;  // the last one
   double below_motors_s_ = 0.0;
   double below_cutoff_s_ = 0.0;
   EnduranceResult result_;

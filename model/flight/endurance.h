@@ -13,12 +13,14 @@
 ///
 /// The mission ends as soon as the share of the charge that is left is down to the reserve, or when
 /// for a second the battery is below its cut-off, too low for the motors, or without the power, or
-/// when A reaches 0. Tests: tests/model/flight/endurance_test.cc.
+/// when A reaches 0; A that reaches 0 under a power that no current gives is the power's doing.
+/// Tests: tests/model/flight/endurance_test.cc.
 
 #include <array>
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -47,6 +49,9 @@ struct MissionLeg {
 struct PowerMission {
   std::vector<MissionLeg> legs;  ///< at least one, each longer than 0
   bool repeats = true;           ///< from the last leg it goes on with the first
+  /// Of a route: from its end to its beginning, which repeating it leaves out.
+  double way_back_m = 0.0;
+  std::vector<std::string> doubts = {};  ///< sentences: what its powers leave out
 };
 
 enum class MissionEnd {
@@ -98,6 +103,13 @@ struct EnduranceSetup {
   EnduranceOptions options;
 };
 
+/// A time from which on no current of the battery gives the power of the mission.
+struct PowerLack {
+  double since_s = 0.0;
+  double power_W = 0.0;  ///< of the mission
+  double most_W = 0.0;   ///< that the battery gives
+};
+
 struct EnduranceResult {
   MissionEnd ended_by = MissionEnd::kTimeLimit;
   double time_s = 0.0;
@@ -113,9 +125,12 @@ struct EnduranceResult {
   double rest_soc = 1.0;  ///< share of the charge that is left
   /// The highest of a cell on the way; NaN where it knows no temperature.
   double hottest_degC = std::numeric_limits<double>::quiet_NaN();
-  double distance_m = 0.0;  ///< over the ground
-  int rounds = 0;           ///< how often the whole mission was flown
+  double distance_m = 0.0;       ///< over the ground
+  int rounds = 0;                ///< how often the whole mission was flown
   double mission_power_W = 0.0;  ///< that the mission takes on the mean
+  /// The one that ended the flight, else the first; none where the battery always gave the power.
+  std::optional<PowerLack> lack;
+  double lack_s = 0.0;  ///< how long no current gave the power, in all
 };
 
 /// A flight lasts for more than the second after which a voltage that is too low ends it.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/battery/cell_ensemble.h"
+#include "model/battery/curve_range.h"
 #include "model/battery/temperature_range.h"
 #include "model/statistics/interval_95.h"
 #include "model/vehicle/vehicle_file.h"
@@ -114,7 +115,12 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
           request.power ? "" : fmt::format("{:.2f} V, ", answer.flight.battery_V),
           result.landing_voltage_V);
     case MissionEnd::kPower:
-      return "No current of the battery gives the power of the mission any more.";
+      return fmt::format(
+          "The pack cannot give the {:.4g} W that the mission takes at {:.6g} s: {:.4g} W is the most that any "
+          "of its currents gives.",
+          result.lack->power_W,
+          result.lack->since_s,
+          result.lack->most_W);
     case MissionEnd::kMissionDone:
       return "The mission was flown to its end.";
     case MissionEnd::kFull:
@@ -127,6 +133,27 @@ std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answe
                          request.options.longest_s);
   }
   return "";
+}
+
+// Peaks that did not end the flight; "": none.
+std::string PassedOver(const EnduranceResult& result) {
+  if (!result.lack || result.ended_by == MissionEnd::kPower) return "";
+  return fmt::format(
+      "The pack cannot give the {:.4g} W that the mission takes at {:.6g} s, {:.4g} W at most. Such peaks last "
+      "{:.3g} s in all; none ended the flight, because each is shorter than a second, and what the pack cannot "
+      "give is not counted as used.",
+      result.lack->power_W,
+      result.lack->since_s,
+      result.lack->most_W,
+      result.lack_s);
+}
+
+Json LackToJson(const EnduranceResult& result) {
+  if (!result.lack) return nullptr;
+  return {{"since_s", result.lack->since_s},
+          {"power_W", result.lack->power_W},
+          {"most_W", NumberOrNull(result.lack->most_W)},
+          {"total_s", result.lack_s}};
 }
 
 }  // namespace
@@ -167,6 +194,8 @@ std::vector<std::string> EnduranceSentences(const EnduranceRequest& request,
         answer.estimate.time_s));
   }
   sentences.push_back(Reason(request, answer));
+  if (std::string peaks = PassedOver(answer.estimate); !peaks.empty())
+    sentences.push_back(std::move(peaks));
   if (answer.speeds) {
     sentences.push_back(
         fmt::format("At {:.1f} m/s. It flies longest at {:.1f} m/s, farthest at {:.1f} m/s, and no "
@@ -197,6 +226,17 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
     const double degC = request.ambient_degC->value;
     add(DoubtAboutTemperature(request.cell, degC, degC));
   }
+  if (request.power) {
+    for (const std::string& doubt : request.power->doubts) add(doubt);
+    if (request.power->repeats && request.power->way_back_m > 0.0 && answer.estimate.rounds > 0) {
+      add(fmt::format(
+          "the route ends {:.4g} m from where it begins, and each of its {} rounds begins there all the same: the "
+          "way back costs nothing here. Let it end where it begins, or fly it once",
+          request.power->way_back_m,
+          answer.estimate.rounds + 1));
+    }
+  }
+  add(DoubtAboutCurve(request.cell, answer.estimate.soc, request.initial_soc));
   add(DoubtAboutMoved(static_cast<std::size_t>(answer.moved), answer.flights.size()));
   if (request.cell.open_circuit_voltage_assumed) {
     add(fmt::format("the open-circuit voltage of {} is a typical one, not measured",
@@ -210,6 +250,7 @@ Json EnduranceToJson(const EnduranceRequest& request, const EnduranceAnswer& ans
   const EnduranceResult& estimate = answer.estimate;
   json["carries_mission"] = IsFlight(estimate);
   json["rounds"] = estimate.rounds;
+  json["power_lack"] = LackToJson(estimate);
   json["initial_voltage_V"] = estimate.initial_voltage_V;
   json["initial_current_A"] = estimate.initial_current_A;
   json["initial_power_W"] = estimate.initial_voltage_V * estimate.initial_current_A;

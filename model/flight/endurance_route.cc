@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "model/battery/aged_cell.h"
 #include "model/core/errors.h"
@@ -11,6 +12,14 @@
 #include "model/flight/simulator.h"
 
 namespace lipoid {
+namespace {
+
+// At which the linear drag is the pull of this tilt; infinite where the file has no drag.
+double SpeedHeldAgainstDrag(const Vehicle& vehicle, double tilt_rad) {
+  return vehicle.mass_kg * kGravity_m_per_s2 * std::tan(tilt_rad) / vehicle.linear_drag_N_s_per_m;
+}
+
+}  // namespace
 
 PowerMission FlyRoute(const EnduranceRequest& request,
                       const Gains& gains,
@@ -47,6 +56,25 @@ PowerMission FlyRoute(const EnduranceRequest& request,
         waypoints_file,
         flight.reason,
         waypoints_file));
+  }
+  const FlightCommand& first = plan.commands.front().command;
+  const FlightCommand& last = plan.commands.back().command;
+  mission.way_back_m =
+      std::hypot(last.x_m - first.x_m, last.y_m - first.y_m, last.altitude_m - first.altitude_m);
+  mission.doubts.emplace_back(
+      "the route is flown without the drag of the air, and a climb costs no more than a hover: a fast or "
+      "a high route takes more than this says (the mission cruise knows the power of a speed)");
+  const double tilt_rad = gains.position.tilt_limit_rad;
+  const double held_m_per_s = SpeedHeldAgainstDrag(setup.vehicle, tilt_rad);
+  if (flight.fastest_m_per_s > held_m_per_s) {
+    mission.doubts.push_back(fmt::format(
+        "the route is flown at up to {:.3g} m/s along x or y, and against the drag of {} its tilt of {:.3g} degrees "
+        "holds {:.3g} m/s: in the air it takes longer than this says. Give gains of less speed_m_per_s or a larger "
+        "tilt_limit_rad",
+        flight.fastest_m_per_s,
+        request.vehicle.name,
+        tilt_rad * 180.0 / std::numbers::pi,
+        held_m_per_s));
   }
   return mission;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 #include "model/control/laws/control_laws.h"
@@ -67,6 +68,7 @@ Json FlightToJson(const FlightResult& flight) {
                   {"mse_pitch_deg2", NumberOrNull(flight.mse_pitch_deg2)},
                   {"mse_position_m2", NumberOrNull(flight.mse_position_m2)},
                   {"largest_position_error_m", NumberOrNull(flight.largest_position_error_m)},
+                  {"fastest_m_per_s", NumberOrNull(flight.fastest_m_per_s)},
                   {"waypoint_distance_m", flight.waypoint_distance_m},
                   {"charge_C", NumberOrNull(flight.charge_C)},
                   {"final_voltage_V", NumberOrNull(flight.final_voltage_V)},
@@ -110,6 +112,31 @@ Json FlightsToJson(std::span<const FlightResult> flights) {
           {"battery_empty", CountOf(flights, Outcome::kBatteryEmpty)},
           {"off_course", CountOf(flights, Outcome::kOffCourse)},
           {"interval_95", std::move(intervals)}};
+}
+
+std::string DoubtAboutSpeed(const FlightSetup& setup,
+                            const FlightPlan& plan,
+                            const FlightResult& flight) {
+  constexpr double kReached = 0.95;  // references come to their speed as an exponential does
+  const ControllerOptions options = FlownController(setup);
+  const double most = ReferencesOf(setup.gains.references, options).speed_m_per_s;
+  if (plan.arrivals_s.empty() || !(flight.fastest_m_per_s < kReached * most)) return "";
+  if (flight.fastest_reference_m_per_s >= kReached * most) {
+    return fmt::format(
+        "the vehicle flew at most {:.3g} m/s along x or y, where its references had {:.3g} m/s: a tilt of {:.3g} "
+        "degrees holds no more against the air. Give less speed (--set controller.position_speed_m_per_s), or "
+        "gains with a larger tilt_limit_rad",
+        flight.fastest_m_per_s,
+        flight.fastest_reference_m_per_s,
+        setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
+  }
+  if (options.position_speed_m_per_s == 0.0) return "";  // nobody asked for it
+  return fmt::format(
+      "the vehicle flew at most {:.3g} m/s along x or y of the {:.3g} m/s that position_speed_m_per_s allows: no way "
+      "between waypoints is long enough to gain more with a tilt of {:.3g} degrees, half of which is for errors",
+      flight.fastest_m_per_s,
+      most,
+      setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
 }
 
 void CheckFlight(const FlightSetup& setup,

@@ -36,6 +36,12 @@ inline constexpr FlightNumber kFlightNumbers[] = {
 
 [[nodiscard]] Json FlightsToJson(std::span<const FlightResult> flights);
 
+/// That a flight of waypoints never had the speed that its references may have, and why: no leg is
+/// long enough for a speed that was asked for, or the tilt does not hold it against the air. "": it had.
+[[nodiscard]] std::string DoubtAboutSpeed(const FlightSetup& setup,
+                                          const FlightPlan& plan,
+                                          const FlightResult& flight);
+
 /// OptionError where the setup and the maneuver do not go together: a landing voltage above that of
 /// rest, an unknown control law, an endless flight on an ideal source, a file of waypoints that is
 /// missing or not wanted.

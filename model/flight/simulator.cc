@@ -361,6 +361,13 @@ class Simulation {
         std::hypot(x_[plant::kPosition] - controller_.position_reference(0).value(),
                    x_[plant::kPosition + 1] - controller_.position_reference(1).value());
     metrics_.AddPosition(off_m);
+    for (const std::size_t k : {0U, 1U}) {
+      // The larger one; of NaN and a number the number.
+      result_.fastest_m_per_s =
+          std::fmax(result_.fastest_m_per_s, std::abs(x_[plant::kVelocity + k]));
+      result_.fastest_reference_m_per_s = std::fmax(
+          result_.fastest_reference_m_per_s, std::abs(controller_.position_reference(k).rate()));
+    }
     if (lost_) return;
     const auto& angles = controller_.references().angles;
     const double tilt_rad = std::max(std::abs(angles[0].value), std::abs(angles[1].value));

@@ -121,6 +121,9 @@ struct FlightResult {
   /// Horizontal, from the reference of the place; NaN where the maneuver commands angles alone.
   double mse_position_m2 = std::numeric_limits<double>::quiet_NaN();
   double largest_position_error_m = std::numeric_limits<double>::quiet_NaN();
+  /// Along x or y, of the vehicle and of the reference of its place; NaN as above.
+  double fastest_m_per_s = std::numeric_limits<double>::quiet_NaN();
+  double fastest_reference_m_per_s = std::numeric_limits<double>::quiet_NaN();
   /// Of each waypoint whose stay was flown: how far the vehicle was from it at the end of the stay.
   std::vector<double> waypoint_distance_m;
   double charge_C = 0.0;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -400,6 +401,89 @@ TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
   const auto climbs =
       RunLipoid(folder, {"endurance", "--cell", kCell, "--mission", "power=climbs.csv"});
   EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
+}
+
+TEST(EnduranceCommand, SaysThatTheWayBackIsNotFlown) {
+  const auto folder = TestFolder();
+  const std::string there =
+      "[[waypoint]]\naltitude_m = 1\n\n[[waypoint]]\nx_m = 3\naltitude_m = 1\nstay_s = 8\n";
+  const auto messages = [&](const std::string& route, std::vector<std::string> more) {
+    WriteText(folder + "/route.toml", route);
+    more.insert(
+        more.end(),
+        {"--vehicle", "mambo-physical", "--cell", kCell, "--mission", "waypoints=route.toml"});
+    return SummaryOf(folder, more).at("messages").dump();
+  };
+  const std::string said = "the route ends 3 m from where it begins";
+  EXPECT_NE(messages(there, {}).find(said), std::string::npos);
+  EXPECT_NE(messages(there, {}).find("without the drag of the air"), std::string::npos);
+  EXPECT_EQ(messages(there, {"--once"}).find(said), std::string::npos);
+  const std::string back = "\n[[waypoint]]\naltitude_m = 1\nstay_s = 8\n";
+  EXPECT_EQ(messages(there + back, {}).find(said), std::string::npos);
+}
+
+TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/peak.csv", "time_s,power_W\n0,0\n0.05,500\n60,3\n");
+  const auto peak = RunLipoid(folder,
+                              {"endurance",
+                               "--cell",
+                               kCell,
+                               "--mission",
+                               "power=peak.csv",
+                               "--once",
+                               "--summary",
+                               "s.json"});
+  EXPECT_EQ(peak.exit_code, 0) << peak.err;
+  const auto summary = ReadJson(folder, "s.json");
+  EXPECT_EQ(summary.at("ended_by"), "mission-done");
+  EXPECT_EQ(summary.at("power_lack").at("since_s"), 0.0);
+  EXPECT_EQ(summary.at("power_lack").at("power_W"), 500.0);
+  EXPECT_NEAR(summary.at("power_lack").at("total_s").get<double>(), 0.05, 1e-12);
+  EXPECT_NE(peak.out.find("The pack cannot give the 500 W that the mission takes at 0 s"),
+            std::string::npos)
+      << peak.out;
+  WriteText(folder + "/long.csv", "time_s,power_W\n0,0\n10,3\n20,500\n");
+  const auto ends = RunLipoid(
+      folder, {"endurance", "--cell", kCell, "--mission", "power=long.csv", "--summary", "s.json"});
+  EXPECT_EQ(ReadJson(folder, "s.json").at("ended_by"), "power");
+  EXPECT_NE(ends.out.find("The pack cannot give the 500 W that the mission takes at 10 s"),
+            std::string::npos)
+      << ends.out;
+}
+
+TEST(EnduranceCommand, TablesTakePercent) {
+  const auto folder = TestFolder();
+  const auto rows =
+      SummaryOf(folder,
+                {"--vehicle", "mambo-physical", "--cell", kCell, "--over", "reserve=0%:10%:30%"})
+          .at("over")
+          .at("rows");
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_DOUBLE_EQ(rows[1].at("value").get<double>(), 0.1);
+  EXPECT_DOUBLE_EQ(rows[3].at("value").get<double>(), 0.3);
+}
+
+// Flights alone show v_oc only as far as they were flown.
+TEST(EnduranceCommand, SaysWhereNoLogHasShownTheVoltage) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  cell["name"] = "flown";
+  cell["diffusion"] = nullptr;
+  cell["open_circuit_voltage"] = {
+      {"method", "linear"}, {"soc", {0.6, 1.0}}, {"voltage_V", {4.0, 4.15}}};
+  WriteText(folder + "/flown.json", cell.dump());
+  const std::vector<std::string> words{"--vehicle", "mambo-physical", "--cell", "flown.json"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return SummaryOf(folder, more).at("messages").dump();
+  };
+  const std::string said = "v_oc of flown is known between 0.6 and 1 of the charge";
+  EXPECT_NE(with({}).find(said), std::string::npos);
+  EXPECT_EQ(with({"--reserve", "65%"}).find(said), std::string::npos);
+  // A row of a table as well as the estimate.
+  EXPECT_NE(with({"--reserve", "65%", "--over", "reserve=20%:45%:65%"}).find(said),
+            std::string::npos);
 }
 
 TEST(EnduranceCommand, SaysWhatIsWrong) {

@@ -1,4 +1,5 @@
 // lipoid export, as a user runs it.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,6 +51,55 @@ TEST(ExportCommand, WritesTheFilesAndPrintsWhatTheirCommentsSay) {
     EXPECT_NE(run.out.find(sentence), std::string::npos) << sentence;
     EXPECT_NE(frame.find(sentence), std::string::npos) << sentence;
   }
+}
+
+// Fitted over the flat end slope of a v_oc of which a part is known, ArduPilot's battery had six times
+// the capacity.
+TEST(ExportCommand, FitsNothingWhereTheVoltageIsNotKnown) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  cell["name"] = "flown";
+  cell["diffusion"] = nullptr;
+  cell["open_circuit_voltage"] = {
+      {"method", "linear"}, {"soc", {0.85, 0.9, 1.0}}, {"voltage_V", {4.045, 4.05, 4.14}}};
+  Write(folder + "/flown.json", cell.dump());
+  const std::string said = "v_oc of flown is known between 0.85 and 1 of the charge";
+  const auto refused =
+      RunLipoid(folder, {"export", "flown.json", "--to", "ardupilot", "-o", "frame.json"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find(said), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--mission LOG"), std::string::npos) << refused.err;
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"flown.json"}));
+
+  std::string flight = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k < 100; ++k) flight += fmt::format("{},{},4\n", k, k / 10 % 2 == 0 ? 0 : 5);
+  Write(folder + "/flight.csv", flight);
+  const auto run = RunLipoid(folder,
+                             {"export",
+                              "flown.json",
+                              "--to",
+                              "ardupilot",
+                              "-o",
+                              "frame.json",
+                              "--mission",
+                              "flight.csv",
+                              "--current-sign",
+                              "discharge-positive",
+                              "--summary",
+                              "s.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NEAR(ReadJson(folder, "s.json")["parameters"]["battCapacityAh"].get<double>(),
+              cell["capacity_Ah"].get<double>(),
+              1e-6);  // a float
+  EXPECT_NE(run.out.find(said), std::string::npos) << run.out;
+  EXPECT_NE(ReadTextFile(folder + "/frame.parm").find("BATT_CAPACITY 600"), std::string::npos);
+
+  // The cell's own law is written as it is, and the file says how far it is known.
+  const auto exact = RunLipoid(
+      folder, {"export", "flown.json", "--to", "c", "-o", "cell.h", "--summary", "c.json"});
+  ASSERT_EQ(exact.exit_code, 0) << exact.err;
+  EXPECT_NE(ReadTextFile(folder + "/cell.h").find("v_oc of flown is known"), std::string::npos);
+  EXPECT_NE(ReadJson(folder, "c.json")["notes"].dump().find(said), std::string::npos);
 }
 
 // An error of 30 mV is none that an exact law has.

@@ -9,6 +9,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 #include "tests/support/text_files.h"
 
@@ -135,6 +136,25 @@ TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
   EXPECT_EQ(ReadJson(folder, "s.json").at("outcome"), "battery-empty");
 }
 
+// Flights alone show v_oc only as far as they were flown.
+TEST(Fly, SaysWhereNoLogHasShownTheVoltage) {
+  const auto folder = TestFolder();
+  Json cell = Json::parse(CellText("gifi-600mAh-1"));
+  cell["name"] = "flown";
+  cell["open_circuit_voltage"] = {
+      {"method", "linear"}, {"soc", {0.9, 1.0}}, {"voltage_V", {4.1, 4.15}}};
+  WriteText(folder + "/flown.json", cell.dump());
+  const auto said = [&](const std::string& duration_s) {
+    const auto run =
+        RunLipoid(folder, {"fly", "hover", "--cell", "flown.json", "--duration", duration_s});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err.find("v_oc of flown is known between 0.9 and 1 of the charge") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(said("5"));
+  EXPECT_TRUE(said("120"));
+}
+
 TEST(Fly, WhatIsBlownAwayIsSaidFirst) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(
@@ -151,6 +171,56 @@ TEST(Fly, WhatIsBlownAwayIsSaidFirst) {
       RunLipoid(folder, {"fly", "endurance", "--wind", "30", "--initial-soc", "0.5"});
   EXPECT_EQ(empty.exit_code, 1);
   EXPECT_NE(empty.err.find("; it could not hold its place: from "), std::string::npos) << empty.err;
+}
+
+TEST(Fly, SaysThatASpeedWasNotReached) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/line.toml",
+            "[[waypoint]]\naltitude_m = 10\nstay_s = 1\n"
+            "[[waypoint]]\naltitude_m = 10\nx_m = 60\nstay_s = 45\n");
+  const auto fly = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"fly",
+                                   "waypoints",
+                                   "--waypoints",
+                                   "line.toml",
+                                   "--vehicle",
+                                   "f450",
+                                   "--xi",
+                                   "1",
+                                   "--summary",
+                                   "s.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunLipoid(folder, words).err;
+  };
+  const std::string as_usual = fly({});
+  EXPECT_EQ(as_usual.find("the vehicle flew at most"), std::string::npos) << as_usual;
+  EXPECT_NEAR(ReadJson(folder, "s.json").at("fastest_m_per_s").get<double>(), 3.0, 0.2);
+  const std::string far = fly({"--set", "controller.position_speed_m_per_s=20"});
+  EXPECT_NE(
+      far.find("of the 20 m/s that position_speed_m_per_s allows: no way between waypoints is "
+               "long enough"),
+      std::string::npos)
+      << far;
+  // m g tan 20 degrees holds 0.56 m/s against this drag.
+  std::string vehicle = ReadTextFile(SourcePath("fixtures/vehicles/mambo-physical.toml"));
+  const std::string drag = "linear_drag_N_s_per_m = 0.02";
+  vehicle.replace(vehicle.find(drag), drag.size(), "linear_drag_N_s_per_m = 0.4");
+  WriteText(folder + "/kite.toml", vehicle);
+  const auto weak = RunLipoid(folder,
+                              {"fly",
+                               "waypoints",
+                               "--waypoints",
+                               "line.toml",
+                               "--vehicle",
+                               "kite.toml",
+                               "--xi",
+                               "1",
+                               "--set",
+                               "simulation.drag=true"});
+  EXPECT_NE(
+      weak.err.find("along x or y, where its references had 1.5 m/s: a tilt of 20.1 degrees holds"),
+      std::string::npos)
+      << weak.err;
 }
 
 TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
@@ -520,6 +590,35 @@ TEST(Design, WritesGainsThatFly) {
   EXPECT_NE(run.err.find("a run ten times longer"), std::string::npos) << run.err;
   run = RunLipoid(folder, {"fly", "hover", "--gains", "g.json", "--duration", "2"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(Design, SaysWhichBoundsDecided) {
+  const auto folder = TestFolder();
+  const auto design = [&](const std::string& bound) {
+    return RunLipoid(folder,
+                     {"design",
+                      "altitude",
+                      "--optimizer",
+                      "levenberg-marquardt",
+                      "--check",
+                      "never",
+                      "--set",
+                      "design.proportional_bound=" + bound,
+                      "--set",
+                      "design.derivative_bound=3",
+                      "--summary",
+                      "s.json"});
+  };
+  const auto narrow = design("2");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("at_bound"),
+            (std::vector<std::string>{"proportional", "derivative"}));
+  EXPECT_NE(
+      narrow.err.find("the search ended at its upper bound: proportional = 2, derivative = 3"),
+      std::string::npos)
+      << narrow.err;
+  EXPECT_NE(narrow.err.find("--set design.derivative_bound=..."), std::string::npos) << narrow.err;
+  (void)design("1000");
+  EXPECT_EQ(ReadJson(folder, "s.json").at("at_bound"), (std::vector<std::string>{"derivative"}));
 }
 
 TEST(Design, SaysWhatIsWrong) {

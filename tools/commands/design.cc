@@ -1,4 +1,6 @@
 // lipoid design altitude|attitude: controller gains by optimization, (6.2)-(6.5).
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -98,6 +100,35 @@ OptimizerSettings TenTimesLonger(const OptimizerEntry& optimizer, OptimizerSetti
   };
   if (!longer("population")) longer("iterations_per_variable");
   return settings;
+}
+
+// Which bounds decided the answer; "": none.
+std::string AtBoundText(const std::vector<GainBound>& at_bound) {
+  std::vector<std::string> largest;
+  std::vector<std::string> options;
+  std::vector<std::string> least;
+  for (const GainBound& at : at_bound) {
+    if (at.largest) {
+      largest.push_back(fmt::format("{} = {:.4g}", at.gain, at.value));
+      options.push_back(fmt::format("--set design.{}_bound=...", at.gain));
+    } else {
+      least.push_back(fmt::format("{} = {:.4g}", at.gain, at.value));
+    }
+  }
+  std::vector<std::string> sentences;
+  if (!largest.empty()) {
+    sentences.push_back(fmt::format(
+        "the search ended at its upper bound: {}. The error would be less beyond it; give a higher one "
+        "({}) where the motors and the noise of the sensors allow it",
+        fmt::join(largest, ", "),
+        fmt::join(options, ", ")));
+  }
+  if (!least.empty()) {
+    sentences.push_back(
+        fmt::format("the search ended at its lower bound: {}. This maneuver gains nothing by it",
+                    fmt::join(least, ", ")));
+  }
+  return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
 }  // namespace
@@ -201,6 +232,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["gains"] = ToJson(result.gains);
   summary["costs"] = problem.CostsOf(result.gains);
   summary["bounds"] = ToJson(problem.bounds());
+  summary["at_bound"] = Json::array();
+  for (const GainBound& at : result.at_bound) summary["at_bound"].push_back(at.gain);
   summary["cost"] = result.cost;
   summary["start"] = {
       {"gains", ToJson(from)}, {"cost", result.start_cost}, {"costs", problem.CostsOf(from)}};
@@ -304,6 +337,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         kStabilityMargin,
         decay);
   }
+  if (const std::string text = AtBoundText(result.at_bound); !text.empty())
+    line.Message("{}", text);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));
   return result.optimization.usable() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

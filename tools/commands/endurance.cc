@@ -11,6 +11,7 @@
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/curve_range.h"
 #include "model/battery/temperature_range.h"
 #include "model/core/errors.h"
 #include "model/flight/endurance_report.h"
@@ -83,9 +84,6 @@ void SetMission(cli::CommandLine& line,
           "out");
     }
     request.power = FlyRoute(request, GainsFor(gains, request.vehicle, "aware"), file);
-    line.Message(
-        "the route is flown without the drag of the air, and a climb costs no more than a hover: a fast or "
-        "a high route takes more than this says (--mission cruise knows the power of a speed)");
     return;
   }
   if (text.starts_with(kPower)) {
@@ -174,6 +172,19 @@ Json PrintOver(cli::CommandLine& line, const EnduranceRequest& request, const Ov
   }
   line.Print("\n{}", table.Text());
   return {{"name", over.variable->name}, {"rows", std::move(rows)}};
+}
+
+// What a row of --over goes beyond and the estimate does not.
+void TellWhatRowsExtrapolate(cli::CommandLine& line,
+                             const EnduranceRequest& request,
+                             const EnduranceAnswer& answer) {
+  if (!KnowsCurve(request.cell, answer.estimate.soc, request.initial_soc)) return;
+  double lowest_soc = 1.0;
+  for (const Json& row : line.summary()["over"]["rows"])
+    lowest_soc = std::min(lowest_soc, row["remaining_soc"].get<double>());
+  if (const auto doubt = DoubtAboutCurve(request.cell, lowest_soc, request.initial_soc);
+      !doubt.empty())
+    line.Message("{}", doubt);
 }
 
 }  // namespace
@@ -305,6 +316,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
       line.Message("{}", doubt);
   }
   for (const std::string& doubt : EnduranceDoubts(request, answer)) line.Message("{}", doubt);
+  if (over) TellWhatRowsExtrapolate(line, request, answer);
   line.summary()["messages"] = line.messages();
   const MissionEnd end = answer.estimate.ended_by;
   const bool answered =

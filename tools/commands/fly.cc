@@ -9,6 +9,7 @@
 #include "model/analysis/stability.h"
 #include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/curve_range.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -56,6 +57,7 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   if (std::isfinite(flight.mse_position_m2)) {
     row("position error", Significant(std::sqrt(flight.mse_position_m2)), "m rms");
     row("", Significant(flight.largest_position_error_m), "m at the largest");
+    row("speed", Significant(flight.fastest_m_per_s), "m/s at the largest, along x or y");
   }
   for (std::size_t k = 0; k < flight.waypoint_distance_m.size(); ++k) {
     row(fmt::format("waypoint {}", k + 1),
@@ -318,6 +320,13 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
   }
+  if (setup.cell) {
+    if (const auto doubt = DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc);
+        !doubt.empty())
+      line.Message("{}", doubt);
+  }
+  if (const auto doubt = DoubtAboutSpeed(setup, plan, flight); !doubt.empty())
+    line.Message("{}", doubt);
   if (!flight.reason.empty() && flight.outcome != Outcome::kOffCourse)
     line.Message("{}", flight.reason);
   return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

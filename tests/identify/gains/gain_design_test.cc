@@ -168,6 +168,21 @@ TEST(GainDesign, BoundsAreTheThesisOrTheUsers) {
 }
 
 // The least error of this vehicle is that of gains which grow, more slowly than the maneuver lasts.
+TEST(GainDesign, SaysWhichParametersStandAtABound) {
+  GainDesign design = Design(Loop::kAltitude, {{1.0, 1.0}});
+  design.options.derivative_bound = 3.0;
+  const GainProblem problem(design);
+  EXPECT_TRUE(problem.AtBound(Eigen::Vector3d(0.5, 0.01, 0.99)).empty());
+  const auto at = problem.AtBound(Eigen::Vector3d(0.5, 0.0, 1.0));
+  ASSERT_EQ(at.size(), 2U);
+  EXPECT_EQ(at[0].gain, "integral");
+  EXPECT_FALSE(at[0].largest);
+  EXPECT_EQ(at[0].value, 0.0);
+  EXPECT_EQ(at[1].gain, "derivative");
+  EXPECT_TRUE(at[1].largest);
+  EXPECT_EQ(at[1].value, 3.0);
+}
+
 TEST(GainDesign, NeverReturnsGainsThatAreUnstable) {
   GainDesign design = Design(Loop::kAttitude, {});
   design.vehicle = test::F450();

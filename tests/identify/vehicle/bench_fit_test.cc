@@ -164,6 +164,17 @@ TEST(BenchFit, AMotorWithoutResistanceIsRefused) {
             "of 706.3 rpm/V: check --kv-rpm-per-V against the table's speeds and voltages");
 }
 
+// Rows whose throttles are in another order.
+TEST(BenchFit, AThrottleThatIsFarFromADutyCycleIsRefused) {
+  BenchTable table = Table(Truth(), true);
+  for (std::size_t k = 0; 2 * k < table.rows.size(); ++k)
+    std::swap(table.rows[k].throttle, table.rows[table.rows.size() - 1 - k].throttle);
+  const std::string said = test::MessageOf<OptionError>([&] { (void)FitBenchTable(table, {}); });
+  EXPECT_NE(said.find("look whether the columns of throttle, voltage, current and speed"),
+            std::string::npos)
+      << said;
+}
+
 // rpm under a header of rad/s.
 TEST(BenchFit, SpeedsThatNoMotorReachesAreRefused) {
   Truth truth;

@@ -120,5 +120,25 @@ TEST(BenchTable, EveryMistakeHasItsPlace) {
             "b.csv: error: expected at least 4 rows of a bench table, found 1");
 }
 
+// Exchanged, a bench table gave a throttle exponent of 5e-47.
+TEST(BenchTable, VoltageAndCurrentAreNotExchanged) {
+  const std::string rows =
+      "50,16.66,3.09,401\n60,16.61,4.8,529\n70,16.54,6.72,656\n80,16.48,9.05,787\n";
+  EXPECT_EQ(
+      Refusal("throttle (%),current (A),voltage (V),thrust (g)\n" + rows),
+      "b.csv: error: expected a current that grows with the thrust, found 16.66 A at 3.932 N and 16.48 A at "
+      "7.718 N while the voltage rises from 3.09 to 9.05 V: voltage and current look exchanged; correct the "
+      "header");
+  EXPECT_EQ(ParseBenchTable("throttle (%),voltage (V),current (A),thrust (g)\n" + rows, "b.csv")
+                .rows.size(),
+            4U);
+  // Full throttle at rising voltages.
+  EXPECT_EQ(ParseBenchTable("throttle (%),voltage (V),current (A),thrust (g)\n"
+                            "100,10,5,400\n100,12,7,550\n100,14,9,720\n100,16,11,900\n",
+                            "b.csv")
+                .rows.size(),
+            4U);
+}
+
 }  // namespace
 }  // namespace lipoid

@@ -37,6 +37,24 @@ TEST(EnduranceRoute, StayingWhereItIsTakesThePowerOfHover) {
   }
 }
 
+// A speed that the tilt does not hold against the drag is flown without it.
+TEST(EnduranceRoute, SaysWhatItsSpeedLeavesOut) {
+  const auto file = test::WriteText("endurance_route_fast.toml",
+                                    "[[waypoint]]\naltitude_m = 2.0\n"
+                                    "[[waypoint]]\naltitude_m = 5.0\nx_m = 4.0\nstay_s = 20.0\n");
+  EnduranceRequest request = Mambo();
+  const PowerMission slow = FlyRoute(request, LoadGains("aware"), file);
+  EXPECT_EQ(slow.way_back_m, 5.0);
+  ASSERT_EQ(slow.doubts.size(), 1U);
+  EXPECT_NE(slow.doubts[0].find("without the drag of the air"), std::string::npos);
+  // m g tan 20 degrees is 3.6 m/s² of drag per mass.
+  request.vehicle.linear_drag_N_s_per_m = 8.0 * request.vehicle.mass_kg;
+  const PowerMission fast = FlyRoute(request, LoadGains("aware"), file);
+  ASSERT_EQ(fast.doubts.size(), 2U);
+  EXPECT_NE(fast.doubts[1].find("holds 0.448 m/s: in the air it takes longer"), std::string::npos)
+      << fast.doubts[1];
+}
+
 TEST(EnduranceRoute, SaysThatTheVehicleCrashes) {
   const auto file = test::WriteText("endurance_route_crash.toml",
                                     "[[waypoint]]\naltitude_m = 2.0\nstay_s = 20.0\n");

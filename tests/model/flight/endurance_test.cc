@@ -103,6 +103,49 @@ TEST(Endurance, ABatteryThatNeverGivesThePowerDoesNotTakeOff) {
   EXPECT_GT(FlyMission(At(StraightCell(3.2, 4.2, 0.2), 22.0)).time_s, 0.0);
 }
 
+// A power that no current gives ends a flight after a second, at its beginning as later.
+TEST(Endurance, APeakBeyondTheBatteryIsNoted) {
+  EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.2), 1.0);
+  setup.mission.legs = {{.duration_s = 0.05, .power_W = 100.0},
+                        {.duration_s = 60.0, .power_W = 1.0}};
+  setup.mission.repeats = false;
+  const EnduranceResult first = FlyMission(setup);
+  EXPECT_EQ(first.ended_by, MissionEnd::kMissionDone);
+  ASSERT_TRUE(first.lack);
+  EXPECT_EQ(first.lack->since_s, 0.0);
+  EXPECT_EQ(first.lack->power_W, 100.0);
+  EXPECT_NEAR(first.lack->most_W, 4.2 * 4.2 / (4.0 * 0.2), 1e-9);  // E²/(4 R)
+  EXPECT_NEAR(first.lack_s, 0.05, 1e-12);
+
+  // The peaks come again each round; what ends the flight is the long one.
+  setup.mission.repeats = true;
+  setup.mission.legs.push_back({.duration_s = 2.0, .power_W = 30.0});
+  const EnduranceResult later = FlyMission(setup);
+  EXPECT_EQ(later.ended_by, MissionEnd::kPower);
+  EXPECT_NEAR(later.lack->since_s, 60.05, 1e-9);
+  EXPECT_EQ(later.lack->power_W, 30.0);
+  EXPECT_NEAR(later.time_s, 61.05, setup.options.step_s + 0.1);
+
+  // An answer that always had its power has none.
+  setup.mission.legs = {{.duration_s = 60.0, .power_W = 1.0}};
+  setup.mission.repeats = false;
+  EXPECT_FALSE(FlyMission(setup).lack);
+}
+
+// A power that no current gives is not a charge that was used up, also where the current that comes
+// nearest to it takes A to 0.
+TEST(Endurance, APeakThatEmptiesADiffusingCellEndsByItsPower) {
+  EnduranceSetup setup = At(LoadCell("gifi-600mAh-1"), 1.0);
+  setup.initial_soc = 0.25;
+  setup.mission.legs = {{.duration_s = 0.05, .power_W = 1.0},
+                        {.duration_s = 0.05, .power_W = 2000.0},
+                        {.duration_s = 59.9, .power_W = 1.0}};
+  const EnduranceResult result = FlyMission(setup);
+  EXPECT_EQ(result.ended_by, MissionEnd::kPower);
+  EXPECT_EQ(result.lack->power_W, 2000.0);
+  EXPECT_NEAR(std::fmod(result.lack->since_s, 60.0), 0.05, 1e-6);  // sums of 0.05 and 59.9
+}
+
 // Diffusion holds charge back, which is there again after a rest.
 TEST(Endurance, TheChargeThatDiffusionHoldsBackIsNotUsedUp) {
   EnduranceSetup setup = At(StraightCell(3.2, 4.2, 0.0), 10.0);
