@@ -16,6 +16,7 @@
 #include "identify/joint/joint_request.h"
 #include "identify/joint/joint_trust.h"
 #include "identify/logs/columns.h"
+#include "identify/logs/unlike_discharges.h"
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
 #include "identify/trust/cell_uncertainty.h"
@@ -268,6 +269,25 @@ std::string DoubtAboutReference(const HeldShape& held, const Identification& fou
 }
 
 // The first line is of the logs that were fitted. Where others are described far worse it says too much.
+// Discharges from elsewhere than full are not compared.
+std::vector<FullDischarge> FullDischarges(const Identification& found,
+                                          const std::vector<LoadedLog>& logs) {
+  std::vector<FullDischarge> full;
+  if (found.flights_alone) return full;
+  const auto& times = found.joint ? found.joint->constant_current : found.staged->constant_current;
+  for (const ConstantCurrentErrors& time : times) {
+    const auto log = std::find_if(logs.begin(), logs.end(), [&](const LoadedLog& one) {
+      return one.entry.file == time.voltage.file;
+    });
+    if (log == logs.end() || log->entry.initial_soc != 1.0) continue;
+    full.push_back({.file = time.voltage.file,
+                    .current_A = time.current_A,
+                    .charge_C = time.current_A * time.measured_s,
+                    .start_degC = StartTemperature(*log)});
+  }
+  return full;
+}
+
 void NoteOnOtherLogs(Identification& found) {
   constexpr double kFarWorse = 5.0;
   constexpr double kWorthSaying_percent = 2.0;
@@ -437,6 +457,10 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (found.staged) {
+    if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
+      found.quality.Doubt(std::move(doubt));
+  }
   if (found.joint && !found.joint->alpha_doubt.empty())
     found.quality.Doubt(found.joint->alpha_doubt);
   if (const auto& held = options.given.reference) {
@@ -446,6 +470,8 @@ Identification Identify(const Campaign& campaign,
       found.quality.Doubt(DoubtAboutHeldCurve(held->source, *move));
   }
   NoteOnOtherLogs(found);
+  if (auto doubt = DoubtAboutDischarges(FullDischarges(found, logs)); !doubt.empty())
+    found.log_notes.push_back(std::move(doubt));
   return found;
 }
 

@@ -168,10 +168,6 @@ struct ChoiceTask {
 /// The best structure is polished; how sure the choice is, and the finer structure, are found.
 [[nodiscard]] JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice);
 
-/// What the temperatures of the logs must span, so that activation energies can be told from other
-/// differences between the logs.
-inline constexpr double kLeastSpan_K = 10.0;
-
 /// Nodes over the state of charge, denser where cells bend: `count` of them as nearly as the ladder
 /// has it.
 [[nodiscard]] std::vector<double> ResistanceNodes(int count);

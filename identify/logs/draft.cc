@@ -10,8 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "identify/logs/unlike_discharges.h"
 #include "model/core/foreign_text.h"
 #include "model/core/run_record.h"
+#include "model/core/special_values.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -167,6 +169,7 @@ class Drafting {
     FindCapacityAndCutoff();
     ChooseLowRate();
     FindStarts();
+    CompareDischarges();
     for (const auto& entry : draft_.entries) {
       if (entry.left_out.empty()) draft_.campaign.logs.push_back(entry.log);
     }
@@ -319,6 +322,22 @@ class Drafting {
       if (discharge.end_voltage_V <= cutoff_V + CutoffTolerance(discharge)) continue;
       each.entry->left_out =
           fmt::format("ends at {:.4g} V, above the cut-off", discharge.end_voltage_V);
+    }
+  }
+
+  void CompareDischarges() {
+    std::vector<FullDischarge> all;
+    for (const Candidate& each : fast_) {
+      if (!each.entry->left_out.empty() || each.entry->log.initial_soc != 1.0) continue;
+      const auto& warmth = each.inspection->temperature_degC;
+      all.push_back({.file = each.entry->log.file,
+                     .current_A = each.inspection->discharge->current_A,
+                     .charge_C = each.inspection->discharge->charge_C,
+                     .start_degC = warmth ? warmth->least : kNaN});
+    }
+    if (std::string doubt = DoubtAboutDischarges(all); !doubt.empty()) {
+      doubt.front() = 'A';
+      draft_.remarks.push_back(std::move(doubt) + ".");
     }
   }
 

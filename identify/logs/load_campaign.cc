@@ -20,6 +20,7 @@
 #include "identify/logs/segments.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -238,6 +239,29 @@ std::optional<double> CommonStart(const std::vector<LoadedLog>& logs) {
     start = log.entry.initial_soc;
   }
   return start;
+}
+
+double StartTemperature(const LoadedLog& log) {
+  const auto& measured = log.log.record.temperature_degC;
+  if (!measured.empty()) return measured.front();
+  return log.entry.initial_degC ? *log.entry.initial_degC : log.entry.ambient_degC.value_or(kNaN);
+}
+
+std::string DoubtAboutOneTemperature(const std::vector<LoadedLog>& logs) {
+  double coldest_degC = kInfinity;
+  double warmest_degC = -kInfinity;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kValidation) continue;
+    const double start_degC = StartTemperature(log);
+    coldest_degC = std::fmin(coldest_degC, start_degC);
+    warmest_degC = std::fmax(warmest_degC, start_degC);
+  }
+  if (!(warmest_degC - coldest_degC > kLeastSpan_K)) return "";
+  return fmt::format(
+      "the logs begin between {:.3g} and {:.3g} degC, and the staged method makes of them one cell that knows no "
+      "temperature: fit the logs of one temperature, or all by identify --method joint",
+      coldest_degC,
+      warmest_degC);
 }
 
 std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs) {

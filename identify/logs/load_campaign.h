@@ -33,6 +33,18 @@ struct LoadedLog {
 /// them against one another with alpha.
 [[nodiscard]] std::optional<double> CommonStart(const std::vector<LoadedLog>& logs);
 
+/// What the temperatures of the logs must span, so that activation energies can be told from other
+/// differences between the logs.
+inline constexpr double kLeastSpan_K = 10.0;
+
+/// Of the cell at the first row, as the log or its entry has it; NaN: not told.
+[[nodiscard]] double StartTemperature(const LoadedLog& log);
+
+/// Why a fit that knows no temperature, as the staged method, should not take these logs as one: they
+/// begin more than kLeastSpan_K apart. "" where they do not, or do not say. Logs of kind validation do
+/// not count.
+[[nodiscard]] std::string DoubtAboutOneTemperature(const std::vector<LoadedLog>& logs);
+
 /// What a reader of any result should know of the logs, one sentence each: whose sign other logs
 /// settled, and which two logs of one format count their current in opposite ways.
 [[nodiscard]] std::vector<std::string> NotesOnLogs(const std::vector<LoadedLog>& logs);

@@ -22,8 +22,7 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
   logs[0].log.report.current_sign_is_of_others = true;
   const Campaign campaign = test::CampaignOf(logs);
   for (const auto method : {IdentifyMethod::kStaged, IdentifyMethod::kJoint}) {
-    const Identification found =
-        Identify(campaign, logs, {.method = method, .profiled = {"beta"}});
+    const Identification found = Identify(campaign, logs, {.method = method, .profiled = {"beta"}});
     EXPECT_TRUE(found.converged);
     EXPECT_EQ(found.staged.has_value(), method == IdentifyMethod::kStaged);
     EXPECT_EQ(found.joint.has_value(), method == IdentifyMethod::kJoint);
@@ -46,8 +45,17 @@ TEST(Identification, HasTheSameShapeForEitherMethod) {
     }
     EXPECT_NEAR(found.mean_error_percent(), sum / count, 1e-9);
     const Json json = IdentificationToJson(found);
-    for (const char* key : {"method", "converged", "alpha_C", "parameters", "trust", "stages",
-                            "validation", "constant_current", "cautions", "profiles", "not_drawn"})
+    for (const char* key : {"method",
+                            "converged",
+                            "alpha_C",
+                            "parameters",
+                            "trust",
+                            "stages",
+                            "validation",
+                            "constant_current",
+                            "cautions",
+                            "profiles",
+                            "not_drawn"})
       EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json.at("log_notes").size(), 1U);
   }
@@ -78,13 +86,47 @@ TEST(Identification, SaysThatOtherLogsAreDescribedFarWorse) {
   }
 }
 
+// The staged method made one cell of pulses at -10 and 25 degC, "good", and said nothing.
+TEST(Identification, TheStagedMethodDoubtsLogsOfSeveralTemperatures) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  const auto reasons = [&](IdentifyMethod method) {
+    return Identify(test::CampaignOf(logs), logs, {.method = method}).quality.reasons;
+  };
+  EXPECT_EQ(reasons(IdentifyMethod::kStaged), std::vector<std::string>{});
+  for (LoadedLog& log : logs) log.entry.ambient_degC = 25.0;
+  logs.back().entry.ambient_degC = 16.0;
+  EXPECT_EQ(reasons(IdentifyMethod::kStaged), std::vector<std::string>{});
+  logs.back().entry.ambient_degC = 14.0;
+  const auto doubted = reasons(IdentifyMethod::kStaged);
+  ASSERT_EQ(doubted.size(), 1U);
+  EXPECT_TRUE(
+      doubted[0].starts_with("the logs begin between 14 and 25 degC, and the staged method"));
+  EXPECT_EQ(reasons(IdentifyMethod::kJoint), std::vector<std::string>{});
+}
+
+TEST(Identification, SaysThatDischargesAreNotOfOneCell) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  Cell aged = Truth();
+  aged.diffusion->alpha_C *= 0.85;
+  LoadedLog other = test::SyntheticLogs(aged, 5.0, 0.0002)[0];
+  other.entry.file = "aged_1C.csv";
+  logs.push_back(other);
+  const auto notes = Identify(test::CampaignOf(logs), logs, {}).log_notes;
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.starts_with("at 0.6 A cc_1C.csv delivers ") &&
+           note.find(" Ah until the cut-off and aged_1C.csv ") != std::string::npos;
+  }));
+}
+
 TEST(Identification, RefusesAProfileBeforeItReadsAnything) {
   EXPECT_EQ(test::MessageOf<OptionError>([] {
               CheckIdentifyOptions({.method = IdentifyMethod::kJoint, .profiled = {"alpha"}});
             }),
             "option --profile: alpha is a convention of the joint method and moves no voltage; see "
             "its interval in the report");
-  EXPECT_EQ(test::MessageOf<OptionError>([] { CheckIdentifyOptions({.method = IdentifyMethod::kStaged, .profiled = {"r_9"}}); }),
+  EXPECT_EQ(test::MessageOf<OptionError>([] {
+              CheckIdentifyOptions({.method = IdentifyMethod::kStaged, .profiled = {"r_9"}});
+            }),
             "option --profile: no parameter 'r_9' in this fit; profiles can be had of beta, r_s, "
             "r_1, tau_1, c_1");
 }

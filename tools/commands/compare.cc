@@ -181,6 +181,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   CheckCampaign(campaign, request.staged.given.open_circuit_voltage.has_value());
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
+  if (const auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty()) line.Message("{}", doubt);
   const ComparisonRunResult result =
       RunComparison(campaign, logs, request, [&](auto what, double share) {
         line.progress().Update(0.1 + 0.9 * share, what);

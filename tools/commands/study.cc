@@ -99,6 +99,7 @@ cli::ExitCode StudyCommand(cli::CommandLine& line) {
   line.AddInputs(LogFiles({campaign}));
   line.progress().Update(0.0, "reading logs");
   const auto logs = LoadLogs(line, campaign);
+  if (const auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty()) line.Message("{}", doubt);
   const StudyInput input{campaign, logs, request.options, request.given};
   const StudyResult result = study.run(input, [&](std::string_view doing, double share) {
     line.progress().Update(0.1 + 0.9 * share, doing);
