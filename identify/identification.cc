@@ -457,6 +457,7 @@ Identification Identify(const Campaign& campaign,
       !doubts.empty())
     found.log_notes.push_back(std::move(doubts));
   found.quality = QualityOf(found, campaign, logs);
+  if (!found.converged) found.quality.Doubt("the search ended before it had converged");
   if (found.staged) {
     if (auto doubt = DoubtAboutOneTemperature(logs); !doubt.empty())
       found.quality.Doubt(std::move(doubt));

@@ -655,6 +655,11 @@ class Choosing {
       choice_.errors.smoothness = kNoSmoothness;
     JointSolution before = AtFoundRates(best(), choice_.errors.smoothness);
     JointSolution polished = fit_.Polish(before, kFineStep, options_.iterations_per_variable);
+    // A search that converged, and many more steps that gain nothing.
+    constexpr double kNoGain = 1e-6;
+    if (polished.termination == Termination::kMaxIterations &&
+        !(polished.cost < (1.0 - kNoGain) * before.cost))
+      polished = before;
     if (compare_) {
       const LeftOutErrors errors =
           LeaveOut(fit_, logs_, polished.structure, polished.rates, {choice_.errors.smoothness});

@@ -104,6 +104,16 @@ TEST(Identification, TheStagedMethodDoubtsLogsOfSeveralTemperatures) {
   EXPECT_EQ(reasons(IdentifyMethod::kJoint), std::vector<std::string>{});
 }
 
+TEST(Identification, AnEndBeforeConvergenceStandsInTheFirstLine) {
+  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  IdentifyOptions options{.method = IdentifyMethod::kStaged};
+  options.staged.solver.max_iterations = 1;
+  const Identification found = Identify(test::CampaignOf(logs), logs, options);
+  EXPECT_FALSE(found.converged);
+  EXPECT_NE(found.quality.Sentence("its own logs").find("the search ended before it had converged"),
+            std::string::npos);
+}
+
 TEST(Identification, SaysThatDischargesAreNotOfOneCell) {
   auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
   Cell aged = Truth();
