@@ -9,6 +9,7 @@
 
 #include "identify/logs/segments.h"
 #include "model/battery/prediction.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -65,6 +66,13 @@ LogErrors Validate(const Cell& cell, const LoadedLog& log) {
 namespace {
 
 std::string Sentence(const StartDoubt& doubt) {
+  if (doubt.soc > 1.0) {
+    return fmt::format(
+        "rests at {:.4g} V before its first load, and v_oc(A) of a full cell is {:.4g} V: look whether the log that "
+        "v_oc comes from started full, or say its initial_soc",
+        doubt.rest_V,
+        doubt.full_V);
+  }
   return fmt::format(
       "rests at {:.4g} V before its first load, where v_oc(A) has a state of charge of {:g}, not "
       "{:g}; if it had rested long enough, say initial_soc {:g}",
@@ -87,10 +95,15 @@ std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,
   while (rows < record.size() && std::abs(record.current_A[rows]) <= rest_A) ++rows;
   if (rows == 0 || rows == record.size()) return std::nullopt;
   const double rest_V = record.voltage_V[rows - 1];
+  const double full_V = curve(1.0);
+  // Cells that are charged alike rest within some hundredths of a volt of one another.
+  constexpr double kBeyondFull_V = 0.04;
+  if (initial_soc == 1.0 && rest_V > full_V + kBeyondFull_V)
+    return StartDoubt{record.file, rest_V, kInfinity, initial_soc, full_V};
   const double soc = std::round(1e3 * curve.SocAtVoltage(rest_V)) / 1e3 + 0.0;  // no -0
   if (std::abs(soc - initial_soc) <= kSoc || std::abs(curve(initial_soc) - rest_V) <= kVoltage_V)
     return std::nullopt;
-  return StartDoubt{record.file, rest_V, soc, initial_soc};
+  return StartDoubt{record.file, rest_V, soc, initial_soc, full_V};
 }
 
 std::string DoubtAboutStart(const OpenCircuitVoltage& curve,
@@ -115,7 +128,9 @@ std::string DoubtsAboutStarts(std::vector<StartDoubt> doubts, std::string_view o
   std::vector<std::string> others;
   for (std::size_t k = 1; k < std::min(doubts.size(), 1 + kNamed); ++k)
     others.push_back(
-        fmt::format("{} ({:g}, not {:g})", doubts[k].file, doubts[k].soc, doubts[k].given));
+        doubts[k].soc > 1.0
+            ? fmt::format("{} (beyond full)", doubts[k].file)
+            : fmt::format("{} ({:g}, not {:g})", doubts[k].file, doubts[k].soc, doubts[k].given));
   if (doubts.size() > 1 + kNamed)
     others.push_back(fmt::format("{} more", doubts.size() - 1 - kNamed));
   return fmt::format(

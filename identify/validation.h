@@ -83,8 +83,9 @@ class Validation {
 struct StartDoubt {
   std::string file;
   double rest_V = 0.0;
-  double soc = 0.0;    ///< of the curve at that voltage
-  double given = 1.0;  ///< the initial_soc
+  double soc = 0.0;     ///< of the curve at that voltage; infinite: far above that of a full cell
+  double given = 1.0;   ///< the initial_soc
+  double full_V = 0.0;  ///< of the curve at A = 1
 };
 
 [[nodiscard]] std::optional<StartDoubt> DoubtOfStart(const OpenCircuitVoltage& curve,

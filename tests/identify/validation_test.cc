@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/battery/prediction.h"
+#include "model/core/special_values.h"
 #include "tests/support/charge_counter.h"
 #include "tests/support/constants.h"
 
@@ -97,14 +98,33 @@ TEST(Validation, SeesThatALogDoesNotStartWhereItIsSaidTo) {
   EXPECT_EQ(DoubtAboutStart(curve, Record{}, 1.0), "");
 }
 
+// A slow discharge from 95 % took itself for a full one, and the others said nothing.
+TEST(Validation, ARestFarAboveAFullCellDoubtsTheCurve) {
+  const auto curve = OpenCircuitVoltage::Linear({0.0, 1.0}, {3.0, 4.16});
+  Record record;
+  record.time_s = {0, 1, 2};
+  record.current_A = {0, 0, 1};
+  record.voltage_V = {4.19, 4.19, 4.1};
+  EXPECT_EQ(DoubtAboutStart(curve, record, 1.0), "");
+  record.voltage_V = {4.22, 4.22, 4.1};
+  EXPECT_EQ(
+      DoubtAboutStart(curve, record, 1.0),
+      "rests at 4.22 V before its first load, and v_oc(A) of a full cell is 4.16 V: look whether the log "
+      "that v_oc comes from started full, or say its initial_soc");
+  EXPECT_TRUE(
+      DoubtsAboutStarts(
+          {{"a.csv", 4.22, kInfinity, 1.0, 4.16}, {"b.csv", 4.22, kInfinity, 1.0, 4.16}}, "mend")
+          .ends_with("; the starts of b.csv (beyond full) are doubtful, too: mend"));
+}
+
 // Of hints that contradict one another the first is of the log that is furthest off, within full.
 TEST(Validation, SaysOfManyStartsTheWorstFirst) {
-  std::vector<StartDoubt> doubts{{"a.csv", 4.25, 1.6, 1.0}, {"b.csv", 3.9, 0.9, 1.0}};
+  std::vector<StartDoubt> doubts{{"a.csv", 3.95, 0.97, 1.0}, {"b.csv", 3.9, 0.9, 1.0}};
   doubts.push_back({"c.csv", 3.5, 0.5, 1.0});
   EXPECT_EQ(DoubtsAboutStarts(doubts, "mend the first"),
             "c.csv rests at 3.5 V before its first load, where v_oc(A) has a state of charge of "
             "0.5, not 1; if it had rested long enough, say initial_soc 0.5; the starts of "
-            "b.csv (0.9, not 1), a.csv (1.6, not 1) are doubtful, too: mend the first");
+            "b.csv (0.9, not 1), a.csv (0.97, not 1) are doubtful, too: mend the first");
   doubts.assign(8, {"d.csv", 3.9, 0.9, 1.0});
   EXPECT_TRUE(DoubtsAboutStarts(doubts, "mend")
                   .ends_with("d.csv (0.9, not 1), 2 more are doubtful, too: mend"));
