@@ -8,6 +8,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -304,6 +305,7 @@ class Choosing {
     choice_.tried[choice_.taken].taken = true;
     PolishBest();
     FindWeights();
+    if (!fit_.seen().setup().diffusion) LeaveOutDiffusion();
     if (Held() == nullptr) FindFiner();
     Tell(1.0);
     return std::move(choice_);
@@ -687,6 +689,18 @@ class Choosing {
       sum += row.weight;
     }
     for (TriedStructure& row : choice_.tried) row.weight /= sum;
+  }
+
+  // Diffusion at its limit takes its part from r_s alike in all structures that had it: that is no
+  // spread of theirs.
+  void LeaveOutDiffusion() {
+    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
+      JointSolution& solution = choice_.tried[k].solution;
+      if (k == choice_.taken || !(solution.rates.beta_per_sqrt_s < kInfinity)) continue;
+      JointRates rates = solution.rates;
+      rates.beta_per_sqrt_s = kInfinity;
+      solution = fit_.Solve(solution.structure, rates, solution.smoothness);
+    }
   }
 
   void FindFiner() {

@@ -8,6 +8,7 @@
 
 #include "identify/joint/joint_report.h"
 #include "identify/joint/joint_trust.h"
+#include "identify/trust/profile.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
@@ -356,6 +357,13 @@ TEST(JointRun, DiffusionThatNoLogShowsIsLeftOut) {
   const double r_s = *CellParameter(truth, "r_s");
   EXPECT_NEAR(*CellParameter(result.cell, "r_s"), r_s, 0.002 * r_s);
   EXPECT_NEAR(result.cell.capacity_Ah, truth.capacity_Ah, 1e-3 * truth.capacity_Ah);
+  // Structures that had diffusion at its limit do not widen the interval by what it took.
+  const TrustReport trust = AssessJoint(result);
+  const QuantityTrust* known = FindQuantity(trust, "r_s");
+  ASSERT_NE(known, nullptr);
+  EXPECT_LE(known->low, r_s);
+  EXPECT_GE(known->high, r_s);
+  EXPECT_LT(known->high - known->low, 0.01 * r_s);
 
   StagedGiven within;
   within.parameters.bounds = {{"beta", {0.01, 1.0}}};
