@@ -8,7 +8,6 @@
 
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
-#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -32,18 +31,6 @@ constexpr int kManyNodes = 34;
 
 bool FitsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) {
   return rich.fitted_V < (1.0 - kBetterFit) * simple.fitted_V;
-}
-
-// Whether a richer structure is worth it. What fits as well as the noise lets it can only be
-// overtaken by following the noise. Discharges that are left out whole are an experiment of their
-// own: the richer structure is asked for where it predicts them better by more than chance. Pieces
-// share what disturbed their log with their neighbours, and the thresholds above decide.
-bool Better(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
-  if (simple.fitted_V <= kFinest_V) return false;
-  if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
-  if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
-  if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
-  return rich.expected_V < simple.expected_V && FitsBetter(rich, simple);
 }
 
 // Nodes at equal steps of t in [0, 1], bent so that they are dense near empty, where cells bend
@@ -152,7 +139,7 @@ bool Zigzags(const JointSolution& solution) {
   return false;
 }
 
-std::string Describe(const JointStructure& s, bool diffusion) {
+std::string Describe(const JointStructure& s) {
   std::string text = s.nodes() == 1 ? "constant resistances" : fmt::format("{} nodes", s.nodes());
   text += fmt::format(", {} branch{}", s.branches, s.branches == 1 ? "" : "es");
   for (const JointTerm& term : JointTerms()) {
@@ -166,11 +153,22 @@ std::string Describe(const JointStructure& s, bool diffusion) {
     text += fmt::format(", v_oc at {} nodes", s.voltage_soc.size());
   if (s.branch_smoothness > 1.0)
     text += fmt::format(", branches {:g} times as smooth", s.branch_smoothness);
-  if (!diffusion) text += ", no diffusion";
   return text;
 }
 
 }  // namespace
+
+// Whether a richer structure is worth it. What fits as well as the noise lets it can only be
+// overtaken by following the noise. Discharges that are left out whole are an experiment of their
+// own: the richer structure is asked for where it predicts them better by more than chance. Pieces
+// share what disturbed their log with their neighbours, and the thresholds above decide.
+bool IsAskedFor(const LeftOutErrors& rich, const LeftOutErrors& simple, const JointLogs& logs) {
+  if (simple.fitted_V <= kFinest_V) return false;
+  if (logs.whole) return CompareErrors(simple.unit_V, rich.unit_V, logs.unit_weight).AskedFor();
+  if (simple.fitted_V <= kAtTheNoise * logs.noise_mean_V) return false;
+  if (rich.expected_V < (1.0 - kGain) * simple.expected_V) return true;
+  return rich.expected_V < simple.expected_V && FitsBetter(rich, simple);
+}
 
 std::vector<double> ResistanceNodes(int count) {
   if (count <= 1) return {0.5};
@@ -292,12 +290,6 @@ class Choosing {
     return std::move(choice_);
   }
 
-  // What was taken, without what the setup no longer has.
-  JointChoice RunSimpler() {
-    Simplify(JointStructure(best()));
-    return std::move(choice_);
-  }
-
   JointChoice Finish() {
     for (std::size_t k = 0; compare_ && k < choice_.tried.size(); ++k) {
       if (k != choice_.taken) choice_.tried[k].gain = Gain(k, choice_.taken);
@@ -305,7 +297,6 @@ class Choosing {
     choice_.tried[choice_.taken].taken = true;
     PolishBest();
     FindWeights();
-    if (!fit_.seen().setup().diffusion) LeaveOutDiffusion();
     if (Held() == nullptr) FindFiner();
     Tell(1.0);
     return std::move(choice_);
@@ -320,9 +311,6 @@ class Choosing {
     return OnAxis(ResistanceNodes(count), lowest_soc_);
   }
   [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
-  [[nodiscard]] std::string What(const JointStructure& structure) const {
-    return Describe(structure, fit_.seen().setup().diffusion);
-  }
   void Take(std::size_t k) {
     choice_.taken = k;
     choice_.best = choice_.tried[k].solution;
@@ -334,12 +322,12 @@ class Choosing {
         choice_.tried[simple].errors.unit_V, choice_.tried[rich].errors.unit_V, logs_.unit_weight);
   }
   [[nodiscard]] bool IsBetter(const LeftOutErrors& rich, const LeftOutErrors& simple) const {
-    return Better(rich, simple, logs_);
+    return IsAskedFor(rich, simple, logs_);
   }
 
   // How well a solution's structure predicts held-out rows.
   [[nodiscard]] TriedStructure Assess(JointSolution solution) const {
-    TriedStructure row{.what = What(solution.structure), .solution = std::move(solution)};
+    TriedStructure row{.what = Describe(solution.structure), .solution = std::move(solution)};
     row.errors.smoothness = rough_;
     if (compare_) {
       row.errors =
@@ -639,7 +627,7 @@ class Choosing {
       if (!Zigzags(choice_.best)) return;
       JointStructure smoother = best();
       smoother.branch_smoothness = times;
-      TriedStructure row{.what = What(smoother),
+      TriedStructure row{.what = Describe(smoother),
                          .solution = AtFoundRates(smoother, choice_.errors.smoothness)};
       row.errors = LeaveOut(fit_, logs_, smoother, row.solution.rates, {choice_.errors.smoothness});
       choice_.tried.push_back(std::move(row));
@@ -691,18 +679,6 @@ class Choosing {
     for (TriedStructure& row : choice_.tried) row.weight /= sum;
   }
 
-  // Diffusion at its limit takes its part from r_s alike in all structures that had it: that is no
-  // spread of theirs.
-  void LeaveOutDiffusion() {
-    for (std::size_t k = 0; k < choice_.tried.size(); ++k) {
-      JointSolution& solution = choice_.tried[k].solution;
-      if (k == choice_.taken || !(solution.rates.beta_per_sqrt_s < kInfinity)) continue;
-      JointRates rates = solution.rates;
-      rates.beta_per_sqrt_s = kInfinity;
-      solution = fit_.Solve(solution.structure, rates, solution.smoothness);
-    }
-  }
-
   void FindFiner() {
     JointStructure finer = best();
     finer.voltage_soc = Halved(finer.voltage_soc);
@@ -736,10 +712,6 @@ bool NearSlowest(const JointRates& rates, double longest_tau_s) {
 
 JointChoice ChooseStructure(const ChoiceTask& task, const JointChoice* before) {
   return Choosing(task, {}, before).Run();
-}
-
-JointChoice ChooseBySimplerSetup(const ChoiceTask& task, JointChoice choice) {
-  return Choosing(task, std::move(choice), nullptr).RunSimpler();
 }
 
 JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice) {

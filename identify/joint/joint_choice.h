@@ -158,13 +158,15 @@ struct ChoiceTask {
 /// Whether a time constant came so near to its limit that this may have kept it there.
 [[nodiscard]] bool NearSlowest(const JointRates& rates, double longest_tau_s);
 
+/// Whether a richer structure predicts left-out rows so much better that it is taken (docs/joint.md, 4).
+[[nodiscard]] bool IsAskedFor(const LeftOutErrors& rich,
+                              const LeftOutErrors& simple,
+                              const JointLogs& logs);
+
 /// A choice, not yet finished. Of one made `before`, by a fit whose time constants had a lower limit,
 /// what that limit did not touch is not searched again.
 [[nodiscard]] JointChoice ChooseStructure(const ChoiceTask& task,
                                           const JointChoice* before = nullptr);
-/// The structure that was taken is fitted in this setup, which lacks something that the setup of the
-/// choice had, and is taken unless the rule of the choice asks for what is lacking.
-[[nodiscard]] JointChoice ChooseBySimplerSetup(const ChoiceTask& task, JointChoice choice);
 /// The best structure is polished; how sure the choice is, and the finer structure, are found.
 [[nodiscard]] JointChoice FinishChoice(const ChoiceTask& task, JointChoice choice);
 

@@ -379,8 +379,8 @@ class JointRun {
 
   void Fit() {
     Choose(0.3, 0.3);
+    if (ShowsNoDiffusion()) ChooseWithoutDiffusion();
     if (WantsSlower()) ChooseAmongSlower();
-    if (ShowsNoDiffusion()) TryWithoutDiffusion();
     WithTask(0.3, 0.6, [&](const ChoiceTask& task) {
       result_.choice = FinishChoice(task, std::move(result_.choice));
     });
@@ -461,20 +461,23 @@ class JointRun {
            best.rates.beta_per_sqrt_s > kShowsNone_per_sqrt_s;
   }
 
-  void TryWithoutDiffusion() {
+  // From the beginning: tables and branches may follow what diffusion at its limit gets wrong.
+  void ChooseWithoutDiffusion() {
+    JointChoice with = std::move(result_.choice);
     result_.setup.diffusion = diffusion_ = false;
-    const std::size_t with = result_.choice.taken;
-    WithTask(0.6, 0.0, [&](const ChoiceTask& task) {
-      result_.choice = ChooseBySimplerSetup(task, std::move(result_.choice));
-    });
-    if (result_.choice.taken == with) {
+    Choose(0.45, 0.15);
+    if (IsAskedFor(with.errors, result_.choice.errors, result_.logs)) {
       result_.setup.diffusion = diffusion_ = true;
+      result_.choice = std::move(with);
       return;
     }
     result_.cautions.push_back(fmt::format(
-        "these logs show no diffusion: beta went to its limit of {:.3g} s^-1/2, and left-out rows are predicted "
-        "as well without it; the cell has its capacity alone (--bounds beta=LOW,HIGH keeps diffusion)",
-        result_.choice.tried[with].solution.rates.beta_per_sqrt_s));
+        "these logs show no diffusion: beta went to its limit of {:.3g} s^-1/2, and without it left-out rows are "
+        "predicted to {:.4g} mV, with it to {:.4g} mV; the cell has its capacity alone (--bounds beta=LOW,HIGH "
+        "keeps diffusion)",
+        with.best.rates.beta_per_sqrt_s,
+        1e3 * result_.choice.errors.expected_V,
+        1e3 * with.errors.expected_V));
   }
 
   // The first capacity reference was rough. Where the model is right to within the noise, kinks of
