@@ -1,9 +1,13 @@
 #include "identify/logs/inspection_report.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "identify/logs/draft.h"
+#include "model/core/counted.h"
 #include "model/core/options.h"
 
 namespace lipoid {
@@ -51,6 +55,19 @@ Json ReadingToJson(const LogReport& report) {
           {"gaps", std::move(gaps)},
           {"warnings", report.warnings},
           {"notes", report.notes}};
+}
+
+std::string DroppedText(const LogReport& report) {
+  std::vector<std::string> parts;
+  const auto add = [&](std::size_t rows, std::string_view why) {
+    if (rows > 0) parts.push_back(fmt::format("{} {}", Counted(rows, "row"), why));
+  };
+  add(report.dropped_repeated_times, "with a repeated time stamp");
+  add(report.dropped_unselected, "outside the chosen part");
+  add(report.dropped_cut_last_line, "cut short at the end");
+  add(report.dropped_spikes, "with a voltage that cannot be");
+  add(report.dropped_unknown, "whose voltage or current the autopilot did not know");
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 Json InspectionToJson(const Inspection& log) {

@@ -6,7 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <limits>
+#include <system_error>
 #include <utility>
 
 #include "identify/logs/collector.h"
@@ -88,6 +91,11 @@ void SettleMillivolts(Record& record,
   notes.emplace_back("the voltages are in mV, by their size");
 }
 
+bool ChoosesPart(const ReadOptions& options) {
+  return !options.steps.empty() || !options.cycles.empty() || std::isfinite(options.start_s) ||
+         std::isfinite(options.end_s);
+}
+
 // Makes discharge positive.
 void SettleSign(Log& log,
                 const std::vector<std::int8_t>& directions,
@@ -144,18 +152,20 @@ void SettleSign(Log& log,
   if (found.sign == CurrentSign::kUnclear && !found.contradictory &&
       others.sign != CurrentSign::kUnclear) {
     found = {others.sign,
-             fmt::format("discharge is {} as in {}; by itself this log does not settle it: {}",
+             fmt::format("discharge is {} as in {}; by itself this {} does not settle it: {}",
                          others.sign == CurrentSign::kDischargePositive ? "positive" : "negative",
                          others.source,
+                         others.same_file ? "part" : "log",
                          found.reason)};
-    report.current_sign_is_of_others = true;
+    report.current_sign_is_of_others = !others.same_file;
   }
   if (found.sign == CurrentSign::kUnclear) {
     std::string message = fmt::format(
         "expected a current whose sign the data settle, found that {}{}; say `current_sign` "
-        "(--current-sign discharge-positive or discharge-negative), or read a part of the log",
+        "(--current-sign discharge-positive or discharge-negative), or read {} of the log",
         found.reason,
-        found.contradictory || others.source.empty() ? "" : ", and that " + others.source);
+        found.contradictory || others.source.empty() ? "" : ", and that " + others.source,
+        ChoosesPart(options) ? "another part" : "a part");
     if (found.contradictory) throw LoadError(position, std::move(message));
     throw OpenSignError(position, std::move(message), report.format, report.current_column);
   }
@@ -486,26 +496,32 @@ void TakeRows(Log& log, const ReadOptions& options) {
   log.report.rows = record.size();
 }
 
-}  // namespace
-
-Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
-  CheckOptions(options);
-  TextSource source(file);
-  return ReadSource(source, options, others);
+// read(options, others). A part may hold no edge of the current; its file does.
+template <class Read>
+Log ReadWithSignOfWhole(const ReadOptions& options, const SignOfOthers& others, const Read& read) {
+  if (!ChoosesPart(options)) return read(options, others);
+  try {
+    return read(options, others);
+  } catch (const OpenSignError&) {
+    ReadOptions all = options;
+    all.steps.clear();
+    all.cycles.clear();
+    all.start_s = -std::numeric_limits<double>::infinity();
+    all.end_s = std::numeric_limits<double>::infinity();
+    SignOfOthers whole{.source = "the whole log", .same_file = true};
+    try {
+      const std::string sign = read(all, {}).report.current_sign;
+      if (sign == "discharge-positive") whole.sign = CurrentSign::kDischargePositive;
+      if (sign == "discharge-negative") whole.sign = CurrentSign::kDischargeNegative;
+    } catch (const LoadError&) {
+      // What is wrong with the rest of the file is no fault of the part.
+    }
+    if (whole.sign == CurrentSign::kUnclear) throw;
+    return read(options, whole);
+  }
 }
 
-Log ReadLogText(std::string_view text,
-                const std::string& file,
-                const ReadOptions& options,
-                const SignOfOthers& others) {
-  CheckOptions(options);
-  TextSource source(file, text);
-  return ReadSource(source, options, others);
-}
-
-Log TakeLog(Record record, const ReadOptions& options) {
-  CheckOptions(options);
-  CheckColumns(record, options.voltage_optional);
+Log TakeColumns(Record record, const ReadOptions& options, const SignOfOthers& others) {
   Log log;
   log.record = std::move(record);
   log.record.hold = options.hold;
@@ -523,11 +539,46 @@ Log TakeLog(Record record, const ReadOptions& options) {
       log,
       directions,
       options,
-      {},
+      others,
       {position, position, position, "Columns of a program are in V, A and s: convert them"},
       false);
   FinishLog(log, options);
   return log;
+}
+
+}  // namespace
+
+Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
+  CheckOptions(options);
+  const auto read = [&](const ReadOptions& what, const SignOfOthers& said) {
+    TextSource source(file);
+    return ReadSource(source, what, said);
+  };
+  // A pipe is read once.
+  if (std::error_code none; !std::filesystem::is_regular_file(file, none))
+    return read(options, others);
+  return ReadWithSignOfWhole(options, others, read);
+}
+
+Log ReadLogText(std::string_view text,
+                const std::string& file,
+                const ReadOptions& options,
+                const SignOfOthers& others) {
+  CheckOptions(options);
+  return ReadWithSignOfWhole(
+      options, others, [&](const ReadOptions& what, const SignOfOthers& said) {
+        TextSource source(file, text);
+        return ReadSource(source, what, said);
+      });
+}
+
+Log TakeLog(Record record, const ReadOptions& options) {
+  CheckOptions(options);
+  CheckColumns(record, options.voltage_optional);
+  if (!ChoosesPart(options)) return TakeColumns(std::move(record), options, {});
+  return ReadWithSignOfWhole(options, {}, [&](const ReadOptions& what, const SignOfOthers& said) {
+    return TakeColumns(record, what, said);
+  });
 }
 
 }  // namespace lipoid

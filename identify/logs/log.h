@@ -151,7 +151,8 @@ struct Log {
 /// itself, but none that contradicts itself.
 struct SignOfOthers {
   CurrentSign sign = CurrentSign::kUnclear;  ///< unclear where they do not agree
-  std::string source;  ///< which logs: "as low_rate.csv", "a.csv is discharge-positive, ..."
+  std::string source;      ///< which logs: "as low_rate.csv", "a.csv is discharge-positive, ..."
+  bool same_file = false;  ///< no other log speaks, but the whole of which this log is a part
 };
 
 /// A log that says too little about the sign of its current; others of its format may settle it.
@@ -170,6 +171,7 @@ class OpenSignError : public LoadError {
   std::string current_column_;
 };
 
+/// The sign of a part that says too little by itself is that of the whole file.
 [[nodiscard]] Log ReadLog(const std::string& file,
                           const ReadOptions& options = {},
                           const SignOfOthers& others = {});

@@ -64,6 +64,25 @@ TEST(Convert, WritesTheSignThatTheRowsDoNotTell) {
   }
 }
 
+TEST(Convert, APartHasTheSignOfItsLogAndTheRowsAroundItAreOutside) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"convert",
+                              SourcePath("fixtures/lab/dmegc_inr18650_26_r1/cc_1c.csv"),
+                              "--start-s",
+                              "100",
+                              "--end-s",
+                              "200",
+                              "-o",
+                              "out.csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("11 rows kept, but not 340 rows outside the chosen part; "
+                         "discharge-positive (discharge is positive as in the whole log; by itself "
+                         "this part does not settle it: "),
+            std::string::npos)
+      << run.err;
+}
+
 TEST(Convert, TakesUnitsStepsAndSpans) {
   const auto folder = TestFolder();
   const std::string log = SourcePath("fixtures/logs/plain-csv/no_units.csv");

@@ -123,11 +123,13 @@ cli::ExitCode ConvertCommand(cli::CommandLine& line) {
   writer.Commit();
 
   line.summary()["files"] = Json::array({Describe(file, log.report, duration_s, output, format)});
-  line.Message("{}: {}, {} kept, {} dropped; {} ({})",
+  const std::string dropped = DroppedText(log.report);
+  line.Message("{}: {}, {} kept{}{}; {} ({})",
                file,
                log.report.format,
                Counted(log.report.rows, "row"),
-               log.report.dropped_rows(),
+               dropped.empty() ? "" : ", but not ",
+               dropped,
                log.report.current_sign,
                log.report.current_sign_reason);
   if (record.hold == Hold::kForward) {

@@ -66,19 +66,6 @@ std::string Sampling(const Spread& s) {
   return text;
 }
 
-std::string Dropped(const LogReport& report) {
-  std::vector<std::string> parts;
-  const auto add = [&](std::size_t rows, std::string_view why) {
-    if (rows > 0) parts.push_back(fmt::format("{} {}", Count(rows, "row"), why));
-  };
-  add(report.dropped_repeated_times, "with a repeated time stamp");
-  add(report.dropped_unselected, "outside the chosen part");
-  add(report.dropped_cut_last_line, "cut short at the end");
-  add(report.dropped_spikes, "with a voltage that cannot be");
-  add(report.dropped_unknown, "whose voltage or current the autopilot did not know");
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 // "1 of 2, 6 cells in series and 30 Ah as the autopilot was told".
 std::string BatteryText(const FlightFacts& flight) {
   std::string text = fmt::format("{} of {}", flight.battery, flight.batteries.size());
@@ -225,7 +212,7 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
        fmt::format("{:.4g} Ah out, {:.4g} Ah in",
                    log.charge_out_C / kSecondsPerHour,
                    log.charge_in_C / kSecondsPerHour));
-  item("dropped", Dropped(log.report));
+  item("dropped", DroppedText(log.report));
   if (log.report.thinned) item("thinned", ThinningText(*log.report.thinned));
   for (const auto& warning : log.report.warnings) item("look at", warning);
   for (const auto& note : log.report.notes) item("note", note);

@@ -325,6 +325,37 @@ TEST(PlainCsv, OnlyATimeSpanIsReadAndTimeRestarts) {
   EXPECT_EQ(log.report.dropped_unselected, 2U);
 }
 
+// The rows at rest tell nothing of the sign; with the edge that the part leaves out they do.
+TEST(PlainCsv, APartThatDoesNotSettleItsSignHasThatOfTheWholeLog) {
+  const std::string header = "time_s,current_A,voltage_V\n";
+  for (const char* rows : {kRows, "0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n"}) {
+    const ReadOptions rest{.end_s = 1};
+    const Log log = Read(header + rows, rest);
+    const Log whole = Read(header + rows);
+    EXPECT_EQ(log.record.size(), 2U);
+    EXPECT_EQ(log.report.current_sign, whole.report.current_sign);
+    EXPECT_EQ(
+        log.report.current_sign_reason,
+        fmt::format("discharge is {} as in the whole log; by itself this part does not settle "
+                    "it: no current flows",
+                    rows == kRows ? "positive" : "negative"));
+    EXPECT_FALSE(log.report.current_sign_is_of_others);
+    EXPECT_EQ(ReadLogText(header + rows, "F", rest).report.current_sign, log.report.current_sign);
+    EXPECT_EQ(
+        Refusal(header + "0,0,4.1\n1,0,4.1\n2,0,4.1\n", rest),
+        "F:1:8: error: expected a current whose sign the data settle, found that no current "
+        "flows; say `current_sign` (--current-sign discharge-positive or discharge-negative), "
+        "or read another part of the log");
+  }
+  Record columns;
+  columns.time_s = {0, 1, 2, 3, 4};
+  columns.current_A = {-1, -1, -3, -3, -3};
+  columns.voltage_V = {4.1, 4.1, 4, 3.99, 3.97};
+  const Log log = TakeLog(std::move(columns), {.end_s = 1});
+  EXPECT_EQ(log.record.current_A, (std::vector<double>{1, 1}));
+  EXPECT_EQ(log.report.current_sign, "discharge-negative");
+}
+
 TEST(PlainCsv, HoldIsPassedOn) {
   EXPECT_EQ(Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.hold = Hold::kForward})
                 .record.hold,
