@@ -27,6 +27,8 @@ std::vector<const OptimizerEntry*> FindOptimizers(const std::vector<std::string>
     return chosen;
   }
   for (const std::string& name : names) {
+    if (name == "all")
+      throw OptionError("option --optimizers: all stands alone; leave the other names out");
     const OptimizerEntry& entry = FindOptimizer(name);
     if (std::find(chosen.begin(), chosen.end(), &entry) != chosen.end()) {
       throw OptionError(fmt::format("option --optimizers: {} stands there twice", entry.name));

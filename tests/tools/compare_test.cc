@@ -265,6 +265,34 @@ TEST(Compare, SaysWhichSettingsChangeNothing) {
   EXPECT_EQ(said("sqp,particle-swarm").find("change nothing"), std::string::npos);
 }
 
+// gifi-600mAh-1 as it is has next to no branch.
+TEST(Compare, ABranchWithoutResistanceHasNoCapacitanceInTheTable) {
+  const auto folder = TestFolder();
+  ASSERT_EQ(
+      RunLipoid(
+          folder,
+          {"synthesize", "gifi-600mAh-1", "--with", "r_1=0", "--sampling-s", "2", "-o", "logs"})
+          .exit_code,
+      0);
+  const auto run = RunLipoid(
+      folder, Compare({"--optimizers", "levenberg-marquardt,sqp", "--latex", "table.tex"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::size_t without = 0;
+  const Json summary = ReadJson(folder, "s.json");
+  for (const Json& result : summary.at("results")) {
+    if (!result.at("parameters").at("c_1").is_null()) continue;
+    ++without;
+    // Its last line in the text, and its last row for LaTeX, are those of what it found.
+    const std::string name = result.at("optimizer");
+    const std::string line = run.out.substr(run.out.rfind("\n" + name) + 1);
+    EXPECT_TRUE(line.substr(0, line.find('\n')).ends_with(" -")) << run.out;
+    const std::string tex = ReadText(folder + "/table.tex");
+    const std::string row = tex.substr(tex.rfind(name + " &"));
+    EXPECT_NE(row.substr(0, row.find("\\\\")).rfind("& -"), std::string::npos) << tex;
+  }
+  EXPECT_GT(without, 0U) << run.out;
+}
+
 TEST(Compare, RefusesWhatMakesNoSense) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder);
@@ -274,6 +302,8 @@ TEST(Compare, RefusesWhatMakesNoSense) {
   } cases[] = {
       {{"--optimizers", "sqp,newton"}, "unknown optimizer 'newton'. Known: interior-point"},
       {{"--optimizers", "sqp,sqp"}, "sqp stands there twice"},
+      {{"--optimizers", "all,sqp"},
+       "option --optimizers: all stands alone; leave the other names out"},
       {{"--optimizers", ""}, "option --optimizers: expected NAME,NAME,..., found ''"},
       {{"--starts", "-1"}, "--starts"},
       {{"--set", "scaling=metric"}, "metric"},

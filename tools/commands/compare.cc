@@ -8,6 +8,7 @@
 
 #include "identify/comparison/comparison_report.h"
 #include "identify/comparison/comparison_run.h"
+#include "identify/stages/staged_report.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/atomic_file.h"
 #include "model/core/counted.h"
@@ -92,7 +93,7 @@ std::string ResultsText(const Comparison& comparison, int random_starts) {
   return fmt::format("{}\nWhy each ended\n{}\n{}\n{}", results, why, starts, reached.Text());
 }
 
-std::string ParametersText(const Comparison& comparison) {
+std::string ParametersText(const Comparison& comparison, bool diffusion) {
   std::vector<TextTable::Column> columns{{"optimizer", Align::kLeft}};
   for (const auto& v : comparison.variables) {
     columns.push_back({fmt::format("{} / {}", v.name, CellParameterUnit(v.name))});
@@ -100,8 +101,10 @@ std::string ParametersText(const Comparison& comparison) {
   TextTable table(std::move(columns), "What each optimizer found.");
   for (const auto& r : comparison.results) {
     std::vector<std::string> row{r.optimizer};
+    // Without r_j nothing tells c_j: wherever the search left it, it is no finding.
+    const Json found = SweepParametersToJson(r.parameters.sweep, diffusion);
     for (const auto& v : comparison.variables) {
-      row.push_back(Significant(Entry(r.parameters, v), 6));
+      row.push_back(found.at(v.name).is_null() ? "-" : Significant(Entry(r.parameters, v), 6));
     }
     table.Row(std::move(row));
   }
@@ -195,7 +198,7 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   for (const auto& done : task.found.done_instead) line.Print("Note: {}\n", done);
   const std::string problem = ProblemText(task, comparison);
   const std::string results = ResultsText(comparison, request.starts);
-  const std::string parameters = ParametersText(comparison);
+  const std::string parameters = ParametersText(comparison, diffusion);
   line.Print("{}\n{}\n{}\n{}", problem, results, parameters, BestText(comparison));
   const bool found = !comparison.best_optimizer.empty();
   if (!found) line.Message("no optimizer found a finite cost; the table says why");
