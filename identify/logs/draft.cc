@@ -70,6 +70,7 @@ double FindCutoff(const std::vector<Candidate>& discharges) {
 }
 
 constexpr double kSameCharge = 0.02;  // of two slow discharges of one cell
+constexpr double kSameEdge = 0.01;    // what three digits show for certain
 
 // Whether `a` tells more about the open-circuit voltage than `b`.
 bool BetterLowRate(const Candidate& a, const Candidate& b) {
@@ -350,6 +351,9 @@ class Drafting {
                           (1.0 - kSameRate) * each.inspection->discharge->current_A;
       const double charge_C = low_rate_.inspection->discharge->charge_C;
       const double less_C = each.inspection->discharge->charge_C;
+      const double edge_Ohm = low_rate_.inspection->edge_resistance_Ohm;
+      const double more_Ohm = each.inspection->edge_resistance_Ohm;
+      const bool same = !(more_Ohm > (1.0 + kSameEdge) * edge_Ohm);
       each.entry->left_out =
           slower ? fmt::format("{} is slower", low_rate_.entry->log.file)
           : less_C < (1.0 - kSameCharge) * charge_C
@@ -357,11 +361,12 @@ class Drafting {
                             low_rate_.entry->log.file,
                             charge_C / 3600.0,
                             less_C / 3600.0)
-              : fmt::format(
-                    "as slow as {}, whose first edge shows {:.3g} Ohm instead of {:.3g} Ohm",
-                    low_rate_.entry->log.file,
-                    low_rate_.inspection->edge_resistance_Ohm,
-                    each.inspection->edge_resistance_Ohm);
+          : same ? fmt::format("as slow as {}, which shows as much", low_rate_.entry->log.file)
+                 : fmt::format(
+                       "as slow as {}, whose first edge shows {:.3g} Ohm instead of {:.3g} Ohm",
+                       low_rate_.entry->log.file,
+                       edge_Ohm,
+                       more_Ohm);
     }
   }
 

@@ -60,6 +60,16 @@ TEST(Draft, OfSlowDischargesTheOneThatMovesMostIsTaken) {
       << DraftToToml(draft);
 }
 
+TEST(Draft, OfTwoLowRateLogsThatShowTheSameOneIsLeftOut) {
+  const CampaignDraft draft = DraftCampaign(
+      {Ending("lab/a.csv", 0.1, 73000.0, 3.0), Ending("lab/b.csv", 0.1, 73000.0, 3.0)},
+      "lab",
+      "lab/campaign.toml");
+  ASSERT_EQ(draft.entries.size(), 2U);
+  EXPECT_EQ(draft.entries[0].left_out, "");
+  EXPECT_EQ(draft.entries[1].left_out, "as slow as a.csv, which shows as much");
+}
+
 // The log that settled the sign may be left out of the campaign.
 TEST(Draft, WritesASignThatAnotherLogSettled) {
   auto settled = Ending("lab/slow.csv", 0.1, 73000.0, 3.0);
