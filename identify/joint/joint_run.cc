@@ -700,7 +700,7 @@ class JointRun {
     if (best.structure.current_offset) {
       say.push_back(fmt::format(
           "the current sensor shows {:.4g} mA more than flows: charge out and charge in do not agree "
-          "otherwise. Errors below are those of the corrected currents; the offset is the sensor's, "
+          "otherwise. The errors are those of the corrected currents; the offset is the sensor's, "
           "and the cell file does not hold it",
           1e3 * best.rates.current_offset_A));
     }

@@ -184,6 +184,7 @@ class Advisor {
     return "pulses of other lengths and rates would";
   }
 
+  // That the logs would be fitted as well or better beyond the limit is among the caveats.
   std::optional<std::string> AtBound() {
     std::vector<std::string> names;
     for (const auto& q : report_.quantities) {
@@ -192,12 +193,11 @@ class Advisor {
     if (names.empty()) return std::nullopt;
     return names.size() == 1
                ? fmt::format(
-                     "{} is at a limit of its range: these logs would be fitted better beyond it, "
-                     "which suggests an effect that the model lacks",
+                     "{} is at a limit of its range, which suggests an effect that the model lacks",
                      names[0])
                : fmt::format(
-                     "{} are at limits of their ranges: these logs would be fitted better beyond "
-                     "them, which suggests an effect that the model lacks",
+                     "{} are at limits of their ranges, which suggests an effect that the model "
+                     "lacks",
                      Join(names));
   }
 

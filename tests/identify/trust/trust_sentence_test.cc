@@ -86,7 +86,11 @@ TEST(TrustSentence, SaysAtMostTwoThings) {
                                 Quantity("tau_2", 30.0, Verdict::kWeak),
                                 Quantity("r_s", 0.1, Verdict::kWeak)});
   EXPECT_NE(text.find("branch 1 was not found"), std::string::npos) << text;
-  EXPECT_NE(text.find("; also, beta is at a limit of its range"), std::string::npos) << text;
+  EXPECT_NE(text.find("; also, beta is at a limit of its range, which suggests an effect that the "
+                      "model lacks"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("beyond"), std::string::npos) << "that is a caveat: " << text;
   EXPECT_EQ(text.find("r_s"), std::string::npos) << text;
 }
 
