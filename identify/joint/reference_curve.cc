@@ -21,6 +21,8 @@ constexpr double kRidge = 1e-3;
 constexpr double kMostLeft = 0.5;
 // What it takes away is worth a word: it moves a state of charge by a hundredth where v_oc is flat.
 constexpr double kWorthSaying_V = 0.005;
+// Logs that need another curve further beyond empty or full have a wrong alpha, and no curve mends that.
+constexpr double kBeyond = kNodeSpacing;
 
 // From the least to the largest state of charge of the rows that count.
 std::vector<double> CorrectionNodes(const SocTrace& soc) {
@@ -57,6 +59,7 @@ Eigen::MatrixXd WithCorrection(const FittedRows& rows,
 bool CurveMove::doubted() const {
   const double taken_V =
       std::sqrt(std::max(rmse_V * rmse_V - corrected_rmse_V * corrected_rmse_V, 0.0));
+  if (soc < -kBeyond || soc > 1.0 + kBeyond) return false;
   return corrected_rmse_V <= kMostLeft * rmse_V && taken_V >= kWorthSaying_V;
 }
 
@@ -112,15 +115,16 @@ std::optional<CurveMove> MoveOfHeldCurve(const JointResult& result) {
 
 std::string DoubtAboutHeldCurve(const std::string& source, const CurveMove& move) {
   if (!move.doubted()) return "";
+  const double size_V = std::abs(move.largest_V);
   return fmt::format(
-      "the reference's open-circuit voltage does not fit these logs: that of {} is about {:.2g} mV too {} about "
-      "{:.0f} % charge, and a corrected one would leave {:.3g} mV rms of {:.3g}; alpha, beta and the resistances "
+      "the reference's open-circuit voltage does not fit these logs: that of {} is about {} too {} about "
+      "{:.0f} % charge, and a corrected one would leave {:.3g} mV rms of {:.3g}, rows weighted as in the fit; alpha, beta and the resistances "
       "make up for it and are not those of the cell. Identify this age without --reference, with a low-rate log "
       "of its own",
       source,
-      1e3 * std::abs(move.largest_V),
+      size_V < 1.0 ? fmt::format("{:.0f} mV", 1e3 * size_V) : fmt::format("{:.2g} V", size_V),
       move.largest_V > 0.0 ? "low" : "high",
-      100.0 * move.soc,
+      100.0 * std::clamp(move.soc, 0.0, 1.0),
       1e3 * move.corrected_rmse_V,
       1e3 * move.rmse_V);
 }

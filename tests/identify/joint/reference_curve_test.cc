@@ -68,6 +68,18 @@ TEST(ReferenceCurve, OfTheSameCurveIsNotDoubted) {
   EXPECT_EQ(DoubtAboutHeldCurve("new.cell.json", *found.joint->held_curve), "");
 }
 
+TEST(ReferenceCurve, BeyondEmptyItIsAlphaThatIsWrong) {
+  CurveMove move{.rmse_V = 0.258, .corrected_rmse_V = 0.008, .largest_V = 7.5, .soc = -0.46};
+  EXPECT_FALSE(move.doubted());
+  move.soc = -0.04;
+  EXPECT_TRUE(move.doubted());
+  EXPECT_NE(
+      DoubtAboutHeldCurve("new.cell.json", move)
+          .find("that of new.cell.json is about 7.5 V too low about 0 % charge, and a corrected "
+                "one would leave 8 mV rms of 258, rows weighted as in the fit; alpha"),
+      std::string::npos);
+}
+
 TEST(ReferenceCurve, IsAskedOnlyWhereOneIsHeld) {
   const auto logs = test::SyntheticLogs(test::Truth(), 5.0, kNoise_V);
   EXPECT_FALSE(IdentifyJoint(test::CampaignOf(logs), logs).held_curve);
