@@ -419,6 +419,9 @@ TEST(Run, UsageErrorsSayWhatIsKnownAndWhatWasMeant) {
       {{"succeed", "--number"},
        "lipoid succeed: error: option --number: expected a value, found none\n"
        "Try 'lipoid succeed --help'.\n"},
+      {{"succeed", "--quiet=1"},
+       "lipoid succeed: error: option --quiet takes no value; leave out '=' and what follows\n"
+       "Try 'lipoid succeed --help'.\n"},
       {{"succeed", "--number", "1", "--number", "2"},
        "lipoid succeed: error: option --number is given twice; give it once\n"
        "Try 'lipoid succeed --help'.\n"},

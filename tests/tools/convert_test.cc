@@ -83,6 +83,18 @@ TEST(Convert, APartHasTheSignOfItsLogAndTheRowsAroundItAreOutside) {
       << run.err;
 }
 
+TEST(Convert, NothingIsWrittenUnderTheNameOfAPackedFile) {
+  const auto folder = TestFolder();
+  const std::string log = SourcePath("fixtures/logs/maccor/days.041");
+  const auto run = RunLipoid(folder, {"convert", log, "-o", "x.csv.gz"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("option --output: 'x.csv.gz' is the name of a packed file, and what is "
+                         "written is not packed; leave out .gz and pack it afterwards"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{});
+}
+
 TEST(Convert, TakesUnitsStepsAndSpans) {
   const auto folder = TestFolder();
   const std::string log = SourcePath("fixtures/logs/plain-csv/no_units.csv");

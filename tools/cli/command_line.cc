@@ -220,6 +220,15 @@ void CommandLine::OutputOption(std::string_view name,
   option.set = [this, &value, &option](const std::string& shown, const std::string& text) {
     if (earlier_ != nullptr) return;
     value = OutputPath(NotEmpty(shown, option.value, text));
+    for (const std::string_view packed : {".gz", ".zst", ".bz2", ".xz"}) {
+      if (!value.ends_with(packed)) continue;
+      throw OptionError(
+          fmt::format("option {0}: '{1}' is the name of a packed file, and what is written is not "
+                      "packed; leave out {2} and pack it afterwards",
+                      shown,
+                      value,
+                      packed));
+    }
     files_.AddOutput(option.Shown(), value);
   };
 }
@@ -359,6 +368,10 @@ bool CommandLine::Parse() {
     for (const auto& option : options_) known.push_back("--" + option->name);
     throw OptionError(UnknownName("option", error.get_option_name(), known));
   } catch (const po::invalid_command_line_syntax& error) {
+    if (error.kind() == po::invalid_command_line_syntax::extra_parameter) {
+      throw OptionError(fmt::format("option {} takes no value; leave out '=' and what follows",
+                                    error.get_option_name()));
+    }
     throw OptionError(
         fmt::format("option {}: expected a value, found none", error.get_option_name()));
   } catch (const po::error& error) {
