@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "identify/trust/campaign_plan.h"
 #include "identify/trust/profile.h"
@@ -20,6 +21,14 @@ namespace {
 
 std::string Within(const QuantityTrust& quantity) {
   return fmt::format("{:.2g} %", 100.0 * Reach95(quantity) / std::abs(quantity.estimate));
+}
+
+// The same experiment twice would be two rows of one.
+void RefuseCopies(const char* name, const std::vector<double>& values) {
+  for (auto value = values.begin(); value != values.end(); ++value) {
+    if (std::find(values.begin(), value, *value) != value)
+      throw OptionError(fmt::format("option {}: {} stands there twice", name, *value));
+  }
 }
 
 // What the second temperature tells, against the same campaign without.
@@ -92,6 +101,10 @@ class Variations {
   }
 
   PlanGridResult Run() {
+    PlanGrid::Visit(grid_, [](const char* name, const auto& value, const auto&, const char*) {
+      if constexpr (std::is_same_v<decltype(value), const std::vector<double>&>)
+        RefuseCopies(name, value);
+    });
     const double shortest_s = *std::min_element(grid_.sampling_s.begin(), grid_.sampling_s.end());
     const Cell seen = AsSampled(cell_, shortest_s);
     auto temperatures = ambients_degC_;

@@ -125,9 +125,11 @@ void Check(const EnduranceRequest& request) {
   CheckRange("reserve", request.reserve, kReserves);
   if (request.airspeed_m_per_s)
     CheckRange("airspeed in m/s", *request.airspeed_m_per_s, kAirspeeds_m_per_s);
-  if (request.ensemble < 0)
+  if (request.ensemble < 0 || request.ensemble == 1) {
     throw OptionError(
-        fmt::format("ensemble: expected at least 0 flights, found {}", request.ensemble));
+        fmt::format("ensemble: expected at least 2 flights, or 0 for no intervals, found {}",
+                    request.ensemble));
+  }
 }
 
 double StartOf(const EnduranceRequest& request,

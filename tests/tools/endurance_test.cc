@@ -522,6 +522,8 @@ TEST(EnduranceCommand, SaysWhatIsWrong) {
         "best-range"},
        "option --airspeed-m-per-s: best-range is for --mission cruise"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--reserve", "120%"}, "120"},
+      {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--ensemble", "1"},
+       "ensemble: expected at least 2 flights, or 0 for no intervals, found 1"},
       {{"endurance", "--cell", kCell, "--vehicle", "mambo-physical", "--initial-soc", "1.5"},
        "the cell is beyond full at a state of charge of 1.5: no charger leaves it so"},
   };

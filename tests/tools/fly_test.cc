@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -309,6 +310,18 @@ TEST(Fly, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
   EXPECT_EQ(FirstLine(run.err),
             "gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
             "identify the cell again with this version of lipoid, or leave --ensemble out\n");
+  for (const std::string command : {"fly hover", "simulate"}) {
+    std::ofstream(folder + "/current.csv") << "time_s,current_A\n0,0\n1,1\n2,1\n";
+    std::vector<std::string> one{"fly", "hover", "--ensemble", "1"};
+    if (command == "simulate")
+      one = {"simulate", "gifi-600mAh-1", "--current", "current.csv", "--ensemble", "1", "-o", "x"};
+    run = RunLipoid(folder, one);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("option --ensemble: expected at least 2 cells, found 1, which has no "
+                           "interval; 200 place its ends well, and 0 draws none"),
+              std::string::npos)
+        << run.err;
+  }
   run = RunLipoid(folder, {"fly", "hover", "--xi", "1", "--ensemble", "10"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_EQ(FirstLine(run.err),

@@ -46,6 +46,15 @@ TEST(Plan, CombinesListsAndRangesIntoRows) {
   EXPECT_NE(run.out.find("alpha and v_oc(A) are taken as known"), std::string::npos) << run.out;
 }
 
+TEST(Plan, AValueThatStandsTwiceIsRefused) {
+  const auto folder = TestFolder();
+  for (const std::string option : {"--pulse-s", "--rest-s", "--rate-C", "--sampling-s"}) {
+    const auto run = RunLipoid(folder, {"plan", "gifi-600mAh-1", option, "10,20,10"});
+    EXPECT_EQ(run.exit_code, 2) << option;
+    EXPECT_NE(run.err.find(" 10 stands there twice"), std::string::npos) << run.err;
+  }
+}
+
 // The thesis' branch of 0.24 ms: rows every second cannot see it, and nothing must hang on it.
 TEST(Plan, ABranchTooFastForTheRowsCountsWithTheSeriesResistance) {
   const auto folder = TestFolder();

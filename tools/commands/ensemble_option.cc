@@ -19,6 +19,11 @@ EnsembleOption::Drawn EnsembleOption::Draw(cli::CommandLine& line,
                                            const std::string& cell_file,
                                            const StartRequest& start,
                                            const Surroundings& surroundings) const {
+  if (count == 1) {
+    throw OptionError(
+        "option --ensemble: expected at least 2 cells, found 1, which has no interval; 200 place its "
+        "ends well, and 0 draws none");
+  }
   if (!cell.uncertainty) {
     throw LoadError({cell_file},
                     "expected the key 'uncertainty' for --ensemble, found none: identify the cell "

@@ -21,7 +21,7 @@ struct EnsembleOption {
   [[nodiscard]] bool asked() const { return count > 0; }
 
   /// Cells, each with the state of charge at its start among these surroundings. LoadError, naming the
-  /// cell file, where the cell does not say how uncertain it is.
+  /// cell file, where the cell does not say how uncertain it is; OptionError of one cell alone.
   struct Drawn {
     std::vector<Cell> cells;
     std::vector<double> initial_soc;
