@@ -77,6 +77,14 @@ TEST_F(Report, HasASchemaForEachCommandWithAReportAndNoOther) {
   EXPECT_EQ(CommandsWithReport(), with_report);
 }
 
+TEST_F(Report, ShowsASummaryOfLogsOfWhichOneCouldNotBeRead) {
+  std::ofstream(folder_ + "/broken.csv") << "no log";
+  ASSERT_EQ(
+      RunLipoid(folder_, {"inspect", "log.csv", "broken.csv", "--summary", "s.json"}).exit_code, 3);
+  const auto run = RunLipoid(folder_, {"report", "s.json", "-o", "page.html"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 TEST_F(Report, MakesThePageThatTheCommandItselfMakes) {
   (void)Summary({"validate", "gifi-600mAh-1", "log.csv", "--report", "own.html"});
   const auto run = RunLipoid(folder_, {"report", "s.json", "-o", "page.html"});

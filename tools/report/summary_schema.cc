@@ -34,8 +34,8 @@ std::string Words(const std::string& type) {
   return "a number";
 }
 
-// The part of JSON Schema that tools/schemas writes: type, properties, required and items. The
-// depth is that of the schema, whatever the file holds. The schemas were found from some runs: what had
+// The part of JSON Schema that tools/schemas writes: type, properties, required and items, of which
+// those with the key `error` may have a schema of their own. The depth is that of the schema, whatever the file holds. The schemas were found from some runs: what had
 // a value in all of them may have none in others, and which parameters there are (`by_name`) depends on the cell.
 void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_name = false) {
   if (value.is_null()) return;
@@ -68,7 +68,11 @@ void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_
     }
   }
   if (!value.is_array() || !schema.contains("items")) return;
-  for (std::size_t k = 0; k < value.size(); ++k) Check(schema["items"], value[k], at.Item(k));
+  const Json& items = schema["items"];
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const bool failed = value[k].is_object() && value[k].contains("error");
+    Check(items.contains("if") ? items.at(failed ? "then" : "else") : items, value[k], at.Item(k));
+  }
 }
 
 // Of any command: the runs that the schemas were found from need not have had an input.
