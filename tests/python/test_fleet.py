@@ -204,10 +204,13 @@ def test_what_is_kept_counts_in_the_exit_code(
     words = [str(cells), "-o", str(results), "--summary", str(told), *STAGED[:2]]
     assert main(words) == 0
     assert told_in(told)["kept_unusable"] == 0
+    assert (told_in(told)["command"], told_in(told)["exit_code"]) == ("lipoid-fleet", 0)
+    assert capsys.readouterr().err.endswith("; nothing was left to do\n")
     with sqlite3.connect(results) as database:
         database.execute("UPDATE campaigns SET usable = 0 WHERE id = 1")
     assert main(words) == 1
     assert (told_in(told)["kept"], told_in(told)["kept_unusable"]) == (CELLS, 1)
+    assert told_in(told)["exit_code"] == 1
     assert f"{CELLS} kept from before (1 not usable)" in capsys.readouterr().err
 
 

@@ -206,8 +206,16 @@ def _sentence(counts: Counts, output: str) -> str:
     return f"{text}. Results: {output}"
 
 
-def _summary(counts: Counts, wall_s: float) -> dict[str, Any]:
-    return {**vars(counts), "written": counts.written, "wall_s": wall_s}
+def _summary(counts: Counts, wall_s: float, code: int) -> dict[str, Any]:
+    said = {**vars(counts), "written": counts.written, "wall_s": wall_s}
+    return {"command": PROG, "exit_code": code, **said}
+
+
+def _pace(counts: Counts, wall_s: float) -> str:
+    if not counts.written and counts.kept == counts.campaigns:
+        return f"{duration(wall_s)}; nothing was left to do"
+    rate = counts.written / wall_s if wall_s > 0.0 else 0.0
+    return f"{duration(wall_s)}, {rate:.3g} campaigns per second"
 
 
 def _tell_unreadable(folders: list[str]) -> None:
@@ -266,18 +274,18 @@ def _run(given: argparse.Namespace) -> int:
         _end_by(signals.got)
     counts = run.counts
     wall_s = time.monotonic() - began_s
+    unusable = counts.failed + counts.not_converged + counts.poor + counts.kept_unusable
+    code = INCOMPLETE if ended or unusable else DONE
     if given.summary:
-        write_text(given.summary, json.dumps(_summary(counts, wall_s), indent=2) + "\n")
+        write_text(given.summary, json.dumps(_summary(counts, wall_s, code), indent=2) + "\n")
     if given.parquet:
         parquet.write(given.output, given.parquet)
     if ended:
         print(f"{PROG}: error: {ended}; the same command goes on", file=sys.stderr)
     if not given.quiet:
-        rate = counts.written / wall_s if wall_s > 0.0 else 0.0
         print(_sentence(counts, given.output), file=sys.stderr)
-        print(f"{duration(wall_s)}, {rate:.3g} campaigns per second", file=sys.stderr)
-    unusable = counts.failed + counts.not_converged + counts.poor + counts.kept_unusable
-    return INCOMPLETE if ended or unusable else DONE
+        print(_pace(counts, wall_s), file=sys.stderr)
+    return code
 
 
 def _end_by(number: int) -> NoReturn:
