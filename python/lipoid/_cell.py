@@ -123,6 +123,12 @@ class Cell:
 
     _core: CoreCell
 
+    def __init__(self, *_given: Any, **_named: Any) -> None:
+        raise TypeError(
+            "Cell(...) makes no cell; use lipoid.Cell.read(NAME_OR_FILE), "
+            "lipoid.Cell.from_dict(KEYS) or lipoid.identify(...).cell"
+        )
+
     @classmethod
     def _of(cls, core: CoreCell) -> Cell:
         cell = cls.__new__(cls)
@@ -483,8 +489,11 @@ class Cell:
 
 
 def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
-    """Return a cell, or read the one of that name or file."""
-    return cell if isinstance(cell, Cell) else Cell.read(cell)
+    """Return a cell, that of an identification, or read the one of that name or file."""
+    if isinstance(cell, Cell):
+        return cell
+    found = getattr(cell, "cell", None)
+    return found if isinstance(found, Cell) else Cell.read(cell)
 
 
 def cells() -> list[str]:

@@ -201,6 +201,20 @@ def test_unknown_cells_name_the_known() -> None:
         lipoid.Cell.read("gifi-600mAh-9")
 
 
+def test_a_cell_is_not_made_by_its_name() -> None:
+    with pytest.raises(TypeError, match=r"Cell\.read"):
+        lipoid.Cell()
+    with pytest.raises(TypeError, match="identify"):
+        lipoid.Cell("gifi-600mAh-1")
+
+
+def test_an_identification_stands_for_its_cell(result: lipoid.Identification) -> None:
+    theirs: Any = result  # the types ask for a cell
+    by_result = lipoid.fly("hover", cell=theirs, vehicle="mambo-physical", seed=1)
+    by_cell = lipoid.fly("hover", cell=result.cell, vehicle="mambo-physical", seed=1)
+    assert by_result.summary["charge_C"] == by_cell.summary["charge_C"] > 0.0
+
+
 def test_files_and_pickles_are_the_same_cell(tmp_path: Path) -> None:
     cell = lipoid.Cell.read("gifi-600mAh-2").pack(3, 2)
     cell.save(tmp_path / "cell.json")
