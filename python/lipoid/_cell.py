@@ -322,7 +322,7 @@ class Cell:
             "band", time_s, current_A, hold, temperature_degC, ambient_degC, (1,)
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
-        count = whole("cells", cells, least=1, most=100_000)
+        count = whole("cells", cells, least=2, most=100_000)
         low_V, high_V, *doubts = self._core.band(t, i, measured, options, count, whole_seed(seed))
         self._tell(*doubts)
         return low_V, high_V

@@ -283,7 +283,7 @@ def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
         ({"time_s": 0.0 * T}, "band: expected times that increase"),
         ({"time_s": T[1:]}, "band: times .* do not go with currents"),
         ({"current_A": np.stack([I, I])}, "current_A: expected one dimension, found 2"),
-        ({"cells": 0}, "option cells: expected a whole number of at least 1, found 0"),
+        ({"cells": 1}, "option cells: expected a whole number of at least 2, found 1"),
         ({"cells": 2.5}, "option cells: expected a whole number"),
         ({"seed": -1}, "option seed: expected a whole number of at least 0, found -1"),
         ({"seed": 2**64}, "option seed: expected a whole number of at most 18446744073709551615"),
