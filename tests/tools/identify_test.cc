@@ -9,6 +9,7 @@
 
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
 
 namespace lipoid::test {
@@ -395,6 +396,44 @@ TEST(Identify, SaysABadFileOnceAndWritesNothing) {
   EXPECT_EQ(summary.at("exit_code"), 3);
   EXPECT_EQ(summary.at("error").at("diagnostics").size(), 1U);
   EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs", "s.json"}));
+}
+
+// Without constant currents the staged method takes alpha from the low-rate log, the joint fit does not. By the
+// curve of another cell both miss, the staged method by more than there is to measure.
+TEST(Identify, FallbacksAndErrorsOfTheStagedMethodAreNoneOfTheJointFit) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  std::vector<std::string> arguments{"identify",
+                                     "--low-rate",
+                                     "logs/low_rate.csv",
+                                     "--pulses",
+                                     "logs/pulses.csv",
+                                     "--cutoff-V",
+                                     "3",
+                                     "--capacity-Ah",
+                                     "0.6",
+                                     "-o",
+                                     "cell.json"};
+  const std::string says =
+      "\nFallbacks of the staged method, from which the joint fit started\n   - no constant-current";
+  EXPECT_NE(RunLipoid(folder, arguments).out.find(says), std::string::npos);
+  arguments.insert(arguments.end(), {"--method", "staged"});
+  EXPECT_NE(RunLipoid(folder, arguments).out.find("\nFallbacks\n"), std::string::npos);
+
+  const auto other = RunLipoid(folder,
+                               {"identify",
+                                SourcePath("fixtures/lab/dmegc_inr18650_26_r1/campaign.toml"),
+                                "--reference",
+                                "gifi-600mAh-1",
+                                "-o",
+                                "other.json",
+                                "--summary",
+                                "s.json"});
+  EXPECT_EQ(other.exit_code, 1) << other.err;
+  const Json fitted = ReadJson(folder, "s.json").at("logs").at(0);
+  EXPECT_GT(fitted.at("staged").at("mean_error_percent").get<double>(), 100.0);
+  const std::string row = other.out.substr(other.out.find("\n   cc_0p5c.csv ") + 1);
+  EXPECT_TRUE(row.substr(0, row.find('\n')).ends_with(" >100")) << other.out;
 }
 
 TEST(Identify, RefusesWhatDoesNotFitTogether) {

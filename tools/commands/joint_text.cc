@@ -87,6 +87,11 @@ std::string FoundText(const JointResult& result) {
                                     Significant(result.wall_s, 3));
 }
 
+// The staged method may miss by any factor, and its digits then say nothing.
+std::string StagedError(double percent) {
+  return percent > 100.0 ? ">100" : Significant(percent, 3);
+}
+
 std::string ErrorsText(const JointResult& result) {
   TextTable table({{"errors over all rows", Align::kFile},
                    {"mean_%"},
@@ -100,7 +105,7 @@ std::string ErrorsText(const JointResult& result) {
                Significant(log.all.mean_error_percent, 3),
                Significant(log.all.max_error_percent, 3),
                Significant(1e3 * log.all.rmse),
-               Significant(result.fitted_staged[l].all.mean_error_percent, 3)});
+               StagedError(result.fitted_staged[l].all.mean_error_percent)});
   }
   for (std::size_t l = 0; l < result.validation.size(); ++l) {
     const auto& log = result.validation[l];
@@ -108,7 +113,7 @@ std::string ErrorsText(const JointResult& result) {
                Significant(log.all.mean_error_percent, 3),
                Significant(log.all.max_error_percent, 3),
                Significant(1e3 * log.all.rmse),
-               Significant(result.staged.validation[l].all.mean_error_percent, 3)});
+               StagedError(result.staged.validation[l].all.mean_error_percent)});
   }
   return table.Text();
 }
@@ -122,7 +127,8 @@ std::string JointReport(const JointResult& result, const TrustReport& trust, boo
   if (verbose) text += ConstantCurrentText(result.constant_current);
   text += "\n" + TrustText(trust);
   if (!result.staged.done_instead.empty())
-    text += "\n" + cli::Bullets("Fallbacks", result.staged.done_instead);
+    text += "\n" + cli::Bullets("Fallbacks of the staged method, from which the joint fit started",
+                                result.staged.done_instead);
   if (!result.cautions.empty()) text += "\n" + cli::Bullets("Caveats", result.cautions);
   return text;
 }

@@ -61,7 +61,8 @@ export function header({ summary, program, cautions }) {
       ["Cell file", summary.file],
       ["Time taken", typeof summary.wall_s === "number" ? duration(Number(summary.wall_s.toPrecision(3))) : null],
     ]),
-    (summary.done_instead ?? []).map((text) => notice("warning", text)),
+    (summary.done_instead ?? []).map((text) =>
+      notice("warning", summary.method === "joint" ? `Staged method, from which the joint fit started: ${text}` : text)),
     cautions.header.map((text) => notice("warning", text)),
   );
 }
