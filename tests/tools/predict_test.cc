@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -593,6 +594,25 @@ TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
   };
   EXPECT_TRUE(over("ambient-degC=-20:20:20"));
   EXPECT_FALSE(over("ambient-degC=10:10:20"));
+}
+
+// A cell without temperature, and a log 0.3 V off that was measured in the cold or in a room.
+TEST(Validate, SaysWhereTheTemperatureMayBeWhyACellIsOff) {
+  const auto folder = TestFolder();
+  for (const int degC : {-10, 20}) {
+    std::ofstream log(folder + "/log.csv");
+    log << "time_s,current_A,voltage_V,temperature_degC\n0,0,4.2," << degC << "\n";
+    for (int k = 1; k <= 300; ++k) log << k << ",1," << 3.7 - 1e-3 * k << "," << degC << "\n";
+    log.close();
+    const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "log.csv"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err.find("log.csv: it was -10 degC on average, and the cell file knows no temperature "
+                           "(key `temperature`): if the cell was identified at another one, that may "
+                           "be why the prediction is off; identify it from logs of both") !=
+                  std::string::npos,
+              degC < 0)
+        << run.err;
+  }
 }
 
 }  // namespace

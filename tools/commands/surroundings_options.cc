@@ -1,6 +1,8 @@
 #include "tools/commands/surroundings_options.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "model/battery/temperature_range.h"
 
@@ -26,6 +28,25 @@ void TellWhatIsExtrapolated(cli::CommandLine& line,
                                 ? DoubtAboutTemperature(cell, ambient_degC, ambient_degC)
                                 : DoubtAboutTemperature(cell, *coldest, *warmest);
   if (!doubt.empty()) line.Message("{}", doubt);
+}
+
+void TellWhatTemperatureMayExplain(cli::CommandLine& line,
+                                   const Cell& cell,
+                                   const std::string& file,
+                                   std::span<const double> measured_degC) {
+  constexpr double kRoom_degC =
+      25.0;                        // where the logs of a cell without temperature mostly are from
+  constexpr double kFar_K = 10.0;  // a resistance then differs by a third
+  if (cell.temperature || measured_degC.empty()) return;
+  const double mean_degC = std::accumulate(measured_degC.begin(), measured_degC.end(), 0.0) /
+                           static_cast<double>(measured_degC.size());
+  if (!(std::abs(mean_degC - kRoom_degC) > kFar_K)) return;
+  line.Message(
+      "{}: it was {:.0f} degC on average, and the cell file knows no temperature (key `temperature`): "
+      "if the cell was identified at another one, that may be why the prediction is off; identify it "
+      "from logs of both",
+      file,
+      mean_degC);
 }
 
 }  // namespace lipoid

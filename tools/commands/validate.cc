@@ -127,6 +127,11 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       !doubts.empty())
     line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
+  if (quality.grade != FitGrade::kGood) {
+    for (const auto& loaded : logs)
+      TellWhatTemperatureMayExplain(
+          line, cell, loaded.entry.file, loaded.log.record.temperature_degC);
+  }
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);
