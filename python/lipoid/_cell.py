@@ -259,7 +259,7 @@ class Cell:
         voltage_V, soc = np.full_like(i, np.nan), np.full_like(i, np.nan)
         rest_V = np.full_like(i, np.nan) if self._core.rests_beside_curve else None
         warm = np.full_like(i, np.nan) if self._core.knows_temperature else None
-        outside, before = self._core.simulate(
+        outside, before, cutoff_s = self._core.simulate(
             np.atleast_2d(t),
             np.atleast_2d(i),
             np.atleast_2d(voltage_V),
@@ -270,22 +270,23 @@ class Cell:
             options,
             whole("threads", threads),
         )
-        self._tell_of_cutoff(np.atleast_2d(t), np.atleast_2d(i), before)
+        self._tell_of_cutoff(np.atleast_2d(i), before, cutoff_s)
         return Simulation(t, i, voltage_V, soc, outside, self, warm, rest_V)
 
-    def _tell_of_cutoff(self, time_s: FloatArray, current_A: FloatArray, before: list[int]) -> None:
+    def _tell_of_cutoff(
+        self, current_A: FloatArray, before: list[int], cutoff_s: list[float]
+    ) -> None:
         count, rows = current_A.shape
         below = [k for k, n in enumerate(before) if n < rows]
         if not below:
             return
         k = below[0]
         n = before[k]
-        at_s = time_s[k if len(time_s) > 1 else 0, n]
-        kept = f"the {n} of {rows} rows before it were predicted"
+        kept = f"the {n} of {rows} rows above it, within {5 * self.series} mV, were predicted"
         self._tell(
             f"the cell reaches its cut-off of {self.series * self.cutoff_V:.4g} V"
             + (f" under {len(below)} of {count} currents; current {k}" if count > 1 else "")
-            + f" at {at_s:.10g} s under {current_A[k, n]:.4g} A: {kept}"
+            + f" at {round(cutoff_s[k], 2):.10g} s under {current_A[k, n]:.4g} A: {kept}"
             + ", the others are NaN (beyond_cutoff=True predicts all)"
         )
 

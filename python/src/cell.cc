@@ -8,9 +8,11 @@
 #include <tbb/parallel_for.h>
 
 #include <atomic>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
 #include "identify/pack_request.h"
 #include "identify/surroundings_request.h"
@@ -53,7 +55,8 @@ struct PredictionKeywords {
 // Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
 // Python's own, that of temperatures only for a cell that knows it, that of the open-circuit voltage
 // only where it is more than v_oc(A). What they hold from the row on in which the cell is below its
-// cut-off stays. Returns the rows outside of v_oc(A), and of each current the rows before that.
+// cut-off stays. Returns the rows outside of v_oc(A), of each current the rows before that, and when its
+// voltage fell to the cut-off.
 nb::tuple Simulate(const PythonCell& self,
                    const Table& time_s,
                    const Table& current_A,
@@ -76,6 +79,7 @@ nb::tuple Simulate(const PythonCell& self,
   const Cell& cell = self.cell;
   std::atomic<std::size_t> outside = 0;
   std::vector<std::size_t> before(count, rows);
+  std::vector<double> cutoff_s(count, std::numeric_limits<double>::quiet_NaN());
   const auto one = [&](std::size_t k) {
     StopIfAsked();
     Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
@@ -89,10 +93,13 @@ nb::tuple Simulate(const PythonCell& self,
     const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
     const std::span<const double> i(current_A.data() + k * rows, rows);
     std::size_t beyond = 0;
+    CutoffCrossing crossing(cell.series * cell.cutoff_V);
     const auto keep = [&](std::size_t row, const PredictedRow& of) {
       if (row > before[k]) return;
+      crossing.Row(t[row], i[row], of.voltage_V);
       if (!asked.beyond_cutoff && IsBelowCutoff(cell, of.voltage_V, row, rows)) {
         before[k] = row;
+        cutoff_s[k] = crossing.time_s();
         return;
       }
       v[row] = of.voltage_V;
@@ -111,7 +118,7 @@ nb::tuple Simulate(const PythonCell& self,
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
   }
-  return nb::make_tuple(outside.load(), std::move(before));
+  return nb::make_tuple(outside.load(), std::move(before), std::move(cutoff_s));
 }
 
 Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {

@@ -1,12 +1,14 @@
 // lipoid simulate CELL --current LOG -o CSV: the voltage that a cell would show under a recorded
 // current.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
 #include "identify/logs/all_rows.h"
+#include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
@@ -46,7 +48,7 @@ struct Way {
   double voltage_V = 0.0;
   double lowest_V = std::numeric_limits<double>::infinity();
   double highest_soc = 0.0;
-  std::optional<double> cutoff_s;  // of the first row below the cut-off
+  std::optional<double> cutoff_s;  // when the voltage fell to the cut-off, where rows end there
   double cutoff_A = 0.0;
 };
 
@@ -57,6 +59,7 @@ class Walk {
   Walk(const Cell& cell, Hold hold, double initial_soc, std::size_t rows_of_log, bool beyond_cutoff)
       : cell_(cell),
         predictor_(cell, hold, initial_soc),
+        crossing_(cell.series * cell.cutoff_V),
         rows_of_log_(rows_of_log),
         beyond_cutoff_(beyond_cutoff) {}
 
@@ -66,8 +69,9 @@ class Walk {
     predictor_.Rows(
         rows.time_s, rows.current_A, surroundings, [&](std::size_t k, const PredictedRow& row) {
           if (way_.cutoff_s) return;
+          crossing_.Row(rows.time_s[k], rows.current_A[k], row.voltage_V);
           if (!beyond_cutoff_ && IsBelowCutoff(cell_, row.voltage_V, way_.rows, rows_of_log_)) {
-            way_.cutoff_s = rows.time_s[k];
+            way_.cutoff_s = crossing_.time_s();
             way_.cutoff_A = rows.current_A[k];
             return;
           }
@@ -87,6 +91,7 @@ class Walk {
  private:
   const Cell& cell_;
   RowPredictor predictor_;
+  CutoffCrossing crossing_;
   std::size_t rows_of_log_;
   bool beyond_cutoff_;
   Way way_;
@@ -224,12 +229,13 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   if (!whole) {
     line.Message(
         "the cell reaches its cut-off of {:.4g} V at {:.10g} s under {:.4g} A: the {} of {} "
-        "before it were written (--beyond-cutoff writes all)",
+        "above it, within {:g} mV, were written (--beyond-cutoff writes all)",
         cutoff_V,
-        *way.cutoff_s,
+        std::round(100.0 * *way.cutoff_s) / 100.0,
         way.cutoff_A,
         way.rows,
-        Counted(rows_of_log, "row"));
+        Counted(rows_of_log, "row"),
+        1e3 * cell.series * kCutoffTolerance_V);
   }
   if (whole && !beyond_cutoff && way.rows > 0 &&
       way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
