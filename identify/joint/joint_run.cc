@@ -58,6 +58,18 @@ bool IsNear(double alpha_C, double from_C) {
   return alpha_C > 0.5 * from_C && alpha_C < 2.0 * from_C;
 }
 
+// How long current flows, and in how many rows.
+std::pair<double, double> UnderLoad(const Record& record) {
+  double loaded_s = 0.0;
+  double rows = 0.0;
+  for (std::size_t k = 1; k < record.size(); ++k) {
+    if (record.current_A[k] == 0.0) continue;
+    loaded_s += record.time_s[k] - record.time_s[k - 1];
+    ++rows;
+  }
+  return {loaded_s, rows};
+}
+
 class JointRun {
  public:
   JointRun(const Campaign& campaign,
@@ -694,6 +706,8 @@ class JointRun {
     if (!result_.alpha_doubt.empty()) say.push_back(result_.alpha_doubt);
     NameStartsThatAlphaRestsOn();
     NameSensorThatAlphaRestsOn();
+    NameStartOfAHeldCurve();
+    NameModesInTheTail();
     NameSmoothBranches();
     NameWhereNoLoadWas();
     NameTemperatureCautions();
@@ -778,11 +792,7 @@ class JointRun {
       if (deepest == logs_.size() || deepest_C_[l] > deepest_C_[deepest]) deepest = l;
     }
     if (deepest == logs_.size() || !(deepest_C_[deepest] > 0.0)) return;
-    const Record& record = logs_[deepest].log.record;
-    double loaded_s = 0.0;
-    for (std::size_t k = 1; k < record.size(); ++k) {
-      if (record.current_A[k] != 0.0) loaded_s += record.time_s[k] - record.time_s[k - 1];
-    }
+    const double loaded_s = UnderLoad(logs_[deepest].log.record).first;
     const double per_A = loaded_s / deepest_C_[deepest];
     if (kOffset * result_.logs.largest_A * per_A < kWorthSaying) return;
     result_.cautions.push_back(fmt::format(
@@ -791,6 +801,49 @@ class JointRun {
         0.1 * per_A,
         loaded_s / 3600.0,
         logs_[deepest].entry.file));
+  }
+
+  // A curve that is held tells where logs end, and alpha is what they took out until there: from a start
+  // that is lower by d it is less by d over the share of the charge that they took.
+  void NameStartOfAHeldCurve() {
+    if (!result_.setup.axis_follows_alpha || !starts_alike_) return;
+    constexpr double kStep = 0.01;
+    constexpr double kWorthSaying = 0.015;
+    const double deepest_C = *std::max_element(deepest_C_.begin(), deepest_C_.end());
+    const double change = kStep * result_.alpha_C / deepest_C;
+    if (!(change > kWorthSaying)) return;
+    result_.cautions.push_back(fmt::format(
+        "alpha takes the start of these logs as exact, and they take out {:.2g} of the charge: a start that is lower "
+        "by {:g} would be {:.2g} % less alpha",
+        deepest_C / result_.alpha_C,
+        kStep,
+        100.0 * change));
+  }
+
+  // Beyond M of them modes count by their steady value, which is a resistance: rows must be no faster.
+  void NameModesInTheTail() {
+    const JointSetup& setup = result_.setup;
+    if (!setup.diffusion || !setup.tail) return;
+    const double beta = result_.choice.best.rates.beta_per_sqrt_s;
+    const double slowest_s = 1.0 / std::pow(beta * (setup.terms + 1), 2);
+    double rows_s = kInfinity;  // between two rows under load, on average
+    for (const LoadedLog& log : logs_) {
+      const LogKind kind = log.entry.kind;
+      if (kind != LogKind::kPulses && kind != LogKind::kConstantCurrent) continue;
+      const auto [loaded_s, rows] = UnderLoad(log.log.record);
+      rows_s = std::min(rows_s, loaded_s / std::max(rows, 1.0));
+    }
+    if (!(slowest_s > rows_s)) return;
+    constexpr int kMostTerms = 100;
+    const int wanted =
+        std::min(kMostTerms, static_cast<int>(std::ceil(1.0 / (beta * std::sqrt(0.5 * rows_s)))));
+    result_.cautions.push_back(fmt::format(
+        "diffusion is counted in {} modes, and the next, of {:.2g} s, is slower than the rows, every {:.2g} s: what is "
+        "left of it stands in r_s and in a fast branch; --set pulses.terms={} would tell",
+        setup.terms,
+        slowest_s,
+        rows_s,
+        wanted));
   }
 
   void NameSmoothBranches() {

@@ -4,6 +4,22 @@
 #include <cmath>
 
 namespace lipoid {
+namespace {
+
+// The mean square to expect of the mean of n rows: of noise that differs from row to row, which the
+// differences of neighbours show, an n-th, and all of what is slower.
+Eigen::VectorXd Expected(const Eigen::VectorXd& residual_V, const Eigen::VectorXd& count) {
+  const Eigen::Index n = residual_V.size();
+  const Eigen::VectorXd parts = count.cwiseInverse();
+  const double all = residual_V.squaredNorm() / static_cast<double>(n);
+  if (n < 2) return Eigen::VectorXd::Constant(n, all);
+  const double differences = (residual_V.tail(n - 1) - residual_V.head(n - 1)).squaredNorm();
+  const double white =
+      std::min(differences / (parts.head(n - 1) + parts.tail(n - 1)).sum(), all / parts.mean());
+  return (white * parts).array() + (all - white * parts.mean());
+}
+
+}  // namespace
 
 Eigen::VectorXd LocalNoise(const std::vector<double>& time_s,
                            const Eigen::VectorXd& residual_V,
@@ -12,10 +28,10 @@ Eigen::VectorXd LocalNoise(const std::vector<double>& time_s,
   constexpr double kPrior = 3.0;
   const Eigen::Index n = residual_V.size();
   const Eigen::VectorXd count = averaged.size() > 0 ? averaged : Eigen::VectorXd::Ones(n).eval();
-  const double all = n > 0 ? residual_V.cwiseAbs2().dot(count) / count.sum() : 0.0;
-  if (!(all > 0.0)) return Eigen::VectorXd::Ones(n);
-  // In units of the mean square, so that what a window loses and wins is of one size.
-  const Eigen::VectorXd square = residual_V.cwiseAbs2().cwiseProduct(count) / all;
+  if (!(residual_V.squaredNorm() > 0.0)) return Eigen::VectorXd::Ones(n);
+  // In units of what is expected, so that what a window loses and wins is of one size.
+  const Eigen::VectorXd square =
+      residual_V.cwiseAbs2().cwiseQuotient(Expected(residual_V, count)).cwiseProduct(count);
   const double reach_s = kReach * (time_s.back() - time_s.front());
   Eigen::VectorXd local(n);
   double sum = 0.0;

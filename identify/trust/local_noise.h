@@ -7,6 +7,9 @@
 ///
 ///   s_k² = mean square of the residuals around row k over that of the log
 ///
+/// where a residual that is the mean of n rows counts by what is expected of it: of noise from row to row an
+/// n-th, of what is slower all. Else s would follow how many rows were taken together.
+///
 /// "Around" is within a sixteenth of the duration of the log to either side. Slow noise
 /// is small or large there by chance: where the residuals change their sign n times, the quotient has the
 /// power n/(n + 3). The mean of s² over the rows of the log is 1. The residuals over s are what has one correlation all along

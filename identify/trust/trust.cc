@@ -460,7 +460,14 @@ class Assessment {
     AddSpread(quantities_, all);
     report_.covariance = all;
     double squares = 0.0;
-    for (const FittedRows& log : logs_) squares += log.residual_V.cwiseAbs2().dot(log.weight);
+    for (std::size_t l = 0; l < logs_.size(); ++l) {
+      const FittedRows& log = logs_[l];
+      squares += log.residual_V.cwiseAbs2().dot(log.weight);
+      // What rows that were taken together had about their mean.
+      if (log.averaged.size() == 0) continue;
+      squares += variances_[l][0] *
+                 log.weight.cwiseQuotient(log.averaged).dot((log.averaged.array() - 1.0).matrix());
+    }
     const double freedom_left = std::max(1.0, rows_ - static_cast<double>(free_.size()));
     const double white = squares / freedom_left;  // of a row of weight 1
 

@@ -119,6 +119,23 @@ std::string Said(const JointResult& result) {
   return "";
 }
 
+// A cell that rests half a per cent below full passed for one that had lost 2 % of its charge.
+TEST(HeldShape, AShortTestSaysWhatAStartThatIsOffWouldDoToAlpha) {
+  const auto logs = ShortTest(Aged(), 1, 1.0);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, {}, Reference(New()));
+  const std::string begin = "alpha takes the start of these logs as exact, and they take out ";
+  const auto& cautions = result.cautions;
+  const auto said = std::find_if(cautions.begin(), cautions.end(), [&](const std::string& one) {
+    return one.starts_with(begin);
+  });
+  ASSERT_NE(said, cautions.end());
+  // d of the charge moves alpha by d over the share that was taken.
+  const double share = std::stod(said->substr(begin.size()));
+  const std::string change = ": a start that is lower by 0.01 would be ";
+  const double percent = std::stod(said->substr(said->find(change) + change.size()));
+  EXPECT_NEAR(percent, 1.0 / share, 0.06 * percent);  // of two digits each
+}
+
 TEST(HeldShape, TheResultSaysWhatIsHeld) {
   const auto logs = ShortTest(Aged(), 1, 3.0);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, {}, Reference(New()));

@@ -518,6 +518,16 @@ TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
   EXPECT_FALSE(OneSays(Identify(all).cautions, "resistances are taken to go on"));
 }
 
+// Modes beyond M count as a resistance: where the next of them is slower than the rows, r_s is not r_s.
+TEST(JointRun, SaysWhereMoreModesOfTheDiffusionAreWanted) {
+  Cell truth = Truth();
+  EXPECT_FALSE(OneSays(Identify(test::SyntheticLogs(truth, 2.0, kNoise_V)).cautions, "modes"));
+  truth.diffusion->beta_per_sqrt_s = 0.08;  // 1/(11 beta)^2 = 1.3 s
+  truth.diffusion->terms = 60;
+  EXPECT_TRUE(OneSays(Identify(test::SyntheticLogs(truth, 1.0, kNoise_V)).cautions,
+                      "diffusion is counted in 10 modes, and the next, of "));
+}
+
 // A slow discharge counts what a faulty zero adds for twenty hours, and no other discharge shows it.
 TEST(JointRun, SaysWhatTheZeroOfTheCurrentSensorWouldDoToAlpha) {
   auto logs = test::SyntheticLogs(Truth(), 20.0, kNoise_V);

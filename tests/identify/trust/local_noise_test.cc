@@ -54,6 +54,22 @@ TEST(LocalNoise, FollowsANoiseThatGrowsAndWhatRowsAreTheMeanOf) {
   for (Index k = 0; k < kRows; ++k) EXPECT_NEAR(by_rows[2 * k], by_count[k], 1e-9 * by_count[k]);
 }
 
+// White noise of one size, of which many rows were taken together in some places: s does not follow them. A
+// slow error of one size has it too.
+TEST(LocalNoise, DoesNotFollowHowManyRowsWereTakenTogether) {
+  constexpr Index kPoints = 8000;
+  VectorXd count = VectorXd::Ones(kPoints);
+  count.segment(kPoints / 2, kPoints / 2).setConstant(50.0);
+  for (const double slow_V : {0.0, 1e-3}) {
+    VectorXd residual_V = 1e-3 * Noise(kPoints, 4).cwiseQuotient(count.cwiseSqrt());
+    for (Index k = 0; k < kPoints; ++k)
+      residual_V[k] += slow_V * std::sin(static_cast<double>(k) / 40.0);
+    const VectorXd s = LocalNoise(Seconds(kPoints), residual_V, count);
+    EXPECT_NEAR(s[kPoints / 4] / s[3 * kPoints / 4], 1.0, 0.15)
+        << slow_V;  // it was 7 of white noise
+  }
+}
+
 // What never changes its sign is one slow error: where it is small, that is by chance.
 TEST(LocalNoise, SlowNoiseKeepsOneSize) {
   VectorXd slow = VectorXd::LinSpaced(400, 1e-3, 12e-3);
