@@ -302,15 +302,6 @@ void NoteOnOtherLogs(Identification& found) {
         other_percent,
         other_percent / own_percent));
   }
-  const ExpectedError& expected = found.expected_error;
-  if (found.joint && own_percent > expected.high_percent) {
-    found.log_notes.push_back(fmt::format(
-        "the mean error to expect of new logs, {:.2g} %, is that of rows that can be left out "
-        "of the fit; the ends of discharges and low-rate logs, which cannot, are described "
-        "worse: {:.2g} % over all logs",
-        expected.percent,
-        own_percent));
-  }
 }
 
 }  // namespace

@@ -55,9 +55,41 @@ bool IsGone(const JointSolution& solution, int table, const JointLogs& logs) {
   return solution.x.segment(layout.table(table), layout.nodes()).maxCoeff() < kNothing_V * scale;
 }
 
+// Whether the heat would take more from r_s than there is, in these logs: the fit is linear in both and
+// would go on below zero, where no cell follows.
+bool HeatTurnsResistanceNegative(const JointSolution& solution,
+                                 const JointLogs& logs,
+                                 double alpha_C) {
+  const JointStructure& structure = solution.structure;
+  if (!structure.self_heating) return false;
+  const JointLayout layout(structure);
+  const double series_V = 1.0 / logs.typical_A;
+  const double per_A2 = solution.x[layout.heating()] * std::pow(logs.typical_A, -3.0);
+  for (const JointLog& log : logs.logs) {
+    NodeFinder find(structure.resistance_soc);
+    double heat_A2 = 0.0;
+    double charge_C = log.delivered_C;
+    for (std::size_t k = 1; k < log.size(); ++k) {
+      const double dt_s = log.time_s[k] - log.time_s[k - 1];
+      const double current_A = log.step_A[k];
+      const double share = -std::expm1(-dt_s / solution.rates.heating_time_constant_s);
+      heat_A2 += share * (current_A * current_A - heat_A2);
+      charge_C += current_A * dt_s;
+      if (current_A == 0.0) continue;
+      const NodeShare at = find(1.0 - charge_C / alpha_C);
+      const int node = layout.series() + at.lower;
+      const double upper = layout.nodes() > 1 ? at.share : 0.0;
+      const double series =
+          (1.0 - upper) * solution.x[node] + (upper != 0.0 ? upper * solution.x[node + 1] : 0.0);
+      if (series * series_V < per_A2 * heat_A2) return true;
+    }
+  }
+  return false;
+}
+
 // Whether every term has a part in the answer.
-bool Complete(const JointSolution& solution, const JointLogs& logs) {
-  if (solution.x.size() == 0) return false;
+bool Complete(const JointSolution& solution, const JointLogs& logs, double alpha_C) {
+  if (solution.x.size() == 0 || HeatTurnsResistanceNegative(solution, logs, alpha_C)) return false;
   const JointLayout layout(solution.structure);
   for (int t = 1; t < layout.tables(); ++t) {
     if (IsGone(solution, t, logs)) return false;
@@ -311,6 +343,9 @@ class Choosing {
     return OnAxis(ResistanceNodes(count), lowest_soc_);
   }
   [[nodiscard]] const JointStructure& best() const { return choice_.best.structure; }
+  [[nodiscard]] bool IsComplete(const JointSolution& solution) const {
+    return Complete(solution, logs_, fit_.seen().setup().alpha_C);
+  }
   void Take(std::size_t k) {
     choice_.taken = k;
     choice_.best = choice_.tried[k].solution;
@@ -352,8 +387,8 @@ class Choosing {
   }
   // A structure tried is taken where it is better than what was taken before.
   std::size_t Judge(TriedStructure row) {
-    const bool taking = choice_.tried.empty() ||
-                        (Complete(row.solution, logs_) && IsBetter(row.errors, choice_.errors));
+    const bool taking =
+        choice_.tried.empty() || (IsComplete(row.solution) && IsBetter(row.errors, choice_.errors));
     choice_.tried.push_back(std::move(row));
     if (taking) Take(choice_.tried.size() - 1);
     Tell(0.1 * static_cast<double>(choice_.tried.size()));
@@ -390,13 +425,13 @@ class Choosing {
   // The simpler structure is taken where the richer one is not better, or holds a part that is zero.
   void Simplify(const JointStructure& simpler, const JointSolution* near = nullptr) {
     const LeftOutErrors richer = choice_.errors;
-    const bool complete = Complete(choice_.best, logs_);
+    const bool complete = IsComplete(choice_.best);
     const TriedStructure* known = FromBefore(choice_.tried.size(), simpler);
     const std::size_t k =
         Judge(known != nullptr
                   ? *known
                   : Assess(fit_.Search(simpler, rough_, near != nullptr ? near : &choice_.best)));
-    if (k != choice_.taken && Complete(choice_.tried[k].solution, logs_) &&
+    if (k != choice_.taken && IsComplete(choice_.tried[k].solution) &&
         !(complete && IsBetter(richer, choice_.tried[k].errors)))
       Take(k);
   }

@@ -230,14 +230,16 @@ std::vector<std::vector<double>> SumErrors(
     const SocTrace& soc,
     const JointRates& rates,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
-    ErrorSize size) {
+    ErrorSize size,
+    std::vector<double>* always) {
   std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
   VisitRows(
       logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
         const JointLog& log = logs.logs[l];
-        if (log.group[k] == JointLog::kAlways) return;
-        const auto& candidates = unknowns[static_cast<std::size_t>(log.group[k])];
+        const bool stays = log.group[k] == JointLog::kAlways;
+        if (stays && always == nullptr) return;
+        const auto& candidates = unknowns[stays ? 0 : static_cast<std::size_t>(log.group[k])];
         const bool of_rows = size == ErrorSize::kPercentOfRows;
         const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
         const double scatter_V =
@@ -245,7 +247,8 @@ std::vector<std::vector<double>> SumErrors(
         for (std::size_t s = 0; s < sums.size(); ++s) {
           const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
                                                          : row.Residual(candidates[s].data());
-          sums[s][static_cast<std::size_t>(log.unit[k])] += factor * MeanSize(error, scatter_V);
+          (stays ? (*always)[l] : sums[s][static_cast<std::size_t>(log.unit[k])]) +=
+              factor * MeanSize(error, scatter_V);
         }
       });
   return sums;

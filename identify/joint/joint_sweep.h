@@ -49,7 +49,7 @@ enum class ErrorSize { kWeighted_V, kPercentOfRows };
 
 /// Sums of the errors' sizes over the rows of each unit, for s = 0 .. candidates - 1, each
 /// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
-/// infinitely wrong.
+/// infinitely wrong. To `always`, one sum per log, what is in no group is added, by the first group's unknowns.
 [[nodiscard]] std::vector<std::vector<double>> SumErrors(
     const JointLogs& logs,
     const JointSetup& setup,
@@ -57,7 +57,8 @@ enum class ErrorSize { kWeighted_V, kPercentOfRows };
     const SocTrace& soc,
     const JointRates& rates,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
-    ErrorSize size = ErrorSize::kWeighted_V);
+    ErrorSize size = ErrorSize::kWeighted_V,
+    std::vector<double>* always = nullptr);
 
 /// All logs of a campaign at their points.
 class JointObservations : public Observations {

@@ -97,28 +97,31 @@ ExpectedError ExpectError(const JointFit& fit,
   const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates);
   const Held held =
       SolveWithoutEach(fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
-  const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns) {
+  const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
+                           std::vector<double>* always = nullptr) {
     return SumErrors(logs,
                      fit.seen().setup(),
                      solution.structure,
                      soc,
                      solution.rates,
                      unknowns,
-                     ErrorSize::kPercentOfRows)[0];
+                     ErrorSize::kPercentOfRows,
+                     always)[0];
   };
-  const std::vector<double> fitted = percent(std::vector(held.without.size(), held.whole));
+  // Ends of discharges and slow ones are in no group: of them the fitted errors count.
+  std::vector<double> always(logs.logs.size(), 0.0);
+  const std::vector<double> fitted = percent(std::vector(held.without.size(), held.whole), &always);
   const std::vector<double> left_out = percent(held.without);
 
   // Every log counts the same, and within it every row.
   std::vector<double> share(logs.unit_weight.size(), 0.0);
   std::vector<double> mean(logs.unit_weight.size(), 0.0);
-  double seen = 0.0;
-  for (const JointLog& log : logs.logs) {
+  double stays = 0.0;
+  for (std::size_t l = 0; l < logs.logs.size(); ++l) {
+    const JointLog& log = logs.logs[l];
     double rows = 0.0;
-    for (std::size_t k = 0; k < log.size(); ++k)
-      rows += log.group[k] == JointLog::kAlways ? 0.0 : log.count[k];
-    if (rows <= 0.0) continue;
-    seen += 1.0;
+    for (const double count : log.count) rows += count;
+    stays += always[l] / rows;
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (log.group[k] == JointLog::kAlways) continue;
       const auto u = static_cast<std::size_t>(log.unit[k]);
@@ -126,22 +129,26 @@ ExpectedError ExpectError(const JointFit& fit,
       mean[u] += log.count[k];
     }
   }
+  const auto seen = static_cast<double>(logs.logs.size());
   double sum = 0.0;
+  double shares = 0.0;
   double count = 0.0;
   for (std::size_t u = 0; u < share.size(); ++u) {
     if (share[u] <= 0.0) continue;
     share[u] /= seen;
     mean[u] = (kFitted * fitted[u] + (1.0 - kFitted) * left_out[u]) / mean[u];
     sum += share[u] * mean[u];
+    shares += share[u];
     count += 1.0;
   }
   double squares = 0.0;
-  for (std::size_t u = 0; u < share.size(); ++u) squares += std::pow(share[u] * (mean[u] - sum), 2);
-  expected.percent = sum;
+  for (std::size_t u = 0; u < share.size(); ++u)
+    squares += std::pow(share[u] * (mean[u] - sum / shares), 2);
+  expected.percent = sum + stays / seen;
   if (count < 2.0) return expected;
   const double reach = Reach95(count - 1.0) * std::sqrt(squares * count / (count - 1.0));
-  expected.low_percent = std::max(sum - reach, 0.0);
-  expected.high_percent = sum + reach;
+  expected.low_percent = std::max(expected.percent - reach, 0.0);
+  expected.high_percent = expected.percent + reach;
   return expected;
 }
 
