@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/fit/cell_of_solution.h"
+#include "model/battery/exact_hold.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 
@@ -55,33 +57,26 @@ bool IsGone(const JointSolution& solution, int table, const JointLogs& logs) {
   return solution.x.segment(layout.table(table), layout.nodes()).maxCoeff() < kNothing_V * scale;
 }
 
-// Whether the heat would take more from r_s than there is, in these logs: the fit is linear in both and
-// would go on below zero, where no cell follows.
-bool HeatTurnsResistanceNegative(const JointSolution& solution,
-                                 const JointLogs& logs,
-                                 double alpha_C) {
-  const JointStructure& structure = solution.structure;
-  if (!structure.self_heating) return false;
-  const JointLayout layout(structure);
-  const double series_V = 1.0 / logs.typical_A;
-  const double per_A2 = solution.x[layout.heating()] * std::pow(logs.typical_A, -3.0);
+// Whether the heat takes more from r_s, in these logs, than a cell lets it (SelfHeating::Warm). The fit is
+// linear in both and goes on, and the cell would not be what was fitted.
+bool HeatLeavesItsLaw(const JointSolution& solution, const JointLogs& logs, double alpha_C) {
+  if (!solution.structure.self_heating) return false;
+  Cell cell;
+  PutInto(cell, solution, logs.typical_A);
+  const auto& heating = *cell.self_heating;
   for (const JointLog& log : logs.logs) {
-    NodeFinder find(structure.resistance_soc);
     double heat_A2 = 0.0;
     double charge_C = log.delivered_C;
     for (std::size_t k = 1; k < log.size(); ++k) {
       const double dt_s = log.time_s[k] - log.time_s[k - 1];
       const double current_A = log.step_A[k];
-      const double share = -std::expm1(-dt_s / solution.rates.heating_time_constant_s);
-      heat_A2 += share * (current_A * current_A - heat_A2);
+      const auto hold = ExactHold(1.0 / heating.time_constant_s, dt_s);
+      heat_A2 = hold.decay * heat_A2 + hold.gain / heating.time_constant_s * current_A * current_A;
       charge_C += current_A * dt_s;
       if (current_A == 0.0) continue;
-      const NodeShare at = find(1.0 - charge_C / alpha_C);
-      const int node = layout.series() + at.lower;
-      const double upper = layout.nodes() > 1 ? at.share : 0.0;
-      const double series =
-          (1.0 - upper) * solution.x[node] + (upper != 0.0 ? upper * solution.x[node + 1] : 0.0);
-      if (series * series_V < per_A2 * heat_A2) return true;
+      const double cold_Ohm = cell.series_resistance_Ohm(1.0 - charge_C / alpha_C);
+      const double by_law_Ohm = cold_Ohm - heating.resistance_drop_Ohm_per_A2 * heat_A2;
+      if (heating.Warm(cold_Ohm, heat_A2) > by_law_Ohm) return true;
     }
   }
   return false;
@@ -89,7 +84,7 @@ bool HeatTurnsResistanceNegative(const JointSolution& solution,
 
 // Whether every term has a part in the answer.
 bool Complete(const JointSolution& solution, const JointLogs& logs, double alpha_C) {
-  if (solution.x.size() == 0 || HeatTurnsResistanceNegative(solution, logs, alpha_C)) return false;
+  if (solution.x.size() == 0 || HeatLeavesItsLaw(solution, logs, alpha_C)) return false;
   const JointLayout layout(solution.structure);
   for (int t = 1; t < layout.tables(); ++t) {
     if (IsGone(solution, t, logs)) return false;

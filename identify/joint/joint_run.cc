@@ -822,10 +822,9 @@ class JointRun {
 
   // Beyond M of them modes count by their steady value, which is a resistance: rows must be no faster.
   void NameModesInTheTail() {
-    const JointSetup& setup = result_.setup;
-    if (!setup.diffusion || !setup.tail) return;
-    const double beta = result_.choice.best.rates.beta_per_sqrt_s;
-    const double slowest_s = 1.0 / std::pow(beta * (setup.terms + 1), 2);
+    const auto& diffusion = result_.cell.diffusion;
+    if (!diffusion || !diffusion->tail) return;
+    const double slowest_s = diffusion->FirstOfTail_s();
     double rows_s = kInfinity;  // between two rows under load, on average
     for (const LoadedLog& log : logs_) {
       const LogKind kind = log.entry.kind;
@@ -834,16 +833,15 @@ class JointRun {
       rows_s = std::min(rows_s, loaded_s / std::max(rows, 1.0));
     }
     if (!(slowest_s > rows_s)) return;
-    constexpr int kMostTerms = 100;
-    const int wanted =
-        std::min(kMostTerms, static_cast<int>(std::ceil(1.0 / (beta * std::sqrt(0.5 * rows_s)))));
+    constexpr double kMostTerms = 100.0;
+    const double wanted = std::ceil(1.0 / (diffusion->beta_per_sqrt_s * std::sqrt(0.5 * rows_s)));
     result_.cautions.push_back(fmt::format(
         "diffusion is counted in {} modes, and the next, of {:.2g} s, is slower than the rows, every {:.2g} s: what is "
         "left of it stands in r_s and in a fast branch; --set pulses.terms={} would tell",
-        setup.terms,
+        diffusion->terms,
         slowest_s,
         rows_s,
-        wanted));
+        std::min(wanted, kMostTerms)));
   }
 
   void NameSmoothBranches() {

@@ -118,8 +118,8 @@ std::string DoubtAboutHeldCurve(const std::string& source, const CurveMove& move
   const double size_V = std::abs(move.largest_V);
   return fmt::format(
       "the reference's open-circuit voltage does not fit these logs: that of {} is about {} too {} about "
-      "{:.0f} % charge, and a corrected one would leave {:.3g} mV rms of {:.3g}, rows weighted as in the fit; alpha, beta and the resistances "
-      "make up for it and are not those of the cell. Identify this age without --reference, with a low-rate log "
+      "{:.0f} % charge, and a corrected one would leave {:.3g} mV rms of {:.3g}, rows weighted as in the fit; "
+      "alpha, beta and the resistances make up for it and are not those of the cell. Identify this age without --reference, with a low-rate log "
       "of its own",
       source,
       size_V < 1.0 ? fmt::format("{:.0f} mV", 1e3 * size_V) : fmt::format("{:.2g} V", size_V),

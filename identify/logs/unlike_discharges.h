@@ -4,9 +4,10 @@
 /// Discharges of one campaign that cannot be of one cell in one state: from full to the cut-off at one
 /// current, and of charges far apart. Tests: tests/identify/logs/unlike_discharges_test.cc.
 
-#include <limits>
 #include <string>
 #include <vector>
+
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -15,7 +16,7 @@ struct FullDischarge {
   std::string file;
   double current_A = 0.0;
   double charge_C = 0.0;
-  double start_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not known
+  double start_degC = kNaN;  ///< NaN: not known
 };
 
 /// In a sentence, the two of one current, to 3 %, whose charges are farthest apart, by more than a

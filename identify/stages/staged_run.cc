@@ -426,9 +426,8 @@ class StagedRun {
         }
       }
     }
-    if (options_.pulses.diffusion && options_.pulses.tail) {
-      const double beta = p.beta_per_sqrt_s * (options_.pulses.terms + 1);
-      const double first_neglected_s = 1.0 / (beta * beta);
+    if (const auto& diffusion = result_.cell.diffusion; diffusion && diffusion->tail) {
+      const double first_neglected_s = diffusion->FirstOfTail_s();
       if (first_neglected_s > shortest_pulse_s_) {
         say.push_back(
             fmt::format("the first diffusion mode left to the tail ({:.2g} s) is slower than the "

@@ -26,6 +26,12 @@ struct Cell {
     double beta_per_sqrt_s = 0.0;  ///< in (0, 1]
     int terms = kUsualModes;       ///< M in (4.46), 0 .. 1000
     bool tail = kUsualTail;        ///< quasi-static share of the modes beyond M
+
+    /// The time constant of the first mode beyond M, the slowest of the tail (4.46).
+    [[nodiscard]] double FirstOfTail_s() const {
+      const double root_rate = beta_per_sqrt_s * (terms + 1);
+      return 1.0 / (root_rate * root_rate);
+    }
   };
   struct Branch {
     Resistance<double> resistance_Ohm;

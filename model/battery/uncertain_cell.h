@@ -8,8 +8,8 @@
 /// constants. The charge that diffusion holds back goes with 1/beta², so this stands for beta: where beta is
 /// hardly known, draws of beta or of its logarithm would hold back hundreds of times what the logs show.
 ///
-/// In range are resistances, rho_h and M of at least 0, beta of at most 1, alpha, c_j, tau_j, tau_h, i_0, gamma, C_th and R_th of at least a hundredth of the
-/// estimate, and v_oc that does not fall with A, except where the estimate falls. Tests: tests/model/battery/uncertain_cell_test.cc.
+/// In range are resistances, rho_h and M of at least 0, beta of at most 1, alpha, c_j, tau_j, tau_h,
+/// i_0, gamma, C_th and R_th of at least a hundredth of the estimate, and v_oc that does not fall with A, except where the estimate falls. Tests: tests/model/battery/uncertain_cell_test.cc.
 
 #include <Eigen/Core>
 #include <functional>

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "model/core/atomic_file.h"
+#include "model/core/json.h"
 #include "tests/support/paths.h"
 
 namespace lipoid::test {
@@ -47,6 +49,16 @@ RunResult RunLipoid(const std::string& folder, const std::vector<std::string>& a
   std::string command = "\"$LIPOID\"";
   for (const auto& argument : arguments) command += " " + Quoted(argument);
   return RunShell(folder, command);
+}
+
+void WriteFlownCell(const std::string& folder,
+                    const std::vector<double>& soc,
+                    const std::vector<double>& voltage_V) {
+  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
+  cell["name"] = "flown";
+  cell["diffusion"] = nullptr;
+  cell["open_circuit_voltage"] = {{"method", "linear"}, {"soc", soc}, {"voltage_V", voltage_V}};
+  WriteFileAtomically(folder + "/flown.json", cell.dump());
 }
 
 Json ReadJson(const std::string& folder, const std::string& file) {

@@ -29,6 +29,12 @@ struct RunResult {
 /// A JSON file in the folder.
 [[nodiscard]] Json ReadJson(const std::string& folder, const std::string& file);
 
+/// Writes flown.json into the folder: a shipped cell whose v_oc is known over a part of the charge, as
+/// flights alone leave it, and which knows no diffusion.
+void WriteFlownCell(const std::string& folder,
+                    const std::vector<double>& soc,
+                    const std::vector<double>& voltage_V);
+
 /// The names in a folder, sorted.
 [[nodiscard]] std::vector<std::string> FilesIn(const std::string& folder);
 

@@ -467,12 +467,7 @@ TEST(EnduranceCommand, TablesTakePercent) {
 // Flights alone show v_oc only as far as they were flown.
 TEST(EnduranceCommand, SaysWhereNoLogHasShownTheVoltage) {
   const auto folder = TestFolder();
-  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
-  cell["name"] = "flown";
-  cell["diffusion"] = nullptr;
-  cell["open_circuit_voltage"] = {
-      {"method", "linear"}, {"soc", {0.6, 1.0}}, {"voltage_V", {4.0, 4.15}}};
-  WriteText(folder + "/flown.json", cell.dump());
+  WriteFlownCell(folder, {0.6, 1.0}, {4.0, 4.15});
   const std::vector<std::string> words{"--vehicle", "mambo-physical", "--cell", "flown.json"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), words.begin(), words.end());

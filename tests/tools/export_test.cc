@@ -57,12 +57,7 @@ TEST(ExportCommand, WritesTheFilesAndPrintsWhatTheirCommentsSay) {
 // the capacity.
 TEST(ExportCommand, FitsNothingWhereTheVoltageIsNotKnown) {
   const auto folder = TestFolder();
-  Json cell = Json::parse(ReadTextFile(SourcePath("fixtures/cells/gifi-600mAh-1.json")));
-  cell["name"] = "flown";
-  cell["diffusion"] = nullptr;
-  cell["open_circuit_voltage"] = {
-      {"method", "linear"}, {"soc", {0.85, 0.9, 1.0}}, {"voltage_V", {4.045, 4.05, 4.14}}};
-  Write(folder + "/flown.json", cell.dump());
+  WriteFlownCell(folder, {0.85, 0.9, 1.0}, {4.045, 4.05, 4.14});
   const std::string said = "v_oc of flown is known between 0.85 and 1 of the charge";
   const auto refused =
       RunLipoid(folder, {"export", "flown.json", "--to", "ardupilot", "-o", "frame.json"});
@@ -89,7 +84,7 @@ TEST(ExportCommand, FitsNothingWhereTheVoltageIsNotKnown) {
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NEAR(ReadJson(folder, "s.json")["parameters"]["battCapacityAh"].get<double>(),
-              cell["capacity_Ah"].get<double>(),
+              ReadJson(folder, "flown.json")["capacity_Ah"].get<double>(),
               1e-6);  // a float
   EXPECT_NE(run.out.find(said), std::string::npos) << run.out;
   EXPECT_NE(ReadTextFile(folder + "/frame.parm").find("BATT_CAPACITY 600"), std::string::npos);

@@ -140,11 +140,7 @@ TEST(Fly, CrashesAndEmptyBatteriesAreExitCodeOne) {
 // Flights alone show v_oc only as far as they were flown.
 TEST(Fly, SaysWhereNoLogHasShownTheVoltage) {
   const auto folder = TestFolder();
-  Json cell = Json::parse(CellText("gifi-600mAh-1"));
-  cell["name"] = "flown";
-  cell["open_circuit_voltage"] = {
-      {"method", "linear"}, {"soc", {0.9, 1.0}}, {"voltage_V", {4.1, 4.15}}};
-  WriteText(folder + "/flown.json", cell.dump());
+  WriteFlownCell(folder, {0.9, 1.0}, {4.1, 4.15});
   const auto said = [&](const std::string& duration_s) {
     const auto run =
         RunLipoid(folder, {"fly", "hover", "--cell", "flown.json", "--duration", duration_s});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/battery/arrhenius.h"
 #include "model/battery/temperature_range.h"
 
 namespace lipoid {
@@ -34,8 +35,8 @@ void TellWhatTemperatureMayExplain(cli::CommandLine& line,
                                    const Cell& cell,
                                    const std::string& file,
                                    std::span<const double> measured_degC) {
-  constexpr double kRoom_degC =
-      25.0;                        // where the logs of a cell without temperature mostly are from
+  // Where the logs of a cell without temperature mostly are from.
+  constexpr double kRoom_degC = kUsual_K - kZeroCelsius_K;
   constexpr double kFar_K = 10.0;  // a resistance then differs by a third
   if (cell.temperature || measured_degC.empty()) return;
   const double mean_degC = std::accumulate(measured_degC.begin(), measured_degC.end(), 0.0) /

@@ -426,9 +426,9 @@ TEST(JointRun, PredictsTheConstantCurrentsOfNissanAndTheirRepeats) {
 // straight line reaches the cut-off would make it a cell of 6.6 Ah, of which nothing fits. What the
 // cell drops within the 10 s of the pulse at half charge is what the log of it shows (the data's
 // README).
-// Fitted were 0.07 % of cc_2c, and the cell missed it by 0.44 %: the heat had turned r_s negative near empty,
-// where a cell has none left. What is to be expected of new logs is no less than the errors of these.
-TEST(JointRun, NoHeatTurnsAResistanceNegative) {
+// Fitted were 0.07 % of cc_2c, and the cell missed it by 0.44 %: near empty the heat had taken more from r_s
+// than a cell lets it. What is to be expected of new logs is no less than the errors of these.
+TEST(JointRun, TheHeatThatIsFittedIsTheHeatOfTheCell) {
   const auto file = test::LabDataPath("lg_m50_5ah/campaign.toml");
   LIPOID_SKIP_WITHOUT(file);
   const Campaign campaign = ReadCampaign(file);
