@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/logs/flight/staircase.h"
 #include "identify/logs/flight/updates.h"
 #include "identify/logs/gaps.h"
 #include "model/statistics/order_statistics.h"
@@ -25,31 +26,32 @@ Record Thinned(const Record& record) {
   Record thin;
   thin.file = record.file;
   thin.hold = record.hold;
-  const bool warm = !record.temperature_degC.empty();
+  const auto temperature_degC = WithoutSteps(record.time_s, record.temperature_degC);
+  const bool warm = !temperature_degC.empty();
   const double row_s = MedianInterval(record.time_s);
   if (row_s >= kShortestStep_s) {
     for (std::size_t k = 0; k < record.size(); ++k) {
       thin.time_s.push_back(record.time_s[k]);
       thin.current_A.push_back(record.current_A[k]);
       thin.voltage_V.push_back(record.voltage_V[k]);
-      if (warm) thin.temperature_degC.push_back(record.temperature_degC[k]);
+      if (warm) thin.temperature_degC.push_back(temperature_degC[k]);
     }
     return thin;
   }
   for (std::size_t k = 0; k < record.size();) {
     const double end_s = record.time_s[k] + kShortestStep_s;
-    double rows = 0.0, time_s = 0.0, current_A = 0.0, voltage_V = 0.0, temperature_degC = 0.0;
+    double rows = 0.0, time_s = 0.0, current_A = 0.0, voltage_V = 0.0, sum_degC = 0.0;
     for (; k < record.size() && (rows == 0.0 || record.time_s[k] < end_s); ++k) {
       rows += 1.0;
       time_s += record.time_s[k];
       current_A += record.current_A[k];
       voltage_V += record.voltage_V[k];
-      if (warm) temperature_degC += record.temperature_degC[k];
+      if (warm) sum_degC += temperature_degC[k];
     }
     thin.time_s.push_back(time_s / rows);
     thin.current_A.push_back(current_A / rows);
     thin.voltage_V.push_back(voltage_V / rows);
-    if (warm) thin.temperature_degC.push_back(temperature_degC / rows);
+    if (warm) thin.temperature_degC.push_back(sum_degC / rows);
   }
   return thin;
 }

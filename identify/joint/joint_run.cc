@@ -581,6 +581,8 @@ class JointRun {
       cell.diffusion.reset();
       cell.capacity_Ah = alpha_C / 3600.0;
     }
+    if (cell.temperature || (setup.held && setup.held->cell.temperature))
+      cell.reference_degC.reset();
     SayWhereSeen(cell);
     if (setup.held && setup.held->cell.temperature) {
       // What these logs do not show is as it was.

@@ -247,6 +247,28 @@ double StartTemperature(const LoadedLog& log) {
   return log.entry.initial_degC ? *log.entry.initial_degC : log.entry.ambient_degC.value_or(kNaN);
 }
 
+std::optional<double> LoadedTemperature_degC(const std::vector<LoadedLog>& logs) {
+  const auto pulses = [](const LoadedLog& log) { return log.entry.kind == LogKind::kPulses; };
+  const bool any_pulses = std::any_of(logs.begin(), logs.end(), pulses);
+  double charge_C = 0.0;
+  double sum = 0.0;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind == LogKind::kValidation || (any_pulses && !pulses(log))) continue;
+    const Record& record = log.log.record;
+    if (record.temperature_degC.empty() && !log.entry.ambient_degC) return std::nullopt;
+    for (std::size_t k = 1; k < record.size(); ++k) {
+      const double moved_C = std::abs(0.5 * (record.current_A[k - 1] + record.current_A[k]) *
+                                      (record.time_s[k] - record.time_s[k - 1]));
+      const double at_degC =
+          record.temperature_degC.empty() ? *log.entry.ambient_degC : record.temperature_degC[k];
+      charge_C += moved_C;
+      sum += moved_C * at_degC;
+    }
+  }
+  const double mean_degC = std::round(10.0 * sum / charge_C) / 10.0;  // no thermometer knows more
+  return std::isnan(mean_degC) ? std::nullopt : std::optional(mean_degC);
+}
+
 std::string DoubtAboutOneTemperature(const std::vector<LoadedLog>& logs) {
   double coldest_degC = kInfinity;
   double warmest_degC = -kInfinity;

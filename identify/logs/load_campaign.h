@@ -4,6 +4,7 @@
 /// The logs of a campaign, read and made those of one cell.
 /// Tests: tests/identify/logs/load_campaign_test.cc.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct LoadedLog {
 /// The state of charge at which every log starts that is fitted; none where they differ, which moves
 /// them against one another with alpha.
 [[nodiscard]] std::optional<double> CommonStart(const std::vector<LoadedLog>& logs);
+
+/// The mean temperature of the cell while charge moved, in the pulses or, where there are none, in all logs
+/// that are fitted; none where one of them does not tell it.
+[[nodiscard]] std::optional<double> LoadedTemperature_degC(const std::vector<LoadedLog>& logs);
 
 /// What the temperatures of the logs must span, so that activation energies can be told from other
 /// differences between the logs.

@@ -317,6 +317,7 @@ class StagedRun {
     cell.name = campaign_.name;
     cell.series = campaign_.series;
     cell.parallel = campaign_.parallel;
+    cell.reference_degC = LoadedTemperature_degC(logs_);
     cell.capacity_Ah = campaign_.capacity_Ah > 0.0 && options_.pulses.diffusion
                            ? campaign_.capacity_Ah
                            : result_.alpha_C / 3600.0;

@@ -70,6 +70,8 @@ struct Cell {
   std::optional<Temperature> temperature;         ///< none: it is the same at every temperature
   bool temperature_assumed = false;               ///< typical energies and heat, not measured ones
   std::optional<TemperatureRange> temperature_seen;  ///< none: the file does not say
+  /// Of the logs of a cell that knows no temperature; none: not known, or `temperature` says it.
+  std::optional<double> reference_degC;
   std::optional<Hysteresis> hysteresis;    ///< none: v_oc does not know the current's past
   std::optional<Uncertainty> uncertainty;  ///< none: nothing is known of it
   /// How it was made, an object (see RunRecord); copies of the cell share it. None: it is not known.

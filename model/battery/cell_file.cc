@@ -382,6 +382,7 @@ Cell ParseCell(const std::string& text, const std::string& file) {
                  "self_heating",
                  "charge_transfer",
                  "temperature",
+                 "reference_degC",
                  "hysteresis",
                  "run",
                  "uncertainty"});
@@ -419,6 +420,13 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     cell.temperature = ReadTemperature(*term, cell);
     if (const auto assumed = term->Find("assumed")) cell.temperature_assumed = assumed->Boolean();
     if (const auto seen = term->Find("seen_degC")) cell.temperature_seen = ReadSeen(*seen);
+  }
+  if (const auto reference = json.Find("reference_degC")) {
+    if (cell.temperature) {
+      reference->FailWith(
+          "expected no reference_degC beside temperature, which holds the one of this cell, found one");
+    }
+    cell.reference_degC = reference->Number(kTemperatures_degC.lo, kTemperatures_degC.hi);
   }
   if (const auto term = json.Find("hysteresis")) cell.hysteresis = ReadHysteresis(*term);
   if (const auto run = json.Find("run")) {
@@ -477,6 +485,8 @@ Json CellToJson(const Cell& cell) {
                                             cell.charge_transfer.has_value());
     if (const auto& seen = cell.temperature_seen)
       json["temperature"]["seen_degC"] = {seen->coldest_degC, seen->warmest_degC};
+  } else if (cell.reference_degC) {
+    json["reference_degC"] = *cell.reference_degC;
   }
   if (const auto& term = cell.hysteresis) {
     json["hysteresis"] = {{"folds", term->folds},

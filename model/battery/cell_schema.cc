@@ -149,6 +149,9 @@ Json CellSchema() {
                "shared_energies",
                "seen_degC",
                "assumed"})},
+      {"reference_degC",
+       Described(Between(kTemperatures_degC),
+                 "the temperature of the logs of a cell that knows none; not beside temperature")},
       {"hysteresis", Strict({{"folds", Above(0.0)}, {"half_V", OverSoc("half_V", AtLeast(0.0))}})},
       {"run", Described({{"type", "object"}}, "how the cell was made")},
       {"uncertainty",
@@ -166,6 +169,7 @@ Json CellSchema() {
                         "self_heating",
                         "charge_transfer",
                         "temperature",
+                        "reference_degC",
                         "hysteresis",
                         "run",
                         "uncertainty"}));

@@ -22,6 +22,8 @@ Cell WithTypicalTemperature(Cell cell, double size_factor) {
   const double mass_kg = size_factor * cell.capacity_Ah * kNominal_V / kSpecificEnergy_Wh_per_kg;
   const double surface_m2 = kSurface * std::pow(mass_kg / kDensity_kg_per_m3, 2.0 / 3.0);
   Cell::Temperature& term = cell.temperature.emplace();
+  if (cell.reference_degC) term.reference_K = *cell.reference_degC + kZeroCelsius_K;
+  cell.reference_degC.reset();
   // Without a charge transfer of its own the drop of it is in the series resistance.
   term.series_J_per_mol = cell.charge_transfer ? kSeries_J_per_mol : kWithTransfer_J_per_mol;
   term.branches_J_per_mol.assign(cell.branches.size(), kBranches_J_per_mol);

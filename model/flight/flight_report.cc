@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "model/battery/curve_range.h"
+#include "model/battery/temperature_range.h"
 #include "model/control/laws/control_laws.h"
 #include "model/core/errors.h"
 #include "model/vehicle/allocation.h"
@@ -47,6 +49,32 @@ Json Geometry(const Vehicle& vehicle) {
           options_internal::ToText(clockwise ? Turning::kClockwise : Turning::kCounterClockwise)}});
   }
   return {{"arm_m", vehicle.arm_m}, {"motors", std::move(motors)}};
+}
+
+// That a flight never had the speed that its references may have, and why; "": it had.
+std::string DoubtAboutSpeed(const FlightSetup& setup,
+                            const FlightPlan& plan,
+                            const FlightResult& flight) {
+  constexpr double kReached = 0.95;  // references come to their speed as an exponential does
+  const ControllerOptions options = FlownController(setup);
+  const double most = ReferencesOf(setup.gains.references, options).speed_m_per_s;
+  if (plan.arrivals_s.empty() || !(flight.fastest_m_per_s < kReached * most)) return "";
+  if (flight.fastest_reference_m_per_s >= kReached * most) {
+    return fmt::format(
+        "the vehicle flew at most {:.3g} m/s along x or y, where its references had {:.3g} m/s: a tilt of {:.3g} "
+        "degrees holds no more against the air. Give less speed (--set controller.position_speed_m_per_s), or "
+        "gains with a larger tilt_limit_rad",
+        flight.fastest_m_per_s,
+        flight.fastest_reference_m_per_s,
+        setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
+  }
+  if (options.position_speed_m_per_s == 0.0) return "";  // nobody asked for it
+  return fmt::format(
+      "the vehicle flew at most {:.3g} m/s along x or y of the {:.3g} m/s that position_speed_m_per_s allows: no way "
+      "between waypoints is long enough to gain more with a tilt of {:.3g} degrees, half of which is for errors",
+      flight.fastest_m_per_s,
+      most,
+      setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
 }
 
 }  // namespace
@@ -114,29 +142,19 @@ Json FlightsToJson(std::span<const FlightResult> flights) {
           {"interval_95", std::move(intervals)}};
 }
 
-std::string DoubtAboutSpeed(const FlightSetup& setup,
-                            const FlightPlan& plan,
-                            const FlightResult& flight) {
-  constexpr double kReached = 0.95;  // references come to their speed as an exponential does
-  const ControllerOptions options = FlownController(setup);
-  const double most = ReferencesOf(setup.gains.references, options).speed_m_per_s;
-  if (plan.arrivals_s.empty() || !(flight.fastest_m_per_s < kReached * most)) return "";
-  if (flight.fastest_reference_m_per_s >= kReached * most) {
-    return fmt::format(
-        "the vehicle flew at most {:.3g} m/s along x or y, where its references had {:.3g} m/s: a tilt of {:.3g} "
-        "degrees holds no more against the air. Give less speed (--set controller.position_speed_m_per_s), or "
-        "gains with a larger tilt_limit_rad",
-        flight.fastest_m_per_s,
-        flight.fastest_reference_m_per_s,
-        setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
+std::vector<std::string> FlightDoubts(const FlightSetup& setup,
+                                      const FlightPlan& plan,
+                                      const FlightResult& flight) {
+  std::vector<std::string> doubts;
+  if (setup.cell) {
+    if (setup.ambient_degC)
+      doubts.push_back(
+          DoubtAboutTemperature(*setup.cell, *setup.ambient_degC, *setup.ambient_degC));
+    doubts.push_back(DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc));
   }
-  if (options.position_speed_m_per_s == 0.0) return "";  // nobody asked for it
-  return fmt::format(
-      "the vehicle flew at most {:.3g} m/s along x or y of the {:.3g} m/s that position_speed_m_per_s allows: no way "
-      "between waypoints is long enough to gain more with a tilt of {:.3g} degrees, half of which is for errors",
-      flight.fastest_m_per_s,
-      most,
-      setup.gains.position.tilt_limit_rad * 180.0 / std::numbers::pi);
+  doubts.push_back(DoubtAboutSpeed(setup, plan, flight));
+  std::erase(doubts, "");
+  return doubts;
 }
 
 void CheckFlight(const FlightSetup& setup,

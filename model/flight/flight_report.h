@@ -5,6 +5,8 @@
 /// setup that commands and other languages share. Tests: tests/tools/fly_test.cc.
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "model/core/json.h"
 #include "model/flight/flight_ensemble.h"
@@ -36,11 +38,12 @@ inline constexpr FlightNumber kFlightNumbers[] = {
 
 [[nodiscard]] Json FlightsToJson(std::span<const FlightResult> flights);
 
-/// That a flight of waypoints never had the speed that its references may have, and why: no leg is
-/// long enough for a speed that was asked for, or the tilt does not hold it against the air. "": it had.
-[[nodiscard]] std::string DoubtAboutSpeed(const FlightSetup& setup,
-                                          const FlightPlan& plan,
-                                          const FlightResult& flight);
+/// What is to be doubted of a flight, a sentence each: that the battery was extrapolated beyond what its
+/// logs showed, in temperature or in charge; that a flight of waypoints never had the speed that its
+/// references may have, and why: no leg is long enough for a speed that was asked for, or the tilt does not hold it against the air.
+[[nodiscard]] std::vector<std::string> FlightDoubts(const FlightSetup& setup,
+                                                    const FlightPlan& plan,
+                                                    const FlightResult& flight);
 
 /// OptionError where the setup and the maneuver do not go together: a landing voltage above that of
 /// rest, an unknown control law, an endless flight on an ideal source, a file of waypoints that is

@@ -114,6 +114,7 @@ nb::tuple FlyManeuver(const std::string& name,
             [&](double share) { tell("flying", share); });
         summary = FlightToJson(flight);
         summary.update(FlownToJson(setup, maneuver, made.request));
+        summary["doubts"] = FlightDoubts(setup, plan, flight);
         summary["loops"] = StabilityToJson(CheckFlightLoops(setup));
       },
       progress,

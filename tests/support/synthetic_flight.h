@@ -30,6 +30,7 @@ struct FlightRecorder {
   double lag_s = 0.1;     ///< of the voltage after the current
   double scale = 1.0;     ///< true over shown current
   double offset_A = 0.0;  ///< shown where none flows
+  double temperature_step_degC = 0.0;  ///< of a thermometer at the cell; 0: there is none
 };
 
 inline FlightRecorder LikePx4() { return {}; }
@@ -103,8 +104,9 @@ inline SyntheticFlight FlyAndLog(const Cell& truth,
   Cell one = truth;
   one.series = one.parallel = 1;
   const Surroundings among{.measured_degC = {}, .ambient_degC = 25.0, .initial_degC = {}};
-  const auto predicted =
-      Predict(one, time_s, current_A, Hold::kBackward, plan.start_soc, among).voltage_V;
+  const Prediction truth_of =
+      Predict(one, time_s, current_A, Hold::kBackward, plan.start_soc, among);
+  const auto& predicted = truth_of.voltage_V;
 
   SyntheticFlight flight;
   flight.end_soc = plan.start_soc - charge_C / truth.alpha_C();
@@ -130,6 +132,9 @@ inline SyntheticFlight FlyAndLog(const Cell& truth,
       record.time_s.push_back(time_s[k]);
       record.current_A.push_back(shown_A);
       record.voltage_V.push_back(voltage_V);
+      if (recorder.temperature_step_degC > 0.0)
+        record.temperature_degC.push_back(
+            round(truth_of.temperature_degC[k], recorder.temperature_step_degC));
       next_row_s += recorder.row_s;
     }
   }

@@ -142,11 +142,14 @@ TEST(Fly, SaysWhereNoLogHasShownTheVoltage) {
   const auto folder = TestFolder();
   WriteFlownCell(folder, {0.9, 1.0}, {4.1, 4.15});
   const auto said = [&](const std::string& duration_s) {
-    const auto run =
-        RunLipoid(folder, {"fly", "hover", "--cell", "flown.json", "--duration", duration_s});
+    const auto run = RunLipoid(
+        folder,
+        {"fly", "hover", "--cell", "flown.json", "--duration", duration_s, "--summary", "s.json"});
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    return run.err.find("v_oc of flown is known between 0.9 and 1 of the charge") !=
-           std::string::npos;
+    const bool doubted =
+        run.err.find("v_oc of flown is known between 0.9 and 1 of the charge") != std::string::npos;
+    EXPECT_EQ(ReadJson(folder, "s.json").at("doubts").size(), doubted ? 1U : 0U);
+    return doubted;
   };
   EXPECT_FALSE(said("5"));
   EXPECT_TRUE(said("120"));

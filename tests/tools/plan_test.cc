@@ -236,7 +236,7 @@ TEST(Plan, ACampaignOfTwoTemperaturesIsIdentified) {
                                "-o",
                                "logs"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_NE(made.err.find("typical values are assumed"), std::string::npos) << made.err;
+  EXPECT_NE(made.err.find("typical values about 25 degC are assumed"), std::string::npos) << made.err;
   const std::string campaign = ReadTextFile(folder + "/logs/campaign.toml");
   EXPECT_NE(campaign.find("file = \"pulses_0degC.csv\""), std::string::npos) << campaign;
   EXPECT_NE(campaign.find("ambient_degC = 0.0"), std::string::npos) << campaign;

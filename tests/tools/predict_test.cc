@@ -599,20 +599,33 @@ TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
 // A cell without temperature, and a log 0.3 V off that was measured in the cold or in a room.
 TEST(Validate, SaysWhereTheTemperatureMayBeWhyACellIsOff) {
   const auto folder = TestFolder();
-  for (const int degC : {-10, 20}) {
+  const auto said = [&](const std::string& cell, int degC) {
     std::ofstream log(folder + "/log.csv");
     log << "time_s,current_A,voltage_V,temperature_degC\n0,0,4.2," << degC << "\n";
     for (int k = 1; k <= 300; ++k) log << k << ",1," << 3.7 - 1e-3 * k << "," << degC << "\n";
     log.close();
-    const auto run = RunLipoid(folder, {"validate", "gifi-600mAh-1", "log.csv"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_EQ(run.err.find("log.csv: it was -10 degC on average, and the cell file knows no temperature "
-                           "(key `temperature`): if the cell was identified at another one, that may "
-                           "be why the prediction is off; identify it from logs of both") !=
-                  std::string::npos,
-              degC < 0)
-        << run.err;
-  }
+    const auto run = RunLipoid(folder, {"validate", cell, "log.csv"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.err;
+  };
+  const std::string off =
+      "degC on average, and the cell file knows no temperature (key `temperature`): ";
+  const std::string told =
+      ", that may be why the prediction is off; identify the cell from logs of both";
+  const std::string cold = said("gifi-600mAh-1", -10);
+  EXPECT_NE(
+      cold.find("log.csv: it was -10 " + off + "if the cell was identified at another one" + told),
+      std::string::npos)
+      << cold;
+  EXPECT_EQ(said("gifi-600mAh-1", 20).find(off), std::string::npos);
+  Json cell = Json::parse(CellText("gifi-600mAh-1"));
+  cell["reference_degC"] = 0.5;
+  WriteText(folder + "/cold.json", cell.dump());
+  EXPECT_EQ(said("cold.json", -5).find(off), std::string::npos);
+  const std::string warm = said("cold.json", 20);
+  EXPECT_NE(warm.find(off + "it was identified at 0.5 degC, and that may be why"),
+            std::string::npos)
+      << warm;
 }
 
 }  // namespace

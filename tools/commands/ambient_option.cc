@@ -12,10 +12,12 @@ Cell KnowingTemperature(cli::CommandLine& line,
   Cell knowing = WithTypicalTemperature(cell, size_factor);
   const Cell::Temperature& term = *knowing.temperature;
   line.Message(
-      "{} knows no temperature: typical values are assumed, {:g} kJ/mol for its series "
+      "{} knows no temperature: typical values about {:.3g} degC{} are assumed, {:g} kJ/mol for its series "
       "resistance, {:g} kJ/mol for its diffusion, a heat capacity of {:.3g} J/K and {:.3g} K/W "
       "to the air for each cell{}",
       cell_name,
+      term.reference_K - kZeroCelsius_K,
+      cell.reference_degC ? ", where its logs were," : "",
       1e-3 * term.series_J_per_mol,
       1e-3 * term.diffusion_J_per_mol,
       term.heat->heat_capacity_J_per_K * size_factor,

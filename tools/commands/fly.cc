@@ -9,7 +9,6 @@
 #include "model/analysis/stability.h"
 #include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/curve_range.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -24,7 +23,6 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
-#include "tools/commands/surroundings_options.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
 
@@ -250,7 +248,6 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   if (setup.cell) {
     if (const auto doubt = DoubtAboutPack(setup.vehicle, setup.cell->series); !doubt.empty())
       line.Message("{}", doubt);
-    TellWhatIsExtrapolated(line, *setup.cell, {.ambient_degC = setup.ambient_degC});
   }
   EnsembleOption::Drawn drawn;
   if (ensemble.asked())
@@ -320,13 +317,9 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));
   }
-  if (setup.cell) {
-    if (const auto doubt = DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc);
-        !doubt.empty())
-      line.Message("{}", doubt);
-  }
-  if (const auto doubt = DoubtAboutSpeed(setup, plan, flight); !doubt.empty())
-    line.Message("{}", doubt);
+  const auto doubts = FlightDoubts(setup, plan, flight);
+  for (const std::string& doubt : doubts) line.Message("{}", doubt);
+  line.summary()["doubts"] = doubts;
   if (!flight.reason.empty() && flight.outcome != Outcome::kOffCourse)
     line.Message("{}", flight.reason);
   return flight.outcome == Outcome::kCompleted ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

@@ -6,6 +6,7 @@
 
 #include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/curve_range.h"
 #include "model/core/errors.h"
 #include "model/flight/ardupilot_json.h"
 #include "model/flight/coupling.h"
@@ -229,6 +230,10 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
                     {"hover_A", trim.battery_A},
                     {"flights", std::move(all)}};
   PrintLive(line, counts, flights, simulated_s, wall_s, cpu_s);
+  double lowest_soc = setup.initial_soc;
+  for (const LiveFlight& flight : flights) lowest_soc = std::min(lowest_soc, flight.last.soc);
+  if (const auto doubt = DoubtAboutCurve(setup.cell, lowest_soc, setup.initial_soc); !doubt.empty())
+    line.Message("{}", doubt);
   if (plant->report().over) line.Message("{}", *plant->report().over);
   if (counts.frames == 0) line.Message("no autopilot was heard");
   return plant->report().over || counts.frames == 0 ? cli::ExitCode::kIncomplete

@@ -1,5 +1,7 @@
 #include "tools/commands/surroundings_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -35,19 +37,20 @@ void TellWhatTemperatureMayExplain(cli::CommandLine& line,
                                    const Cell& cell,
                                    const std::string& file,
                                    std::span<const double> measured_degC) {
-  // Where the logs of a cell without temperature mostly are from.
-  constexpr double kRoom_degC = kUsual_K - kZeroCelsius_K;
-  constexpr double kFar_K = 10.0;  // a resistance then differs by a third
+  constexpr double kRoom_degC = kUsual_K - kZeroCelsius_K;  // where cells are mostly identified
+  constexpr double kFar_K = 10.0;                           // a resistance then differs by a third
   if (cell.temperature || measured_degC.empty()) return;
   const double mean_degC = std::accumulate(measured_degC.begin(), measured_degC.end(), 0.0) /
                            static_cast<double>(measured_degC.size());
-  if (!(std::abs(mean_degC - kRoom_degC) > kFar_K)) return;
+  if (!(std::abs(mean_degC - cell.reference_degC.value_or(kRoom_degC)) > kFar_K)) return;
   line.Message(
-      "{}: it was {:.0f} degC on average, and the cell file knows no temperature (key `temperature`): "
-      "if the cell was identified at another one, that may be why the prediction is off; identify it "
-      "from logs of both",
+      "{}: it was {:.0f} degC on average, and the cell file knows no temperature (key `temperature`): {}"
+      "that may be why the prediction is off; identify the cell from logs of both",
       file,
-      mean_degC);
+      mean_degC,
+      cell.reference_degC
+          ? fmt::format("it was identified at {:.3g} degC, and ", *cell.reference_degC)
+          : "if the cell was identified at another one, ");
 }
 
 }  // namespace lipoid

@@ -53,14 +53,13 @@ Cell AgedCell(double capacity, double resistance, std::mt19937_64& engine) {
   return cell;
 }
 
-TEST(HealthCoverage, IntervalsCoverTheTruth) {
-  constexpr int kFlights = 100;
-  constexpr std::uint64_t kSeed = 20261122;
-  std::mt19937_64 engine(kSeed);
+// Flies that many packs, and counts which intervals hold the truth.
+void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::vector<Log> logs;
   std::vector<Truth> truths;
-  for (int k = 0; k < kFlights; ++k) {
+  for (int k = 0; k < flights; ++k) {
     const double capacity = 0.6 + 0.45 * uniform(engine);
     const double resistance = 1.0 + 1.5 * uniform(engine);
     const Cell cell = AgedCell(capacity, resistance, engine);
@@ -68,8 +67,9 @@ TEST(HealthCoverage, IntervalsCoverTheTruth) {
     plan.start_soc = 0.85 + 0.15 * uniform(engine);
     plan.charge_share = plan.start_soc - 0.15 - 0.35 * uniform(engine);
     plan.hover_rate_per_h = 3.0 + 4.0 * uniform(engine);
-    plan.seed = kSeed + static_cast<std::uint64_t>(k);
+    plan.seed = seed + static_cast<std::uint64_t>(k);
     FlightRecorder recorder = k % 2 == 0 ? LikePx4() : LikeArduPilot();
+    recorder.temperature_step_degC = temperature_step_degC;
     recorder.scale = 0.9 + 0.2 * uniform(engine);
     recorder.offset_A = 0.5 * (2.0 * uniform(engine) - 1.0);
     recorder.lag_s *= 2.0 * uniform(engine);
@@ -115,9 +115,17 @@ TEST(HealthCoverage, IntervalsCoverTheTruth) {
                 covered[name],
                 count,
                 width[name] / count);
-    EXPECT_GE(count, 90) << name;
+    EXPECT_GE(count, flights * 9 / 10) << name;
     EXPECT_GE(share, 88) << name;
   }
+}
+
+TEST(HealthCoverage, IntervalsCoverTheTruth) { ExpectCoverage(100, 0.0, 20261122); }
+
+// A pack warms by 10 degC, and its resistance falls by a quarter. Taken by its steps, a temperature in whole degrees
+// moves the voltage to and fro by more than anything else, and the intervals of the start and of the end missed.
+TEST(HealthCoverage, IntervalsCoverTheTruthBesideAThermometerOfWholeDegrees) {
+  ExpectCoverage(50, 1.0, 7);
 }
 
 // One pack, one sensor, 60 flights in which it loses 30 % of its capacity and its resistance grows by

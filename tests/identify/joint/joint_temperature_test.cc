@@ -427,9 +427,13 @@ TEST(JointTemperature, AColumnAloneChangesNothing) {
   const Cell plain = IdentifyJoint(test::CampaignOf(logs), logs).cell;
   for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 23.0);
   const Cell with = IdentifyJoint(test::CampaignOf(logs), logs).cell;
+  EXPECT_EQ(with.reference_degC, 23.0);
   // Their run records differ in how long they took.
   Cell bare[] = {plain, with};
-  for (Cell& cell : bare) cell.run.reset();
+  for (Cell& cell : bare) {
+    cell.run.reset();
+    cell.reference_degC.reset();
+  }
   EXPECT_EQ(CellToJson(bare[0]).dump(), CellToJson(bare[1]).dump());
 }
 

@@ -29,6 +29,28 @@ TEST(LoadCampaign, MakesLogsThoseOfOneCell) {
   EXPECT_EQ(logs[0].log.record.current_A, (std::vector{0.0, 1.0, 1.0, 1.0}));
 }
 
+// While charge moves, in the pulses; the rest at the start, and the discharge, do not count.
+TEST(LoadCampaign, KnowsTheTemperatureUnderLoad) {
+  const auto folder = test::FreshFolder("load_campaign/temperature");
+  Write(
+      folder + "/p.csv",
+      "time_s,current_A,voltage_V,temperature_degC\n0,0,4.2,10\n100,0,4.2,10\n110,4,4.0,30\n120,4,3.9,40\n"
+      "130,0,4.0,45\n");
+  Write(folder + "/a.csv", "time_s,current_A,voltage_V\n0,0,4.2\n10,4,4.0\n20,4,3.5\n30,4,3.0\n");
+  const auto mean_degC = [&](const std::string& pulses, const std::string& discharge) {
+    Write(folder + "/c.toml",
+          "[cell]\n[[log]]\nkind = 'pulses'\nfile = 'p.csv'\n" + pulses +
+              "[[log]]\nkind = 'constant-current'\nfile = 'a.csv'\n" + discharge);
+    Campaign campaign = ReadCampaign(folder + "/c.toml");
+    if (pulses.empty()) campaign.logs.erase(campaign.logs.begin());
+    return LoadedTemperature_degC(LoadCampaign(campaign));
+  };
+  // Charges of 20, 40 and 20 C to the rows of 30, 40 and 45 degC.
+  EXPECT_EQ(mean_degC("ambient_degC = 0\n", ""), 38.8);
+  EXPECT_EQ(mean_degC("", "ambient_degC = 15\n"), 15.0);
+  EXPECT_EQ(mean_degC("", ""), std::nullopt);
+}
+
 TEST(LoadCampaign, KeepsTheOrderOfTheCampaign) {
   const auto folder = test::FreshFolder("load_campaign/order");
   std::string campaign;

@@ -297,7 +297,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "3:3: error: /title: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, temperature, hysteresis, run, uncertainty, found 'title'"},
+       "charge_transfer, temperature, reference_degC, hysteresis, run, uncertainty, found 'title'"},
       {"\"series\": 6",
        "\"series\": 0",
        "4:13: error: /series: expected a whole number from 1 to 100000, found 0"},
@@ -431,7 +431,7 @@ TEST(CellFile, EveryBadValueIsRefusedWhereItStands) {
        "39:6: error: /run2: expected one of the keys schema, name, series, parallel, capacity_Ah, "
        "cutoff_V, "
        "diffusion, open_circuit_voltage, series_resistance_Ohm, branches, self_heating, "
-       "charge_transfer, temperature, hysteresis, run, uncertainty, found 'run2'"},
+       "charge_transfer, temperature, reference_degC, hysteresis, run, uncertainty, found 'run2'"},
       {"{\n    \"seed\": 7\n  }",
        "[]",
        "37:10: error: /run: expected an object, found a list of 0"}};
@@ -745,6 +745,10 @@ TEST(CellFile, EveryBadTemperatureIsRefusedWhereItStands) {
        Json::array({0.0, 1e308}),
        "/temperature/entropy/slope_V_per_K/1: expected a number from -1000000000000 to "
        "1000000000000, found 1e+308"},
+      {"/reference_degC",
+       20.0,
+       "/reference_degC: expected no reference_degC beside temperature, which holds the one of this cell, found "
+       "one"},
       {"/hysteresis/half_V",
        1e308,
        "/hysteresis/half_V: expected a number from 0 to 1000000000000, found 1e+308"},
@@ -770,6 +774,20 @@ TEST(CellFile, EveryBadTemperatureIsRefusedWhereItStands) {
                 .find("/temperature: expected both or none of heat_capacity_J_per_K and "
                       "thermal_resistance_K_per_W"),
             std::string::npos);
+}
+
+// Where a cell knows no temperature its file may say at which it was identified.
+TEST(CellFile, KeepsTheTemperatureOfTheLogsOfACellThatKnowsNone) {
+  EXPECT_FALSE(ParseCell(kFull, "full.json").reference_degC);
+  Json json = CellToJson(ParseCell(kFull, "full.json"));
+  json["reference_degC"] = 40.5;
+  const Cell cell = ParseCell(json.dump(), "x.json");
+  EXPECT_EQ(cell.reference_degC, 40.5);
+  EXPECT_EQ(CellToJson(cell).at("reference_degC"), 40.5);
+  json["reference_degC"] = 313.0;
+  EXPECT_NE(
+      Refusal(json.dump(1)).find("/reference_degC: expected a number from -60 to 150, found 313"),
+      std::string::npos);
 }
 
 TEST(CellFile, ATermThatIsNotFiniteIsNotWritten) {

@@ -248,6 +248,17 @@ TEST(Temperature, TypicalValuesAreMarkedAndScaleWithTheCell) {
               1e-12);
 }
 
+// What its logs were at is the temperature at which the numbers of its file hold.
+TEST(Temperature, TypicalValuesAreAboutTheTemperatureOfTheLogs) {
+  Cell cell;
+  cell.capacity_Ah = 0.6;
+  EXPECT_EQ(WithTypicalTemperature(cell).temperature->reference_K, 298.15);
+  cell.reference_degC = 40.0;
+  const Cell warm = WithTypicalTemperature(cell);
+  EXPECT_EQ(warm.temperature->reference_K, 313.15);
+  EXPECT_FALSE(warm.reference_degC);
+}
+
 constexpr int kUnknowns = 6;
 const char* const kNames[kUnknowns] = {
     "E_s", "E_1", "E_d", "E_ct", "heat capacity", "thermal resistance"};

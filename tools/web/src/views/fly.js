@@ -108,6 +108,7 @@ function sentences(summaries, names) {
     return [
       element("p", {}, `${names[k]}: ${vehicle} on ${battery}, ${gains} gains${compensated}.${trouble ? "" : ` ${why}`}`),
       trouble ? notice("warning", `${names[k]}: ${trouble}. ${why}`) : null,
+      ...listOf(summary.doubts).map((doubt) => notice("warning", `${names[k]}: ${doubt}.`)),
     ];
   });
 }
