@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/battery/arrhenius.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 
@@ -16,11 +18,14 @@ struct Estimate {
   double value = kNaN;
   double low = kNaN;
   double high = kNaN;
-  double temperature_degC = kNaN;  // of a cell that knows it
+  double temperature_degC = kNaN;  // NaN: not known
+  double same_K = kNaN;            // what is further apart in temperature is not compared
 };
 
-// Resistances this far apart in temperature are not compared.
-constexpr double kSame_K = 0.5;
+// Of a cell that knows temperature, whose numbers are of one; and of one that does not, which is as warm as its
+// logs were: in one chamber an old cell warms more than a young one. Two degrees are 3 to 6 % of a resistance.
+constexpr double kSameByLaw_K = 0.5;
+constexpr double kSameByLogs_K = 2.0;
 
 double NumberOr(const Json& json, double otherwise) {
   return json.is_number() ? json.get<double>() : otherwise;
@@ -52,6 +57,22 @@ Estimate Parameter(const Cell& cell, const char* name, double value, double scal
   return estimate;
 }
 
+// At which its numbers hold.
+double TemperatureOf(const Cell& cell) {
+  if (cell.temperature) return cell.temperature->reference_K - kZeroCelsius_K;
+  return cell.reference_degC.value_or(kNaN);
+}
+
+double SameOf(const Cell& cell) { return cell.temperature ? kSameByLaw_K : kSameByLogs_K; }
+
+Estimate Beta(const Cell& cell) {
+  Estimate estimate =
+      Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
+  estimate.temperature_degC = TemperatureOf(cell);
+  estimate.same_K = SameOf(cell);
+  return estimate;
+}
+
 Estimate PulseResistance(const Cell& cell, double after_s) {
   Estimate estimate;
   const Json& resistances = Metric(cell, "resistance");
@@ -59,7 +80,9 @@ Estimate PulseResistance(const Cell& cell, double after_s) {
   for (const Json& entry : resistances) {
     if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
     estimate.value = NumberOr(entry.value("resistance_Ohm", Json()), kNaN);
-    estimate.temperature_degC = NumberOr(entry.value("temperature_degC", Json()), kNaN);
+    estimate.same_K = SameOf(cell);
+    estimate.temperature_degC =
+        NumberOr(entry.value("temperature_degC", Json()), TemperatureOf(cell));
     TakeInterval(entry, 1.0, estimate);
   }
   return estimate;
@@ -134,6 +157,15 @@ std::vector<std::pair<std::size_t, std::string>> DoubtsAboutAges(
   return doubts;
 }
 
+std::string DoubtAboutTemperatures(const std::vector<Cell>& cells) {
+  const bool told = std::any_of(cells.begin(), cells.end(), [](const Cell& cell) {
+    return !std::isnan(TemperatureOf(cell));
+  });
+  if (told || cells.size() < 2) return "";
+  return "no cell file says at which temperature its logs were (temperature_degC, or ambient_degC in the campaign): "
+         "a change of beta and of the resistances may be one of the temperature, 6 K of which are a sixth of a resistance";
+}
+
 std::string AgeOf(const Cell& cell) {
   const Json& age = Metric(cell, "age");
   return age.is_string() ? age.get<std::string>() : "";
@@ -152,7 +184,7 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
       const bool both_unknown =
           std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
-      const bool apart = !both_unknown && !(off_K <= kSame_K);
+      const bool apart = !both_unknown && !(off_K <= std::fmax(first.same_K, now.same_K));
       quantity.at.push_back(apart ? Alone(now) : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
@@ -161,9 +193,7 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
   add("capacity", "capacity", "Ah", [](const Cell& cell) {
     return Parameter(cell, "alpha", cell.alpha_C(), 1.0 / 3600.0);
   });
-  add("beta", "beta", "s^-1/2", [](const Cell& cell) {
-    return Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
-  });
+  add("beta", "beta", "s^-1/2", &Beta);
   for (const double after_s : {1.0, 10.0, 30.0}) {
     add(fmt::format("resistance_{:g}s", after_s),
         fmt::format("resistance after {:g} s", after_s),

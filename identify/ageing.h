@@ -51,6 +51,9 @@ struct AgedQuantity {
 [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> DoubtsAboutAges(
     const std::vector<AgedQuantity>& quantities);
 
+/// Why changes may be those of a temperature that no cell file knows. "" where one of them does.
+[[nodiscard]] std::string DoubtAboutTemperatures(const std::vector<Cell>& cells);
+
 /// The age that the campaign of a cell gave it; "" where it gave none.
 [[nodiscard]] std::string AgeOf(const Cell& cell);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/logs/flight/staircase.h"
+#include "identify/logs/staircase.h"
 #include "identify/logs/flight/updates.h"
 #include "identify/logs/gaps.h"
 #include "model/statistics/order_statistics.h"

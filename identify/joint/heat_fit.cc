@@ -125,7 +125,9 @@ AllWarming WarmingOfAll(const Cell& one, const std::vector<LoadedLog>& logs) {
   std::vector<const LoadedLog*> used;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;
-    if (log.entry.kind == LogKind::kValidation || record.temperature_degC.empty()) continue;
+    if (log.entry.kind == LogKind::kValidation || record.temperature_degC.empty() ||
+        log.temperature_predicted)
+      continue;
     if (record.size() > 2) used.push_back(&log);
   }
   AllWarming all{.logs = std::vector<Warming>(used.size())};

@@ -116,15 +116,6 @@ bool Charges(const JointLogs& logs, double alpha_C) {
   return false;
 }
 
-// Charge out and in at low rate: only they can disagree by what a sensor adds.
-bool BothWays(const JointLogs& logs) {
-  const auto any = [&](LogKind kind) {
-    return std::any_of(
-        logs.logs.begin(), logs.logs.end(), [kind](const auto& log) { return log.kind == kind; });
-  };
-  return any(LogKind::kLowRate) && any(LogKind::kLowRateCharge);
-}
-
 // With a node more between any two.
 std::vector<double> Halved(const std::vector<double>& nodes) {
   std::vector<double> fine;
@@ -266,6 +257,7 @@ class Choosing {
         choice_(std::move(choice)) {}
 
   JointChoice Run() {
+    choice_.shortest_tau_s = fit_.seen().scales().shortest_tau_s;
     choice_.longest_tau_s = fit_.seen().scales().longest_tau_s;
     JointStructure structure;
     structure.branches =
@@ -370,13 +362,21 @@ class Choosing {
     }
     return row;
   }
+  // A time constant came near a limit that has moved since the choice before.
+  [[nodiscard]] bool IsFreed(const JointRates& rates) const {
+    return (choice_.longest_tau_s > before_->longest_tau_s &&
+            NearSlowest(rates, before_->longest_tau_s)) ||
+           (choice_.shortest_tau_s < before_->shortest_tau_s &&
+            NearFastest(rates, before_->shortest_tau_s));
+  }
+
   // The same row of the choice before, as long as all rows up to it are the same there, and no time
   // constant came near its limit.
   [[nodiscard]] const TriedStructure* FromBefore(std::size_t row, const JointStructure& structure) {
     if (before_ == nullptr) return nullptr;
     const bool same = row < before_->tried.size() &&
                       before_->tried[row].solution.structure == structure &&
-                      !NearSlowest(before_->tried[row].solution.rates, before_->longest_tau_s);
+                      !IsFreed(before_->tried[row].solution.rates);
     if (!same) before_ = nullptr;
     return same ? &before_->tried[row] : nullptr;
   }
@@ -737,6 +737,13 @@ class Choosing {
 bool NearSlowest(const JointRates& rates, double longest_tau_s) {
   return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
     return tau_s > 0.5 * longest_tau_s;
+  });
+}
+
+bool NearFastest(const JointRates& rates, double shortest_tau_s) {
+  constexpr double kNear = 1.05;
+  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
+    return tau_s < kNear * shortest_tau_s;
   });
 }
 

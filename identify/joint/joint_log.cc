@@ -331,6 +331,14 @@ void FindTemperatures(JointLogs& all) {
 
 }  // namespace
 
+bool BothWays(const JointLogs& logs) {
+  const auto any = [&](LogKind kind) {
+    return std::any_of(
+        logs.logs.begin(), logs.logs.end(), [kind](const auto& log) { return log.kind == kind; });
+  };
+  return any(LogKind::kLowRate) && any(LogKind::kLowRateCharge);
+}
+
 JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
                         double alpha_C,
                         const OpenCircuitVoltage& curve,

@@ -126,4 +126,7 @@ void Weigh(JointLogs& logs,
                                       const OpenCircuitVoltage& curve,
                                       const JointWeights& weights);
 
+/// Whether charge went out and in at low rate: only such logs can disagree by what a sensor adds.
+[[nodiscard]] bool BothWays(const JointLogs& logs);
+
 }  // namespace lipoid

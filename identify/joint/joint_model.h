@@ -51,6 +51,8 @@ struct JointSetup {
   double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
   /// Time constants may go ten times beyond the longest time at one current.
   bool slow_branches = false;
+  /// And down to half of the time between two rows.
+  bool fast_branches = false;
   /// At which the parameters are those of the cell.
   double reference_K = kUsual_K;
   /// What an earlier cell lends: curves and tables are held over A.

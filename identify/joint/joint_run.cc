@@ -11,6 +11,7 @@
 
 #include "identify/fit/cell_of_solution.h"
 #include "identify/joint/joint_request.h"
+#include "identify/joint/predicted_temperature.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
@@ -259,6 +260,10 @@ class JointRun {
                                                              : 1),
                LowestSoc(alpha_C));
     structure.voltage_soc = CurveNodes();
+    // Charge that a sensor counts too little on the way out and too much on the way in is no charge of the cell.
+    structure.current_offset =
+        options_.current_offset == Presence::kOn ||
+        (options_.current_offset == Presence::kAuto && BothWays(result_.logs));
     structure.temperature = result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K &&
                             options_.temperature != Presence::kOff;
     return structure;
@@ -392,7 +397,8 @@ class JointRun {
   void Fit() {
     Choose(0.3, 0.3);
     if (ShowsNoDiffusion()) ChooseWithoutDiffusion();
-    if (WantsSlower()) ChooseAmongSlower();
+    if (WantsSlower()) ChooseAmong(&JointSetup::slow_branches);
+    if (WantsFaster()) ChooseAmong(&JointSetup::fast_branches);
     WithTask(0.3, 0.6, [&](const ChoiceTask& task) {
       result_.choice = FinishChoice(task, std::move(result_.choice));
     });
@@ -432,34 +438,44 @@ class JointRun {
     });
   }
 
-  // A branch wants to be as slow as that, or slower, and nobody has said that it must not.
-  [[nodiscard]] bool WantsSlower() const {
+  // A branch stands at a limit of its time constant, and nobody has said that it must.
+  template <class At>
+  [[nodiscard]] bool StandsAtLimit(At&& at) const {
     const JointSolution& best = result_.choice.best;
     return std::any_of(best.at_bound.begin(), best.at_bound.end(), [&](const std::string& name) {
       if (!name.starts_with("tau_") || name == "tau_h" || known_.Bounds(name)) return false;
       const auto j = static_cast<std::size_t>(std::stoi(name.substr(4)) - 1);
-      return best.rates.time_constant_s[j] > 0.5 * result_.choice.longest_tau_s;
+      return at(best.rates.time_constant_s[j]);
     });
   }
+  [[nodiscard]] bool WantsSlower() const {
+    return StandsAtLimit([&](double tau_s) { return tau_s > 0.5 * result_.choice.longest_tau_s; });
+  }
+  [[nodiscard]] bool WantsFaster() const {
+    return StandsAtLimit(
+        [&](double tau_s) { return tau_s < 1.01 * result_.choice.shortest_tau_s; });
+  }
 
-  // Left-out rows decide whether branches may be slower than the logs' segments.
-  void ChooseAmongSlower() {
+  // Left-out rows decide whether branches may be slower than the logs' segments, or faster than two rows.
+  void ChooseAmong(bool JointSetup::*let_in) {
     JointChoice before = std::move(result_.choice);
-    result_.setup.slow_branches = true;
+    result_.setup.*let_in = true;
     Choose(0.6, 0.3, &before);
-    if (result_.choice.errors.expected_V < before.errors.expected_V) {
-      result_.cautions.push_back(fmt::format(
-          "a branch stood at {:.6g} s, the longest time at one current: time constants of up to "
-          "{:.6g} s were let in, since left-out rows are predicted better so (to {:.4g} mV, not "
-          "{:.4g} mV)",
-          before.longest_tau_s,
-          result_.choice.longest_tau_s,
-          1e3 * result_.choice.errors.expected_V,
-          1e3 * before.errors.expected_V));
+    if (!(result_.choice.errors.expected_V < before.errors.expected_V)) {
+      result_.setup.*let_in = false;
+      result_.choice = std::move(before);
       return;
     }
-    result_.setup.slow_branches = false;
-    result_.choice = std::move(before);
+    const bool slower = let_in == &JointSetup::slow_branches;
+    result_.cautions.push_back(fmt::format(
+        "a branch stood at {:.6g} s, {}: time constants {} {:.6g} s were let in, since left-out rows are predicted "
+        "better so (to {:.4g} mV, not {:.4g} mV)",
+        slower ? before.longest_tau_s : before.shortest_tau_s,
+        slower ? "the longest time at one current" : "twice the time between rows",
+        slower ? "of up to" : "from",
+        slower ? result_.choice.longest_tau_s : result_.choice.shortest_tau_s,
+        1e3 * result_.choice.errors.expected_V,
+        1e3 * before.errors.expected_V));
   }
 
   // Diffusion as fast as beta may be is a resistance that follows the slope of v_oc, and nobody has
@@ -867,9 +883,37 @@ class JointRun {
         result_.setup.held ? "have changed as they have there" : "go on as they are there"));
   }
 
+  // One log without a temperature is enough to leave it out.
+  void NameLogsWithoutTemperature() {
+    std::vector<std::string> silent;
+    bool any = false;
+    for (const LoadedLog& log : logs_) {
+      if (log.entry.kind == LogKind::kValidation) continue;
+      const bool tells = log.entry.ambient_degC || !log.log.record.temperature_degC.empty();
+      if (!tells) silent.push_back(log.entry.file);
+      any = any || tells;
+    }
+    const Cell* held = result_.setup.held ? &result_.setup.held->cell : nullptr;
+    const bool held_knows = held != nullptr && held->temperature;
+    if (silent.empty() || (!any && !held_knows)) return;
+    const std::string files =
+        fmt::format("{} {}", fmt::join(silent, ", "), silent.size() == 1 ? "tells" : "tell");
+    if (held_knows) {
+      result_.cautions.push_back(fmt::format(
+          "{} no temperature, and all logs are taken to be at the {:.3g} degC of the reference: ambient_degC says which "
+          "it was",
+          files,
+          held->temperature->reference_K - kZeroCelsius_K));
+    } else if (options_.temperature != Presence::kOff) {
+      result_.cautions.push_back(fmt::format(
+          "temperature takes no part, for {} none: ambient_degC says which it was", files));
+    }
+  }
+
   void NameTemperatureCautions() {
     auto& say = result_.cautions;
     const JointLogs& logs = result_.logs;
+    NameLogsWithoutTemperature();
     if (result_.choice.best.structure.temperature) {
       if (logs.start_span_K < kLeastSpan_K && !result_.setup.held) {
         say.push_back(fmt::format(
@@ -887,7 +931,7 @@ class JointRun {
             result_.heat->rmse_K,
             result_.heat->rmse_reversible_K));
       }
-      if (result_.heat) return;
+      if (result_.cell.temperature && result_.cell.temperature->heat) return;
       say.push_back(
           fmt::format("no log shows the cell {:g} degC warmer than its start by its own heat: its "
                       "temperature is not predicted, and follows the surroundings",
@@ -938,7 +982,31 @@ JointResult IdentifyJoint(const Campaign& campaign,
                           const JointOptions& options,
                           const StagedGiven& given,
                           const StageProgress& progress) {
-  return JointRun(campaign, logs, staged_options, options, given, progress).Run();
+  const auto run = [&](const std::vector<LoadedLog>& all) {
+    return JointRun(campaign, all, staged_options, options, given, progress).Run();
+  };
+  JointResult taken = run(logs);
+  // The better the cell, the better the temperature that it predicts.
+  constexpr int kMostPasses = 3;
+  constexpr double kSettled = 0.95;
+  std::string warmed;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    const auto warm = PredictTemperatures(taken.cell, logs);
+    if (!warm) break;
+    JointResult next = run(warm->logs);
+    const bool settled = !(next.rmse_V < kSettled * taken.rmse_V);
+    next.wall_s += taken.wall_s;
+    if (next.rmse_V < taken.rmse_V) {
+      warmed = warm->Predicted();
+      taken = std::move(next);
+    } else {
+      taken.wall_s = next.wall_s;
+      if (warmed.empty()) warmed = warm->NotTaken();
+    }
+    if (settled) break;
+  }
+  if (!warmed.empty()) taken.cautions.push_back(std::move(warmed));
+  return taken;
 }
 
 std::optional<OpenCircuitVoltage> LowRateCurve(const StagedResult& staged,

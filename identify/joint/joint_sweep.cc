@@ -16,6 +16,9 @@ namespace {
 // of its drop in the first row after an edge, where it would stand in for r_s.
 constexpr double kShortestTau = 2.0;
 
+// Where branches may be fast, of so much of one: what is left of such a branch after a row is an eighth.
+constexpr double kFastestTau = 0.5;
+
 // And of the longest segment at most, or, where branches may be slow, of so many times that: such a
 // branch still bends by a twentieth within it, and many segments may tell what one does not. It may
 // also stand in for v_oc and for hysteresis: nothing is let there that does not ask for it.
@@ -308,7 +311,7 @@ JointObservations::JointObservations(const JointLogs& logs, const JointSetup& se
     }
     if (std::isfinite(shortest_s)) break;
   }
-  scales_.shortest_tau_s = kShortestTau * shortest_s;
+  scales_.shortest_tau_s = (setup.fast_branches ? kFastestTau : kShortestTau) * shortest_s;
   scales_.longest_start_tau_s = std::max(longest_s, 8.0 * shortest_s);
   scales_.longest_tau_s = (setup.slow_branches ? kSlowestTau : 1.0) * scales_.longest_start_tau_s;
 }

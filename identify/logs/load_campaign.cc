@@ -18,6 +18,7 @@
 #include "identify/logs/read_logs.h"
 #include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
+#include "identify/logs/staircase.h"
 #include "identify/logs/thinning.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
@@ -119,12 +120,22 @@ void RefuseOverfull(const Campaign& campaign,
           campaign.capacity_Ah));
 }
 
-// Charge leaves a log that is said to be a charge: under the wrong kind it would be fitted as none,
-// or not at all.
-void RefuseDischarge(const CampaignLog& entry, const Record& record) {
+// Charge leaves a log that is said to be a charge, or enters one that is said to be a discharge: under the
+// wrong kind it would be fitted as none, or not at all.
+void RefuseOtherWay(const CampaignLog& entry, const Record& record) {
   constexpr double kLeastShare = 0.5;  // of what left on the way, and did not come back
-  if (entry.kind != LogKind::kLowRateCharge) return;
+  if (entry.kind != LogKind::kLowRateCharge && entry.kind != LogKind::kLowRate) return;
   const ChargeMoved moved = CountCharge(record);
+  if (entry.kind == LogKind::kLowRate) {
+    if (!(moved.charge_C < kLeastShare * moved.least_C)) return;
+    throw LoadError(
+        {record.file},
+        fmt::format(
+            "expected a slow discharge, as kind \"low-rate\" says, found {:.4g} Ah that "
+            "flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge turn the "
+            "current round (`current_sign`)",
+            -moved.charge_C / 3600.0));
+  }
   if (!(moved.charge_C > kLeastShare * moved.most_C)) return;
   throw LoadError(
       {record.file},
@@ -134,27 +145,51 @@ void RefuseDischarge(const CampaignLog& entry, const Record& record) {
                   moved.charge_C / 3600.0));
 }
 
-// A cell that rests has the temperature of its surroundings, unless it was just put there. "" where
-// it has, or where nobody said what it is.
+// A cell that rests has the temperature of its surroundings, unless it was just put there; where nobody said
+// what that is, no test begins on a hot cell. "" where nothing is odd.
 std::string DoubtAboutTemperature(const CampaignLog& entry, const Record& record) {
   constexpr double kMostOff_K = 15.0;
-  constexpr double kSame_K = 5.0;
+  constexpr double kMost_degC = 60.0;
+  constexpr double kSame_K = 2.0;
   const auto& temperature_degC = record.temperature_degC;
-  if (!entry.ambient_degC || entry.initial_degC || temperature_degC.empty()) return "";
+  if (entry.initial_degC || temperature_degC.empty()) return "";
   const double first_degC = temperature_degC.front();
+  const double converted_degC = FindUnit(Quantity::kTemperature, "degF")->ToSi(first_degC);
+  const auto in_header = [&] {
+    return fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
+                       converted_degC);
+  };
+  if (!entry.ambient_degC) {
+    if (!(first_degC > kMost_degC)) return "";
+    return fmt::format("the cell is at {:.4g} degC in the first row: {}", first_degC, in_header());
+  }
   if (std::abs(first_degC - *entry.ambient_degC) <= kMostOff_K ||
       std::abs(record.current_A.front()) > RestThreshold(record))
     return "";
-  const double converted_degC = FindUnit(Quantity::kTemperature, "degF")->ToSi(first_degC);
+  const bool fahrenheit = std::abs(converted_degC - *entry.ambient_degC) <= kSame_K;
   return fmt::format(
       "the cell rests at {:.4g} degC in the first row, and ambient_degC is {:.4g}: {}; where the cell "
       "was warmed or cooled before the test, say initial_degC",
       first_degC,
       *entry.ambient_degC,
-      std::abs(converted_degC - *entry.ambient_degC) <= kSame_K
-          ? fmt::format("if these are degrees Fahrenheit ({:.4g} degC), say degF in the header",
-                        converted_degC)
-          : "look which of the two is right");
+      fahrenheit ? in_header() : "look which of the two is right");
+}
+
+// A thermometer of whole degrees, by its steps, moves resistances to and fro by more than any noise, and a fit
+// finds terms that follow it.
+void SmoothTemperature(Log& log) {
+  constexpr double kCoarse_K = 0.4;
+  Record& record = log.record;
+  const auto& shown = record.temperature_degC;
+  const double step_K = StepOf(shown);
+  if (!(step_K >= kCoarse_K) || std::isinf(step_K)) return;
+  std::size_t kept = 0;  // rows that show what the one before did
+  for (std::size_t k = 1; k < shown.size(); ++k) kept += shown[k] == shown[k - 1] ? 1 : 0;
+  if (2 * kept < shown.size()) return;
+  record.temperature_degC = WithoutSteps(record.time_s, record.temperature_degC);
+  log.report.warnings.push_back(fmt::format(
+      "its temperature is in steps of {:.2g} degC, and is taken to go straight from one to the next",
+      step_K));
 }
 
 // A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
@@ -176,7 +211,8 @@ LoadedLog OneOfCell(const Campaign& campaign,
   DivideByPack(log.record, series, campaign.parallel);
   moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);
   RefuseOverfull(campaign, entry, log.record, moved);
-  RefuseDischarge(entry, log.record);
+  RefuseOtherWay(entry, log.record);
+  SmoothTemperature(log);
   if (auto doubt = DoubtAboutTemperature(entry, log.record); !doubt.empty())
     log.report.warnings.push_back(std::move(doubt));
   return {entry, std::move(log)};

@@ -16,6 +16,7 @@ namespace lipoid {
 struct LoadedLog {
   CampaignLog entry;
   Log log;  ///< voltages and currents of one cell
+  bool temperature_predicted = false;  ///< by a heat balance: nobody measured it
 };
 
 /// Reads every log by ReadLogs(), in the order of the campaign. The LoadErrors of all bad files come

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -107,6 +108,30 @@ TEST(Ageing, OfAnotherTemperatureOnlyTheCapacityIsCompared) {
   run["metrics"]["resistance"][0]["temperature_degC"] = nullptr;
   cells[1].run = std::make_shared<const Json>(std::move(run));
   EXPECT_EQ(CompareAges(cells)[2].at[1].verdict, ChangeVerdict::kOtherTemperature);
+}
+
+// A cell that knows no temperature may know at which its logs were.
+TEST(Ageing, CellsOfLogsOfOtherTemperaturesAreNotCompared) {
+  std::vector<Cell> cells{Aged("new", 2000.0, 30.0, 0.10, 0.001),
+                          Aged("old", 1900.0, 40.0, 0.12, 0.001)};
+  EXPECT_TRUE(DoubtAboutTemperatures(cells).starts_with(
+      "no cell file says at which temperature its logs were"));
+  EXPECT_EQ(DoubtAboutTemperatures({cells[0]}), "");
+  const auto verdicts = [&](double first_degC, double second_degC) {
+    cells[0].reference_degC = first_degC;
+    cells[1].reference_degC = second_degC;
+    EXPECT_EQ(DoubtAboutTemperatures(cells), "");
+    const auto found = CompareAges(cells);
+    return std::array{found[0].at[1].verdict, found[1].at[1].verdict, found[2].at[1].verdict};
+  };
+  EXPECT_EQ(verdicts(21.0, 27.0),
+            (std::array{ChangeVerdict::kChanged,
+                        ChangeVerdict::kOtherTemperature,
+                        ChangeVerdict::kOtherTemperature}));
+  // An old cell warms more in the same chamber.
+  EXPECT_EQ(
+      verdicts(25.3, 26.8),
+      (std::array{ChangeVerdict::kChanged, ChangeVerdict::kNoInterval, ChangeVerdict::kChanged}));
 }
 
 TEST(Ageing, ACellWithoutARunRecordHasValuesAlone) {

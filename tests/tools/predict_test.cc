@@ -575,6 +575,9 @@ TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
                     "--ambient-degC",
                     "-10"}));
   EXPECT_TRUE(says({"simulate", "cell.json", "--current", "cold.csv", "-o", "p.csv"}));
+  WriteText(folder + "/log.csv", "time_s,current_A,voltage_V\n0,0,4.2\n1,1,4\n2,1,3.9\n3,1,3.9\n");
+  EXPECT_TRUE(says({"validate", "cell.json", "log.csv", "--ambient-degC", "77"}));
+  EXPECT_FALSE(says({"validate", "cell.json", "log.csv", "--ambient-degC", "20"}));
   EXPECT_TRUE(
       says({"fly", "hover", "--cell", "cell.json", "--duration", "1", "--ambient-degC", "-10"}));
   EXPECT_FALSE(says({"fly", "hover", "--cell", "cell.json", "--duration", "1"}));
@@ -623,6 +626,16 @@ TEST(Validate, SaysWhereTheTemperatureMayBeWhyACellIsOff) {
   WriteText(folder + "/cold.json", cell.dump());
   EXPECT_EQ(said("cold.json", -5).find(off), std::string::npos);
   const std::string warm = said("cold.json", 20);
+  // A cell that would know what temperature does, and is told none.
+  Json knowing = CellToJson(WithTypicalTemperature(LoadCell("gifi-600mAh-1")));
+  WriteText(folder + "/knowing.json", JsonText(knowing));
+  std::ofstream(folder + "/silent.csv")
+      << "time_s,current_A,voltage_V\n0,0,4.2\n1,1,3.3\n2,1,3.2\n3,1,3.1\n";
+  const auto silent = RunLipoid(folder, {"validate", "knowing.json", "silent.csv"});
+  EXPECT_NE(silent.err.find("silent.csv: it tells no temperature, and is predicted at 25 degC; "
+                            "--ambient-degC says which it was"),
+            std::string::npos)
+      << silent.err;
   EXPECT_NE(warm.find(off + "it was identified at 0.5 degC, and that may be why"),
             std::string::npos)
       << warm;

@@ -70,6 +70,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
     rows.push_back({{"name", quantity.name}, {"unit", quantity.unit}, {"at", std::move(at)}});
   }
   for (const auto& [k, doubt] : DoubtsAboutAges(quantities)) line.Message("{} {}", files[k], doubt);
+  if (const auto doubt = DoubtAboutTemperatures(cells); !doubt.empty()) line.Message("{}", doubt);
   line.summary()["cells"] = std::move(ages);
   line.summary()["quantities"] = std::move(rows);
   line.Print("{}", table.Text());

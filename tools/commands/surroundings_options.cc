@@ -36,7 +36,14 @@ void TellWhatIsExtrapolated(cli::CommandLine& line,
 void TellWhatTemperatureMayExplain(cli::CommandLine& line,
                                    const Cell& cell,
                                    const std::string& file,
-                                   std::span<const double> measured_degC) {
+                                   const Surroundings& surroundings) {
+  const auto measured_degC = surroundings.measured_degC;
+  if (cell.temperature && measured_degC.empty() && !surroundings.ambient_degC) {
+    line.Message(
+        "{}: it tells no temperature, and is predicted at {:.3g} degC; --ambient-degC says which it was",
+        file,
+        cell.temperature->reference_K - kZeroCelsius_K);
+  }
   constexpr double kRoom_degC = kUsual_K - kZeroCelsius_K;  // where cells are mostly identified
   constexpr double kFar_K = 10.0;                           // a resistance then differs by a third
   if (cell.temperature || measured_degC.empty()) return;

@@ -21,11 +21,11 @@ void TellWhatIsExtrapolated(cli::CommandLine& line,
                             const Cell& cell,
                             const Surroundings& surroundings);
 
-/// Where the cell rests on no temperature and this log was measured far from that of a room, a message
-/// that this may be why a prediction is off.
+/// Why temperature may be what a prediction is off by, as a message: the log was measured far from the
+/// temperature of a cell that knows only one, or tells none to a cell that would know what it does.
 void TellWhatTemperatureMayExplain(cli::CommandLine& line,
                                    const Cell& cell,
                                    const std::string& file,
-                                   std::span<const double> measured_degC);
+                                   const Surroundings& surroundings);
 
 }  // namespace lipoid

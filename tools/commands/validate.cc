@@ -129,9 +129,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
   if (quality.grade != FitGrade::kGood) {
     for (const auto& loaded : logs)
-      TellWhatTemperatureMayExplain(
-          line, cell, loaded.entry.file, loaded.log.record.temperature_degC);
+      TellWhatTemperatureMayExplain(line, cell, loaded.entry.file, surroundings.Of(loaded.log.record));
   }
+  for (const auto& loaded : logs) TellWhatIsExtrapolated(line, cell, surroundings.Of(loaded.log.record));
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);

@@ -198,6 +198,21 @@ TEST(JointHysteresis, FindsWhatIsThereWithinItsInterval) {
   }
 }
 
+// A sensor that shows too little on the way out makes the cell look smaller, and its alpha must not be taken
+// from where the last slope of such a curve reaches the cut-off.
+TEST(JointHysteresis, FindsAnOffsetOfEitherSign) {
+  Cell truth = test::Truth();
+  truth.hysteresis = Cell::Hysteresis{40.0, {}, {0.02}};
+  for (const double offset_A : {-0.003, -0.002, 0.003}) {  // 6 and 4 % of the slow current
+    const auto logs = BothWays(truth, kNoise_V, offset_A, 5);
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick);
+    EXPECT_EQ(result.alpha_source, "least-squares") << offset_A;
+    ASSERT_TRUE(result.choice.best.structure.current_offset) << offset_A;
+    EXPECT_NEAR(result.choice.best.rates.current_offset_A, offset_A, 1e-4);
+    EXPECT_NEAR(result.alpha_C, 1353.6, 5.0) << offset_A;
+  }
+}
+
 TEST(JointHysteresis, IsNotFoundWhereThereIsNone) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

@@ -63,6 +63,25 @@ TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
   }
 }
 
+// A branch of one row: held at two, it would stand in for r_s, and what a pulse drops within a second and within
+// 30 s would be off by more than its interval.
+TEST(JointRun, FindsABranchThatIsFasterThanTwoRows) {
+  Cell truth = Truth();
+  truth.branches = {{Resistance<double>(0.06), 10.0, {}}};
+  const auto logs = test::SyntheticLogs(truth, 10.0, kNoise_V);
+  const JointResult result = Identify(logs);
+  EXPECT_TRUE(OneSays(result.cautions, "a branch stood at 20 s, twice the time between rows"));
+  const TrustReport trust = AssessJoint(result);
+  for (const char* parameter : {"r_s", "r_1", "tau_1"}) {
+    const QuantityTrust* found = FindQuantity(trust, parameter);
+    ASSERT_NE(found, nullptr) << parameter;
+    const double is = *CellParameter(truth, parameter);
+    // Three standard errors: one campaign in a hundred lies outside.
+    EXPECT_LE(std::abs(found->estimate - is), 1.5 * Reach95(*found)) << parameter;
+    EXPECT_NEAR(found->estimate, is, 0.05 * is) << parameter;
+  }
+}
+
 TEST(JointRun, ItsCellIsWhatWasFitted) {
   const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
   const JointResult result = Identify(logs);

@@ -21,6 +21,8 @@
 namespace lipoid {
 namespace {
 
+constexpr double kNoise_V = 0.0005;
+
 using test::JointExample;
 using test::SetupOf;
 using test::UnknownsOf;
@@ -409,6 +411,48 @@ TEST(JointTemperature, TheSlopeInASharedEnergyIsTheSumOfThoseInEach) {
       EXPECT_GT(sum.cwiseAbs().maxCoeff(), 0.0);
     }
   }
+}
+
+bool Says(const JointResult& result, const std::string& words) {
+  return std::any_of(
+      result.cautions.begin(), result.cautions.end(), [&](const std::string& caution) {
+        return caution.find(words) != std::string::npos;
+      });
+}
+
+// One log among others has no thermometer: as warm as its surroundings it would bend every energy.
+TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance) {
+  const Cell truth = ColdTruth();
+  auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, kNoise_V);
+  const auto fast = std::find_if(logs.begin(), logs.end(), [](const LoadedLog& log) {
+    return log.entry.file == "cc_6C.csv" && log.log.record.temperature_degC.front() > 35.0;
+  });
+  ASSERT_NE(fast, logs.end());
+  EXPECT_GT(fast->log.record.temperature_degC.back(), 50.0);
+  fast->log.record.temperature_degC.clear();
+  fast->entry.ambient_degC = 40.0;
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  EXPECT_LT(result.rmse_V, 1.2 * kNoise_V);
+  ASSERT_TRUE(result.cell.temperature);
+  EXPECT_NEAR(result.cell.temperature->diffusion_J_per_mol, 30e3, 3000.0);
+  EXPECT_NEAR(result.cell.temperature->series_J_per_mol, 18e3, 500.0);
+  EXPECT_TRUE(Says(result,
+                   "cc_6C.csv tells the temperature of the surroundings alone (ambient_degC): that "
+                   "of the cell is predicted by its heat balance, up to "));
+}
+
+// Where one log is silent temperature takes no part in any.
+TEST(JointTemperature, ALogWithoutATemperatureIsNamed) {
+  auto logs = ClimateChamber(ColdTruth(), {25.0, 10.0}, kNoise_V);
+  logs.back().log.record.temperature_degC.clear();
+  JointOptions options{.branches = 1, .resistance_nodes = 1};
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
+  EXPECT_FALSE(result.cell.temperature);
+  EXPECT_TRUE(Says(result,
+                   "temperature takes no part, for " + logs.back().entry.file +
+                       " tells none: ambient_degC says which it was"));
+  for (LoadedLog& log : logs) log.log.record.temperature_degC.clear();
+  EXPECT_FALSE(Says(IdentifyJoint(test::CampaignOf(logs), logs, {}, options), "tell"));
 }
 
 TEST(JointTemperature, IsRefusedWhereALogHasNone) {

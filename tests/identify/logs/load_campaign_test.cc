@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "tests/support/load_error.h"
@@ -103,9 +104,10 @@ TEST(LoadCampaign, NeedsNoSignForADriveCycleWithoutRegeneration) {
     LIPOID_SKIP_WITHOUT(file);
     Campaign campaign = ReadCampaign(file);
     for (CampaignLog& log : campaign.logs) log.read.current_sign.clear();
-    for (const auto& [entry, log] : LoadCampaign(campaign)) {
-      EXPECT_EQ(log.report.current_sign, "discharge-positive") << entry.file;
-      EXPECT_FALSE(log.report.current_sign_is_of_others) << entry.file;
+    for (const LoadedLog& loaded : LoadCampaign(campaign)) {
+      const LogReport& report = loaded.log.report;
+      EXPECT_EQ(report.current_sign, "discharge-positive") << loaded.entry.file;
+      EXPECT_FALSE(report.current_sign_is_of_others) << loaded.entry.file;
     }
   }
 }
@@ -238,6 +240,19 @@ TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
                 "2 Ah that flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
                 "current round (`current_sign`)");
   EXPECT_EQ(complaint("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"), "no error");
+  // Nor is a slow charge a discharge.
+  const auto other_way = [&](const std::string& rows) {
+    Write(folder + "/a.csv", "time_s,current_A,voltage_V\n" + rows);
+    Write(folder + "/c.toml",
+          "[cell]\n[[log]]\nkind = 'low-rate'\nfile = 'a.csv'\n"
+          "current_sign = 'discharge-positive'\n");
+    return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
+  };
+  EXPECT_EQ(other_way("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"),
+            folder + "/a.csv:1:1: error: expected a slow discharge, as kind \"low-rate\" says, found "
+                     "2 Ah that flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge "
+                     "turn the current round (`current_sign`)");
+  EXPECT_EQ(other_way("0,0,3.5\n18000,-0.2,4.2\n36000,0.19,3.5\n"), "no error");
   // What empties the cell before it is charged is not the charge.
   EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
 }
@@ -266,9 +281,40 @@ TEST(LoadCampaign, ARestedCellFarFromItsSurroundingsIsDoubted) {
                 "the two is right; where the cell was warmed or cooled before the test, say "
                 "initial_degC"}));
   EXPECT_EQ(warnings("39", "ambient_degC = 25\n"), none);
-  EXPECT_EQ(warnings("77", ""), none);
+  EXPECT_EQ(warnings("77", ""),
+            (std::vector<std::string>{"the cell is at 77 degC in the first row: if these are degrees "
+                                      "Fahrenheit (25 degC), say degF in the header"}));
+  EXPECT_EQ(warnings("55", ""), none);
   EXPECT_EQ(warnings("77", "ambient_degC = 25\ninitial_degC = 77\n"), none);
   EXPECT_EQ(warnings("77", "ambient_degC = 25\n", 1), none) << "a cell under load may be warm";
+}
+
+// Of a thermometer of whole degrees, and of one that shows hundredths.
+TEST(LoadCampaign, ATemperatureOfWholeDegreesGoesStraightBetweenThem) {
+  const auto folder = test::FreshFolder("load_campaign/steps");
+  const auto loaded = [&](double step) {
+    std::string rows = "time_s,current_A,voltage_V,temperature_degC\n";
+    for (int k = 0; k < 40; ++k)
+      rows += fmt::format("{},{},{},{}\n",
+                          10 * k,
+                          k == 0 ? 0 : 1,
+                          4.2 - 0.01 * k,
+                          step * std::round((20.0 + 0.1 * k) / step));
+    Write(folder + "/a.csv", rows);
+    Write(folder + "/c.toml",
+          "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\ncurrent_sign = 'discharge-positive'\n");
+    return LoadCampaign(ReadCampaign(folder + "/c.toml"))[0];
+  };
+  const LoadedLog whole = loaded(1.0);
+  EXPECT_NEAR(whole.log.record.temperature_degC[12], 21.2, 0.06);
+  EXPECT_EQ(whole.log.report.warnings,
+            (std::vector<std::string>{
+                "its temperature is in steps of 1 degC, and is taken to go straight from one to the next"}));
+  const LoadedLog fine = loaded(0.01);
+  EXPECT_NEAR(fine.log.record.temperature_degC[12], 21.2, 1e-9);
+  EXPECT_TRUE(fine.log.report.warnings.empty());
+  // As whole as it is, a cell that warms from row to row shows no steps.
+  EXPECT_EQ(loaded(0.1).log.record.temperature_degC[13], 0.1 * std::round(21.3 / 0.1));
 }
 
 // A published test of a cell of 3 Ah: pulses that move less than a hundredth of its charge.

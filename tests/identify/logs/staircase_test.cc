@@ -1,4 +1,4 @@
-#include "identify/logs/flight/staircase.h"
+#include "identify/logs/staircase.h"
 
 #include <gtest/gtest.h>
 

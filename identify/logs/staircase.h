@@ -3,7 +3,7 @@
 /// @file
 /// A slow quantity behind a sensor of coarse steps, above all a temperature in whole degrees: between
 /// two steps it moved, although every row shows the same. Tests:
-/// tests/identify/logs/flight/staircase_test.cc.
+/// tests/identify/logs/staircase_test.cc.
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +13,22 @@
 
 namespace lipoid {
 
+/// The least that the shown value ever changes by; infinite where it does not.
+[[nodiscard]] inline double StepOf(std::span<const double> shown) {
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < shown.size(); ++k) {
+    if (shown[k] != shown[k - 1]) step = std::min(step, std::abs(shown[k] - shown[k - 1]));
+  }
+  return step;
+}
+
 /// The values without their steps, as many as there are, and nowhere further than half a step from what the sensor shows. Where it
 /// goes from one step to the next, the quantity was between the two; from there to the next such place it is taken to go straight, and
 /// over what the sensor shows in the middle where it turns back. Larger jumps stay.
 [[nodiscard]] inline std::vector<double> WithoutSteps(std::span<const double> time_s,
                                                       std::span<const double> shown) {
   std::vector<double> smooth(shown.begin(), shown.end());
-  double step = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < shown.size(); ++k) {
-    if (shown[k] != shown[k - 1]) step = std::min(step, std::abs(shown[k] - shown[k - 1]));
-  }
+  const double step = StepOf(shown);
   // What the quantity was at the two ends of a plateau, the rows from first to last, which show one value.
   const auto fill = [&](std::size_t first, std::size_t last, double from, double to) {
     const double middle = shown[first];

@@ -1,0 +1,71 @@
+#include "identify/joint/predicted_temperature.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "identify/validation.h"
+#include "model/battery/prediction.h"
+
+namespace lipoid {
+namespace {
+
+std::string Said(const PredictedTemperatures& warm, const std::string& what) {
+  return fmt::format(
+      "{} {} the temperature of the surroundings alone (ambient_degC): {}; a column temperature_degC would know",
+      fmt::join(warm.files, ", "),
+      warm.files.size() == 1 ? "tells" : "tell",
+      what);
+}
+
+}  // namespace
+
+std::string PredictedTemperatures::Predicted() const {
+  return Said(*this,
+              fmt::format("that of the cell is predicted by its heat balance, up to {:.2g} K above",
+                          most_K));
+}
+
+std::string PredictedTemperatures::NotTaken() const {
+  return Said(
+      *this,
+      fmt::format(
+          "the cell is taken to be as warm as they are, which fits better than the {:.2g} K by which "
+          "its heat balance would warm it",
+          most_K));
+}
+
+std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
+                                                         const std::vector<LoadedLog>& logs) {
+  constexpr double kLeastRise_K = 1.0;
+  if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
+  Cell one = cell;
+  one.series = one.parallel = 1;
+  PredictedTemperatures warm;
+  warm.logs = logs;
+  for (LoadedLog& log : warm.logs) {
+    Record& record = log.log.record;
+    const auto& ambient_degC = log.entry.ambient_degC;
+    if (log.entry.kind == LogKind::kValidation || !ambient_degC || !record.temperature_degC.empty())
+      continue;
+    auto predicted_degC = Predict(one,
+                                  record.time_s,
+                                  record.current_A,
+                                  record.hold,
+                                  log.entry.initial_soc,
+                                  SurroundingsOf(record, log.entry))
+                              .temperature_degC;
+    if (predicted_degC.empty()) continue;
+    const double most_degC = *std::max_element(predicted_degC.begin(), predicted_degC.end());
+    warm.most_K = std::max(warm.most_K, most_degC - *ambient_degC);
+    warm.files.push_back(log.entry.file);
+    record.temperature_degC = std::move(predicted_degC);
+    log.temperature_predicted = true;
+  }
+  if (!(warm.most_K >= kLeastRise_K)) return std::nullopt;
+  return warm;
+}
+
+}  // namespace lipoid
