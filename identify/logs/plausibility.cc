@@ -185,6 +185,11 @@ ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series,
   return moved;
 }
 
+void RefuseWithoutVoltage(const Record& record) {
+  if (record.voltage_V.empty())
+    throw LoadError({record.file}, "expected a log with voltages, found none");
+}
+
 void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {
   constexpr double kFarBelow = 0.75;
   if (series == 1 || record.voltage_V.empty()) return;

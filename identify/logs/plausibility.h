@@ -32,6 +32,9 @@ struct ColumnPositions {
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
 void CheckReadable(const Record& record, const ColumnPositions& positions);
 
+/// LoadError for a current alone, which a simulation takes and which says nothing about a cell.
+void RefuseWithoutVoltage(const Record& record);
+
 /// What makes the times of a record doubtful, in one sentence; "" where nothing does: rows 1/60 s or
 /// 1/3600 s apart, which are whole seconds of a clock in minutes or hours.
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
