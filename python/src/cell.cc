@@ -113,7 +113,7 @@ nb::tuple Simulate(const PythonCell& self,
   };
   constexpr std::size_t kShort = 1'000'000;  // rows that take less than a thread to start
   if (count == 1 && rows < kShort) {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     one(0);
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);

@@ -98,7 +98,7 @@ nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::d
   keywords.Finish();
   Json json;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     const Cell one = OneOf(pack);
     Record record = log.Lent().record;
     if (record.voltage_V.empty())
@@ -124,7 +124,7 @@ nb::list PredictLogs(const PythonCell& pack,
   const Cell one = OneOf(pack);
   const std::vector<LoadedLog>* logs = nullptr;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     logs = &campaign.Logs();
   }
   for (const LoadedLog& log : *logs) {
@@ -132,7 +132,7 @@ nb::list PredictLogs(const PythonCell& pack,
     if (log.entry.kind == LogKind::kValidation || (only && *only != kind)) continue;
     Prediction predicted;
     {
-      const nb::gil_scoped_release release;
+      const WithoutLock unlocked;
       const Record& record = log.log.record;
       predicted = Predict(one,
                           record.time_s,
@@ -153,7 +153,7 @@ nb::list PredictLogs(const PythonCell& pack,
 nb::list ErrorsOfLogs(const PythonCell& pack, const PythonCampaign& campaign) {
   Json rows = Json::array();
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     const Cell one = OneOf(pack);
     for (const LoadedLog& log : campaign.Logs()) {
       if (log.entry.kind == LogKind::kValidation) continue;

@@ -16,6 +16,7 @@
 #include "identify/logs/inspection_report.h"
 #include "model/core/errors.h"
 #include "python/src/convert.h"
+#include "python/src/work.h"
 
 namespace lipoid::python {
 namespace {
@@ -50,7 +51,7 @@ PythonLog Read(nb::handle file, const nb::dict& given) {
   const ReadOptions options = ReadingOf(given, true);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = ReadLog(path, options);
   }
   return Shared(std::move(log));
@@ -65,7 +66,7 @@ PythonLog ReadText(const nb::bytes& text,
   const ReadOptions options = ReadingOf(given, true);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = ReadLogText({text.c_str(), text.size()}, name, options);
   }
   if (log.report.format == kPlainCsv.name) log.report.format = format;
@@ -91,7 +92,7 @@ PythonLog Take(const Input& time_s,
   if (temperature_degC) record.temperature_degC = lend(*temperature_degC);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = TakeLog(std::move(record), options);
   }
   return Shared(std::move(log));
@@ -100,7 +101,7 @@ PythonLog Take(const Input& time_s,
 nb::object Inspect(const PythonLog& self) {
   Json json;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     json = InspectionToJson(InspectRecord(self.log->record, self.log->report));
   }
   return ToPython(json);

@@ -40,6 +40,7 @@ NB_MODULE(_core, module) {
              nanobind::arg("typed"),
              nanobind::arg("known"));
   module.def("stop_all_work", &StopAllWork);
+  module.def("end_work", &EndWork);
   module.attr("version") = lipoid::Version();
   module.attr("commit") = lipoid::GitCommit();
 }

@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import pickle
 import shutil
+import signal
 import subprocess
 import sys
 import textwrap
@@ -301,6 +302,55 @@ def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
     assert float(worked_s) < 0.3 * (os.cpu_count() or 1)
     assert float(took_s) < 10.0
     assert converged == "True"
+
+
+@pytest.mark.parametrize(
+    ("work", "threads"),
+    [
+        ("lipoid.identify(campaign)", "daemon"),
+        ("lipoid.identify(campaign, progress=lambda share, what: None)", "daemon"),
+        ("cell.simulate(t, 1e-6 * np.ones((200, len(t))))", "daemon"),
+        ("cell.simulate(t, 1e-6 * np.ones(len(t)))", "daemon"),
+        ("lipoid.read_log(log)", "daemon"),
+        ("lipoid.identify(campaign)", "a pool"),
+    ],
+)
+def test_python_may_end_while_threads_work(work: str, threads: str, lab: Path) -> None:
+    script = f"""
+        import concurrent.futures, os, signal, sys, threading, time
+        import numpy as np
+        import lipoid
+        log = sys.argv[1] + "/pulses.csv"
+        campaign = lipoid.Campaign.read(sys.argv[1] + "/campaign.toml")
+        cell, t = lipoid.Cell.read("gifi-600mAh-1"), np.arange(100_000.0)
+        def work():
+            while True:
+                {work}
+        def press():
+            for _ in range(3):
+                time.sleep(0.3)
+                os.kill(os.getpid(), signal.SIGINT)
+        if {threads == "daemon"}:
+            threading.Thread(target=work, daemon=True).start()
+            time.sleep(0.3)
+        else:
+            threading.Thread(target=press, daemon=True).start()
+            with concurrent.futures.ThreadPoolExecutor(2) as pool:
+                list(pool.map(lambda _: work(), range(2)))
+    """
+    began = time.monotonic()
+    ran = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script), str(lab)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    # Before, "terminate called without an active exception" and an abort (-6).
+    assert ran.returncode == (0 if threads == "daemon" else -signal.SIGINT), ran.stderr
+    assert "terminate" not in ran.stderr
+    assert time.monotonic() - began < 30.0
 
 
 def test_results_survive_pickling(result: lipoid.Identification) -> None:
