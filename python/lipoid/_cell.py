@@ -379,6 +379,8 @@ class Cell:
             measured = column(temperature_degC, "temperature_degC", dimensions)
             if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
                 raise OptionError(f"{what}: expected a finite temperature for each row")
+            if wrong := _core.impossible_temperature(np.atleast_2d(t), np.atleast_2d(measured)):
+                raise OptionError(f"{what}: temperature_degC: {wrong}")
         self._tell_what_says_nothing(ambient_degC)
         for felt in (measured, ambient_degC):
             if felt is not None:

@@ -14,6 +14,7 @@
 
 #include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
+#include "identify/logs/plausibility.h"
 #include "identify/pack_request.h"
 #include "identify/surroundings_request.h"
 #include "model/battery/cell_ensemble.h"
@@ -177,6 +178,19 @@ nb::tuple Band(const PythonCell& self,
                         DoubtOf(ensemble));
 }
 
+// Of temperatures in rows, at times that stand once or in rows.
+std::string ImpossibleIn(const Table& time_s, const Table& temperature_degC) {
+  const std::size_t rows = temperature_degC.shape(1);
+  Require(time_s.shape(1) == rows, "as many times as temperatures");
+  for (std::size_t k = 0; k < temperature_degC.shape(0); ++k) {
+    const double* const t = time_s.data() + (k < time_s.shape(0) ? k * rows : 0);
+    std::string impossible =
+        ImpossibleTemperature({t, rows}, {temperature_degC.data() + k * rows, rows});
+    if (!impossible.empty()) return impossible;
+  }
+  return "";
+}
+
 std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
 
 PythonCell WithPack(const PythonCell& self, const nb::dict& given) {
@@ -269,6 +283,10 @@ void AddCells(nb::module_& module) {
       nb::arg("cell"),
       nb::arg("coldest_degC"),
       nb::arg("warmest_degC"));
+  module.def("impossible_temperature",
+             &ImpossibleIn,
+             nb::arg("time_s").noconvert(),
+             nb::arg("temperature_degC").noconvert());
   module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
   module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
   module.def("cell_names", &ShippedCellNames);

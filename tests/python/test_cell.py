@@ -338,6 +338,28 @@ def test_temperatures_that_do_not_go_with_the_currents() -> None:
         cell.simulate(t, t, temperature_degC=t, ambient_degC=3.0)
 
 
+# Before, they were taken without a word, and those in kelvin gave a hot cell.
+@pytest.mark.parametrize(
+    ("temperature_degC", "message"),
+    [
+        (
+            [298.15, 299.0],
+            "298.15 degC at 0 s is not within -60 to 150, but the whole column would",
+        ),
+        ([20.0, -300.0], "-300 degC at 1 s is not within -60 to 150$"),
+        ([[20.0, 21.0], [20.0, 1e9]], r"1e\+09 degC at 1 s is not within -60 to 150$"),
+    ],
+)
+def test_temperatures_of_no_cell_are_refused(temperature_degC: Any, message: str) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    t = np.arange(2.0)
+    with pytest.raises(lipoid.OptionError, match="simulate: temperature_degC: " + message):
+        cell.simulate(t, np.ones((2, 2)), temperature_degC=temperature_degC)
+    if np.ndim(temperature_degC) == 1:
+        with pytest.raises(lipoid.OptionError, match="band: temperature_degC: " + message):
+            cell.band(t, t, temperature_degC=temperature_degC)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
