@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("lipoid")
 FloatArray = npt.NDArray[np.float64]
+_MOST_CELLS = 100_000  # that are drawn at once: some kilobytes each
 
 
 @dataclass(frozen=True, repr=False)
@@ -302,8 +303,11 @@ class Cell:
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
+        beyond_cutoff: bool = False,
     ) -> tuple[FloatArray, FloatArray]:
         """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row.
+
+        NaN from the row on in which this cell is below its cut-off, as a warning then says.
 
         Parameters
         ----------
@@ -311,7 +315,8 @@ class Cell:
             How many are drawn.
         seed : int
             Of what is drawn.
-        time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC
+        time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC, \
+        beyond_cutoff
             As in :meth:`simulate`, of one current.
 
         Raises
@@ -323,8 +328,12 @@ class Cell:
             "band", time_s, current_A, hold, temperature_degC, ambient_degC, (1,)
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
-        count = whole("cells", cells, least=2, most=100_000)
-        low_V, high_V, *doubts = self._core.band(t, i, measured, options, count, whole_seed(seed))
+        options["beyond_cutoff"] = beyond_cutoff
+        count = whole("cells", cells, least=2, most=_MOST_CELLS)
+        low_V, high_V, before, cutoff_s, *doubts = self._core.band(
+            t, i, measured, options, count, whole_seed(seed)
+        )
+        self._tell_of_cutoff(np.atleast_2d(i), [before], [cutoff_s])
         self._tell(*doubts)
         return low_V, high_V
 

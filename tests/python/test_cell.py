@@ -271,8 +271,27 @@ def test_the_band_is_as_warm_as_what_is_simulated(
         assert rows > len(T) // 4
         np.testing.assert_array_equal(low_V[:rows], theirs["voltage_low_V"])
         np.testing.assert_array_equal(high_V[:rows], theirs["voltage_high_V"])
+        assert np.isnan(low_V[rows:]).all() and np.isnan(high_V[rows:]).all()
     warm = cell.band(T, I, cells=50, seed=3, temperature_degC=frame["temperature_degC"])
-    assert np.max(np.abs(warm[0] - cell.band(T, I, cells=50, seed=3)[0])) > 0.01
+    assert np.nanmax(np.abs(warm[0] - cell.band(T, I, cells=50, seed=3)[0])) > 0.01
+
+
+# Before, it went on to minus 119 V.
+def test_the_band_ends_where_the_cell_is_below_its_cutoff(
+    result: lipoid.Identification, caplog: pytest.LogCaptureFixture
+) -> None:
+    t, i = np.arange(0.0, 10_000.0, 100.0), np.ones(100)
+    made = result.cell.simulate(t, i)
+    caplog.clear()
+    low_V, high_V = result.cell.band(t, i, cells=20)
+    assert 0 < made.rows < 100
+    np.testing.assert_array_equal(np.isnan(low_V), np.isnan(made.voltage_V))
+    np.testing.assert_array_equal(np.isnan(high_V), np.isnan(made.voltage_V))
+    assert f"the {made.rows} of 100 rows above it" in caplog.text
+    caplog.clear()
+    every_V, _ = result.cell.band(t, i, cells=20, beyond_cutoff=True)
+    assert np.isfinite(every_V).all() and "cut-off" not in caplog.text
+    np.testing.assert_array_equal(every_V[: made.rows], low_V[: made.rows])
 
 
 def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
