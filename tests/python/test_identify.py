@@ -259,26 +259,30 @@ def test_other_threads_run_meanwhile(campaign: lipoid.Campaign) -> None:
 
 
 @pytest.mark.parametrize(
-    "work",
+    ("work", "after_s"),
     [
-        "lipoid.identify(campaign, joint={'branches': 4, 'resistance_nodes': 25})",
-        "cell.resample(200_000)",
+        ("lipoid.identify(campaign, joint={'branches': 4, 'resistance_nodes': 25})", 0.5),
+        ("cell.resample(100_000)", 0.5),
+        # Before, both went on to the end of what they did: seconds later.
+        ("lipoid.plan(cell, sampling_s=0.001)", 0.5),
+        ("warm.simulate(t, 0.0 * t)", 1.0),
     ],
 )
 def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
-    work: str, lab: Path, result: lipoid.Identification, tmp_path: Path
+    work: str, after_s: float, lab: Path, result: lipoid.Identification, tmp_path: Path
 ) -> None:
     result.cell.save(tmp_path / "cell.json")
     script = f"""
         import os, signal, sys, threading, time
-        import lipoid
+        import lipoid, numpy
         campaign, cell = lipoid.Campaign.read(sys.argv[1]), lipoid.Cell.read(sys.argv[2])
         lipoid.identify(campaign)
+        t, warm = numpy.arange(2e7), cell.with_typical_temperature()
         at = []
         def press():
             at.append((time.monotonic(), time.process_time()))
             os.kill(os.getpid(), signal.SIGINT)
-        threading.Timer(0.5, press).start()
+        threading.Timer({after_s}, press).start()
         try:
             while True:
                 {work}
