@@ -245,7 +245,9 @@ def validate(
     -------
     pandas.DataFrame
         One row per log: file, mean_error_percent, max_error_percent, rmse_V, and the same of rows
-        above 10 % state of charge.
+        above 10 % state of charge. Its ``attrs`` have what ``lipoid validate --summary`` says of
+        all logs together: ``fit`` with the verdict ("good", "fair" or "poor") and the reason why
+        it is no better, and ``edges``.
     """
     one = as_cell(cell)
     one._tell_what_says_nothing(ambient_degC)
@@ -255,10 +257,11 @@ def validate(
         "ambient_degC": ambient_degC,
         "predict_temperature": predict_temperature,
     }
-    rows = []
-    for log in as_logs(logs, "validate: expected at least one log"):
-        row = _core.validate(one._core, log._core, options)
+    several = as_logs(logs, "validate: expected at least one log")
+    rows, verdict = _core.validate(one._core, [log._core for log in several], options)
+    for log, row in zip(several, rows, strict=True):
         if doubt := row.pop("doubt", ""):
             logger.warning("%s %s", log.file, doubt)
-        rows.append(row)
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    table.attrs.update(verdict)
+    return table

@@ -423,9 +423,11 @@ def test_an_unknown_plot_names_the_known(result: lipoid.Identification) -> None:
 
 def test_validate_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
     files = [lab / "pulses.csv", lab / "cc_1C.csv"]
-    theirs = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"]
+    told = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)
     ours = lipoid.validate("gifi-600mAh-1", files)
-    pd.testing.assert_frame_equal(ours, pd.DataFrame(theirs), check_exact=True)
+    pd.testing.assert_frame_equal(ours, pd.DataFrame(told["logs"]), check_exact=True)
+    assert ours.attrs == {"fit": told["fit"], "edges": told["edges"]}
+    assert ours.attrs["fit"]["verdict"] in ("good", "fair", "poor")
 
 
 @pytest.fixture(scope="module")
