@@ -291,6 +291,32 @@ def test_rows_that_are_wrong_are_named(given: dict[str, Any], message: str) -> N
         lipoid.Log(**(COLUMNS | given))
 
 
+# Before, a current_a was said to be missing, and a Voltage(V) was left out without a word.
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (
+            ("time_s", "current_a", "voltage_V"),
+            r"current_A is missing; .*; current_A=table\['current_a'\] may be it$",
+        ),
+        (
+            ("time_s", "current_A", "Voltage(V)"),
+            r"voltage_V is missing; .*table\['Voltage\(V\)'\] may be it$",
+        ),
+        (
+            ("Test_Time(s)", "current_A", "voltage_V"),
+            r"time_s=table\['Test_Time\(s\)'\] may be it$",
+        ),
+        (("time_s", "I [mA]", "U"), r"current_A=table\['I \[mA\]'\] may be it, which is in ma$"),
+    ],
+)
+def test_the_likely_column_of_a_table_is_named(names: tuple[str, ...], message: str) -> None:
+    table = pd.DataFrame(np.column_stack([T, I, V]), columns=list(names))
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.Log(table)
+    assert len(lipoid.Log(time_s=table[names[0]], current_A=table[names[1]])) == N
+
+
 # Before, Python ended by a segmentation fault.
 @pytest.mark.parametrize("current_A", [I, np.ones(N)], ids=["pulse", "discharge"])
 def test_a_log_without_voltage_is_inspected(current_A: np.ndarray) -> None:
