@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -500,7 +500,19 @@ class Cell:
         return f"<b>{escape(self.name)}</b><table>{body}</table>"
 
 
-def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
+class HasCell(Protocol):
+    """What stands for the cell that it found: an :class:`Identification`."""
+
+    @property
+    def cell(self) -> Cell:
+        """The cell."""
+        ...
+
+
+OneCell: TypeAlias = "Cell | HasCell | str | os.PathLike[str]"
+
+
+def as_cell(cell: OneCell) -> Cell:
     """Return a cell, that of an identification, or read the one of that name or file."""
     if isinstance(cell, Cell):
         return cell

@@ -15,7 +15,7 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import Cell, OneCell, as_cell
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._log import Logs, as_logs
 from lipoid._progress import Progress, Reporter
@@ -214,7 +214,7 @@ def check_options(*, seed: int = 0, threads: int = 0, **options: Any) -> None:
 
 
 def validate(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     logs: Logs,
     *,
     initial_soc: float | None = None,

@@ -209,8 +209,7 @@ def test_a_cell_is_not_made_by_its_name() -> None:
 
 
 def test_an_identification_stands_for_its_cell(result: lipoid.Identification) -> None:
-    theirs: Any = result  # the types ask for a cell
-    by_result = lipoid.fly("hover", cell=theirs, vehicle="mambo-physical", seed=1)
+    by_result = lipoid.fly("hover", cell=result, vehicle="mambo-physical", seed=1)
     by_cell = lipoid.fly("hover", cell=result.cell, vehicle="mambo-physical", seed=1)
     assert by_result.summary["charge_C"] == by_cell.summary["charge_C"] > 0.0
 
