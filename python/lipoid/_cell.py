@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, interoperability, plots
-from lipoid._keywords import whole, whole_seed
+from lipoid._keywords import present, whole, whole_seed
 from lipoid._log import Log, column, core_of
 from lipoid.errors import OptionError
 
@@ -29,7 +29,7 @@ FloatArray = npt.NDArray[np.float64]
 _MOST_CELLS = 100_000  # that are drawn at once: some kilobytes each
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Simulation:
     """The voltage of a cell under a current.
 
@@ -139,7 +139,8 @@ class Cell:
     @classmethod
     def read(cls, name_or_file: str | os.PathLike[str]) -> Cell:
         """Read a cell file, or take a cell that is shipped, by its name (:func:`cells`)."""
-        return cls._of(_core.load_cell(name_or_file))
+        wanted = "a path or the name of a shipped cell"
+        return cls._of(_core.load_cell(present("name_or_file", name_or_file, wanted)))
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Cell:
@@ -182,7 +183,7 @@ class Cell:
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Write the cell file: whole, or not at all."""
-        self._core.save(file)
+        self._core.save(present("file", file))
 
     def pack(self, series: int = 1, parallel: int = 1) -> Cell:
         """Return one of these cells so many times in series and in parallel.
@@ -420,7 +421,8 @@ class Cell:
         OptionError
             Where the cell carries no uncertainty: it was not identified.
         """
-        drawn, doubt = self._core.resample(whole("count", count), whole_seed(seed))
+        several = whole("count", count, most=_MOST_CELLS)
+        drawn, doubt = self._core.resample(several, whole_seed(seed))
         self._tell(doubt)
         return [Cell._of(one) for one in drawn]
 
@@ -481,11 +483,17 @@ class Cell:
         parts.append(f"cut-off {self.cutoff_V:g} V")
         if (self.series, self.parallel) != (1, 1):
             parts.append(f"{self.series}S{self.parallel}P")
+        if self._core.knows_temperature:
+            parts.append("knows temperature")
         return f"Cell({self.name!r}: {', '.join(parts)})"
 
     def _repr_html_(self) -> str:
         data = self.to_dict()
         rows = [("capacity", f"{self.capacity_Ah:g} Ah"), ("cut-off", f"{self.cutoff_V:g} V")]
+        if (self.series, self.parallel) != (1, 1):
+            rows.insert(0, ("pack", f"{self.series} in series, {self.parallel} in parallel"))
+        if self._core.knows_temperature:
+            rows.append(("temperature", _known(data["temperature"])))
         if data.get("diffusion"):
             rows.append(("alpha", f"{data['diffusion']['alpha_C']:.5g} C"))
             rows.append(("beta", f"{data['diffusion']['beta_per_sqrt_s']:.4g} s<sup>-1/2</sup>"))
@@ -498,6 +506,14 @@ class Cell:
             rows.append((name, text))
         body = "".join(f"<tr><th>{a}</th><td>{b}</td></tr>" for a, b in rows)
         return f"<b>{escape(self.name)}</b><table>{body}</table>"
+
+
+def _known(temperature: Mapping[str, Any]) -> str:
+    """Return how a cell knows temperature."""
+    if temperature.get("assumed"):
+        return "known, by typical values"
+    seen_degC = temperature.get("seen_degC")
+    return "known, seen from {:.4g} to {:.4g} degC".format(*seen_degC) if seen_degC else "known"
 
 
 class HasCell(Protocol):
@@ -517,7 +533,10 @@ def as_cell(cell: OneCell) -> Cell:
     if isinstance(cell, Cell):
         return cell
     found = getattr(cell, "cell", None)
-    return found if isinstance(found, Cell) else Cell.read(cell)
+    if isinstance(found, Cell):
+        return found
+    wanted = "a Cell, a path or the name of a shipped cell"
+    return Cell.read(cast("str | os.PathLike[str]", present("cell", cell, wanted)))
 
 
 def cells() -> list[str]:

@@ -43,7 +43,8 @@ def export(
     given: dict[str, Any] = dict(options)
     if "mission" in given:
         given["mission"] = core_of("mission", given["mission"])
-    return _core.export(as_cell(cell)._core, utf8("target", target), output, given)
+    of = as_cell(cell)._core
+    return _core.export(of, utf8("target", target), present("output", output), given)
 
 
 def targets() -> list[str]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from lipoid._options import FlyOptions
 
 
-@dataclass(repr=False)
+@dataclass(eq=False, repr=False)
 class Flight:
     """A flight of a vehicle on a cell.
 

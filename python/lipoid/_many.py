@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lipoid._options import IdentifyOptions
 
 
-@dataclass(repr=False)
+@dataclass(eq=False, repr=False)
 class Fleet:
     """What became of many campaigns, in their order.
 

@@ -225,6 +225,54 @@ def test_files_and_pickles_are_the_same_cell(tmp_path: Path) -> None:
     assert len(cell.plot()) == 2
 
 
+def test_a_cell_shows_its_pack_and_that_it_knows_temperature() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    assert "pack" not in cell._repr_html_() and "temperature" not in repr(cell)
+    warm = cell.pack(4, 2).with_typical_temperature()
+    assert "4 in series, 2 in parallel" in warm._repr_html_()
+    assert "temperature</th><td>known, by typical values<" in warm._repr_html_()
+    assert repr(warm).endswith("cut-off 3 V, 4S2P, knows temperature)")
+    data = warm.to_dict()
+    data["temperature"] |= {"assumed": False, "seen_degC": [-10.0, 35.5]}
+    assert "known, seen from -10 to 35.5 degC<" in lipoid.Cell.from_dict(data)._repr_html_()
+
+
+# Before, they were errors of NumPy and pandas: the truth value of an array is ambiguous.
+def test_results_that_hold_arrays_are_equal_to_themselves_alone() -> None:
+    one = lipoid.Cell.read("gifi-600mAh-1")
+    for make in (
+        lambda: one.simulate(T, I),
+        lambda: lipoid.fly("hover", cell=one, duration=0.1),
+        lambda: lipoid.identify_many([], seed=1, threads=1),
+    ):
+        made = make()
+        assert made == made and made != make()
+
+
+# Before, nanobind told of the overloads of its functions.
+def test_none_is_said_to_be_none_by_the_name_of_the_argument(
+    result: lipoid.Identification, tmp_path: Path
+) -> None:
+    none: Any = None
+    cell = result.cell
+    for argument, call in (
+        ("name_or_file", lambda: lipoid.Cell.read(none)),
+        ("file", lambda: cell.save(none)),
+        ("file", lambda: lipoid.Campaign.read(none)),
+        ("cell", lambda: lipoid.synthesize(none)),
+        ("cell", lambda: lipoid.validate(none, tmp_path / "log.csv")),
+        ("cell", lambda: lipoid.health(none, [lipoid.Log(time_s=T, current_A=I)])),
+        ("cell", lambda: lipoid.endurance(none)),
+        ("cell", lambda: lipoid.plan(none)),
+        ("cell", lambda: lipoid.export(none, "pybamm", tmp_path / "cell.json")),
+        ("output", lambda: lipoid.export(cell, "pybamm", none)),
+        ("file", lambda: result.report(none)),
+        ("file", lambda: lipoid.report(result, none)),
+    ):
+        with pytest.raises(TypeError, match=f"^{argument}: expected .*, found None$"):
+            call()
+
+
 def test_cells_drawn_have_the_covariance(result: lipoid.Identification) -> None:
     cells = result.cell.resample(2000, seed=3)
     assert cells[7] == result.cell.resample(8, seed=3)[7]
@@ -309,7 +357,7 @@ def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
         given: dict[str, Any] = {"time_s": T, "current_A": I, "cells": 3}
         with pytest.raises(lipoid.OptionError, match=message):
             cell.band(**(given | options))
-    for count in (-1, 2.5, 2**33):
+    for count in (-1, 2.5, 100_001, 2**33):  # at 10^8 memory was out
         with pytest.raises(lipoid.OptionError, match="option count: expected a whole number"):
             cell.resample(count)  # type: ignore[arg-type]
     assert len(cell.resample(1, seed=2**64 - 1)) == 1
