@@ -10,9 +10,11 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
+#include "identify/logs/plausibility.h"
 #include "model/battery/cell.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -102,17 +104,20 @@ Found LookForDischarge(const Record& record) {
                         *least,
                         *most)};
   }
-  return {Discharge{.first = first->first,
-                    .last = last.last,
-                    .start_s = first->start_s,
-                    .end_s = last.end_s,
-                    .end_voltage_V = record.voltage_V[last.last],
-                    .voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last),
-                    .last_fall_V = LastFall(record, *first, last)},
-          {}};
+  Discharge discharge{.first = first->first,
+                      .last = last.last,
+                      .start_s = first->start_s,
+                      .end_s = last.end_s,
+                      .end_voltage_V = kNaN};
+  if (record.voltage_V.empty()) return {discharge, {}};
+  discharge.end_voltage_V = record.voltage_V[last.last];
+  discharge.voltage_noise_V = RowNoise(record.voltage_V, first->first, last.last);
+  discharge.last_fall_V = LastFall(record, *first, last);
+  return {discharge, {}};
 }
 
 Discharge OneDischarge(const Record& record, std::string_view expected) {
+  RefuseWithoutVoltage(record);
   Found found = LookForDischarge(record);
   if (!found.discharge)
     Refuse(record, fmt::format("expected {}, found {}", expected, found.instead));

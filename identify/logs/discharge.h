@@ -38,7 +38,7 @@ struct Discharge {
   double end_s = 0.0;            ///< cut-off, or the last stamp under load
   double charge_C = 0.0;         ///< between the two
   double current_A = 0.0;        ///< charge over time
-  double end_voltage_V = 0.0;    ///< at end_s
+  double end_voltage_V = 0.0;    ///< at end_s; NaN where the log has no voltages
   double voltage_noise_V = 0.0;  ///< standard deviation of a row
   /// From the row before the last one to it; 0 where rows are so few that one more would change the
   /// time.

@@ -133,7 +133,8 @@ int CellsInSeries(double highest_V) {
 
 int CellsInSeries(const Inspection& log) {
   const int told = log.report.flight ? log.report.flight->cells : 0;
-  return told > 0 ? told : CellsInSeries(log.voltage_V.largest);
+  if (told > 0) return told;
+  return log.voltage_V ? CellsInSeries(log.voltage_V->largest) : 1;
 }
 
 namespace {

@@ -39,7 +39,7 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   inspection.file = record.file;
   inspection.report = report;
   inspection.current_A = SpreadOf(record.current_A.ToVector());
-  inspection.voltage_V = SpreadOf(record.voltage_V.ToVector());
+  if (!record.voltage_V.empty()) inspection.voltage_V = SpreadOf(record.voltage_V.ToVector());
   if (!record.temperature_degC.empty())
     inspection.temperature_degC = SpreadOf(record.temperature_degC.ToVector());
   if (record.size() > 0) inspection.duration_s = record.time_s.back() - record.time_s.front();
@@ -56,7 +56,7 @@ Inspection InspectRows(const Record& record, const LogReport& report) {
   }
   inspection.discharge = WholeDischarge(record);
   inspection.edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
-  if (inspection.discharge && inspection.discharge->first > 0) {
+  if (inspection.discharge && inspection.discharge->first > 0 && !record.voltage_V.empty()) {
     const std::size_t k = inspection.discharge->first;
     inspection.edge_resistance_Ohm = (record.voltage_V[k - 1] - record.voltage_V[k]) /
                                      (record.current_A[k] - record.current_A[k - 1]);

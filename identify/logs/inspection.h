@@ -34,7 +34,7 @@ struct Inspection {
   double duration_s = 0.0;
   Spread sampling_s;
   Spread current_A;
-  Spread voltage_V;
+  std::optional<Spread> voltage_V;  ///< none: the log is a current alone
   std::optional<Spread> temperature_degC;
   double charge_out_C = 0.0;  ///< by discharging
   double charge_in_C = 0.0;   ///< by charging, positive

@@ -90,7 +90,7 @@ Json InspectionToJson(const Inspection& log) {
                {"current_sign_reason", log.report.current_sign_reason},
                {"current_sign_is_of_others", log.report.current_sign_is_of_others},
                {"current_A", ToJson(log.current_A)},
-               {"voltage_V", ToJson(log.voltage_V)},
+               {"voltage_V", log.voltage_V ? ToJson(*log.voltage_V) : Json(nullptr)},
                {"charge_out_C", log.charge_out_C},
                {"charge_in_C", log.charge_in_C},
                {"segments", std::move(segments)},

@@ -197,6 +197,7 @@ LoadedLog OneOfCell(const Campaign& campaign,
                     const CampaignLog& entry,
                     Log log,
                     ChargeMoved& moved) {
+  RefuseWithoutVoltage(log.record);
   RefuseUnknownCharge(log.record, log.report.gaps, campaign.capacity_Ah * campaign.parallel);
   // Nobody said how large the pack of a flight is, but the autopilot.
   const int told = log.report.flight ? log.report.flight->cells : 0;

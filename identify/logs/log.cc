@@ -196,21 +196,11 @@ void SettleSign(Log& log,
 // A column in kelvin, or what a logger writes for a sensor that is not there, is no temperature of a cell.
 void DropImpossibleTemperatures(Log& log) {
   Column& temperature_degC = log.record.temperature_degC;
-  const auto& column = std::as_const(temperature_degC);
-  const auto wrong = std::find_if(
-      column.begin(), column.end(), [](double degC) { return !kTemperatures_degC.Contains(degC); });
-  if (wrong == column.end()) return;
-  const bool kelvin = std::all_of(column.begin(), column.end(), [](double degC) {
-    return kTemperatures_degC.Contains(degC - kZeroCelsius_K);
-  });
-  log.report.warnings.push_back(fmt::format(
-      "temperature left out: {:.6g} degC at {:.10g} s is not within {:g} to {:g}{}; what "
-      "needs it goes on without",
-      *wrong,
-      std::as_const(log.record.time_s)[static_cast<std::size_t>(wrong - column.begin())],
-      kTemperatures_degC.lo,
-      kTemperatures_degC.hi,
-      kelvin ? ", but the whole column would be in kelvin" : ""));
+  const std::string impossible =
+      ImpossibleTemperature(std::as_const(log.record.time_s), std::as_const(temperature_degC));
+  if (impossible.empty()) return;
+  log.report.warnings.push_back(
+      fmt::format("temperature left out: {}; what needs it goes on without", impossible));
   temperature_degC.clear();
 }
 

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "identify/logs/draft.h"
+#include "model/battery/arrhenius.h"
+#include "model/battery/ranges.h"
 
 namespace lipoid {
 namespace {
@@ -183,6 +185,29 @@ ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series,
             LargerPack("parallel", parallel)));
   }
   return moved;
+}
+
+std::string ImpossibleTemperature(std::span<const double> time_s,
+                                  std::span<const double> temperature_degC) {
+  const auto wrong = std::find_if(temperature_degC.begin(),
+                                  temperature_degC.end(),
+                                  [](double degC) { return !kTemperatures_degC.Contains(degC); });
+  if (wrong == temperature_degC.end()) return "";
+  const bool kelvin =
+      std::all_of(temperature_degC.begin(), temperature_degC.end(), [](double degC) {
+        return kTemperatures_degC.Contains(degC - kZeroCelsius_K);
+      });
+  return fmt::format("{:.6g} degC at {:.10g} s is not within {:g} to {:g}{}",
+                     *wrong,
+                     time_s[static_cast<std::size_t>(wrong - temperature_degC.begin())],
+                     kTemperatures_degC.lo,
+                     kTemperatures_degC.hi,
+                     kelvin ? ", but the whole column would be in kelvin" : "");
+}
+
+void RefuseWithoutVoltage(const Record& record) {
+  if (record.voltage_V.empty())
+    throw LoadError({record.file}, "expected a log with voltages, found none");
 }
 
 void CheckSeries(const Record& record, const OpenCircuitVoltage& curve, int series) {

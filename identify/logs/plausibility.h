@@ -4,6 +4,7 @@
 /// Values that cannot be: a unit that was mislabelled or left out shows as a factor of 60, 1000 or
 /// 3600. Tests: tests/identify/logs/plausibility_test.cc.
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -32,9 +33,17 @@ struct ColumnPositions {
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
 void CheckReadable(const Record& record, const ColumnPositions& positions);
 
+/// LoadError for a current alone, which a simulation takes and which says nothing about a cell.
+void RefuseWithoutVoltage(const Record& record);
+
 /// What makes the times of a record doubtful, in one sentence; "" where nothing does: rows 1/60 s or
 /// 1/3600 s apart, which are whole seconds of a clock in minutes or hours.
 [[nodiscard]] std::string DoubtAboutTime(const Record& record);
+
+/// What is wrong with temperatures of these times, half a sentence; "" where each of them may be that
+/// of a cell.
+[[nodiscard]] std::string ImpossibleTemperature(std::span<const double> time_s,
+                                                std::span<const double> temperature_degC);
 
 /// For a record of one cell, after DivideByPack() by that pack. capacity_Ah is the cell's nominal
 /// one, 0 where it is not known. Returns the charge that the record moves, none where the capacity is

@@ -9,6 +9,7 @@
 #include "identify/logs/constancy.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
+#include "model/core/stop.h"
 #include "model/statistics/factorizations.h"
 
 namespace lipoid {
@@ -102,6 +103,7 @@ CondensedLog::CondensedLog(const Record& record, const Condensation& how) : reco
       continue;
     }
     while (k < end) {
+      StopIfAsked();
       const double age_s = t[k - 1] - t[changed];
       const auto fits = [&](std::size_t rows) {
         const double growth = rows > how.late_block ? how.late_growth : how.growth;

@@ -15,6 +15,7 @@
 #include "identify/synthesis/protocols.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 
 namespace lipoid {
 
@@ -43,10 +44,12 @@ void WalkPlan(const Cell& cell,
   const CellModel<double> model(cell.Parameters());
   RecordStepper<double> stepper(
       model, hold, StartAmong(model, 1.0, {.ambient_degC = plan.ambient_degC}));
+  constexpr std::int64_t kLook = 4096;  // rows that take less than a millisecond
   std::size_t stage = 0;
   int cycle = 1;
   std::int64_t rows_left = rows_of(plan.stages[0]);
   for (std::int64_t row = 0;; ++row) {
+    if (row % kLook == 0) StopIfAsked();
     const double time_s = sampling.Times(row);
     const double current_A = row == 0 ? 0.0 : plan.stages[stage].current_A * cell.parallel;
     stepper.Row(time_s, current_A / cell.parallel);  // as whoever reads it will

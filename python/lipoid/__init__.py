@@ -3,6 +3,8 @@
 Discharge current is positive, every name carries its unit, a state of charge is a fraction.
 """
 
+import atexit
+
 from lipoid import _core
 from lipoid._campaign import Campaign
 from lipoid._cell import Cell, Simulation, cells
@@ -19,6 +21,9 @@ from lipoid._report import report
 from lipoid.errors import Diagnostic, LoadError, OptionError, PreconditionError
 
 __version__: str = _core.version
+
+# Threads that still work when Python ends would end the process by an abort.
+atexit.register(_core.end_work)
 
 __all__ = [
     "Campaign",

@@ -11,7 +11,7 @@ import pandas as pd
 
 from lipoid import _core, interoperability
 from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes
+from lipoid._keywords import present, takes
 from lipoid._log import Log, core_of, listed, read_log
 from lipoid.errors import OptionError
 
@@ -107,7 +107,7 @@ class Campaign:
         LoadError
             With file, line and column, where it is not right; its logs are read when first needed.
         """
-        return cls._of(_core.read_campaign(file))
+        return cls._of(_core.read_campaign(present("file", file)))
 
     @classmethod
     def _of(cls, core: CoreCampaign) -> Campaign:

@@ -8,14 +8,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, interoperability, plots
-from lipoid._keywords import whole, whole_seed
+from lipoid._keywords import present, whole, whole_seed
 from lipoid._log import Log, column, core_of
 from lipoid.errors import OptionError
 
@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("lipoid")
 FloatArray = npt.NDArray[np.float64]
+_MOST_CELLS = 100_000  # that are drawn at once: some kilobytes each
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Simulation:
     """The voltage of a cell under a current.
 
@@ -138,7 +139,8 @@ class Cell:
     @classmethod
     def read(cls, name_or_file: str | os.PathLike[str]) -> Cell:
         """Read a cell file, or take a cell that is shipped, by its name (:func:`cells`)."""
-        return cls._of(_core.load_cell(name_or_file))
+        wanted = "a path or the name of a shipped cell"
+        return cls._of(_core.load_cell(present("name_or_file", name_or_file, wanted)))
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Cell:
@@ -181,7 +183,7 @@ class Cell:
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Write the cell file: whole, or not at all."""
-        self._core.save(file)
+        self._core.save(present("file", file))
 
     def pack(self, series: int = 1, parallel: int = 1) -> Cell:
         """Return one of these cells so many times in series and in parallel.
@@ -302,8 +304,11 @@ class Cell:
         initial_voltage_V: float | None = None,
         temperature_degC: Any = None,
         ambient_degC: float | None = None,
+        beyond_cutoff: bool = False,
     ) -> tuple[FloatArray, FloatArray]:
         """Voltages in V between which 95 % of cells drawn from the covariance lie, row by row.
+
+        NaN from the row on in which this cell is below its cut-off, as a warning then says.
 
         Parameters
         ----------
@@ -311,7 +316,8 @@ class Cell:
             How many are drawn.
         seed : int
             Of what is drawn.
-        time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC
+        time_s, current_A, hold, initial_soc, initial_voltage_V, temperature_degC, ambient_degC, \
+        beyond_cutoff
             As in :meth:`simulate`, of one current.
 
         Raises
@@ -323,8 +329,12 @@ class Cell:
             "band", time_s, current_A, hold, temperature_degC, ambient_degC, (1,)
         )
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
-        count = whole("cells", cells, least=2, most=100_000)
-        low_V, high_V, *doubts = self._core.band(t, i, measured, options, count, whole_seed(seed))
+        options["beyond_cutoff"] = beyond_cutoff
+        count = whole("cells", cells, least=2, most=_MOST_CELLS)
+        low_V, high_V, before, cutoff_s, *doubts = self._core.band(
+            t, i, measured, options, count, whole_seed(seed)
+        )
+        self._tell_of_cutoff(np.atleast_2d(i), [before], [cutoff_s])
         self._tell(*doubts)
         return low_V, high_V
 
@@ -379,6 +389,8 @@ class Cell:
             measured = column(temperature_degC, "temperature_degC", dimensions)
             if measured.shape not in (i.shape, i.shape[-1:]) or not np.isfinite(measured).all():
                 raise OptionError(f"{what}: expected a finite temperature for each row")
+            if wrong := _core.impossible_temperature(np.atleast_2d(t), np.atleast_2d(measured)):
+                raise OptionError(f"{what}: temperature_degC: {wrong}")
         self._tell_what_says_nothing(ambient_degC)
         for felt in (measured, ambient_degC):
             if felt is not None:
@@ -409,7 +421,8 @@ class Cell:
         OptionError
             Where the cell carries no uncertainty: it was not identified.
         """
-        drawn, doubt = self._core.resample(whole("count", count), whole_seed(seed))
+        several = whole("count", count, most=_MOST_CELLS)
+        drawn, doubt = self._core.resample(several, whole_seed(seed))
         self._tell(doubt)
         return [Cell._of(one) for one in drawn]
 
@@ -470,11 +483,17 @@ class Cell:
         parts.append(f"cut-off {self.cutoff_V:g} V")
         if (self.series, self.parallel) != (1, 1):
             parts.append(f"{self.series}S{self.parallel}P")
+        if self._core.knows_temperature:
+            parts.append("knows temperature")
         return f"Cell({self.name!r}: {', '.join(parts)})"
 
     def _repr_html_(self) -> str:
         data = self.to_dict()
         rows = [("capacity", f"{self.capacity_Ah:g} Ah"), ("cut-off", f"{self.cutoff_V:g} V")]
+        if (self.series, self.parallel) != (1, 1):
+            rows.insert(0, ("pack", f"{self.series} in series, {self.parallel} in parallel"))
+        if self._core.knows_temperature:
+            rows.append(("temperature", _known(data["temperature"])))
         if data.get("diffusion"):
             rows.append(("alpha", f"{data['diffusion']['alpha_C']:.5g} C"))
             rows.append(("beta", f"{data['diffusion']['beta_per_sqrt_s']:.4g} s<sup>-1/2</sup>"))
@@ -489,12 +508,35 @@ class Cell:
         return f"<b>{escape(self.name)}</b><table>{body}</table>"
 
 
-def as_cell(cell: Cell | str | os.PathLike[str]) -> Cell:
+def _known(temperature: Mapping[str, Any]) -> str:
+    """Return how a cell knows temperature."""
+    if temperature.get("assumed"):
+        return "known, by typical values"
+    seen_degC = temperature.get("seen_degC")
+    return "known, seen from {:.4g} to {:.4g} degC".format(*seen_degC) if seen_degC else "known"
+
+
+class HasCell(Protocol):
+    """What stands for the cell that it found: an :class:`Identification`."""
+
+    @property
+    def cell(self) -> Cell:
+        """The cell."""
+        ...
+
+
+OneCell: TypeAlias = "Cell | HasCell | str | os.PathLike[str]"
+
+
+def as_cell(cell: OneCell) -> Cell:
     """Return a cell, that of an identification, or read the one of that name or file."""
     if isinstance(cell, Cell):
         return cell
     found = getattr(cell, "cell", None)
-    return found if isinstance(found, Cell) else Cell.read(cell)
+    if isinstance(found, Cell):
+        return found
+    wanted = "a Cell, a path or the name of a shipped cell"
+    return Cell.read(cast("str | os.PathLike[str]", present("cell", cell, wanted)))
 
 
 def cells() -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -11,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from lipoid import _core
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._progress import Progress, Reporter
 
@@ -74,7 +73,7 @@ class Endurance:
 
 @takes(_core.describe_endurance)
 def endurance(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     *,
     seed: int = 0,
     threads: int = 0,

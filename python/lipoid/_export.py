@@ -6,8 +6,8 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from lipoid import _core
-from lipoid._cell import Cell, as_cell
-from lipoid._keywords import takes, utf8
+from lipoid._cell import OneCell, as_cell
+from lipoid._keywords import present, takes, utf8
 from lipoid._log import core_of
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @takes(_core.describe_export)
 def export(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     target: str,
     output: str | os.PathLike[str],
     **options: Unpack[ExportOptions],
@@ -43,7 +43,8 @@ def export(
     given: dict[str, Any] = dict(options)
     if "mission" in given:
         given["mission"] = core_of("mission", given["mission"])
-    return _core.export(as_cell(cell)._core, utf8("target", target), output, given)
+    of = as_cell(cell)._core
+    return _core.export(of, utf8("target", target), present("output", output), given)
 
 
 def targets() -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from lipoid import _core, plots
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import takes, utf8, whole, whole_seed
 from lipoid._log import Log
 from lipoid._progress import Progress, Reporter
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from lipoid._options import FlyOptions
 
 
-@dataclass(repr=False)
+@dataclass(eq=False, repr=False)
 class Flight:
     """A flight of a vehicle on a cell.
 
@@ -87,7 +87,7 @@ class Flight:
 def fly(
     maneuver: str,
     *,
-    cell: Cell | str | os.PathLike[str] | None = "gifi-600mAh-1",
+    cell: OneCell | None = "gifi-600mAh-1",
     seed: int = 0,
     threads: int = 0,
     progress: Progress = False,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -11,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from lipoid import _core
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import takes
 from lipoid._log import Logs, as_logs
 
@@ -62,7 +61,7 @@ class Health:
 
 @takes(_core.describe_health)
 def health(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     flights: Logs,
     **options: Unpack[HealthOptions],
 ) -> Health:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import Cell, OneCell, as_cell
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._log import Logs, as_logs
 from lipoid._progress import Progress, Reporter
@@ -214,7 +214,7 @@ def check_options(*, seed: int = 0, threads: int = 0, **options: Any) -> None:
 
 
 def validate(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     logs: Logs,
     *,
     initial_soc: float | None = None,
@@ -245,7 +245,9 @@ def validate(
     -------
     pandas.DataFrame
         One row per log: file, mean_error_percent, max_error_percent, rmse_V, and the same of rows
-        above 10 % state of charge.
+        above 10 % state of charge. Its ``attrs`` have what ``lipoid validate --summary`` says of
+        all logs together: ``fit`` with the verdict ("good", "fair" or "poor") and the reason why
+        it is no better, and ``edges``.
     """
     one = as_cell(cell)
     one._tell_what_says_nothing(ambient_degC)
@@ -255,10 +257,11 @@ def validate(
         "ambient_degC": ambient_degC,
         "predict_temperature": predict_temperature,
     }
-    rows = []
-    for log in as_logs(logs, "validate: expected at least one log"):
-        row = _core.validate(one._core, log._core, options)
+    several = as_logs(logs, "validate: expected at least one log")
+    rows, verdict = _core.validate(one._core, [log._core for log in several], options)
+    for log, row in zip(several, rows, strict=True):
         if doubt := row.pop("doubt", ""):
             logger.warning("%s %s", log.file, doubt)
-        rows.append(row)
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    table.attrs.update(verdict)
+    return table

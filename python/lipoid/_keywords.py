@@ -13,6 +13,7 @@ import numpy as np
 from lipoid.errors import OptionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+_T = TypeVar("_T")
 Description = dict[str, Any]
 
 
@@ -26,6 +27,13 @@ def whole(name: str, value: Any, *, least: int = 0, most: int = 2**31 - 1) -> in
         bound = f"most {most}" if number > most else f"least {least}"
         raise OptionError(f"option {name}: expected a whole number of at {bound}, found {value!r}")
     return number
+
+
+def present(name: str, value: _T, wanted: str = "a path") -> _T:
+    """Return what was given for an argument, or say that it is missing."""
+    if value is None:
+        raise TypeError(f"{name}: expected {wanted}, found None")
+    return value
 
 
 def utf8(name: str, value: Any) -> str:

@@ -119,6 +119,16 @@ def _columns(data: Any) -> dict[str, Any]:
     return columns
 
 
+def _likely(key: str, columns: Mapping[str, Any]) -> str:
+    """Return which of the columns may be the one that is missing, as the end of a sentence."""
+    others = [name for name in columns if name not in _COLUMNS]
+    found = _core.likely_column(others, key)
+    if found is None:
+        return ""
+    name, unit = found
+    return f"; {key}=table[{name!r}] may be it{f', which is in {unit}' if unit else ''}"
+
+
 @takes(lambda: _core.describe_reading(False))
 class Log:
     """A log of one test: columns of equal length in SI units, discharge positive.
@@ -188,7 +198,9 @@ class Log:
                     if (unknown := self._unknown(options))
                     else ""
                 )
-                raise OptionError(f"Log: {key} is missing{found}{other}")
+                raise OptionError(f"Log: {key} is missing{found}{other}{_likely(key, columns)}")
+        if given["voltage_V"] is None and (likely := _likely("voltage_V", columns)):
+            raise OptionError(f"Log: voltage_V is missing; found {', '.join(columns)}{likely}")
         if unknown := self._unknown(options):
             known = [*given, "name", *(one["name"] for one in _core.describe_reading(False))]
             raise OptionError(f"Log: {_core.unknown_name('option', unknown[0], known)}")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lipoid._options import IdentifyOptions
 
 
-@dataclass(repr=False)
+@dataclass(eq=False, repr=False)
 class Fleet:
     """What became of many campaigns, in their order.
 
@@ -70,6 +70,8 @@ def identify_many(
     campaigns: Iterable[Campaign | str | os.PathLike[str]],
     *,
     executor: Any = None,
+    seed: int = 0,
+    threads: int = 0,
     progress: Progress = False,
     **options: Unpack[IdentifyOptions],
 ) -> Fleet:
@@ -83,10 +85,12 @@ def identify_many(
         Who does the work: a pool of threads or of processes of this machine, or a cluster. Not
         given: one after the other, each on all cores. Processes must be started by "spawn" or
         "forkserver": threads do not survive a fork.
+    seed, threads : int
+        As in :func:`identify`.
     progress : bool or callable
         As in :func:`identify`; the share of campaigns that are done.
     **options
-        Of :func:`identify`, and seed and threads.
+        Of :func:`identify`.
 
     Returns
     -------
@@ -99,7 +103,7 @@ def identify_many(
         For options that do not exist, are out of range or contradict each other, before a campaign
         is read.
     """
-    given: dict[str, Any] = dict(options)
+    given: dict[str, Any] = {"seed": seed, "threads": threads, **options}
     if isinstance(campaigns, (str, os.PathLike)):
         raise TypeError("identify_many: expected several campaigns; one goes into a list")
     several = list(campaigns)

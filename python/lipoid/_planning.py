@@ -12,7 +12,7 @@ import pandas as pd
 
 from lipoid import _core
 from lipoid._campaign import Campaign
-from lipoid._cell import Cell, as_cell
+from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import takes, whole_seed
 from lipoid._log import Log, read_log
 from lipoid._progress import Progress, Reporter
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @takes(_core.describe_plan)
 def plan(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     *,
     progress: Progress = False,
     **options: Unpack[PlanOptions],
@@ -66,7 +66,7 @@ def plan(
 
 @takes(_core.describe_synthesize)
 def synthesize(
-    cell: Cell | str | os.PathLike[str],
+    cell: OneCell,
     folder: str | os.PathLike[str] | None = None,
     *,
     parameters: Mapping[str, float] | None = None,

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Protocol
 
 from lipoid import _core
+from lipoid._keywords import present
 from lipoid.errors import OptionError
 
 
@@ -37,4 +38,4 @@ def report(results: Reportable | Iterable[Reportable], file: str | os.PathLike[s
     for one in several:
         if not hasattr(one, "_shown"):
             raise TypeError(f"report: expected results, found {type(one).__name__}")
-    _core.write_report([one._shown() for one in several], file)
+    _core.write_report([one._shown() for one in several], present("file", file))

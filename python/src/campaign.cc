@@ -14,6 +14,7 @@
 #include "identify/pack_request.h"
 #include "model/core/errors.h"
 #include "python/src/convert.h"
+#include "python/src/work.h"
 
 namespace lipoid::python {
 namespace {
@@ -134,7 +135,7 @@ std::string ToToml(const PythonCampaign& self) {
 nb::list Logs(const PythonCampaign& self) {
   const std::vector<LoadedLog>* logs = nullptr;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     logs = &self.Logs();
   }
   nb::list list;

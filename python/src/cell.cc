@@ -8,12 +8,12 @@
 #include <tbb/parallel_for.h>
 
 #include <atomic>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
+#include "identify/logs/plausibility.h"
 #include "identify/pack_request.h"
 #include "identify/surroundings_request.h"
 #include "model/battery/cell_ensemble.h"
@@ -23,6 +23,7 @@
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
+#include "model/core/special_values.h"
 #include "model/core/stop.h"
 #include "model/statistics/interval_95.h"
 #include "python/src/convert.h"
@@ -52,6 +53,40 @@ struct PredictionKeywords {
   }
 };
 
+// Finds the rows of a prediction before the one in which the cell is below its cut-off, and when its
+// voltage fell to it.
+class UpToCutoff {
+ public:
+  UpToCutoff(const Cell& cell, std::size_t rows, bool beyond_cutoff)
+      : cell_(cell),
+        crossing_(cell.series * cell.cutoff_V),
+        rows_(rows),
+        before_(rows),
+        beyond_cutoff_(beyond_cutoff) {}
+
+  // Whether the next row is one of them.
+  bool Takes(std::size_t row, double time_s, double current_A, double voltage_V) {
+    constexpr std::size_t kLook = 4096;  // rows that take less than a millisecond
+    if (row % kLook == 0) StopIfAsked();
+    if (row > before_) return false;
+    crossing_.Row(time_s, current_A, voltage_V);
+    if (beyond_cutoff_ || !IsBelowCutoff(cell_, voltage_V, row, rows_)) return true;
+    before_ = row;
+    return false;
+  }
+
+  [[nodiscard]] std::size_t before() const { return before_; }
+  // NaN where no row is below it.
+  [[nodiscard]] double cutoff_s() const { return before_ < rows_ ? crossing_.time_s() : kNaN; }
+
+ private:
+  const Cell& cell_;
+  CutoffCrossing crossing_;
+  std::size_t rows_;
+  std::size_t before_;
+  bool beyond_cutoff_;
+};
+
 // Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
 // Python's own, that of temperatures only for a cell that knows it, that of the open-circuit voltage
 // only where it is more than v_oc(A). What they hold from the row on in which the cell is below its
@@ -79,7 +114,7 @@ nb::tuple Simulate(const PythonCell& self,
   const Cell& cell = self.cell;
   std::atomic<std::size_t> outside = 0;
   std::vector<std::size_t> before(count, rows);
-  std::vector<double> cutoff_s(count, std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> cutoff_s(count, kNaN);
   const auto one = [&](std::size_t k) {
     StopIfAsked();
     Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
@@ -93,15 +128,9 @@ nb::tuple Simulate(const PythonCell& self,
     const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
     const std::span<const double> i(current_A.data() + k * rows, rows);
     std::size_t beyond = 0;
-    CutoffCrossing crossing(cell.series * cell.cutoff_V);
+    UpToCutoff up_to(cell, rows, asked.beyond_cutoff);
     const auto keep = [&](std::size_t row, const PredictedRow& of) {
-      if (row > before[k]) return;
-      crossing.Row(t[row], i[row], of.voltage_V);
-      if (!asked.beyond_cutoff && IsBelowCutoff(cell, of.voltage_V, row, rows)) {
-        before[k] = row;
-        cutoff_s[k] = crossing.time_s();
-        return;
-      }
+      if (!up_to.Takes(row, t[row], i[row], of.voltage_V)) return;
       v[row] = of.voltage_V;
       if (rest != nullptr) rest[row] = cell.series * of.stepper.OpenCircuit();
       if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
@@ -109,11 +138,13 @@ nb::tuple Simulate(const PythonCell& self,
       if (!cell.open_circuit_voltage.InRange(of.soc)) ++beyond;
     };
     PredictRows(cell, t, i, asked.hold, initial_soc, among, keep);
+    before[k] = up_to.before();
+    cutoff_s[k] = up_to.cutoff_s();
     outside += beyond;
   };
   constexpr std::size_t kShort = 1'000'000;  // rows that take less than a thread to start
   if (count == 1 && rows < kShort) {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     one(0);
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
@@ -150,6 +181,7 @@ nb::tuple Resample(const PythonCell& self, int count, std::uint64_t seed) {
   return nb::make_tuple(std::move(cells), DoubtOf(ensemble));
 }
 
+// NaN from the row on in which the cell itself is below its cut-off.
 nb::tuple Band(const PythonCell& self,
                const Input& time_s,
                const Input& current_A,
@@ -161,20 +193,44 @@ nb::tuple Band(const PythonCell& self,
   const PredictionKeywords asked(given);
   Surroundings among{.ambient_degC = asked.surroundings.ambient_degC};
   if (measured_degC) among.measured_degC = SpanOf(*measured_degC);
-  (void)asked.start.Soc(cell, among);  // a start that the cell itself cannot have is an error
+  const double initial_soc = asked.start.Soc(cell, among);
+  const auto t = SpanOf(time_s);
+  const auto i = SpanOf(current_A);
+  UpToCutoff up_to(cell, t.size(), asked.beyond_cutoff);
   PredictionBand band;
   CellEnsemble ensemble;
   Work([&](const Tell&) {
+    PredictRows(
+        cell, t, i, asked.hold, initial_soc, among, [&](std::size_t row, const PredictedRow& of) {
+          (void)up_to.Takes(row, t[row], i[row], of.voltage_V);
+        });
     ensemble = DrawCells(cell, count, seed);
     std::vector<double> starts;
     for (const Cell& one : ensemble.cells) starts.push_back(asked.start.SocOfDrawn(one, among));
-    band =
-        PredictBand(ensemble.cells, starts, SpanOf(time_s), SpanOf(current_A), asked.hold, among);
+    const std::size_t rows = up_to.before();
+    band = PredictBand(ensemble.cells, starts, t.first(rows), i.first(rows), asked.hold, among);
   });
+  for (auto* voltage_V : {&band.voltage_low_V, &band.voltage_high_V})
+    voltage_V->resize(t.size(), kNaN);
   return nb::make_tuple(ToArray(std::move(band.voltage_low_V)),
                         ToArray(std::move(band.voltage_high_V)),
+                        up_to.before(),
+                        up_to.cutoff_s(),
                         DoubtAboutFew(ensemble.cells.size(), "cells"),
                         DoubtOf(ensemble));
+}
+
+// Of temperatures in rows, at times that stand once or in rows.
+std::string ImpossibleIn(const Table& time_s, const Table& temperature_degC) {
+  const std::size_t rows = temperature_degC.shape(1);
+  Require(time_s.shape(1) == rows, "as many times as temperatures");
+  for (std::size_t k = 0; k < temperature_degC.shape(0); ++k) {
+    const double* const t = time_s.data() + (k < time_s.shape(0) ? k * rows : 0);
+    std::string impossible =
+        ImpossibleTemperature({t, rows}, {temperature_degC.data() + k * rows, rows});
+    if (!impossible.empty()) return impossible;
+  }
+  return "";
 }
 
 std::string TextOfCell(const PythonCell& self) { return JsonText(CellToJson(self.cell)); }
@@ -269,6 +325,10 @@ void AddCells(nb::module_& module) {
       nb::arg("cell"),
       nb::arg("coldest_degC"),
       nb::arg("warmest_degC"));
+  module.def("impossible_temperature",
+             &ImpossibleIn,
+             nb::arg("time_s").noconvert(),
+             nb::arg("temperature_degC").noconvert());
   module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
   module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
   module.def("cell_names", &ShippedCellNames);

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "python/src/work.h"
+
 namespace lipoid::python {
 
 nb::object ToPython(const Json& json) {
@@ -53,6 +55,7 @@ Array ViewOf(std::span<const double> numbers, std::shared_ptr<const void> keeper
 
 std::shared_ptr<const void> Keep(nb::object object) {
   return {new nb::object(std::move(object)), [](const nb::object* kept) {
+            if (HasEnded()) return;  // with everything else of Python
             const nb::gil_scoped_acquire lock;
             delete kept;
           }};

@@ -10,13 +10,16 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "identify/fit_quality.h"
 #include "identify/identification.h"
 #include "identify/identify_request.h"
 #include "identify/logs/plausibility.h"
 #include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
 #include "identify/surroundings_request.h"
+#include "identify/trust/edges.h"
 #include "identify/validation.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
@@ -82,37 +85,57 @@ nb::tuple IdentifyCampaign(const PythonCampaign& campaign,
                         found.Verdict());
 }
 
-Cell OneOf(const PythonCell& pack) {
-  Cell one = pack.cell;
+Cell OneOf(const Cell& pack) {
+  Cell one = pack;
   one.series = one.parallel = 1;
   return one;
 }
 
-// One log of the pack, as that of one cell: what `lipoid validate` says of it.
-nb::object ValidateLog(const PythonCell& pack, const PythonLog& log, const nb::dict& given) {
+// One log of the pack, as that of one cell.
+LogErrors ErrorsOf(const Cell& pack,
+                   const Record& of_pack,
+                   const StartRequest& start,
+                   const SurroundingsRequest& surroundings,
+                   std::string& doubt) {
+  Record record = of_pack;
+  if (record.voltage_V.empty())
+    throw LoadError({record.file}, "expected a voltage to compare with, found none");
+  const Cell one = OneOf(pack);
+  DivideByPack(record, pack.series, pack.parallel);
+  (void)CheckPlausible(record, one.capacity_Ah, pack.series, pack.parallel);
+  CheckSeries(record, one.open_circuit_voltage, pack.series);
+  const Surroundings among = surroundings.Of(record);
+  const double initial_soc = start.Soc(pack, among);
+  doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc);
+  return Validate(one, record, initial_soc, among);
+}
+
+// What `lipoid validate` says of logs: of each, and of all together.
+nb::tuple ValidateLogs(const PythonCell& pack, const nb::list& logs, const nb::dict& given) {
   StartRequest start;
   SurroundingsRequest surroundings;
   Keywords keywords(given);
   keywords.Each(start);
   keywords.Each(surroundings);
   keywords.Finish();
-  Json json;
+  std::vector<Record> records;
+  for (const nb::handle log : logs)
+    records.push_back(nb::cast<const PythonLog&>(log).Lent().record);
+  Json rows = Json::array();
+  Json verdict;
   {
-    const nb::gil_scoped_release release;
-    const Cell one = OneOf(pack);
-    Record record = log.Lent().record;
-    if (record.voltage_V.empty())
-      throw LoadError({record.file}, "expected a voltage to compare with, found none");
-    DivideByPack(record, pack.cell.series, pack.cell.parallel);
-    (void)CheckPlausible(record, one.capacity_Ah, pack.cell.series, pack.cell.parallel);
-    CheckSeries(record, one.open_circuit_voltage, pack.cell.series);
-    const Surroundings among = surroundings.Of(record);
-    const double initial_soc = start.Soc(pack.cell, among);
-    json = LogErrorsToJson(Validate(one, record, initial_soc, among));
-    if (auto doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc); !doubt.empty())
-      json["doubt"] = std::move(doubt);
+    const WithoutLock unlocked;
+    std::vector<LogErrors> all;
+    for (const Record& record : records) {
+      std::string doubt;
+      all.push_back(ErrorsOf(pack.cell, record, start, surroundings, doubt));
+      rows.push_back(LogErrorsToJson(all.back()));
+      if (!doubt.empty()) rows.back()["doubt"] = std::move(doubt);
+    }
+    const FitQuality quality = JudgeFit(OneOf(pack.cell), all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
+    verdict = {{"fit", FitToJson(quality)}, {"edges", EdgesToJson(quality.edges)}};
   }
-  return ToPython(json);
+  return nb::make_tuple(ToPython(rows), ToPython(verdict));
 }
 
 // Of each log that took part in a fit, or of those of one kind: its kind, the log, and the voltage and
@@ -121,10 +144,10 @@ nb::list PredictLogs(const PythonCell& pack,
                      const PythonCampaign& campaign,
                      const std::optional<std::string>& only) {
   nb::list all;
-  const Cell one = OneOf(pack);
+  const Cell one = OneOf(pack.cell);
   const std::vector<LoadedLog>* logs = nullptr;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     logs = &campaign.Logs();
   }
   for (const LoadedLog& log : *logs) {
@@ -132,7 +155,7 @@ nb::list PredictLogs(const PythonCell& pack,
     if (log.entry.kind == LogKind::kValidation || (only && *only != kind)) continue;
     Prediction predicted;
     {
-      const nb::gil_scoped_release release;
+      const WithoutLock unlocked;
       const Record& record = log.log.record;
       predicted = Predict(one,
                           record.time_s,
@@ -153,8 +176,8 @@ nb::list PredictLogs(const PythonCell& pack,
 nb::list ErrorsOfLogs(const PythonCell& pack, const PythonCampaign& campaign) {
   Json rows = Json::array();
   {
-    const nb::gil_scoped_release release;
-    const Cell one = OneOf(pack);
+    const WithoutLock unlocked;
+    const Cell one = OneOf(pack.cell);
     for (const LoadedLog& log : campaign.Logs()) {
       if (log.entry.kind == LogKind::kValidation) continue;
       Json row = {{"kind", options_internal::ToText(log.entry.kind)}};
@@ -175,7 +198,7 @@ void AddIdentification(nb::module_& module) {
              nb::arg("seed"),
              nb::arg("threads"),
              nb::arg("progress").none());
-  module.def("validate", &ValidateLog, nb::arg("cell"), nb::arg("log"), nb::arg("options"));
+  module.def("validate", &ValidateLogs, nb::arg("cell"), nb::arg("logs"), nb::arg("options"));
   module.def(
       "predict_logs", &PredictLogs, nb::arg("cell"), nb::arg("campaign"), nb::arg("only").none());
   module.def("errors_of_logs", &ErrorsOfLogs, nb::arg("cell"), nb::arg("campaign"));

@@ -3,19 +3,25 @@
 #include <fmt/format.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "identify/logs/formats/header.h"
 #include "identify/logs/formats/plain_csv.h"
+#include "identify/logs/formats/quantity.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
 #include "model/core/errors.h"
 #include "python/src/convert.h"
+#include "python/src/work.h"
 
 namespace lipoid::python {
 namespace {
@@ -50,7 +56,7 @@ PythonLog Read(nb::handle file, const nb::dict& given) {
   const ReadOptions options = ReadingOf(given, true);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = ReadLog(path, options);
   }
   return Shared(std::move(log));
@@ -65,7 +71,7 @@ PythonLog ReadText(const nb::bytes& text,
   const ReadOptions options = ReadingOf(given, true);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = ReadLogText({text.c_str(), text.size()}, name, options);
   }
   if (log.report.format == kPlainCsv.name) log.report.format = format;
@@ -91,7 +97,7 @@ PythonLog Take(const Input& time_s,
   if (temperature_degC) record.temperature_degC = lend(*temperature_degC);
   Log log;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     log = TakeLog(std::move(record), options);
   }
   return Shared(std::move(log));
@@ -100,7 +106,7 @@ PythonLog Take(const Input& time_s,
 nb::object Inspect(const PythonLog& self) {
   Json json;
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     json = InspectionToJson(InspectRecord(self.log->record, self.log->report));
   }
   return ToPython(json);
@@ -296,6 +302,27 @@ PythonLog FromState(const nb::tuple& state) {
   return Shared(std::move(log));
 }
 
+// Which of these columns a file's header would name for a quantity, and its unit where that is not the
+// quantity's own; None where no column is.
+nb::object LikelyColumn(const std::vector<std::string>& names, const std::string& key) {
+  std::vector<HeaderName> header;
+  for (const std::string& name : names)
+    header.push_back(ParseHeaderName({name, header.size() + 1}));
+  for (const Quantity quantity : {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage}) {
+    if (Key(quantity) != key) continue;
+    const auto matches = FindColumns(header, quantity, kPlainCsv.Of(quantity));
+    const auto best = std::min_element(
+        matches.begin(), matches.end(), [](const HeaderMatch& a, const HeaderMatch& b) {
+          return a.rank < b.rank;
+        });
+    if (best == matches.end()) break;
+    const auto unit = FindUnit(quantity, best->unit);
+    const bool own = best->unit.empty() || (unit && unit->IsSi());
+    return nb::make_tuple(names[best->field], own ? std::string() : best->unit);
+  }
+  return nb::none();
+}
+
 nb::list Describe(bool of_a_file) {
   Keywords keywords;
   (void)ReadingOf(keywords, EveryRow(), of_a_file);
@@ -406,6 +433,7 @@ void AddLogs(nb::module_& module) {
       "check_reading",
       [](const nb::dict& given) { (void)ReadingOf(given, true); },
       nb::arg("options"));
+  module.def("likely_column", &LikelyColumn, nb::arg("names"), nb::arg("key"));
   module.def("describe_reading", &Describe, nb::arg("of_a_file"));
 }
 

@@ -21,6 +21,10 @@
 #include "python/src/work.h"
 
 NB_MODULE(_core, module) {
+#ifdef NDEBUG
+  // What Python has not let go of when it ends is of no interest to those who use the package.
+  nanobind::set_leak_warnings(false);
+#endif
   using namespace lipoid::python;
   AddErrors(module);
   AddLogs(module);
@@ -40,6 +44,7 @@ NB_MODULE(_core, module) {
              nanobind::arg("typed"),
              nanobind::arg("known"));
   module.def("stop_all_work", &StopAllWork);
+  module.def("end_work", &EndWork);
   module.attr("version") = lipoid::Version();
   module.attr("commit") = lipoid::GitCommit();
 }

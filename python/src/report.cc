@@ -58,7 +58,7 @@ void WriteReport(const std::vector<const Shown*>& several, const nb::object& pat
   const std::string file = PathOf(path);
   std::vector<ReportResult> results;
   for (const Shown* shown : several) results.push_back(shown->result);
-  const nb::gil_scoped_release release;
+  const WithoutLock unlocked;
   WriteFileAtomically(file, ReportPage(results));
 }
 

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -25,18 +26,49 @@ using namespace std::chrono_literals;
 // A person who presses Ctrl-C waits no longer than this until Python sees it.
 constexpr auto kLook = 50ms;
 
-std::mutex running_mutex;
-std::set<Stoppable*> running;
+// What threads of Python do here.
+struct Present {
+  std::mutex mutex;
+  std::set<Stoppable*> running;
+  std::set<const WithoutLock*> unlocked;
+  std::condition_variable left;
+  std::optional<std::thread::id> ending;  // the thread that ends Python
+
+  static Present& Now() {
+    static auto& now = *new Present;  // threads may look when the process ends
+    return now;
+  }
+
+  [[nodiscard]] bool EndsForThisThread() const {
+    return ending && *ending != std::this_thread::get_id();
+  }
+
+ private:
+  // No thread but the one that forks is there after it, and none of them holds the mutex.
+  Present() {
+    pthread_atfork([] { Now().mutex.lock(); },
+                   [] { Now().mutex.unlock(); },
+                   [] {
+                     Now().running.clear();
+                     Now().unlocked.clear();
+                     Now().mutex.unlock();
+                   });
+  }
+};
+
+[[noreturn]] void StayForGood() {
+  while (true) pause();
+}
 
 // What is at work stands in the list, from its beginning to its end.
 struct Listed {
   explicit Listed(Stoppable& work) : of(&work) {
-    const std::lock_guard lock(running_mutex);
-    running.insert(of);
+    const std::lock_guard lock(Present::Now().mutex);
+    Present::Now().running.insert(of);
   }
   ~Listed() {
-    const std::lock_guard lock(running_mutex);
-    running.erase(of);
+    const std::lock_guard lock(Present::Now().mutex);
+    Present::Now().running.erase(of);
   }
   Listed(const Listed&) = delete;
   Listed& operator=(const Listed&) = delete;
@@ -133,7 +165,7 @@ void Work(const std::function<void(const Tell&)>& work, const nb::object& progre
   };
   std::exception_ptr interrupted;  // of Python
   {
-    const nb::gil_scoped_release release;
+    const WithoutLock unlocked;
     std::optional<tbb::global_control> limit;
     if (threads > 0) {
       limit.emplace(tbb::global_control::max_allowed_parallelism,
@@ -184,8 +216,58 @@ void Work(const std::function<void(const Tell&)>& work, const nb::object& progre
 }
 
 void StopAllWork() {
-  const std::lock_guard lock(running_mutex);
-  for (Stoppable* work : running) work->Stop();
+  const std::lock_guard lock(Present::Now().mutex);
+  for (Stoppable* work : Present::Now().running) work->Stop();
+}
+
+WithoutLock::WithoutLock() : state_(PyEval_SaveThread()) {
+  Present& now = Present::Now();
+  std::unique_lock lock(now.mutex);
+  if (now.EndsForThisThread()) {
+    lock.unlock();
+    StayForGood();
+  }
+  now.unlocked.insert(this);
+}
+
+// EndWork() waits for this one, without the lock, until it has the lock or stays.
+WithoutLock::~WithoutLock() {
+  Present& now = Present::Now();
+  const auto leave = [&] {
+    now.unlocked.erase(this);
+    now.left.notify_all();
+  };
+  std::unique_lock lock(now.mutex);
+  if (now.EndsForThisThread()) {
+    leave();
+    lock.unlock();
+    StayForGood();
+  }
+  lock.unlock();
+  PyEval_RestoreThread(state_);
+  lock.lock();
+  leave();
+}
+
+void EndWork() {
+  constexpr auto kLongest = 10s;  // for what cannot be stopped: a file that is read
+  Present& now = Present::Now();
+  PyThreadState* const state = PyEval_SaveThread();
+  {
+    const std::lock_guard lock(now.mutex);
+    now.ending = std::this_thread::get_id();
+  }
+  StopAllWork();
+  {
+    std::unique_lock lock(now.mutex);
+    now.left.wait_for(lock, kLongest, [&] { return now.unlocked.empty(); });
+  }
+  PyEval_RestoreThread(state);
+}
+
+bool HasEnded() {
+  const std::lock_guard lock(Present::Now().mutex);
+  return Present::Now().EndsForThisThread();
 }
 
 }  // namespace lipoid::python

@@ -26,4 +26,24 @@ void Work(const std::function<void(const Tell&)>& work,
 /// Stops what Work() does in any thread: its callers get a KeyboardInterrupt.
 void StopAllWork();
 
+/// Without the global interpreter lock as long as it lives. A thread that Python leaves behind when it
+/// ends stays in here for good: Python would end it in the middle of C++, and with it the process.
+class WithoutLock {
+ public:
+  WithoutLock();
+  ~WithoutLock();
+  WithoutLock(const WithoutLock&) = delete;
+  WithoutLock& operator=(const WithoutLock&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+/// Of the module atexit: stops all work, and waits until no thread is without the lock. From then on
+/// no thread but this one comes back to Python.
+void EndWork();
+
+/// Whether the calling thread can no longer come back to Python.
+[[nodiscard]] bool HasEnded();
+
 }  // namespace lipoid::python

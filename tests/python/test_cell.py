@@ -209,8 +209,7 @@ def test_a_cell_is_not_made_by_its_name() -> None:
 
 
 def test_an_identification_stands_for_its_cell(result: lipoid.Identification) -> None:
-    theirs: Any = result  # the types ask for a cell
-    by_result = lipoid.fly("hover", cell=theirs, vehicle="mambo-physical", seed=1)
+    by_result = lipoid.fly("hover", cell=result, vehicle="mambo-physical", seed=1)
     by_cell = lipoid.fly("hover", cell=result.cell, vehicle="mambo-physical", seed=1)
     assert by_result.summary["charge_C"] == by_cell.summary["charge_C"] > 0.0
 
@@ -224,6 +223,54 @@ def test_files_and_pickles_are_the_same_cell(tmp_path: Path) -> None:
     assert "3S2P" in repr(cell)
     assert "mOhm" in cell._repr_html_()
     assert len(cell.plot()) == 2
+
+
+def test_a_cell_shows_its_pack_and_that_it_knows_temperature() -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    assert "pack" not in cell._repr_html_() and "temperature" not in repr(cell)
+    warm = cell.pack(4, 2).with_typical_temperature()
+    assert "4 in series, 2 in parallel" in warm._repr_html_()
+    assert "temperature</th><td>known, by typical values<" in warm._repr_html_()
+    assert repr(warm).endswith("cut-off 3 V, 4S2P, knows temperature)")
+    data = warm.to_dict()
+    data["temperature"] |= {"assumed": False, "seen_degC": [-10.0, 35.5]}
+    assert "known, seen from -10 to 35.5 degC<" in lipoid.Cell.from_dict(data)._repr_html_()
+
+
+# Before, they were errors of NumPy and pandas: the truth value of an array is ambiguous.
+def test_results_that_hold_arrays_are_equal_to_themselves_alone() -> None:
+    one = lipoid.Cell.read("gifi-600mAh-1")
+    for make in (
+        lambda: one.simulate(T, I),
+        lambda: lipoid.fly("hover", cell=one, duration=0.1),
+        lambda: lipoid.identify_many([], seed=1, threads=1),
+    ):
+        made = make()
+        assert made == made and made != make()
+
+
+# Before, nanobind told of the overloads of its functions.
+def test_none_is_said_to_be_none_by_the_name_of_the_argument(
+    result: lipoid.Identification, tmp_path: Path
+) -> None:
+    none: Any = None
+    cell = result.cell
+    for argument, call in (
+        ("name_or_file", lambda: lipoid.Cell.read(none)),
+        ("file", lambda: cell.save(none)),
+        ("file", lambda: lipoid.Campaign.read(none)),
+        ("cell", lambda: lipoid.synthesize(none)),
+        ("cell", lambda: lipoid.validate(none, tmp_path / "log.csv")),
+        ("cell", lambda: lipoid.health(none, [lipoid.Log(time_s=T, current_A=I)])),
+        ("cell", lambda: lipoid.endurance(none)),
+        ("cell", lambda: lipoid.plan(none)),
+        ("cell", lambda: lipoid.export(none, "pybamm", tmp_path / "cell.json")),
+        ("output", lambda: lipoid.export(cell, "pybamm", none)),
+        ("file", lambda: result.report(none)),
+        ("file", lambda: lipoid.report(result, none)),
+    ):
+        with pytest.raises(TypeError, match=f"^{argument}: expected .*, found None$"):
+            call()
 
 
 def test_cells_drawn_have_the_covariance(result: lipoid.Identification) -> None:
@@ -271,8 +318,27 @@ def test_the_band_is_as_warm_as_what_is_simulated(
         assert rows > len(T) // 4
         np.testing.assert_array_equal(low_V[:rows], theirs["voltage_low_V"])
         np.testing.assert_array_equal(high_V[:rows], theirs["voltage_high_V"])
+        assert np.isnan(low_V[rows:]).all() and np.isnan(high_V[rows:]).all()
     warm = cell.band(T, I, cells=50, seed=3, temperature_degC=frame["temperature_degC"])
-    assert np.max(np.abs(warm[0] - cell.band(T, I, cells=50, seed=3)[0])) > 0.01
+    assert np.nanmax(np.abs(warm[0] - cell.band(T, I, cells=50, seed=3)[0])) > 0.01
+
+
+# Before, it went on to minus 119 V.
+def test_the_band_ends_where_the_cell_is_below_its_cutoff(
+    result: lipoid.Identification, caplog: pytest.LogCaptureFixture
+) -> None:
+    t, i = np.arange(0.0, 10_000.0, 100.0), np.ones(100)
+    made = result.cell.simulate(t, i)
+    caplog.clear()
+    low_V, high_V = result.cell.band(t, i, cells=20)
+    assert 0 < made.rows < 100
+    np.testing.assert_array_equal(np.isnan(low_V), np.isnan(made.voltage_V))
+    np.testing.assert_array_equal(np.isnan(high_V), np.isnan(made.voltage_V))
+    assert f"the {made.rows} of 100 rows above it" in caplog.text
+    caplog.clear()
+    every_V, _ = result.cell.band(t, i, cells=20, beyond_cutoff=True)
+    assert np.isfinite(every_V).all() and "cut-off" not in caplog.text
+    np.testing.assert_array_equal(every_V[: made.rows], low_V[: made.rows])
 
 
 def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
@@ -291,7 +357,7 @@ def test_what_cannot_be_drawn_is_said(result: lipoid.Identification) -> None:
         given: dict[str, Any] = {"time_s": T, "current_A": I, "cells": 3}
         with pytest.raises(lipoid.OptionError, match=message):
             cell.band(**(given | options))
-    for count in (-1, 2.5, 2**33):
+    for count in (-1, 2.5, 100_001, 2**33):  # at 10^8 memory was out
         with pytest.raises(lipoid.OptionError, match="option count: expected a whole number"):
             cell.resample(count)  # type: ignore[arg-type]
     assert len(cell.resample(1, seed=2**64 - 1)) == 1
@@ -336,6 +402,28 @@ def test_temperatures_that_do_not_go_with_the_currents() -> None:
         cell.simulate(t, t, temperature_degC=[1.0, 2.0])
     with pytest.raises(lipoid.OptionError, match="not both"):
         cell.simulate(t, t, temperature_degC=t, ambient_degC=3.0)
+
+
+# Before, they were taken without a word, and those in kelvin gave a hot cell.
+@pytest.mark.parametrize(
+    ("temperature_degC", "message"),
+    [
+        (
+            [298.15, 299.0],
+            "298.15 degC at 0 s is not within -60 to 150, but the whole column would",
+        ),
+        ([20.0, -300.0], "-300 degC at 1 s is not within -60 to 150$"),
+        ([[20.0, 21.0], [20.0, 1e9]], r"1e\+09 degC at 1 s is not within -60 to 150$"),
+    ],
+)
+def test_temperatures_of_no_cell_are_refused(temperature_degC: Any, message: str) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1").with_typical_temperature()
+    t = np.arange(2.0)
+    with pytest.raises(lipoid.OptionError, match="simulate: temperature_degC: " + message):
+        cell.simulate(t, np.ones((2, 2)), temperature_degC=temperature_degC)
+    if np.ndim(temperature_degC) == 1:
+        with pytest.raises(lipoid.OptionError, match="band: temperature_degC: " + message):
+            cell.band(t, t, temperature_degC=temperature_degC)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import pickle
 import shutil
+import signal
 import subprocess
 import sys
 import textwrap
@@ -258,26 +259,30 @@ def test_other_threads_run_meanwhile(campaign: lipoid.Campaign) -> None:
 
 
 @pytest.mark.parametrize(
-    "work",
+    ("work", "after_s"),
     [
-        "lipoid.identify(campaign, joint={'branches': 4, 'resistance_nodes': 25})",
-        "cell.resample(200_000)",
+        ("lipoid.identify(campaign, joint={'branches': 4, 'resistance_nodes': 25})", 0.5),
+        ("cell.resample(100_000)", 0.5),
+        # Before, both went on to the end of what they did: seconds later.
+        ("lipoid.plan(cell, sampling_s=0.001)", 0.5),
+        ("warm.simulate(t, 0.0 * t)", 1.0),
     ],
 )
 def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
-    work: str, lab: Path, result: lipoid.Identification, tmp_path: Path
+    work: str, after_s: float, lab: Path, result: lipoid.Identification, tmp_path: Path
 ) -> None:
     result.cell.save(tmp_path / "cell.json")
     script = f"""
         import os, signal, sys, threading, time
-        import lipoid
+        import lipoid, numpy
         campaign, cell = lipoid.Campaign.read(sys.argv[1]), lipoid.Cell.read(sys.argv[2])
         lipoid.identify(campaign)
+        t, warm = numpy.arange(2e7), cell.with_typical_temperature()
         at = []
         def press():
             at.append((time.monotonic(), time.process_time()))
             os.kill(os.getpid(), signal.SIGINT)
-        threading.Timer(0.5, press).start()
+        threading.Timer({after_s}, press).start()
         try:
             while True:
                 {work}
@@ -301,6 +306,55 @@ def test_ctrl_c_ends_long_work_within_a_fifth_of_a_second(
     assert float(worked_s) < 0.3 * (os.cpu_count() or 1)
     assert float(took_s) < 10.0
     assert converged == "True"
+
+
+@pytest.mark.parametrize(
+    ("work", "threads"),
+    [
+        ("lipoid.identify(campaign)", "daemon"),
+        ("lipoid.identify(campaign, progress=lambda share, what: None)", "daemon"),
+        ("cell.simulate(t, 1e-6 * np.ones((200, len(t))))", "daemon"),
+        ("cell.simulate(t, 1e-6 * np.ones(len(t)))", "daemon"),
+        ("lipoid.read_log(log)", "daemon"),
+        ("lipoid.identify(campaign)", "a pool"),
+    ],
+)
+def test_python_may_end_while_threads_work(work: str, threads: str, lab: Path) -> None:
+    script = f"""
+        import concurrent.futures, os, signal, sys, threading, time
+        import numpy as np
+        import lipoid
+        log = sys.argv[1] + "/pulses.csv"
+        campaign = lipoid.Campaign.read(sys.argv[1] + "/campaign.toml")
+        cell, t = lipoid.Cell.read("gifi-600mAh-1"), np.arange(100_000.0)
+        def work():
+            while True:
+                {work}
+        def press():
+            for _ in range(3):
+                time.sleep(0.3)
+                os.kill(os.getpid(), signal.SIGINT)
+        if {threads == "daemon"}:
+            threading.Thread(target=work, daemon=True).start()
+            time.sleep(0.3)
+        else:
+            threading.Thread(target=press, daemon=True).start()
+            with concurrent.futures.ThreadPoolExecutor(2) as pool:
+                list(pool.map(lambda _: work(), range(2)))
+    """
+    began = time.monotonic()
+    ran = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script), str(lab)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    # Before, "terminate called without an active exception" and an abort (-6).
+    assert ran.returncode == (0 if threads == "daemon" else -signal.SIGINT), ran.stderr
+    assert "terminate" not in ran.stderr
+    assert time.monotonic() - began < 30.0
 
 
 def test_results_survive_pickling(result: lipoid.Identification) -> None:
@@ -369,9 +423,11 @@ def test_an_unknown_plot_names_the_known(result: lipoid.Identification) -> None:
 
 def test_validate_is_that_of_the_program(lab: Path, program: Lipoid, tmp_path: Path) -> None:
     files = [lab / "pulses.csv", lab / "cc_1C.csv"]
-    theirs = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"]
+    told = program("validate", "gifi-600mAh-1", *files, folder=tmp_path)
     ours = lipoid.validate("gifi-600mAh-1", files)
-    pd.testing.assert_frame_equal(ours, pd.DataFrame(theirs), check_exact=True)
+    pd.testing.assert_frame_equal(ours, pd.DataFrame(told["logs"]), check_exact=True)
+    assert ours.attrs == {"fit": told["fit"], "edges": told["edges"]}
+    assert ours.attrs["fit"]["verdict"] in ("good", "fair", "poor")
 
 
 @pytest.fixture(scope="module")

@@ -291,6 +291,57 @@ def test_rows_that_are_wrong_are_named(given: dict[str, Any], message: str) -> N
         lipoid.Log(**(COLUMNS | given))
 
 
+# Before, a current_a was said to be missing, and a Voltage(V) was left out without a word.
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (
+            ("time_s", "current_a", "voltage_V"),
+            r"current_A is missing; .*; current_A=table\['current_a'\] may be it$",
+        ),
+        (
+            ("time_s", "current_A", "Voltage(V)"),
+            r"voltage_V is missing; .*table\['Voltage\(V\)'\] may be it$",
+        ),
+        (
+            ("Test_Time(s)", "current_A", "voltage_V"),
+            r"time_s=table\['Test_Time\(s\)'\] may be it$",
+        ),
+        (("time_s", "I [mA]", "U"), r"current_A=table\['I \[mA\]'\] may be it, which is in ma$"),
+    ],
+)
+def test_the_likely_column_of_a_table_is_named(names: tuple[str, ...], message: str) -> None:
+    table = pd.DataFrame(np.column_stack([T, I, V]), columns=list(names))
+    with pytest.raises(lipoid.OptionError, match=message):
+        lipoid.Log(table)
+    assert len(lipoid.Log(time_s=table[names[0]], current_A=table[names[1]])) == N
+
+
+# Before, Python ended by a segmentation fault.
+@pytest.mark.parametrize("current_A", [I, np.ones(N)], ids=["pulse", "discharge"])
+def test_a_log_without_voltage_is_inspected(current_A: np.ndarray) -> None:
+    log = lipoid.Log(time_s=T, current_A=current_A)
+    assert log.inspect()["voltage_V"] is None
+    assert log.segments["charge_C"].sum() == pytest.approx(current_A[1:].sum())
+    assert "looks like" in log._repr_html_()
+
+
+@pytest.mark.parametrize("kind", ["pulses", "low_rate", "constant_current", "validation", "flight"])
+def test_a_log_without_voltage_is_for_no_fit(lab: Path, tmp_path: Path, kind: str) -> None:
+    message = "error: expected a log with voltages, found none"
+    kinds: dict[str, Any] = {"low_rate": lab / "low_rate.csv", "pulses": lab / "pulses.csv"}
+    kinds[kind] = lipoid.Log(time_s=T, current_A=I)
+    with pytest.raises(lipoid.LoadError, match=message):
+        lipoid.identify(lipoid.Campaign(cutoff_V=3.0, capacity_Ah=0.6, **kinds))
+    file = tmp_path / "current.csv"
+    pd.DataFrame({"time_s": T, "current_A": I}).to_csv(file, index=False)
+    kinds[kind] = lipoid.read_log(file, voltage_optional=True)
+    with pytest.raises(lipoid.LoadError, match=message):
+        lipoid.compare(lipoid.Campaign(cutoff_V=3.0, capacity_Ah=0.6, **kinds), optimizers="sqp")
+    with pytest.raises(lipoid.LoadError, match="error: expected a voltage to compare with"):
+        lipoid.validate("gifi-600mAh-1", kinds[kind])
+
+
 def test_numbers_of_other_types_are_numbers() -> None:
     whole = lipoid.Log(time_s=list(range(N)), current_A=I.astype(int), voltage_V=V.astype("f4"))
     np.testing.assert_array_equal(whole.time_s, T)

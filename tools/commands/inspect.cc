@@ -203,8 +203,8 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
   item("time", Duration(log.duration_s) + Sampling(log.sampling_s));
   item("current", FromTo(log.current_A, "A"));
   item("sign", Sign(log.report));
-  item("voltage", FromTo(log.voltage_V, "V"));
-  if (const int series = CellsInSeries(log.voltage_V.largest);
+  item("voltage", log.voltage_V ? FromTo(*log.voltage_V, "V") : "none");
+  if (const int series = log.voltage_V ? CellsInSeries(log.voltage_V->largest) : 1;
       series > 1 && (!log.report.flight || log.report.flight->cells == 0))
     item("pack", fmt::format("{} cells in series, by the voltage", series));
   if (log.temperature_degC) item("temperature", FromTo(*log.temperature_degC, "degC"));

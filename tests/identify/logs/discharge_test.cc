@@ -157,6 +157,14 @@ TEST(Discharge, RefusesACutOffAboveItsStart) {
             "the first row under load");
 }
 
+TEST(Discharge, RefusesACurrentAlone) {
+  auto record = test::RecordOfSteps({{60.0, 0.0}, {3600.0, 2.0}});
+  record.voltage_V.clear();
+  const std::string none = "synthetic.csv:1:1: error: expected a log with voltages, found none";
+  EXPECT_EQ(Refusal(record, 3.0), none);
+  EXPECT_EQ(LoadErrorOf([&] { (void)FindLowRateDischarge(record, 2.0); }), none);
+}
+
 TEST(Discharge, RefusesACurrentThatIsNotConstant) {
   const auto record =
       WithVoltage(RecordOfSteps({{100.0, 0.0, 10.0}, {700.0, 2.0}, {301.0, 1.0}}), Falling);

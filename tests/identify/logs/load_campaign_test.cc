@@ -225,6 +225,21 @@ TEST(LoadCampaign, WhatNoLogOfTheCellCanBeIsNamed) {
                 "(`current_sign`), or say where the log starts (`initial_soc`)");
 }
 
+// Before, a fit read voltages that are not there.
+TEST(LoadCampaign, RefusesACurrentAloneUnderEveryKind) {
+  const auto folder = test::FreshFolder("load_campaign/current_alone");
+  Write(folder + "/a.csv", "time_s,current_A\n0,0\n10,4\n20,4\n30,4\n");
+  const std::string none = folder + "/a.csv:1:1: error: expected a log with voltages, found none";
+  for (const auto& [kind, name] : OptionNames(LogKind{})) {
+    Write(folder + "/c.toml", "[[log]]\nkind = '" + std::string(name) + "'\nfile = 'a.csv'\n");
+    Campaign campaign = ReadCampaign(folder + "/c.toml");
+    campaign.logs[0].read.voltage_optional = true;
+    EXPECT_EQ(test::LoadErrorOf([&] { (void)LoadCampaign(campaign); }), none) << name;
+    const Log log = ReadLog(folder + "/a.csv", campaign.logs[0].read);
+    EXPECT_EQ(test::LoadErrorOf([&] { (void)TakeLogs(campaign, {log}); }), none) << name;
+  }
+}
+
 TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
   const auto folder = test::FreshFolder("load_campaign/charge");
   const auto complaint = [&](const std::string& rows) {
