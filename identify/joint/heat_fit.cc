@@ -27,7 +27,9 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
   const Surroundings measured{.measured_degC = record.temperature_degC};
   RecordStepper<double> stepper(
       model, record.hold, StartAmong(model, log.entry.initial_soc, measured));
-  const double ambient_degC = log.entry.ambient_degC.value_or(record.temperature_degC.front());
+  const double first_degC = record.temperature_degC.front();
+  const double ambient_degC =
+      log.ambient_doubted ? first_degC : log.entry.ambient_degC.value_or(first_degC);
   Warming of;
   for (std::size_t k = 0; k < record.size(); ++k) {
     stepper.Row(record.time_s[k], record.current_A[k]);

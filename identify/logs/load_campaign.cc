@@ -214,9 +214,14 @@ LoadedLog OneOfCell(const Campaign& campaign,
   RefuseOverfull(campaign, entry, log.record, moved);
   RefuseOtherWay(entry, log.record);
   SmoothTemperature(log);
-  if (auto doubt = DoubtAboutTemperature(entry, log.record); !doubt.empty())
-    log.report.warnings.push_back(std::move(doubt));
-  return {entry, std::move(log)};
+  auto doubt = DoubtAboutTemperature(entry, log.record);
+  const bool doubted = !doubt.empty();
+  if (doubted) log.report.warnings.push_back(std::move(doubt));
+  LoadedLog loaded;
+  loaded.entry = entry;
+  loaded.log = std::move(log);
+  loaded.ambient_doubted = doubted && entry.ambient_degC;
+  return loaded;
 }
 
 // Under two names; one file may stand under several kinds.

@@ -17,6 +17,7 @@ struct LoadedLog {
   CampaignLog entry;
   Log log;  ///< voltages and currents of one cell
   bool temperature_predicted = false;  ///< by a heat balance: nobody measured it
+  bool ambient_doubted = false;        ///< the cell rests far from the ambient_degC of its entry
 };
 
 /// Reads every log by ReadLogs(), in the order of the campaign. The LoadErrors of all bad files come

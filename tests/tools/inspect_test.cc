@@ -47,6 +47,18 @@ TEST(Inspect, SummaryHasTheKeysOfTheDesign) {
   EXPECT_NE(run.out.find("1 row with a repeated time stamp"), std::string::npos) << run.out;
 }
 
+// As BEEP writes tests of Arbin: convert read them, and inspect asked for a number.
+TEST(Inspect, ReadsALogWhoseStepsAreNotCounted) {
+  const auto folder = TestFolder();
+  std::ofstream log(folder + "/a.csv");
+  log << "Test_Time(s),Step_Index,Cycle_Index,Current(A),Voltage(V)\n0,,,0,4.2\n";
+  for (int k = 1; k <= 60; ++k) log << 60 * k << ",,,-2," << 4.1 - 0.018 * k << "\n";
+  log.close();
+  const auto run = RunLipoid(folder, {"inspect", "a.csv", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("files")[0].at("rows"), 61);
+}
+
 TEST(Inspect, SaysWhichLogSettledTheSignOfAnother) {
   const auto folder = TestFolder();
   WriteDischarge(folder + "/cc.csv");

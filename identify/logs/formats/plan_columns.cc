@@ -352,6 +352,10 @@ class Planner {
   }
 
   // Steps and cycles where rows are picked by them, the state where the format has one.
+  [[nodiscard]] bool IsEmptyAtFirst(std::size_t field) const {
+    return !rows_.empty() && field < rows_.front().size() && rows_.front()[field].text.empty();
+  }
+
   void PlanLabels() {
     const auto add = [&](Quantity quantity, CellKind kind, bool needed, std::string_view option) {
       for (std::size_t level = header_.levels.size(); level-- > 0;) {
@@ -369,6 +373,10 @@ class Planner {
       std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
         return a.rank < b.rank;
       });
+      // A cycler that counts no steps leaves their column empty.
+      if (!needed && kind == CellKind::kNumber && !matches.empty() &&
+          IsEmptyAtFirst(matches.front().field))
+        return;
       if (!matches.empty()) {
         Add(quantity, matches.front(), kind, Unit{});
       } else if (needed) {

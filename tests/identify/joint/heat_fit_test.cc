@@ -61,6 +61,22 @@ TEST(HeatFit, FindsWhatTheCellWasGiven) {
   }
 }
 
+// A cell that rests at 0 degC in surroundings that are said to be at 25 rests in other ones.
+TEST(HeatFit, SurroundingsThatARestContradictsAreThoseOfTheRest) {
+  const Cell truth = WarmingCell(0.0);
+  auto logs = LogsOf(truth);
+  for (LoadedLog& log : logs) {
+    log.entry.ambient_degC = 25.0;
+    log.ambient_doubted = log.log.record.temperature_degC.front() < 20.0;
+  }
+  Cell cell = truth;
+  cell.temperature->heat.reset();
+  const auto fit = FitHeat(cell, logs);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->balance.heat_capacity_J_per_K, 15.0, 0.1);
+  EXPECT_NEAR(fit->balance.thermal_resistance_K_per_W, 20.0, 0.1);
+}
+
 TEST(HeatFit, ASlopeThatIsNoEntropyReleasesNoHeat) {
   const auto logs = LogsOf(WarmingCell(0.0));
   Cell cell = WarmingCell(6e-4);  // what slow relaxation in the cold looks like
