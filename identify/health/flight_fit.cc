@@ -104,12 +104,6 @@ double StartGuess(const ReferenceCell& reference, const FlightSamples& flight) {
   return std::clamp(reference.cell.open_circuit_voltage.SocAtVoltage(rest_V), 0.05, 1.0);
 }
 
-struct FoundFrom {
-  FlightFit fit;
-  double minus_log_likelihood =
-      std::numeric_limits<double>::infinity();  // marginal, priors included
-};
-
 // Where a search begins: the capacity over the reference, and how much noise is believed at first.
 // Much of it holds the search near what was known before.
 struct Beginning {
@@ -118,128 +112,238 @@ struct Beginning {
 };
 constexpr Beginning kAsKnown{0.0, {0.03, 0.03, 2.0, 0.05, 60.0}};
 
-FoundFrom FitFrom(const Beginning& beginning,
-                  const ReferenceCell& reference,
-                  const FlightSamples& flight,
-                  const FlightModel& model,
-                  const SensorSpread& sensors) {
-  const Record& record = flight.record;
-  FoundFrom found_from;
-  FlightFit& fit = found_from.fit;
-  fit.duration_s = record.time_s.back() - record.time_s.front();
-  fit.charge_C = DeliveredCharge(record).back();
-  fit.starts_at_rest = StartsAtRest(record);
-  fit.lag_s = flight.lag_s;
+// Where a search is, or ended.
+struct SearchEnd {
+  Eigen::VectorXd scaled;
+  Eigen::VectorXd log_noise;
+  double lag_s = 0.0;
+  bool converged = false;
+  double cost = std::numeric_limits<double>::infinity();  // of the last search, at its noise
+  double minus_log_likelihood =
+      std::numeric_limits<double>::infinity();  // marginal, priors included
+};
 
-  const int p = model.size();
-  FlightProblem problem(flight, model, reference.spread, sensors);
-  const ReferenceAxes axes(reference);
-  problem.SetReferences(axes.count());
+// Two searches of one end differ by less, in the logarithm of the likelihood.
+constexpr double kClearly = 2.0;
 
-  Eigen::VectorXd scaled = Eigen::VectorXd::Zero(problem.size());
-  const auto start = [&](int u, double value) { scaled[u] = problem.Scaled(u, value); };
-  start(U::kStart, StartGuess(reference, flight));
+class FlightSearch {
+ public:
+  FlightSearch(const ReferenceCell& reference,
+               const FlightSamples& flight,
+               const FlightModel& model,
+               const SensorSpread& sensors)
+      : reference_(reference),
+        flight_(flight),
+        model_(model),
+        sensors_(sensors),
+        problem_(flight, model, reference.spread, sensors),
+        axes_(reference) {
+    problem_.SetReferences(axes_.count());
+    // Half of a chi-square of some hundreds: what a step of this size moves shows in no interval. A log without
+    // noise, as that of a simulated flight, takes several hundred steps to get there.
+    options_.function_tolerance = 1e-7;
+    options_.max_iterations = 600;
+  }
+
+  [[nodiscard]] SearchEnd From(const Beginning& beginning) {
+    constexpr int kRounds = 4;
+    SearchEnd at = Start(beginning);
+    for (int round = 0; round < kRounds; ++round) {
+      if (!Round(at, round == 0)) break;
+    }
+    return at;
+  }
+
+  // The ends of searches from where `from` was found, and from a smaller pack, with errors believed that are so
+  // large that the search leaves where it is.
+  [[nodiscard]] std::vector<SearchEnd> Again(const SearchEnd& from) {
+    constexpr double kLarger = 10.0;  // than the errors that were found
+    constexpr int kRounds = 3;
+    std::vector<SearchEnd> ends;
+    for (const double capacity : {1.0, 0.75}) {
+      SearchEnd at = from;
+      at.scaled[U::kCapacity] = problem_.Scaled(
+          U::kCapacity, problem_.Natural(from.scaled)[U::kCapacity] + std::log(capacity));
+      for (const int deviation : {0, 1, 3}) at.log_noise[deviation] += std::log(kLarger);
+      int round = 0;
+      while (round < kRounds && Round(at, false)) ++round;
+      if (round == kRounds && at.converged) ends.push_back(std::move(at));
+    }
+    return ends;
+  }
+
+  [[nodiscard]] FlightFit Fit(const SearchEnd& end);
+  [[nodiscard]] Eigen::VectorXd Unknowns(const SearchEnd& end) const {
+    return problem_.Natural(end.scaled).head(model_.size());
+  }
+
+ private:
+  [[nodiscard]] SearchEnd Start(const Beginning& beginning);
+  // The lag and the noise that `at` has, for the problem.
+  void Prepare(const SearchEnd& at) {
+    problem_.lag_s = at.lag_s;
+    problem_.noise = NoiseProblem::NoiseOf(at.log_noise);
+    problem_.reference_columns = axes_.Columns(model_, Unknowns(at));
+  }
+  bool Minimize(SearchEnd& at) const;
+  // With several beginnings of the diffusion at first.
+  bool Round(SearchEnd& at, bool first);
+  void LookForLag(const Eigen::MatrixXd& at_rows, double reach, SearchEnd& at) const;
+  void EstimateNoise(const Eigen::MatrixXd& at_rows, SearchEnd& at) const;
+
+  const ReferenceCell& reference_;
+  const FlightSamples& flight_;
+  const FlightModel& model_;
+  const SensorSpread& sensors_;
+  FlightProblem problem_;
+  ReferenceAxes axes_;
+  LevenbergMarquardtOptions options_;
+};
+
+SearchEnd FlightSearch::Start(const Beginning& beginning) {
+  SearchEnd at;
+  at.lag_s = flight_.lag_s;
+  at.log_noise = NoiseProblem::Log(beginning.noise);
+  at.scaled = Eigen::VectorXd::Zero(problem_.size());
+  const auto start = [&](int u, double value) { at.scaled[u] = problem_.Scaled(u, value); };
+  start(U::kStart, StartGuess(reference_, flight_));
   start(U::kCapacity, beginning.log_capacity);
-  if (flight.edge_resistance_Ohm > 0.0) {
-    const auto edge =
-        model.StepResistance(problem.Natural(scaled).head(p), 0.5, 0.3 * flight.largest_A);
-    const double more = std::log(flight.edge_resistance_Ohm / edge.resistance_Ohm);
+  if (flight_.edge_resistance_Ohm > 0.0) {
+    const auto edge = model_.StepResistance(Unknowns(at), 0.5, 0.3 * flight_.largest_A);
+    const double more = std::log(flight_.edge_resistance_Ohm / edge.resistance_Ohm);
     start(U::kSeries, more);
     start(U::kBranches, more);
   }
-  Eigen::VectorXd log_noise = NoiseProblem::Log(beginning.noise);
-  problem.noise = NoiseProblem::NoiseOf(log_noise);
+  return at;
+}
 
-  Eigen::MatrixXd at_rows;
-  constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds; ++round) {
-    problem.lag_s = fit.lag_s;
-    problem.reference_columns = axes.Columns(model, problem.Natural(scaled).head(p));
-    LevenbergMarquardtOptions options;
-    // Half of a chi-square of some hundreds: what a step of this size moves shows in no interval. A log without
-    // noise, as that of a simulated flight, takes several hundred steps to get there.
-    options.function_tolerance = 1e-7;
-    options.max_iterations = 600;
-    OptimizationSummary found = MinimizeLevenbergMarquardt(problem, scaled, options);
-    if (round == 0 && reference.spread.log_beta > kHeldSpread) {
-      // Of several beginnings the one that leads furthest: diffusion that is too slow empties the
-      // cell at once, from where no slope leads back.
-      for (const double beta : {0.7, 1.4}) {
-        Eigen::VectorXd other = scaled;
-        other[U::kBeta] = beta / problem.deviation[U::kBeta];
-        const OptimizationSummary again = MinimizeLevenbergMarquardt(problem, other, options);
-        if (again.usable() && (!found.usable() || again.cost < found.cost)) found = again;
-      }
-    }
-    if (!found.usable()) break;
-    scaled = found.x;
-    fit.converged = found.termination == Termination::kConverged;
-    at_rows = problem.AtRows(scaled);
+bool FlightSearch::Minimize(SearchEnd& at) const {
+  const OptimizationSummary found = MinimizeLevenbergMarquardt(problem_, at.scaled, options_);
+  if (!found.usable()) return false;
+  at.scaled = found.x;
+  at.cost = found.cost;
+  at.converged = found.termination == Termination::kConverged;
+  return true;
+}
 
-    // The lag, with everything else following to first order.
-    const double step_s = std::max(0.005, 0.25 * std::min(flight.voltage_update_s, 1.0));
-    double best = std::numeric_limits<double>::infinity();
-    const double from_s = fit.lag_s;
-    for (int k = -12; k <= 12; ++k) {
-      const double lag_s = std::clamp(
-          from_s + (round == 0 ? 1.0 : 0.25) * k * step_s, -kLargestLag_s, kLargestLag_s);
-      Eigen::MatrixXd columns = problem.InWindows(at_rows, lag_s);
-      problem.noise.Whiten(flight.time_s, columns);
-      const auto n = columns.cols() - 1;
-      Eigen::MatrixXd normal = columns.leftCols(n).transpose() * columns.leftCols(n);
-      normal.diagonal().array() += 1.0;
-      const Eigen::VectorXd score = columns.leftCols(n).transpose() * columns.col(n) + scaled;
-      const double cost = columns.col(n).squaredNorm() - score.dot(SolvePositive(normal, score)) +
-                          lag_s * lag_s / (sensors.lag_s * sensors.lag_s);
-      if (cost < best) {
-        best = cost;
-        fit.lag_s = lag_s;
-      }
+bool FlightSearch::Round(SearchEnd& at, bool first) {
+  Prepare(at);
+  const SearchEnd from = at;
+  bool found = Minimize(at);
+  if (first && reference_.spread.log_beta > kHeldSpread) {
+    // Of several beginnings the one that leads furthest: diffusion that is too slow empties the
+    // cell at once, from where no slope leads back.
+    for (const double log_beta : {0.7, 1.4}) {
+      SearchEnd other = from;
+      other.scaled[U::kBeta] = log_beta / problem_.deviation[U::kBeta];
+      if (!Minimize(other) || (found && other.cost >= at.cost)) continue;
+      at = other;
+      found = true;
     }
-    const Eigen::MatrixXd columns = problem.InWindows(at_rows, fit.lag_s);
-    const NoiseProblem noise(flight.time_s, columns, scaled);
-    OptimizerSettings settings;
-    settings.nelder_mead.initial_step = 0.3;
-    settings.nelder_mead.step_tolerance = 1e-3;
-    settings.nelder_mead.iterations_per_variable = 40;
-    log_noise = log_noise.cwiseMax(noise.lower()).cwiseMin(noise.upper());
-    const auto likely = FindOptimizer("nelder-mead").Minimize(noise, log_noise, settings);
-    if (likely.usable()) {
-      log_noise = likely.x;
-      found_from.minus_log_likelihood = likely.cost;
-    }
-    problem.noise = NoiseProblem::NoiseOf(log_noise);
   }
-  fit.noise = problem.noise;
+  if (!found) return false;
+  const Eigen::MatrixXd at_rows = problem_.AtRows(at.scaled);
+  LookForLag(at_rows, first ? 1.0 : 0.25, at);
+  EstimateNoise(at_rows, at);
+  return true;
+}
+
+// The lag, with everything else following to first order.
+void FlightSearch::LookForLag(const Eigen::MatrixXd& at_rows, double reach, SearchEnd& at) const {
+  const double step_s = std::max(0.005, 0.25 * std::min(flight_.voltage_update_s, 1.0));
+  double best = std::numeric_limits<double>::infinity();
+  const double from_s = at.lag_s;
+  for (int k = -12; k <= 12; ++k) {
+    const double lag_s = std::clamp(from_s + reach * k * step_s, -kLargestLag_s, kLargestLag_s);
+    Eigen::MatrixXd columns = problem_.InWindows(at_rows, lag_s);
+    problem_.noise.Whiten(flight_.time_s, columns);
+    const auto n = columns.cols() - 1;
+    Eigen::MatrixXd normal = columns.leftCols(n).transpose() * columns.leftCols(n);
+    normal.diagonal().array() += 1.0;
+    const Eigen::VectorXd score = columns.leftCols(n).transpose() * columns.col(n) + at.scaled;
+    const double cost = columns.col(n).squaredNorm() - score.dot(SolvePositive(normal, score)) +
+                        lag_s * lag_s / (sensors_.lag_s * sensors_.lag_s);
+    if (cost < best) {
+      best = cost;
+      at.lag_s = lag_s;
+    }
+  }
+}
+
+void FlightSearch::EstimateNoise(const Eigen::MatrixXd& at_rows, SearchEnd& at) const {
+  const Eigen::MatrixXd columns = problem_.InWindows(at_rows, at.lag_s);
+  const NoiseProblem noise(flight_.time_s, columns, at.scaled);
+  OptimizerSettings settings;
+  settings.nelder_mead.initial_step = 0.3;
+  settings.nelder_mead.step_tolerance = 1e-3;
+  settings.nelder_mead.iterations_per_variable = 40;
+  at.log_noise = at.log_noise.cwiseMax(noise.lower()).cwiseMin(noise.upper());
+  const auto likely = FindOptimizer("nelder-mead").Minimize(noise, at.log_noise, settings);
+  if (!likely.usable()) return;
+  at.log_noise = likely.x;
+  at.minus_log_likelihood = likely.cost;
+}
+
+FlightFit FlightSearch::Fit(const SearchEnd& end) {
+  const Record& record = flight_.record;
+  const int p = model_.size();
+  FlightFit fit;
+  fit.converged = end.converged;
+  fit.duration_s = record.time_s.back() - record.time_s.front();
+  fit.charge_C = DeliveredCharge(record).back();
+  fit.starts_at_rest = StartsAtRest(record);
+  fit.lag_s = end.lag_s;
+  Prepare(end);
+  fit.noise = problem_.noise;
 
   // The normal matrix with the lag among the unknowns.
-  const int n = static_cast<int>(scaled.size());
-  at_rows = problem.AtRows(scaled);
-  Eigen::MatrixXd columns(flight.voltage_V.size(), n + 1);
-  columns.leftCols(n) = flight.InWindows(at_rows.leftCols(n), fit.lag_s);
-  columns.col(n) = flight.LagSlope(at_rows.col(n), fit.lag_s);
-  problem.noise.Whiten(flight.time_s, columns);
+  const int n = static_cast<int>(end.scaled.size());
+  const Eigen::MatrixXd at_rows = problem_.AtRows(end.scaled);
+  Eigen::MatrixXd columns(flight_.voltage_V.size(), n + 1);
+  columns.leftCols(n) = flight_.InWindows(at_rows.leftCols(n), fit.lag_s);
+  columns.col(n) = flight_.LagSlope(at_rows.col(n), fit.lag_s);
+  problem_.noise.Whiten(flight_.time_s, columns);
   Eigen::MatrixXd normal = columns.transpose() * columns;
   normal.diagonal().head(n).array() += 1.0;
-  normal(n, n) += 1.0 / (sensors.lag_s * sensors.lag_s);
+  normal(n, n) += 1.0 / (sensors_.lag_s * sensors_.lag_s);
   const Eigen::MatrixXd covariance = InverseOfPositive(normal);
-  fit.unknowns = problem.Natural(scaled).head(p);
-  fit.prior_deviation = problem.deviation.head(p);
-  fit.covariance = problem.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *
-                   problem.deviation.head(p).asDiagonal();
+  fit.unknowns = Unknowns(end);
+  fit.prior_deviation = problem_.deviation.head(p);
+  fit.covariance = problem_.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *
+                   problem_.deviation.head(p).asDiagonal();
   fit.lag_deviation_s = std::sqrt(covariance(n, n));
 
   fit.voltage_V = at_rows.col(n);
-  fit.soc = model.Predict(fit.unknowns).soc;
-  const Eigen::VectorXd at_fresh = flight.AtFresh(fit.voltage_V, fit.lag_s);
-  for (std::size_t f = 0; f < flight.fresh.size(); ++f) {
-    const double measured_V = record.voltage_V[flight.fresh[f]];
+  fit.soc = model_.Predict(fit.unknowns).soc;
+  const Eigen::VectorXd at_fresh = flight_.AtFresh(fit.voltage_V, fit.lag_s);
+  for (std::size_t f = 0; f < flight_.fresh.size(); ++f) {
+    const double measured_V = record.voltage_V[flight_.fresh[f]];
     const double error =
         100.0 * std::abs(at_fresh[static_cast<Eigen::Index>(f)] / measured_V - 1.0);
-    fit.mean_error_percent += error / static_cast<double>(flight.fresh.size());
+    fit.mean_error_percent += error / static_cast<double>(flight_.fresh.size());
     fit.max_error_percent = std::max(fit.max_error_percent, error);
   }
-  return found_from;
+  return fit;
+}
+
+// Where another end is nearly as likely, the truth may be there: its distance counts by its probability.
+void WidenTo(const std::vector<SearchEnd>& ends,
+             const SearchEnd& found,
+             const FlightSearch& search,
+             FlightFit& fit) {
+  double most = 0.0;
+  Eigen::VectorXd away = Eigen::VectorXd::Zero(fit.unknowns.size());
+  for (const SearchEnd& end : ends) {
+    const double less_likely = end.minus_log_likelihood - found.minus_log_likelihood;
+    const double share = 1.0 / (1.0 + std::exp(less_likely));
+    const Eigen::VectorXd apart = search.Unknowns(end) - fit.unknowns;
+    const double weight =
+        share * apart[U::kCapacity] * apart[U::kCapacity];  // what a short flight is asked first
+    if (!(weight > most)) continue;
+    most = weight;
+    away = std::sqrt(share) * apart;
+  }
+  fit.covariance += away * away.transpose();
 }
 
 }  // namespace
@@ -248,25 +352,35 @@ FlightFit FitFlight(const ReferenceCell& reference,
                     const FlightSamples& flight,
                     const FlightModel& model,
                     const SensorSpread& sensors) {
-  FoundFrom found = FitFrom(kAsKnown, reference, flight, model, sensors);
+  FlightSearch search(reference, flight, model, sensors);
+  SearchEnd found = search.From(kAsKnown);
+  if (reference.spread.log_capacity <= kHeldSpread) return search.Fit(found);
+  const auto take_clearly_likelier = [&](const SearchEnd& other) {
+    if (other.converged && other.minus_log_likelihood < found.minus_log_likelihood - kClearly)
+      found = other;
+  };
   // A pack that is said to be much too large seems hardly used, and its curve hardly to fall: no slope
   // leads from there to a small one. So a search begins at the pack that this flight nearly empties,
   // too, and the likelier end is taken.
   constexpr double kNearlyEmpty = 0.1;
   constexpr double kMuchSmaller = -0.5;  // a factor of 0.6
   const double used = StartGuess(reference, flight) - kNearlyEmpty;
-  if (reference.spread.log_capacity <= kHeldSpread || !(used > 0.0) || !(found.fit.charge_C > 0.0))
-    return std::move(found.fit);
-  const double small = std::log(found.fit.charge_C / used / reference.cell.alpha_C());
-  if (small < kMuchSmaller) {
-    const Beginning nearly_empty{std::max(small, kLowestLogCapacity),
-                                 {0.005, 0.005, 2.0, 0.005, 60.0}};
-    FoundFrom other = FitFrom(nearly_empty, reference, flight, model, sensors);
-    constexpr double kClearly = 2.0;  // two searches of one end differ by less
-    if (other.fit.converged && other.minus_log_likelihood < found.minus_log_likelihood - kClearly)
-      found = std::move(other);
+  const double charge_C = DeliveredCharge(flight.record).back();
+  if (used > 0.0 && charge_C > 0.0) {
+    const double small = std::log(charge_C / used / reference.cell.alpha_C());
+    if (small < kMuchSmaller)
+      take_clearly_likelier(
+          search.From({std::max(small, kLowestLogCapacity), {0.005, 0.005, 2.0, 0.005, 60.0}}));
   }
-  return std::move(found.fit);
+  // v_oc(A) has kinks, to which a short flight of little noise fits in many places: each is the end of
+  // searches that begin with this little noise. With more of it they begin as if most of the kinks were none.
+  std::vector<SearchEnd> ends = search.Again(found);
+  const SearchEnd first = found;
+  for (const SearchEnd& other : ends) take_clearly_likelier(other);
+  ends.push_back(first);
+  FlightFit fit = search.Fit(found);
+  WidenTo(ends, found, search, fit);
+  return fit;
 }
 
 }  // namespace lipoid

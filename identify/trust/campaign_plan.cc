@@ -77,7 +77,8 @@ JointResult AtTheTruth(const Cell& cell,
           "{} = {:.4g} {} instead of {:.4g} {}", rate.name, rate.In(rates), unit, truth, unit));
     }
   }
-  result.choice.best = fit.Solve(structure, rates, kTypicalSmoothness);
+  // Of what `lipoid identify` chooses from, the least: smoothness that it does not choose would promise too much.
+  result.choice.best = fit.Solve(structure, rates, kNoSmoothness);
   result.choice.best.at_bound = std::move(at_bound);
   if (result.choice.best.x.size() == 0)
     throw OptionError("these tests do not determine v_oc(A) and a resistance; take other ones");
@@ -205,7 +206,9 @@ std::vector<std::string> LeftOutOfCampaign(const Cell& cell, double sampling_s) 
       "the terms and the numbers of nodes and branches are taken as known: `lipoid identify` chooses "
       "them by left-out rows, and what that choice adds to an interval is not in these",
       "the fit lets every log count the same: one that says little of a parameter can make it a little "
-      "less certain"};
+      "less certain",
+      "no smoothness of the tables and an activation energy of its own for each resistance are assumed: where "
+      "`lipoid identify` chooses smoother tables or energies in common, it says smaller errors, of alpha most"};
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     if (auto said = TooFastForPlan(cell, j, sampling_s)) left_out.push_back(std::move(*said));
   }

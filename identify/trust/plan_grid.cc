@@ -94,10 +94,9 @@ class Variations {
     if (ambients_degC_.empty())
       ambients_degC_.push_back(cell_.temperature->reference_K - kZeroCelsius_K);
     seconds_degC_ = grid.second_degC;
-    if (seconds_degC_.empty()) {
-      seconds_degC_.push_back(*std::min_element(ambients_degC_.begin(), ambients_degC_.end()) -
-                              kSecondBelow_K);
-    }
+    if (!seconds_degC_.empty()) return;
+    const double coldest_degC = *std::min_element(ambients_degC_.begin(), ambients_degC_.end());
+    for (const double below_K : kSecondBelow_K) seconds_degC_.push_back(coldest_degC - below_K);
   }
 
   PlanGridResult Run() {
@@ -107,13 +106,17 @@ class Variations {
     });
     const double shortest_s = *std::min_element(grid_.sampling_s.begin(), grid_.sampling_s.end());
     const Cell seen = AsSampled(cell_, shortest_s);
-    auto temperatures = ambients_degC_;
-    temperatures.insert(temperatures.end(), seconds_degC_.begin(), seconds_degC_.end());
+    // As `lipoid synthesize` chooses it of the temperatures that were asked for; the second temperature that is
+    // proposed follows it.
+    auto asked_degC = ambients_degC_;
+    asked_degC.insert(asked_degC.end(), grid_.second_degC.begin(), grid_.second_degC.end());
     const auto rates = grid_.rate_C.empty()
-                           ? std::vector<double>{HighestSuitableRate(cell_, temperatures)}
+                           ? std::vector<double>{HighestSuitableRate(cell_, asked_degC)}
                            : grid_.rate_C;
+    const std::size_t seconds =
+        std::min(seconds_degC_.size(), std::max(grid_.second_degC.size(), std::size_t{1}));
     count_ = grid_.pulse_s.size() * grid_.rest_s.size() * rates.size() * grid_.sampling_s.size() *
-             (1 + 2 * seconds_degC_.size());
+             (1 + 2 * seconds);
     if (count_ > kMostVariations) {
       throw OptionError(fmt::format(
           "{} variations; at most {} at a time, so shorten a list", count_, kMostVariations));
@@ -189,17 +192,32 @@ class Variations {
     const auto pulses = std::find_if(
         tests.begin(), tests.end(), [](const auto& test) { return test.kind == LogKind::kPulses; });
     for (const double second_degC : seconds_degC_) {
+      const std::size_t before = result_.variations.size();
       for (const SecondPulses how : {SecondPulses::kAll, SecondPulses::kOne}) {
         Tell();
         std::vector<TestPlan> more = tests;
         more.push_back(AtAnotherTemperature(*pulses, second_degC));
         if (how == SecondPulses::kOne) more.back().cycles = 1;
-        PlannedVariation* with = Push(options, PlanCampaign(seen, more, sampling, result_.noise));
+        PlannedVariation* with = Push(options, PlanAddition(seen, more, sampling));
         if (with == nullptr) continue;
         with->second = how;
         with->second_degC = second_degC;
         with->plan.trust.sentence = WhatItAdds(*with, result_.variations[first]);
       }
+      if (grid_.second_degC.empty() && result_.variations.size() > before) return;
+    }
+  }
+
+  // A second temperature at which the cell gives no such pulses is left out.
+  PlannedExperiment PlanAddition(const Cell& seen,
+                                 const std::vector<TestPlan>& tests,
+                                 const DecimalStep& sampling) const {
+    try {
+      return PlanCampaign(seen, tests, sampling, result_.noise);
+    } catch (const OptionError& error) {
+      PlannedExperiment none;
+      none.refused = error.what();
+      return none;
     }
   }
 

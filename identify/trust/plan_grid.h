@@ -31,7 +31,8 @@ struct PlanGrid {
   /// Of the campaign; empty: the reference temperature of a cell that knows one, and no temperature
   /// for any other.
   std::vector<double> ambient_degC = {};
-  /// Those that would be added; empty: kSecondBelow_K below the coldest.
+  /// Those that would be added; empty: the first of kSecondBelow_K below the coldest at which the cell gives the
+  /// pulses.
   std::vector<double> second_degC = {};
   PlannedNoise noise = {};
   /// Its slow errors; none: what the fit left of the logs of this cell, where its file says, and at
@@ -72,7 +73,8 @@ struct PlanGrid {
       self.second_degC,
       kTemperatures_degC,
       "second temperatures in degC: what the same pulses there, or one pulse, would add to the "
-      "campaign; by default 25 degC below the coldest ambient temperature");
+      "campaign; by default 25 degC below the coldest ambient temperature, or less where the cell "
+      "gives no such pulses there");
     v("temperature_noise_degC",
       self.noise.temperature_K,
       Range{0.0, 100.0},
@@ -80,7 +82,8 @@ struct PlanGrid {
   }
 };
 
-inline constexpr double kSecondBelow_K = 25.0;
+/// What tells an energy well, and less down to what tells it at all.
+inline constexpr std::array<double, 4> kSecondBelow_K{25.0, 20.0, 15.0, 10.0};
 /// How much is done at a second temperature: nothing, the same pulses to cut-off, or the first of
 /// them.
 enum class SecondPulses { kNone, kAll, kOne };

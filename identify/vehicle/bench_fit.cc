@@ -38,13 +38,18 @@ struct Scales {
   double resistance;  // Ohm: the whole voltage of the fastest row over its current
   double switching = 0.01;
   std::optional<double> no_load_A_per_V;
+  bool constant_given = false;
 };
 
 // A resistance that takes less of the voltage than this is none.
 constexpr double kLeastDrop = 1e-3;
+// One that takes more than half is no motor's: with neither KV nor small errors such an end may be as good.
+constexpr double kMostDrop = 0.5;
 // Of the logarithm of the exponent where no speed shows it: the tables of docs/vehicles.md have 0.91
 // to 1.01.
 constexpr double kUsualExponent = 0.05;
+// Far beyond any; the search is held within, where its numbers are finite.
+constexpr double kFarthestExponent = 3.0;
 
 // A small reading is not measured to a small part of itself.
 constexpr double kFloorShare = 0.02;
@@ -126,7 +131,8 @@ Beginning Start(const BenchTable& table, const BenchGiven& given) {
   }
   const Scales scales{.friction = constant * motor_A / speed,
                       .resistance = pulse_V / motor_A,
-                      .no_load_A_per_V = given.no_load_A_per_V};
+                      .no_load_A_per_V = given.no_load_A_per_V,
+                      .constant_given = given.motor_constant_N_m_per_A.has_value()};
   const double drop = std::max(1.0 - constant * speed / pulse_V, 0.05);
   Values x{};
   x[kThrust] = std::log(full.thrust_N / (speed * speed));
@@ -168,7 +174,11 @@ struct Solved {
   Eigen::VectorXd residual;  // weighted
 };
 
-Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<int>& held) {
+// With no step, the slopes at x alone: of what is not held.
+Solved Solve(const std::vector<RowResidual>& rows,
+             Values x,
+             const std::vector<int>& held,
+             int most_steps = 500) {
   const Scales& scales = rows.front().scales;
   ceres::Problem problem;
   for (const RowResidual& row : rows) {
@@ -186,8 +196,12 @@ Solved Solve(const std::vector<RowResidual>& rows, Values x, const std::vector<i
   for (const int k : {kFriction, kSwitching}) problem.SetParameterLowerBound(x.data(), k, 0.0);
   problem.SetParameterUpperBound(x.data(), kFriction, kMostFriction);
   problem.SetParameterLowerBound(x.data(), kResistance, std::log(kLeastDrop * scales.resistance));
+  if (!scales.constant_given)
+    problem.SetParameterUpperBound(x.data(), kResistance, std::log(kMostDrop * scales.resistance));
+  problem.SetParameterLowerBound(x.data(), kExponent, -kFarthestExponent);
+  problem.SetParameterUpperBound(x.data(), kExponent, kFarthestExponent);
   ceres::Solver::Options options;
-  options.max_num_iterations = 500;
+  options.max_num_iterations = most_steps;
   options.function_tolerance = 1e-14;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
@@ -266,6 +280,16 @@ void RefuseNoResistance(const BenchTable& table,
                         : "check --kv-rpm-per-V, or give a table with a column of speeds"));
 }
 
+// Nor has a motor whose winding takes half of the voltage a KV that a table has told.
+void RefuseNoConstant(const Values& x, const Scales& scales) {
+  constexpr double kAtBound = 1e-3;
+  if (scales.constant_given || x[kResistance] < std::log(kMostDrop * scales.resistance) - kAtBound)
+    return;
+  throw OptionError(
+      "the bench table does not determine KV: its speeds and currents fit a motor as well whose resistance takes "
+      "half of the voltage; give --kv-rpm-per-V");
+}
+
 // A controller's duty cycle is about its throttle: what is far from that was fitted to other columns.
 void RefuseStrangeThrottle(const Values& x) {
   constexpr double kFar = 10.0;
@@ -292,6 +316,18 @@ void CheckSpeeds(const BenchTable& table, const BenchGiven& given) {
   }
 }
 
+// A table of a propeller reaches higher: these are fractions of full throttle under a header of per cent.
+void CheckThrottles(const BenchTable& table) {
+  constexpr double kNone = 0.015;
+  double largest = 0.0;
+  for (const BenchRow& row : table.rows) largest = std::max(largest, row.throttle);
+  if (largest > kNone) return;
+  throw OptionError(fmt::format(
+      "--bench-table: the largest throttle is {:.3g} %, at which no propeller is measured: look whether the column "
+      "holds fractions (0 .. 1) under a header of per cent",
+      100.0 * largest));
+}
+
 }  // namespace
 
 std::vector<BenchQuantity> BenchFit::Quantities() const {
@@ -310,13 +346,15 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
         "a bench table without a column of speeds does not say how fast the propeller turns: give "
         "the motor's constant (--kv-rpm-per-V)");
   }
+  CheckThrottles(table);
   if (table.has_speed && given.motor_constant_N_m_per_A) CheckSpeeds(table, given);
   const Beginning beginning = Start(table, given);
   const Scales& scales = beginning.scales;
-  std::vector<int> held;
+  std::vector<int> held;  // first what is given, then what is at its bound
   if (given.motor_constant_N_m_per_A) held.push_back(kConstant);
   if (given.no_load_A_per_V) held.push_back(kFriction);
   if (!given.switching) held.push_back(kSwitching);
+  const std::vector<int> known = held;
 
   const double rows = double(table.rows.size());
   const double channels = table.has_speed ? 3.0 : 2.0;
@@ -332,7 +370,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   constexpr int kRounds = 20;  // of weights that follow the residuals
   for (int round = 0; round < kRounds; ++round) {
     solved = Solve(Residuals(table, sigma, scales), solved.x, held);
-    // What lies on its bound has no error of its own: it is held there from now on.
+    // What lies on its bound is held there from now on.
     constexpr double kAtBound = 1e-6;
     for (const int k : {kFriction, kSwitching}) {
       if (std::find(held.begin(), held.end(), k) != held.end()) continue;
@@ -357,6 +395,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   solved = Solve(Residuals(table, sigma, scales), solved.x, held);
   RefuseStrangeThrottle(solved.x);
   RefuseNoResistance(table, given, solved.x, scales);
+  RefuseNoConstant(solved.x, scales);
 
   BenchFit fit;
   fit.has_speed = table.has_speed;
@@ -369,12 +408,17 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   fit.current_rms = spread[1];
   fit.thrust_rms = spread[2];
 
+  // What is held at its bound is not known for it: the others are as uncertain as if it were free. The truth is
+  // on the inner side, and nearer to the bound than to where the free fit would be.
+  const bool bound = held.size() > known.size();
+  const Eigen::MatrixXd slopes =
+      bound ? Solve(Residuals(table, sigma, scales), solved.x, known, 0).jacobian : solved.jacobian;
   std::vector<Eigen::Index> place(kUnknowns, -1);
   Eigen::Index next = 0;
   for (int k = 0; k < kUnknowns; ++k) {
-    if (std::find(held.begin(), held.end(), k) == held.end()) place[std::size_t(k)] = next++;
+    if (std::find(known.begin(), known.end(), k) == known.end()) place[std::size_t(k)] = next++;
   }
-  const Eigen::MatrixXd information = solved.jacobian.transpose() * solved.jacobian;
+  const Eigen::MatrixXd information = slopes.transpose() * slopes;
   const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
   // The error of a channel is known from its own residuals alone.
   const double reach = Reach95(std::max(freedom / channels, 1.0));
@@ -395,12 +439,12 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   const auto linear = [&](const char* name, int k, double scale, bool is_given) {
     const double estimate = scale * solved.x[std::size_t(k)];
     // At its bound it has no error that the slopes could tell.
-    const bool bound = !is_given && place[std::size_t(k)] < 0;
-    const double deviation = bound ? std::numeric_limits<double>::quiet_NaN() : scale * error(k);
+    const bool at_bound = !is_given && std::find(held.begin(), held.end(), k) != held.end();
+    const double deviation = at_bound ? std::numeric_limits<double>::quiet_NaN() : scale * error(k);
     return BenchQuantity{name,
                          estimate,
                          deviation,
-                         bound ? deviation : std::max(estimate - reach * deviation, 0.0),
+                         at_bound ? deviation : std::max(estimate - reach * deviation, 0.0),
                          estimate + reach * deviation,
                          !is_given};
   };

@@ -72,8 +72,9 @@ struct BenchFit {
 };
 
 /// OptionError where the table has no speeds and no motor constant is given, where it has too few
-/// operating points to tell the errors of what is fitted, where it leaves nothing for the resistance,
-/// and where its throttle is far from a duty cycle.
+/// operating points to tell the errors of what is fitted, where it leaves nothing for the resistance or, without
+/// a motor constant, half of the voltage, and where its throttle is far from a duty cycle. What goes with a
+/// quantity at its bound is as uncertain as if that were free.
 [[nodiscard]] BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given);
 
 }  // namespace lipoid

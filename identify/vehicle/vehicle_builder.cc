@@ -345,7 +345,7 @@ class Draft {
     if (v.esc.lossless()) draft_.assumed.emplace_back("esc_resistance_Ohm");
   }
 
-  void CheckPropeller() const {
+  void CheckPropeller() {
     const Vehicle& v = draft_.vehicle;
     const auto rotors = RotorsOf(v.layout);
     double nearest_m = 2.0 * v.arm_m;
@@ -374,8 +374,19 @@ class Draft {
           "the propeller's figure of merit would be {:.2f}, and none is above 1: it would give more "
           "thrust than momentum theory allows for its power. Check {}",
           merit,
-          bench_ ? "--propeller-in and --kv-rpm-per-V against the bench table"
-                 : "--thrust-coefficient and --power-coefficient"));
+          !bench_ ? "--thrust-coefficient and --power-coefficient"
+          : n_.kv_rpm_per_V
+              ? "--propeller-in and --kv-rpm-per-V against the bench table"
+              : "--propeller-in against the bench table, which may not determine KV: give "
+                "--kv-rpm-per-V"));
+    }
+    constexpr double kPoorest = 0.25;  // the poorest that are sold have 0.4 on a bench
+    if (bench_ && merit < kPoorest) {
+      draft_.cautions.push_back(fmt::format(
+          "the propeller's figure of merit would be {:.2g}, where 0.4 to 0.75 are usual: does {} have its currents "
+          "or thrusts in another unit, or the current of all motors?",
+          merit,
+          n_.bench_name));
     }
   }
 

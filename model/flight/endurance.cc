@@ -63,6 +63,8 @@ class Mission {
     } else if (!suffices_) {
       NoteLack(first, 0.0);
       Finish(MissionEnd::kPower, first);
+      // Nothing was flown.
+      result_.minimum_voltage_V = result_.peak_current_A = std::numeric_limits<double>::quiet_NaN();
     } else if (voltage_V_ < first.least_V) {
       Finish(MissionEnd::kMotorVoltage, first);
     }

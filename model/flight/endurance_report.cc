@@ -88,16 +88,29 @@ Json SpeedsToJson(const BestSpeeds& speeds) {
           {"fastest_m_per_s", speeds.fastest_m_per_s}};
 }
 
+// When to land. Where the load varies, or a cold pack warms, the voltage under load was as low before.
+std::string LandWhen(const EnduranceResult& result) {
+  constexpr double kSame_V = 1e-3;
+  if (result.minimum_voltage_V >= result.landing_voltage_V - kSame_V)
+    return fmt::format("land when the battery falls to {:.2f} V in flight.",
+                       result.landing_voltage_V);
+  return fmt::format(
+      "land when {:.0f} mAh are used; the pack then rests at {:.2f} V. The voltage in flight does not tell it: "
+      "{:.2f} V at the end, and down to {:.2f} V before.",
+      1e3 * result.charge_C / kSecondsPerHour,
+      result.landing_rest_voltage_V,
+      result.landing_voltage_V,
+      result.minimum_voltage_V);
+}
+
 // Why the flight ended, as a sentence.
 std::string Reason(const EnduranceRequest& request, const EnduranceAnswer& answer) {
   const EnduranceResult& result = answer.estimate;
   switch (result.ended_by) {
     case MissionEnd::kReserve:
-      return fmt::format(
-          "The reserve of {:g} % of the charge was reached: land when the battery "
-          "falls to {:.2f} V in flight.",
-          100.0 * request.reserve.value,
-          result.landing_voltage_V);
+      return fmt::format("The reserve of {:g} % of the charge was reached: {}",
+                         100.0 * request.reserve.value,
+                         LandWhen(result));
     case MissionEnd::kCutOff:
       return fmt::format(
           "The battery was below its cut-off of {:.4g} V for a second, with {:.1f} % "

@@ -403,6 +403,26 @@ TEST(EnduranceCommand, WhatEndsWithTheLoadIsNoFlight) {
   EXPECT_EQ(climbs.exit_code, 0) << climbs.out;
 }
 
+// Under 8 W the battery is below the voltage of 4 W long before the reserve: who landed by it would land in the
+// first round.
+TEST(EnduranceCommand, OfAVaryingPowerTheChargeSaysWhenToLand) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/power.csv", "time_s,power_W\n0,0\n10,8\n20,4\n");
+  const auto varying =
+      SummaryOf(folder, {"--cell", kCell, "--mission", "power=power.csv", "--reserve", "0.5"});
+  const std::string said = varying.at("sentences")[0];
+  EXPECT_NE(said.find("land when 188 mAh are used; the pack then rests at 3.82 V."),
+            std::string::npos)
+      << said;  // half of 1353.6 C
+  EXPECT_NE(said.find("The voltage in flight does not tell it"), std::string::npos) << said;
+  EXPECT_EQ(said.find("falls to"), std::string::npos) << said;
+  WriteText(folder + "/even.csv", "time_s,power_W\n0,0\n10,6\n20,6\n");
+  const auto even =
+      SummaryOf(folder, {"--cell", kCell, "--mission", "power=even.csv", "--reserve", "0.5"});
+  EXPECT_NE(even.at("sentences")[0].get<std::string>().find("land when the battery falls to"),
+            std::string::npos);
+}
+
 TEST(EnduranceCommand, SaysThatTheWayBackIsNotFlown) {
   const auto folder = TestFolder();
   const std::string there =
@@ -443,6 +463,15 @@ TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {
   EXPECT_NE(peak.out.find("The pack cannot give the 500 W that the mission takes at 0 s"),
             std::string::npos)
       << peak.out;
+  // A pack that cannot start has no voltage and no current of a flight.
+  WriteText(folder + "/never.csv", "time_s,power_W\n0,0\n60,500\n");
+  const auto cannot = RunLipoid(
+      folder, {"endurance", "--cell", kCell, "--mission", "power=never.csv", "--summary", "s.json"});
+  EXPECT_EQ(cannot.exit_code, 1) << cannot.err;
+  const auto never = ReadJson(folder, "s.json");
+  EXPECT_EQ(never.at("ended_by"), "power");
+  for (const char* key : {"minimum_voltage_V", "peak_current_A"})
+    EXPECT_TRUE(never.at(key).is_null()) << key;
   WriteText(folder + "/long.csv", "time_s,power_W\n0,0\n10,3\n20,500\n");
   const auto ends = RunLipoid(
       folder, {"endurance", "--cell", kCell, "--mission", "power=long.csv", "--summary", "s.json"});

@@ -219,6 +219,34 @@ TEST(Plan, SaysWhatASecondTemperatureWouldTell) {
   EXPECT_FALSE(plain["rows"][0].contains("ambient_degC"));
 }
 
+// The rate is that of what synthesize would write at these temperatures; at -25 degC the cell gives no such pulses.
+TEST(Plan, ASecondTemperatureDoesNotChooseTheRate) {
+  const auto folder = TestFolder();
+  for (const std::vector<std::string>& rate :
+       {std::vector<std::string>{}, std::vector<std::string>{"--rate-C", "3"}}) {
+    std::vector<std::string> arguments{"plan",
+                                       "gifi-600mAh-1",
+                                       "--ambient-degC",
+                                       "25,0",
+                                       "--sampling-s",
+                                       "10",
+                                       "--summary",
+                                       "s.json"};
+    arguments.insert(arguments.end(), rate.begin(), rate.end());
+    const auto run = RunLipoid(folder, arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Json summary = ReadJson(folder, "s.json");
+    const Json& rows = summary.at("rows");
+    ASSERT_EQ(rows.size(), 3U);
+    EXPECT_EQ(rows[0].at("rate_C"), 3.0);
+    EXPECT_GT(rows[1].at("second_degC"), -25.0);
+    EXPECT_EQ(
+        summary.at("left_out")[0],
+        "pulses_-25degC.csv: the full cell is at its cut-off of 3 V at once, at 1.8 A; take a "
+        "lower rate");
+  }
+}
+
 // What is planned can be synthesized, and is what identify reads.
 TEST(Plan, ACampaignOfTwoTemperaturesIsIdentified) {
   const auto folder = TestFolder();

@@ -78,6 +78,36 @@ TEST(VehicleCommand, FitsABenchTable) {
   }
 }
 
+// Of a motor of 920 rpm/V with a propeller whose figure of merit is 0.65.
+TEST(VehicleCommand, DoubtsTheCurrentOfAllMotors) {
+  const auto folder = TestFolder();
+  const auto cautions = [&](double motors) {
+    std::ofstream table(folder + "/t.csv");
+    table << "Throttle (%),Thrust (g),RPM,Voltage (V),Current (A)\n";
+    constexpr double kRows[][5] = {{30, 264.0, 4077, 16.674, 1.318},
+                                   {40, 439.8, 5261, 16.642, 2.887},
+                                   {50, 645.9, 6376, 16.595, 5.256},
+                                   {60, 876.6, 7428, 16.530, 8.511},
+                                   {70, 1126.4, 8420, 16.446, 12.707},
+                                   {80, 1390.6, 9356, 16.343, 17.874},
+                                   {90, 1665.1, 10238, 16.220, 24.021},
+                                   {100, 1946.0, 11068, 16.077, 31.133}};
+    for (const auto& row : kRows) {
+      table << row[0] << ',' << row[1] << ',' << row[2] << ',' << row[3] << ',' << motors * row[4]
+            << '\n';
+    }
+    table.close();
+    const auto run = RunLipoid(
+        folder, Body({"--bench-table", "t.csv", "--kv-rpm-per-V", "920", "--summary", "s.json"}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return ReadJson(folder, "s.json").at("cautions").dump();
+  };
+  const std::string said = "in another unit, or the current of all motors?";
+  EXPECT_EQ(cautions(1.0).find(said), std::string::npos);
+  EXPECT_NE(cautions(4.0).find(said), std::string::npos);
+  EXPECT_NE(cautions(1000.0).find(said), std::string::npos);
+}
+
 // docs/vehicles.md has the commands: the numbers of the files are what they give.
 TEST(VehicleCommand, ShippedVehiclesAreThoseOfTheirCommands) {
   const auto folder = TestFolder();

@@ -59,8 +59,8 @@ TEST(CampaignPlan, PredictsWhatIdentificationsOfSuchCampaignsScatterBy) {
   options.voltage_nodes = 71;
   options.charge_transfer = options.self_heating = options.entropy = Presence::kOff;
   options.temperature = Presence::kOn;
-  const char* const names[] = {"beta", "r_s", "r_1", "tau_1", "E_d", "E_s", "E_1"};
-  constexpr int kNames = 7;
+  const char* const names[] = {"alpha", "beta", "r_s", "r_1", "tau_1", "E_d", "E_s", "E_1"};
+  constexpr int kNames = 8;
   constexpr int kSeeds = 24;
   const double kept = std::exp(-10.0 / noise.correlation_s);  // rows every 10 s
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(kNames);
@@ -94,8 +94,10 @@ TEST(CampaignPlan, PredictsWhatIdentificationsOfSuchCampaignsScatterBy) {
   }
   for (int k = 0; k < kNames; ++k) {
     const double planned = FindQuantity(plan.trust, names[k])->standard_error;
-    // 24 seeds know a standard deviation to 1/sqrt(48) = 14 %: three of that.
-    EXPECT_NEAR(std::sqrt(squares[k]) / planned, 1.0, 0.43) << names[k] << " " << planned;
+    // 24 seeds know a standard deviation to 1/sqrt(48) = 14 %: three of that. Alpha hangs on the few rows at the
+    // cut-off, and on the nodes of v_oc that the fit places there by itself: 1.5 was seen.
+    const double most = names[k] == std::string("alpha") ? 0.8 : 0.43;
+    EXPECT_NEAR(std::sqrt(squares[k]) / planned, 1.0, most) << names[k] << " " << planned;
     // An identification has to find out how its noise is correlated and where it is large: 0.8 (of E_d)
     // to 1.3 were seen. Its intervals are Student's with few degrees of freedom, and wider for it.
     EXPECT_GT(said[k] / planned, 0.7) << names[k];
@@ -168,10 +170,14 @@ TEST(CampaignPlan, ACellThatKnowsNoTemperatureHasTypicalEnergies) {
   grid.sampling_s = {10.0};
   EXPECT_FALSE(PlanVariations(test::Truth(), grid).temperature);
   grid.ambient_degC = {20.0};
+  grid.rate_C = {2.0};
   const PlanGridResult result = PlanVariations(test::Truth(), grid);
   EXPECT_TRUE(result.temperature_assumed);
+  ASSERT_GE(result.variations.size(), 2U);
   EXPECT_NE(FindQuantity(result.variations[1].plan.trust, "E_s"), nullptr);
   EXPECT_EQ(result.variations[1].second_degC, -5.0);
+  EXPECT_NE(result.left_out[2].find("no smoothness of the tables"), std::string::npos)
+      << result.left_out[2];
   EXPECT_NE(std::find(result.left_out.begin(),
                       result.left_out.end(),
                       "activation energies and heat balance of the cell are typical values"),
