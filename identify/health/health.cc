@@ -10,6 +10,7 @@
 #include "identify/health/flight_problem.h"
 #include "identify/health/refuse_flight.h"
 #include "identify/joint/held_shape.h"
+#include "identify/logs/columns.h"
 #include "identify/logs/draft.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/same_rows.h"
@@ -347,9 +348,15 @@ int SeriesOfPack(const std::vector<Log>& logs, std::optional<int> given) {
   if (given) return *given;
   const int found = Told(logs, "--series", "cells in series", &FlightFacts::cells);
   if (found == 0) {
-    throw OptionError(
+    const int looks = logs.empty() ? 0 : CellsInSeries(FindExtent(logs[0].record.voltage_V).most);
+    throw OptionError(fmt::format(
         "option --series: expected how many cells the pack has in series, which these logs do not "
-        "say; give --series 4, say");
+        "say; give {}",
+        looks > 0
+            ? fmt::format("--series {}, which the voltage of {} looks like, or what the pack has",
+                          looks,
+                          logs[0].record.file)
+            : "--series 4, say"));
   }
   return found;
 }

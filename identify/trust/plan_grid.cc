@@ -104,6 +104,11 @@ class Variations {
       if constexpr (std::is_same_v<decltype(value), const std::vector<double>&>)
         RefuseCopies(name, value);
     });
+    if (!(result_.noise.white_V > 0.0) && !(result_.noise.coloured_V > 0.0)) {
+      throw OptionError(
+          "options voltage_noise_V and coloured_noise_V: expected one above 0, found 0 V for both: without noise "
+          "every experiment tells everything");
+    }
     const double shortest_s = *std::min_element(grid_.sampling_s.begin(), grid_.sampling_s.end());
     const Cell seen = AsSampled(cell_, shortest_s);
     // As `lipoid synthesize` chooses it of the temperatures that were asked for; the second temperature that is

@@ -429,6 +429,7 @@ TEST(Health, AsksForTheCellsInSeries) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("expected how many cells the pack has in series"), std::string::npos)
       << run.err;
+  EXPECT_NE(run.err.find("give --series 4, which the voltage of"), std::string::npos) << run.err;
 }
 
 // One flight beside others that say nothing: it is used, they are named.

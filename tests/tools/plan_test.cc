@@ -179,6 +179,11 @@ TEST(Plan, RefusesWhatIsNoPlan) {
   const auto warm = RunLipoid(folder, {"plan", "gifi-600mAh-1", "--ambient-degC", "300"});
   EXPECT_EQ(warm.exit_code, 2);
   EXPECT_NE(warm.err.find("--ambient-degC"), std::string::npos) << warm.err;
+  const auto silent = RunLipoid(
+      folder, {"plan", "gifi-600mAh-1", "--voltage-noise-V", "0", "--coloured-noise-V", "0"});
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_NE(silent.err.find("expected one above 0, found 0 V for both"), std::string::npos)
+      << silent.err;
   EXPECT_EQ(RunLipoid(folder, {"plan", "gifi-600mAh-1", "--sampling-s", "60"}).exit_code, 2)
       << "a pulse of 30 s every 60 s";
 }
