@@ -51,7 +51,7 @@ struct JointSetup {
   double edge_resistance_Ohm = std::numeric_limits<double>::quiet_NaN();
   /// Time constants may go ten times beyond the longest time at one current.
   bool slow_branches = false;
-  /// And down to half of the time between two rows.
+  /// Time constants may go down to half of the time between two rows.
   bool fast_branches = false;
   /// At which the parameters are those of the cell.
   double reference_K = kUsual_K;

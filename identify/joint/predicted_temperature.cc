@@ -20,6 +20,11 @@ std::string Said(const PredictedTemperatures& warm, const std::string& what) {
       what);
 }
 
+bool TellsSurroundingsAlone(const LoadedLog& log) {
+  return log.entry.kind != LogKind::kValidation && log.entry.ambient_degC &&
+         log.log.record.temperature_degC.empty();
+}
+
 }  // namespace
 
 std::string PredictedTemperatures::Predicted() const {
@@ -40,16 +45,16 @@ std::string PredictedTemperatures::NotTaken() const {
 std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
                                                          const std::vector<LoadedLog>& logs) {
   constexpr double kLeastRise_K = 1.0;
-  if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
+  if (!cell.temperature || !cell.temperature->heat ||
+      std::none_of(logs.begin(), logs.end(), TellsSurroundingsAlone))
+    return std::nullopt;
   Cell one = cell;
   one.series = one.parallel = 1;
   PredictedTemperatures warm;
   warm.logs = logs;
   for (LoadedLog& log : warm.logs) {
+    if (!TellsSurroundingsAlone(log)) continue;
     Record& record = log.log.record;
-    const auto& ambient_degC = log.entry.ambient_degC;
-    if (log.entry.kind == LogKind::kValidation || !ambient_degC || !record.temperature_degC.empty())
-      continue;
     auto predicted_degC = Predict(one,
                                   record.time_s,
                                   record.current_A,
@@ -59,7 +64,7 @@ std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
                               .temperature_degC;
     if (predicted_degC.empty()) continue;
     const double most_degC = *std::max_element(predicted_degC.begin(), predicted_degC.end());
-    warm.most_K = std::max(warm.most_K, most_degC - *ambient_degC);
+    warm.most_K = std::max(warm.most_K, most_degC - *log.entry.ambient_degC);
     warm.files.push_back(log.entry.file);
     record.temperature_degC = std::move(predicted_degC);
     log.temperature_predicted = true;

@@ -2,8 +2,8 @@
 
 /// @file
 /// Logs that tell the temperature of their surroundings alone, beside others that show how a cell warms.
-/// A cell that warms by 15 K has half of its diffusion's slowness left: fitted as if it stayed as it was, such a log bends
-/// everything that temperature moves. Tests: tests/identify/joint/joint_temperature_test.cc.
+/// The diffusion of a cell that warms by 15 K is about twice as fast: fitted as if the cell stayed as cold as it was, such a
+/// log bends everything that temperature moves. Tests: tests/identify/joint/joint_temperature_test.cc.
 
 #include <optional>
 #include <string>
@@ -15,8 +15,8 @@
 namespace lipoid {
 
 struct PredictedTemperatures {
-  std::vector<LoadedLog> logs;     ///< all of them, these with the predicted temperature
-  std::vector<std::string> files;  ///< of these
+  std::vector<LoadedLog> logs;     ///< of the campaign; some have a predicted temperature
+  std::vector<std::string> files;  ///< of those some
   double most_K = 0.0;             ///< above their surroundings
 
   /// What to say where the fit took them, and where it fits better without, as a sentence.

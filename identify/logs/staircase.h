@@ -47,8 +47,8 @@ namespace lipoid {
       }
     }
   };
-  const auto between = [&](std::size_t row,
-                           std::size_t next) {  // at the end of a plateau, at its row
+  // What the quantity was between the row at an end of a plateau and the next one beyond it.
+  const auto between = [&](std::size_t row, std::size_t next) {
     const double rise = shown[next] - shown[row];
     return std::abs(rise) < 1.5 * step ? shown[row] + 0.5 * rise : shown[row];
   };

@@ -142,7 +142,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   for (const auto& warning : log.report.warnings) line.Message("{}: {}", current_file, warning);
   const std::size_t rows_of_log = log.report.rows;
   const Surroundings surroundings = surroundings_request.Of(log.record);
-  TellWhatIsExtrapolated(line, cell, surroundings);
+  TellWhatIsExtrapolated(line, cell, {&surroundings, 1});
   const double initial_soc = start.Soc(cell, surroundings);
   const Hold hold = log.record.hold;
 

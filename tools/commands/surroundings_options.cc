@@ -8,6 +8,7 @@
 
 #include "model/battery/arrhenius.h"
 #include "model/battery/temperature_range.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -22,14 +23,19 @@ void TellWhatSaysNothing(cli::CommandLine& line,
 
 void TellWhatIsExtrapolated(cli::CommandLine& line,
                             const Cell& cell,
-                            const Surroundings& surroundings) {
-  const auto measured = surroundings.measured_degC;
-  if (measured.empty() && !surroundings.ambient_degC) return;
-  const double ambient_degC = surroundings.ambient_degC.value_or(0.0);
-  const auto [coldest, warmest] = std::minmax_element(measured.begin(), measured.end());
-  const std::string doubt = measured.empty()
-                                ? DoubtAboutTemperature(cell, ambient_degC, ambient_degC)
-                                : DoubtAboutTemperature(cell, *coldest, *warmest);
+                            std::span<const Surroundings> all) {
+  double coldest_degC = kInfinity;
+  double warmest_degC = -kInfinity;
+  const auto feel = [&](double degC) {
+    coldest_degC = std::min(coldest_degC, degC);
+    warmest_degC = std::max(warmest_degC, degC);
+  };
+  for (const Surroundings& among : all) {
+    std::for_each(among.measured_degC.begin(), among.measured_degC.end(), feel);
+    if (among.measured_degC.empty() && among.ambient_degC) feel(*among.ambient_degC);
+  }
+  if (coldest_degC > warmest_degC) return;
+  const std::string doubt = DoubtAboutTemperature(cell, coldest_degC, warmest_degC);
   if (!doubt.empty()) line.Message("{}", doubt);
 }
 

@@ -16,10 +16,10 @@ void TellWhatSaysNothing(cli::CommandLine& line,
                          const Cell& cell,
                          const SurroundingsRequest& surroundings);
 
-/// A message where the cell was never seen as cold or as warm as it is here.
+/// A message where the cell was never seen as cold or as warm as it is in one of these.
 void TellWhatIsExtrapolated(cli::CommandLine& line,
                             const Cell& cell,
-                            const Surroundings& surroundings);
+                            std::span<const Surroundings> all);
 
 /// Why temperature may be what a prediction is off by, as a message: the log was measured far from the
 /// temperature of a cell that knows only one, or tells none to a cell that would know what it does.

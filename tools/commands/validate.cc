@@ -73,8 +73,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   const std::vector<PredictedColumn> predicted{{"predicted_V", &one}};
   std::vector<LogErrors> all;
   std::vector<StartDoubt> starts;
+  std::vector<Surroundings> felt;
   for (auto& loaded : logs) {
-    const Surroundings among = surroundings.Of(loaded.log.record);
+    const Surroundings among = felt.emplace_back(surroundings.Of(loaded.log.record));
     const double initial_soc = start.Soc(cell, among);
     Validation validation(one, loaded.log.record.hold, initial_soc);
     if (!loaded.log.report.thinned) {  // every row is there, and one of the cell already
@@ -127,11 +128,9 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
       !doubts.empty())
     line.Message("{}{}", doubts, one_start ? " (--initial-soc)" : "");
   const FitQuality quality = JudgeFit(one, all, {}, 0.0, 0.0, AlphaOf::kElsewhere);
-  if (quality.grade != FitGrade::kGood) {
-    for (const auto& loaded : logs)
-      TellWhatTemperatureMayExplain(line, cell, loaded.entry.file, surroundings.Of(loaded.log.record));
-  }
-  for (const auto& loaded : logs) TellWhatIsExtrapolated(line, cell, surroundings.Of(loaded.log.record));
+  for (std::size_t k = 0; k < logs.size() && quality.grade != FitGrade::kGood; ++k)
+    TellWhatTemperatureMayExplain(line, cell, logs[k].entry.file, felt[k]);
+  TellWhatIsExtrapolated(line, cell, felt);
   line.summary()["fit"] = FitToJson(quality);
   line.summary()["edges"] = EdgesToJson(quality.edges);
   line.summary()["logs"] = std::move(rows);

@@ -43,17 +43,24 @@ std::vector<LoadedLog> LogsOf(const Cell& cell) {
   return logs;
 }
 
+// The heat balance of a cell that is known but for it.
+std::optional<HeatFit> FitTo(Cell cell, const std::vector<LoadedLog>& logs) {
+  cell.temperature->heat.reset();
+  return FitHeat(cell, logs);
+}
+
+void ExpectTheTruth(const HeatFit& fit) {
+  // The heat of a second is taken at its end: half a percent of pulses of 300 s.
+  EXPECT_NEAR(fit.balance.heat_capacity_J_per_K, 15.0, 0.1);
+  EXPECT_NEAR(fit.balance.thermal_resistance_K_per_W, 20.0, 0.1);
+}
+
 TEST(HeatFit, FindsWhatTheCellWasGiven) {
   for (const double slope_V_per_K : {0.0, 3e-4}) {
     const Cell truth = WarmingCell(slope_V_per_K);
-    const auto logs = LogsOf(truth);
-    Cell cell = truth;
-    cell.temperature->heat.reset();
-    const auto fit = FitHeat(cell, logs);
+    const auto fit = FitTo(truth, LogsOf(truth));
     ASSERT_TRUE(fit);
-    // The heat of a second is taken at its end: half a percent of pulses of 300 s.
-    EXPECT_NEAR(fit->balance.heat_capacity_J_per_K, 15.0, 0.1);
-    EXPECT_NEAR(fit->balance.thermal_resistance_K_per_W, 20.0, 0.1);
+    ExpectTheTruth(*fit);
     EXPECT_LT(fit->rmse_K, 0.05);
     EXPECT_GT(fit->largest_rise_K, kLeastRise_K);
     EXPECT_LT(fit->heat_capacity_standard_error_J_per_K, 0.1);
@@ -69,19 +76,14 @@ TEST(HeatFit, SurroundingsThatARestContradictsAreThoseOfTheRest) {
     log.entry.ambient_degC = 25.0;
     log.ambient_doubted = log.log.record.temperature_degC.front() < 20.0;
   }
-  Cell cell = truth;
-  cell.temperature->heat.reset();
-  const auto fit = FitHeat(cell, logs);
+  const auto fit = FitTo(truth, logs);
   ASSERT_TRUE(fit);
-  EXPECT_NEAR(fit->balance.heat_capacity_J_per_K, 15.0, 0.1);
-  EXPECT_NEAR(fit->balance.thermal_resistance_K_per_W, 20.0, 0.1);
+  ExpectTheTruth(*fit);
 }
 
 TEST(HeatFit, ASlopeThatIsNoEntropyReleasesNoHeat) {
-  const auto logs = LogsOf(WarmingCell(0.0));
-  Cell cell = WarmingCell(6e-4);  // what slow relaxation in the cold looks like
-  cell.temperature->heat.reset();
-  const auto fit = FitHeat(cell, logs);
+  // What slow relaxation in the cold looks like.
+  const auto fit = FitTo(WarmingCell(6e-4), LogsOf(WarmingCell(0.0)));
   ASSERT_TRUE(fit);
   EXPECT_FALSE(fit->reversible);
   EXPECT_GT(fit->rmse_reversible_K, 2.0 * fit->rmse_K);
