@@ -578,6 +578,12 @@ TEST(Simulate, SaysWhereItGoesBeyondTheTemperaturesThatWereSeen) {
   WriteText(folder + "/log.csv", "time_s,current_A,voltage_V\n0,0,4.2\n1,1,4\n2,1,3.9\n3,1,3.9\n");
   EXPECT_TRUE(says({"validate", "cell.json", "log.csv", "--ambient-degC", "77"}));
   EXPECT_FALSE(says({"validate", "cell.json", "log.csv", "--ambient-degC", "20"}));
+  std::ofstream(folder + "/other.csv")
+      << "time_s,current_A,voltage_V\n0,0,4.2\n1,1,3.9\n2,1,3.8\n3,1,3.8\n";
+  const auto both =
+      RunLipoid(folder, {"validate", "cell.json", "log.csv", "other.csv", "--ambient-degC", "77"});
+  EXPECT_NE(both.err.find(doubt), std::string::npos) << both.err;
+  EXPECT_EQ(both.err.find(doubt), both.err.rfind(doubt)) << "of all logs once: " << both.err;
   EXPECT_TRUE(
       says({"fly", "hover", "--cell", "cell.json", "--duration", "1", "--ambient-degC", "-10"}));
   EXPECT_FALSE(says({"fly", "hover", "--cell", "cell.json", "--duration", "1"}));
