@@ -50,6 +50,30 @@ function(lipoid_precompile target)
     <string> <string_view> <vector> <fmt/format.h> ${ARGN})
 endfunction()
 
+# lipoid_unite(target): with CMAKE_UNITY_BUILD, the sources of a folder are compiled eight at a time, which
+# takes half: they include the same headers. Two sources of one folder therefore never give one name to two
+# things, not even in unnamed namespaces. The presets clang and tidy compile every source by itself.
+function(lipoid_unite target)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "\\.cc$")
+      cmake_path(GET source PARENT_PATH folder)
+      string(MAKE_C_IDENTIFIER "in_${folder}" room)
+      list(APPEND ${room} x)
+      list(LENGTH ${room} count)
+      math(EXPR batch "(${count} - 1) / 8")
+      set_property(SOURCE "${source}" PROPERTY UNITY_GROUP ${room}_${batch})
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+endfunction()
+
+# lipoid_alone(source ...): compiled by themselves all the same. Beside others the compiler inlines less of
+# what is in their loops: the joint fit took a seventh longer.
+function(lipoid_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # lipoid_library(model SOURCES a.cc ... HEADERS a.h ... LINKS target ...
 # [PRECOMPILE header ...]): one exported library.
 function(lipoid_library name)
@@ -62,6 +86,7 @@ function(lipoid_library name)
   target_link_libraries(lipoid_${name} PRIVATE $<BUILD_INTERFACE:lipoid_options>)
   target_link_libraries(lipoid_${name} PUBLIC ${ARG_LINKS})
   lipoid_precompile(lipoid_${name} ${ARG_PRECOMPILE})
+  lipoid_unite(lipoid_${name})
   target_sources(
     lipoid_${name}
     PUBLIC FILE_SET HEADERS

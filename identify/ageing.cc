@@ -73,7 +73,7 @@ Estimate Beta(const Cell& cell) {
   return estimate;
 }
 
-Estimate PulseResistance(const Cell& cell, double after_s) {
+Estimate ResistanceAfterPulse(const Cell& cell, double after_s) {
   Estimate estimate;
   const Json& resistances = Metric(cell, "resistance");
   if (!resistances.is_array()) return estimate;
@@ -198,7 +198,7 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
     add(fmt::format("resistance_{:g}s", after_s),
         fmt::format("resistance after {:g} s", after_s),
         "Ohm",
-        [after_s](const Cell& cell) { return PulseResistance(cell, after_s); });
+        [after_s](const Cell& cell) { return ResistanceAfterPulse(cell, after_s); });
   }
   return quantities;
 }

@@ -24,7 +24,7 @@
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "model/battery/cell_parameters.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

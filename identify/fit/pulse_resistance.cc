@@ -8,7 +8,7 @@
 
 #include "identify/joint/joint_sweep.h"
 #include "identify/trust/cell_uncertainty.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

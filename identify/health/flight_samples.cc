@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/logs/staircase.h"
 #include "identify/logs/flight/updates.h"
 #include "identify/logs/gaps.h"
+#include "identify/logs/staircase.h"
 #include "model/statistics/order_statistics.h"
 
 namespace lipoid {
@@ -168,9 +168,9 @@ void ChooseWindows(FlightSamples& flight) {
     for (double lag_s = -kLargestLag_s; lag_s <= kLargestLag_s; lag_s += step_s) {
       const Coherence at = CoherenceAt(record, flight.fresh, windows, lag_s);
       // A longer window must be clearly better.
-      constexpr double kClearly = 0.005;
+      constexpr double kClearlyCloser = 0.005;
       const bool same_window = try_s == window_s && !chosen.empty();
-      if (at.correlation > flight.coherence + (same_window ? 0.0 : kClearly)) {
+      if (at.correlation > flight.coherence + (same_window ? 0.0 : kClearlyCloser)) {
         flight.coherence = at.correlation;
         flight.lag_s = lag_s;
         flight.edge_resistance_Ohm = at.resistance_Ohm;

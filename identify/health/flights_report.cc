@@ -12,7 +12,7 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/battery/uncertain_cell.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -81,7 +81,7 @@ std::pair<double, double> RangeOf(const std::string& name) {
   return {0.0, found->kind->upper};
 }
 
-Json IntervalOf(const WithInterval& value) { return {value.low, value.high}; }
+Json EndsOf(const WithInterval& value) { return {value.low, value.high}; }
 
 }  // namespace
 
@@ -142,13 +142,13 @@ Json FlightsWithLabToJson(const FlightsWithLab& found) {
   for (const auto& flight : found.flights) {
     flights.push_back({{"file", flight.file},
                        {"soc_start", flight.soc_start.value},
-                       {"soc_start_interval_95", IntervalOf(flight.soc_start)},
+                       {"soc_start_interval_95", EndsOf(flight.soc_start)},
                        {"current_scale", flight.current_scale.value},
-                       {"current_scale_interval_95", IntervalOf(flight.current_scale)},
+                       {"current_scale_interval_95", EndsOf(flight.current_scale)},
                        {"current_offset_A", flight.current_offset_A.value},
-                       {"current_offset_interval_95", IntervalOf(flight.current_offset_A)},
+                       {"current_offset_interval_95", EndsOf(flight.current_offset_A)},
                        {"lag_s", flight.lag_s.value},
-                       {"lag_interval_95", IntervalOf(flight.lag_s)},
+                       {"lag_interval_95", EndsOf(flight.lag_s)},
                        {"window_s", flight.window_s},
                        {"coherence", flight.coherence},
                        {"mean_error_percent", flight.mean_error_percent},

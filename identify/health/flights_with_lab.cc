@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -19,7 +18,7 @@
 #include "model/battery/uncertain_cell.h"
 #include "model/core/parallel.h"
 #include "model/statistics/factorizations.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -257,9 +256,7 @@ void Measure(FlightsWithLab& found, double freedom) {
     ++found.directions;
   }
   if (found.directions == 0) return;
-  const boost::math::fisher_f distribution(found.directions, freedom);
-  found.distance_limit =
-      found.directions * boost::math::quantile(boost::math::complement(distribution, 1.0 / kOneOf));
+  found.distance_limit = found.directions * FisherPassed(found.directions, freedom, 1.0 / kOneOf);
 }
 
 }  // namespace

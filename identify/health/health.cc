@@ -18,7 +18,7 @@
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "identify/trust/trust.h"
 #include "model/core/parallel.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 

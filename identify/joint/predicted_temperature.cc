@@ -44,7 +44,7 @@ std::string PredictedTemperatures::NotTaken() const {
 
 std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
                                                          const std::vector<LoadedLog>& logs) {
-  constexpr double kLeastRise_K = 1.0;
+  constexpr double kLeastPredictedRise_K = 1.0;
   if (!cell.temperature || !cell.temperature->heat ||
       std::none_of(logs.begin(), logs.end(), TellsSurroundingsAlone))
     return std::nullopt;
@@ -69,7 +69,7 @@ std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
     record.temperature_degC = std::move(predicted_degC);
     log.temperature_predicted = true;
   }
-  if (!(warm.most_K >= kLeastRise_K)) return std::nullopt;
+  if (!(warm.most_K >= kLeastPredictedRise_K)) return std::nullopt;
   return warm;
 }
 

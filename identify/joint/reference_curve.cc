@@ -9,6 +9,7 @@
 
 #include "identify/fit/linearized_fit.h"
 #include "identify/joint/joint_run.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 namespace {
@@ -99,8 +100,8 @@ std::optional<CurveMove> MoveOfHeldCurve(const JointResult& result) {
   Eigen::VectorXd unit = square.diagonal();
   for (double& u : unit) u = u > 0.0 ? 1.0 / std::sqrt(u) : 0.0;
   const Eigen::MatrixXd scaled = unit.asDiagonal() * square * unit.asDiagonal();
-  const Eigen::VectorXd move = unit.cwiseProduct(
-      scaled.completeOrthogonalDecomposition().solve(unit.cwiseProduct(with_residual)));
+  const Eigen::VectorXd move =
+      unit.cwiseProduct(ShortestLeastSquares(scaled, unit.cwiseProduct(with_residual)));
 
   double after_V2 = 0.0;
   for (std::size_t l = 0; l < fit.logs.size(); ++l)

@@ -21,14 +21,6 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 4> kColumns = {
     "time_s", "current_A", "voltage_V", "temperature_degC"};
 
-template <class E>
-std::string_view NameOf(E value) {
-  for (const auto& [candidate, name] : OptionNames(E{})) {
-    if (candidate == value) return name;
-  }
-  return "?";
-}
-
 template <class Names>
 std::string List(const Names& names) {
   return fmt::format("{}", fmt::join(names, ", "));
@@ -235,7 +227,7 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
             log.position,
             fmt::format("expected each log once, found '{}' of kind {} again (first in line {})",
                         log.file,
-                        NameOf(log.kind),
+                        options_internal::ToText(log.kind),
                         twin->position.line));
       }
       campaign.logs.push_back(std::move(log));
@@ -248,14 +240,16 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
 Campaign ReadCampaign(const std::string& file) { return ParseCampaign(ReadTextFile(file), file); }
 
 std::string CampaignLogToToml(const CampaignLog& log) {
-  std::string text =
-      fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n", NameOf(log.kind), TomlText(log.file));
+  std::string text = fmt::format("[[log]]\nkind = \"{}\"\nfile = {}\n",
+                                 options_internal::ToText(log.kind),
+                                 TomlText(log.file));
   const auto add = [&](std::string_view key, const std::string& value) {
     text += fmt::format("{} = {}\n", key, value);
   };
   const ReadOptions defaults;
   const ReadOptions& read = log.read;
-  if (read.hold != defaults.hold) add("hold", fmt::format("\"{}\"", NameOf(read.hold)));
+  if (read.hold != defaults.hold)
+    add("hold", fmt::format("\"{}\"", options_internal::ToText(read.hold)));
   if (!read.columns.empty()) {
     std::vector<std::string> pairs;
     for (const auto& [key, name] : read.columns)

@@ -10,7 +10,7 @@
 namespace lipoid {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 16;
+constexpr std::size_t kRowsOfFold = std::size_t{1} << 16;
 
 // Rows [first, end) as four runs that lie behind one another, taken in turn.
 template <class State, class Step>
@@ -36,11 +36,11 @@ State FoldPiece(std::size_t first, std::size_t end, const Step& step) {
 // A State begins as that of no rows; step(state, k) takes row k into it; Append() joins in order.
 template <class State, class Step>
 State Fold(std::size_t first, std::size_t end, const Step& step) {
-  if (end - first <= kPiece) return FoldPiece<State>(first, end, step);
-  std::vector<State> pieces((end - first + kPiece - 1) / kPiece);
+  if (end - first <= kRowsOfFold) return FoldPiece<State>(first, end, step);
+  std::vector<State> pieces((end - first + kRowsOfFold - 1) / kRowsOfFold);
   ParallelFor(pieces.size(), [&](std::size_t p) {
-    const std::size_t begin = first + p * kPiece;
-    pieces[p] = FoldPiece<State>(begin, std::min(end, begin + kPiece), step);
+    const std::size_t begin = first + p * kRowsOfFold;
+    pieces[p] = FoldPiece<State>(begin, std::min(end, begin + kRowsOfFold), step);
   });
   State all;
   for (const State& piece : pieces) all.Append(piece);

@@ -41,7 +41,7 @@ constexpr double kAgainstShareOfAmount = 0.02;
 
 // Shares of the largest current: below the first a row is at rest, and no noise hides a change
 // above the second.
-constexpr double kRestShare = 0.02;
+constexpr double kLeastShareOfLoad = 0.02;
 constexpr double kHiddenShare = 0.3;
 // Multiples of its noise by which a current must change: of 10,000 rows of noise none does.
 constexpr double kBeyondNoise = 7.0;
@@ -74,7 +74,7 @@ struct Look {
   // A change of the load, at such loads, that is more than noise; at none: a load.
   [[nodiscard]] double Least(double at_load) const {
     return std::clamp(
-        kBeyondNoise * std::max(noise, noise_of_load * at_load), kRestShare, kHiddenShare);
+        kBeyondNoise * std::max(noise, noise_of_load * at_load), kLeastShareOfLoad, kHiddenShare);
   }
   [[nodiscard]] bool Changes(std::size_t k) const {
     return std::abs(di(k)) >= Least(std::max(std::abs(load[k]), std::abs(load[k - 1])));
@@ -138,7 +138,7 @@ Look LookAt(const Record& record, double largest_A) {
   look.noise_of_load = NoiseOf(load, 0.25, kQuartile, [&](std::size_t k) {
                          const double least = std::min(
                              {std::abs(load[k]), std::abs(load[k - 1]), std::abs(load[k - 2])});
-                         return least > kRestShare ? least : 0.0;
+                         return least > kLeastShareOfLoad ? least : 0.0;
                        }).value_or(0.0);
   constexpr double kUnknown_V = 2e-3;
   const double bend_V = NoiseOf(look.voltage_V, 0.5, kMedian, [&](std::size_t k) {
@@ -474,7 +474,7 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
   std::size_t charge[2] = {0, 0};
   std::size_t neither[2] = {0, 0};
   for (std::size_t k = 0; k < record.size(); ++k) {
-    if (std::abs(record.current_A[k]) < kRestShare * largest_A) continue;
+    if (std::abs(record.current_A[k]) < kLeastShareOfLoad * largest_A) continue;
     auto& count = directions[k] > 0 ? discharge : directions[k] < 0 ? charge : neither;
     ++count[record.current_A[k] > 0.0 ? 0 : 1];
   }

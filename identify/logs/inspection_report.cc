@@ -13,11 +13,6 @@
 namespace lipoid {
 namespace {
 
-template <class E>
-std::string NameOf(E value) {
-  return options_internal::ToText(value);
-}
-
 Json ToJson(const Spread& spread) {
   return {{"least", spread.least}, {"median", spread.median}, {"largest", spread.largest}};
 }
@@ -73,7 +68,7 @@ std::string DroppedText(const LogReport& report) {
 Json InspectionToJson(const Inspection& log) {
   Json segments = Json::array();
   for (const Segment& segment : log.segments) {
-    segments.push_back({{"kind", NameOf(segment.kind)},
+    segments.push_back({{"kind", options_internal::ToText(segment.kind)},
                         {"first_row", segment.first},
                         {"last_row", segment.last},
                         {"start_s", segment.start_s},
@@ -106,7 +101,7 @@ Json InspectionToJson(const Inspection& log) {
   }
   if (log.report.flight) json["flight"] = ToJson(*log.report.flight);
   if (log.temperature_degC) json["temperature_degC"] = ToJson(*log.temperature_degC);
-  if (log.suggestion.kind) json["suggested_kind"] = NameOf(*log.suggestion.kind);
+  if (log.suggestion.kind) json["suggested_kind"] = options_internal::ToText(*log.suggestion.kind);
   json["start_voltage_V"] = NumberOrNull(log.start_voltage_V);
   json["series"] = CellsInSeries(log);
   json["parts"] = Json::array();
@@ -117,7 +112,8 @@ Json InspectionToJson(const Inspection& log) {
          {"charge_out_C", part.charge_out_C},
          {"start_voltage_V", NumberOrNull(part.start_voltage_V)},
          {"suggested_kind",
-          part.suggestion.kind ? Json(NameOf(*part.suggestion.kind)) : Json(nullptr)}});
+          part.suggestion.kind ? Json(options_internal::ToText(*part.suggestion.kind))
+                               : Json(nullptr)}});
   }
   return json;
 }

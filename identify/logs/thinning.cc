@@ -20,13 +20,13 @@ namespace {
 // A jump of the voltage may be a reading that failed: spikes.h looks for twice as much.
 constexpr double kJump_V = 0.1;
 // Intervals that grow by this may be a gap: as gaps.cc has it.
-constexpr double kLonger = 10.0;
+constexpr double kLongerThanLast = 10.0;
 // The first rows say the resolution of the clock: plausibility.h.
 constexpr std::size_t kFirstRows = 32;
 // Of the rows to the nearest row at which something happens.
 constexpr std::size_t kShareOfDistance = 4;
 // Rows that are thinned side by side.
-constexpr std::size_t kPiece = std::size_t{1} << 16;
+constexpr std::size_t kRowsOfPiece = std::size_t{1} << 16;
 // Rows that come before they are thinned.
 constexpr std::size_t kTail = std::size_t{1} << 20;
 
@@ -70,12 +70,12 @@ bool Happens(const View& rows, std::size_t row, const Rule& rule) {
   return Steps(rows, row, rule) ||
          (rows.voltage_V != nullptr &&
           std::abs(rows.voltage_V[row] - rows.voltage_V[row - 1]) > rule.jump_V) ||
-         t[row] - t[row - 1] > kLonger * (t[row - 1] - t[row - 2]) ||
+         t[row] - t[row - 1] > kLongerThanLast * (t[row - 1] - t[row - 2]) ||
          (rows.direction != nullptr && rows.direction[row] != rows.direction[row - 1]);
 }
 
 // Rows that are thinned by themselves: the first and the last one stay.
-struct Piece {
+struct ThinnedPiece {
   std::size_t first = 0;
   std::size_t end = 0;
   std::size_t kept = 0;
@@ -92,7 +92,7 @@ struct Piece {
 
 // Which rows of the piece stay; of all rows, `rows_of_all`, those beside it matter too. Returns when
 // the current last stepped in it, and NaN where it did not.
-double Mark(const View& rows, std::size_t rows_of_all, Piece& piece, const Rule& rule) {
+double Mark(const View& rows, std::size_t rows_of_all, ThinnedPiece& piece, const Rule& rule) {
   piece.stays.assign(piece.end - piece.first, 0);
   piece.Keep(piece.first, piece.first + 1);
   piece.Keep(piece.end - 1, piece.end);
@@ -130,7 +130,7 @@ void Join(const View& rows, std::size_t first, std::size_t last, std::size_t to,
 
 // In its place: row `to` is written when it is no longer needed, as `to` is never beyond the row at
 // hand.
-void ThinPiece(const View& rows, Piece& piece, const Rule& rule) {
+void ThinPiece(const View& rows, ThinnedPiece& piece, const Rule& rule) {
   std::size_t to = piece.first;
   std::size_t label = 0;
   double changed_s = piece.changed_s;
@@ -178,9 +178,9 @@ std::size_t ThinRows(const View& rows,
                      std::span<RowLabel> labels,
                      const Rule& rule,
                      double& changed_s) {
-  std::vector<Piece> pieces;
-  for (std::size_t begin = first; begin < end; begin += kPiece) {
-    Piece piece{.first = begin, .end = std::min(end, begin + kPiece)};
+  std::vector<ThinnedPiece> pieces;
+  for (std::size_t begin = first; begin < end; begin += kRowsOfPiece) {
+    ThinnedPiece piece{.first = begin, .end = std::min(end, begin + kRowsOfPiece)};
     const auto before = [](const RowLabel& label, std::size_t row) { return label.row < row; };
     const auto from = std::lower_bound(labels.begin(), labels.end(), piece.first, before);
     piece.labels = {from, std::lower_bound(from, labels.end(), piece.end, before)};
@@ -195,7 +195,7 @@ std::size_t ThinRows(const View& rows,
   }
   ParallelFor(pieces.size(), [&](std::size_t p) { ThinPiece(rows, pieces[p], rule); });
   std::size_t to = first;
-  for (Piece& piece : pieces) {
+  for (ThinnedPiece& piece : pieces) {
     for (RowLabel& label : piece.labels) label.row -= piece.first - to;
     rows.Move(piece.first, to, piece.kept);
     to += piece.kept;

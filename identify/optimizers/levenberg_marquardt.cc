@@ -12,9 +12,9 @@ namespace {
 
 // The parameters that stand at a bound and would gain nothing by leaving it: the slope points
 // outward, or what it promises, g²/(2 J'J), is below the tolerance.
-class Bounds {
+class CostBounds {
  public:
-  Bounds(const Monitor& monitor, double function_tolerance)
+  CostBounds(const Monitor& monitor, double function_tolerance)
       : lower_(monitor.lower()), upper_(monitor.upper()), function_tolerance_(function_tolerance) {}
 
   [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x,
@@ -80,7 +80,7 @@ class BoundWatch : public ceres::IterationCallback {
   BoundWatch(const FactorCost& cost,
              const double* part,
              const std::vector<bool>& held,
-             const Bounds& bounds,
+             const CostBounds& bounds,
              Monitor& monitor)
       : cost_(cost), part_(part), held_(held), bounds_(bounds), monitor_(monitor) {}
 
@@ -98,7 +98,7 @@ class BoundWatch : public ceres::IterationCallback {
   const FactorCost& cost_;
   const double* part_;
   const std::vector<bool>& held_;
-  const Bounds& bounds_;
+  const CostBounds& bounds_;
   Monitor& monitor_;
 };
 
@@ -132,7 +132,7 @@ OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
   // Always with the Jacobian: what accepts a step wants it next, and most steps are accepted.
   Monitor monitor(problem, start);
   if (auto done = monitor.Begin(true, options.max_iterations)) return *std::move(done);
-  const Bounds bounds(monitor, options.function_tolerance);
+  const CostBounds bounds(monitor, options.function_tolerance);
   ceres::Solver::Options solver = SolverOptions(options);
 
   // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets

@@ -16,7 +16,7 @@ namespace {
 struct DestroyNlopt {
   void operator()(nlopt_opt library) const { nlopt_destroy(library); }
 };
-using Nlopt = std::unique_ptr<nlopt_opt_s, DestroyNlopt>;
+using NloptHandle = std::unique_ptr<nlopt_opt_s, DestroyNlopt>;
 
 struct Method {
   nlopt_algorithm algorithm;
@@ -45,7 +45,7 @@ struct Limits {
   double initial_step = 0.0;  // relative to |x|; 0: the library's
 };
 
-struct Call {
+struct Evaluation {
   Monitor& monitor;
   nlopt_opt library;
   bool uses_gradient;
@@ -56,8 +56,8 @@ struct Call {
 };
 
 // Called from C: nothing is thrown.
-double Objective(unsigned n, const double* x, double* gradient, void* data) {
-  Call& call = *static_cast<Call*>(data);
+double CostOf(unsigned n, const double* x, double* gradient, void* data) {
+  Evaluation& call = *static_cast<Evaluation*>(data);
   const auto size = static_cast<Eigen::Index>(n);
   const Eigen::VectorXd point = Eigen::Map<const Eigen::VectorXd>(x, size);
   double cost = 0.0;
@@ -80,7 +80,7 @@ double Objective(unsigned n, const double* x, double* gradient, void* data) {
 }
 
 // NLopt knows no bound by its infinity.
-std::vector<double> Bounds(const Eigen::VectorXd& bounds) {
+std::vector<double> BoundsOf(const Eigen::VectorXd& bounds) {
   std::vector<double> all;
   for (const double bound : bounds) {
     all.push_back(IsBound(bound) ? bound : std::copysign(HUGE_VAL, bound));
@@ -147,18 +147,18 @@ OptimizationSummary Minimize(const Method& method,
   const int most = limits.iterations_per_variable * monitor.size();
   if (auto done = monitor.Begin(method.uses_gradient, most)) return *std::move(done);
 
-  const Nlopt library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
+  const NloptHandle library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
   if (library == nullptr) throw std::bad_alloc();
-  Call call{.monitor = monitor,
-            .library = library.get(),
-            .uses_gradient = method.uses_gradient,
-            .smooth = method.smooth,
-            .max_iterations = most,
-            .unit = Unit(monitor, method.uses_gradient),
-            .highest = monitor.best_cost()};
-  nlopt_set_min_objective(library.get(), &Objective, &call);
-  nlopt_set_lower_bounds(library.get(), Bounds(monitor.lower()).data());
-  nlopt_set_upper_bounds(library.get(), Bounds(monitor.upper()).data());
+  Evaluation call{.monitor = monitor,
+                  .library = library.get(),
+                  .uses_gradient = method.uses_gradient,
+                  .smooth = method.smooth,
+                  .max_iterations = most,
+                  .unit = Unit(monitor, method.uses_gradient),
+                  .highest = monitor.best_cost()};
+  nlopt_set_min_objective(library.get(), &CostOf, &call);
+  nlopt_set_lower_bounds(library.get(), BoundsOf(monitor.lower()).data());
+  nlopt_set_upper_bounds(library.get(), BoundsOf(monitor.upper()).data());
   nlopt_set_xtol_rel(library.get(), limits.step_tolerance);
   nlopt_set_ftol_rel(library.get(), limits.function_tolerance);
   if (limits.initial_step > 0.0) {

@@ -42,7 +42,7 @@ Eigen::VectorXd Point(const double* x, int size) {
 }
 
 // What pagmo copies about.
-struct Objective {
+struct PagmoObjective {
   Monitor* monitor = nullptr;
   int threads = 1;
 
@@ -61,7 +61,7 @@ struct Objective {
 // A whole generation at once, by several threads.
 struct Generation {
   vector_double operator()(const pagmo::problem& problem, const vector_double& points) const {
-    const auto* objective = problem.extract<Objective>();
+    const auto* objective = problem.extract<PagmoObjective>();
     Monitor& monitor = *objective->monitor;
     std::vector<Eigen::VectorXd> all;
     for (std::size_t k = 0; k < points.size(); k += static_cast<std::size_t>(monitor.size())) {
@@ -105,7 +105,7 @@ pagmo::population Population(Monitor& monitor,
                              const std::vector<double>& costs,
                              const SearchContext& context) {
   pagmo::population population(
-      pagmo::problem(Objective{&monitor, context.threads}), 0U, LibrarySeed(context));
+      pagmo::problem(PagmoObjective{&monitor, context.threads}), 0U, LibrarySeed(context));
   for (std::size_t k = 0; k < points.size(); ++k) {
     population.push_back(vector_double(points[k].begin(), points[k].end()), {costs[k]});
   }

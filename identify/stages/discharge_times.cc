@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,8 @@
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
-#include "model/statistics/student.h"
+#include "model/statistics/factorizations.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -57,7 +58,7 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
     }
     return estimate;
   }
-  const Eigen::Vector2d solution = design.colPivHouseholderQr().solve(times);  // (4.53)
+  const Eigen::Vector2d solution = LeastSquares(design, times);  // (4.53)
   estimate.alpha_C = solution[0];
   estimate.unconstrained_lag_s = solution[1];
   estimate.lag_s = std::max(solution[1], least_lag);
@@ -65,7 +66,8 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   if (count > 2) {
     const double variance =
         (times - design * solution).squaredNorm() / static_cast<double>(count - 2);
-    const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse();
+    const Eigen::Matrix2d information = design.transpose() * design;
+    const Eigen::Matrix2d covariance = variance * information.inverse();
     estimate.alpha_standard_error_C = std::sqrt(covariance(0, 0));
     estimate.lag_standard_error_s = std::sqrt(covariance(1, 1));
   }
@@ -91,7 +93,8 @@ Estimate FitExact(const std::vector<DischargeTime>& discharges,
   if (freedom > 0) {
     const Eigen::MatrixXd factor = problem.Factor(fit.x, true);
     const Eigen::MatrixXd r = factor.topLeftCorner(problem.size(), problem.size());
-    const Eigen::MatrixXd inverse = r.inverse();
+    const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(
+        Eigen::MatrixXd::Identity(problem.size(), problem.size()));
     const Eigen::MatrixXd covariance = 2.0 * fit.cost / freedom * (inverse * inverse.transpose());
     estimate.lag_standard_error_s = estimate.lag_s * std::sqrt(covariance(0, 0));
     estimate.alpha_standard_error_C =

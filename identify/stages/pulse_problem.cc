@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/stages/discharge_times_problem.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
@@ -16,7 +17,6 @@ namespace {
 using Kind = PulseVariable::Kind;
 
 constexpr double kLeastBeta = 1e-4;  // stands for the 0 of (4.61): 1/beta² is then three years
-constexpr double kLargestBeta = 1.0;
 // A branch of r_j = 0 follows the current at once: so does one of a nanosecond.
 constexpr double kLeastTau_s = 1e-9;
 

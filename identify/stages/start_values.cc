@@ -12,12 +12,12 @@ namespace lipoid {
 namespace {
 
 // A step of the current between two rows: how much it shows, and how soon after.
-struct Edge {
+struct CurrentEdge {
   double resistance_Ohm;
   double interval_s;
 };
 
-void CollectEdges(const Record& record, std::vector<Edge>& edges) {
+void CollectEdges(const Record& record, std::vector<CurrentEdge>& edges) {
   const double largest = LargestMagnitude(record.current_A);
   for (std::size_t k = 1; k < record.size(); ++k) {
     const double step_A = record.current_A[k] - record.current_A[k - 1];
@@ -35,7 +35,7 @@ StartValues FindStartValues(const std::vector<const Record*>& records,
           "the segments of every record or of none");
   StartValues start;
   start.longest_s = 0.0;
-  std::vector<Edge> edges;
+  std::vector<CurrentEdge> edges;
   std::vector<double> times;
   std::vector<double> recoveries;
   double shortest = std::numeric_limits<double>::infinity();
@@ -65,10 +65,10 @@ StartValues FindStartValues(const std::vector<const Record*>& records,
   // Slowly sampled steps contain what relaxes in between: keep those near the quickest quarter.
   std::vector<double> intervals;
   intervals.reserve(edges.size());
-  for (const Edge& edge : edges) intervals.push_back(edge.interval_s);
+  for (const CurrentEdge& edge : edges) intervals.push_back(edge.interval_s);
   std::sort(intervals.begin(), intervals.end());
   std::vector<double> resistances;
-  for (const Edge& edge : edges) {
+  for (const CurrentEdge& edge : edges) {
     if (edge.interval_s <= 1.5 * intervals[intervals.size() / 4])
       resistances.push_back(edge.resistance_Ohm);
   }

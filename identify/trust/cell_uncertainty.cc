@@ -7,7 +7,7 @@
 
 #include "model/battery/cell_parameters.h"
 #include "model/statistics/order_statistics.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

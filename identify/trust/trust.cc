@@ -14,7 +14,7 @@
 #include "model/core/stop.h"
 #include "model/statistics/factorizations.h"
 #include "model/statistics/order_statistics.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

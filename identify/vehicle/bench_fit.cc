@@ -11,7 +11,8 @@
 #include <numbers>
 
 #include "model/core/errors.h"
-#include "model/statistics/student.h"
+#include "model/statistics/factorizations.h"
+#include "model/statistics/quantiles.h"
 #include "model/vehicle/motor.h"
 
 namespace lipoid {
@@ -419,7 +420,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
     if (std::find(known.begin(), known.end(), k) == known.end()) place[std::size_t(k)] = next++;
   }
   const Eigen::MatrixXd information = slopes.transpose() * slopes;
-  const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd covariance = PseudoInverse(information);
   // The error of a channel is known from its own residuals alone.
   const double reach = Reach95(std::max(freedom / channels, 1.0));
   const auto error = [&](int k) {

@@ -2,13 +2,13 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "model/control/control_law.h"
 #include "model/core/errors.h"
 #include "model/flight/trim.h"
+#include "model/statistics/factorizations.h"
 #include "model/vehicle/plant.h"
 
 namespace lipoid {
@@ -21,10 +21,9 @@ constexpr double kHeight_m = 10.0;  // clear of the ground
 template <class T>
 using ClosedLoopState = std::array<T, kClosedLoopStates>;
 
-// One solver for matrices of all sizes: it takes long to compile.
 Poles SortedEigenvalues(const Eigen::MatrixXd& matrix) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, /*computeEigenvectors=*/false);
-  Poles poles(solver.eigenvalues().begin(), solver.eigenvalues().end());
+  const Eigen::VectorXcd values = EigenvaluesOf(matrix);
+  Poles poles(values.begin(), values.end());
   std::sort(poles.begin(), poles.end(), [](const auto& a, const auto& b) {
     return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();
   });

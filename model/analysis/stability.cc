@@ -10,6 +10,7 @@
 #include <unsupported/Eigen/Polynomials>
 
 #include "model/core/special_values.h"
+#include "model/statistics/factorizations.h"
 #include "model/vehicle/battery_supply.h"
 
 namespace lipoid {
@@ -52,8 +53,7 @@ Poles Roots(Polynomial p) {
     double power = 1.0;
     for (Eigen::Index k = 0; k <= degree; ++k, power *= unit) p[k] *= power;
     p /= p[degree];
-    const Eigen::PolynomialSolver<double, Eigen::Dynamic> solver(p);
-    for (const Complex& root : solver.roots()) poles.push_back(unit * root);
+    for (const Complex& root : RootsOf(p)) poles.push_back(unit * root);
   }
   std::sort(poles.begin(), poles.end(), [](const Complex& a, const Complex& b) {
     return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();

@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "model/core/errors.h"
 #include "model/core/stop.h"
 #include "model/statistics/normal_noise.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -29,9 +29,7 @@ std::pair<Cell, bool> Draw(const UncertainCell& around, std::uint64_t seed, std:
   if (freedom < kNormalFrom) {
     // A normal number says which quantile of chi².
     const double above = 0.5 * std::erfc(normal() / std::sqrt(2.0));
-    const double chi_squared =
-        boost::math::quantile(boost::math::complement(boost::math::chi_squared(freedom), above));
-    z *= std::sqrt(freedom / chi_squared);
+    z *= std::sqrt(freedom / ChiSquaredPassed(freedom, above));
   }
   Eigen::VectorXd x = around.estimate() + around.factor() * z;
   const bool moved = around.MoveIntoRange(x);

@@ -1,10 +1,10 @@
 #include "model/control/riccati.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
 #include "model/core/errors.h"
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 
@@ -13,23 +13,30 @@ std::optional<Eigen::MatrixXd> SolveRiccati(const Eigen::MatrixXd& a,
                                             const Eigen::MatrixXd& q,
                                             const Eigen::MatrixXd& r) {
   const Eigen::Index n = a.rows();
-  const Eigen::MatrixXd control = b * r.inverse() * b.transpose();
+  const auto per_r = Inverse(r);
+  if (!per_r) return std::nullopt;
+  const Eigen::MatrixXd control = b * *per_r * b.transpose();
   Eigen::MatrixXd hamiltonian(2 * n, 2 * n);
   hamiltonian << a, -control, -q, -a.transpose();
-  const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> solver(
-      hamiltonian.cast<std::complex<double>>());
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  Eigen::MatrixXcd stable(2 * n, n);
+  const auto eigen = EigenOf(hamiltonian);
+  if (!eigen) return std::nullopt;
+  // What the stable eigenvectors span, in real vectors: of a pair, the first gives its real part, the
+  // second, its conjugate, the imaginary one.
+  Eigen::MatrixXd stable(2 * n, n);
   Eigen::Index found = 0;
   for (Eigen::Index k = 0; k < 2 * n; ++k) {
-    if (!(solver.eigenvalues()[k].real() < 0.0)) continue;
+    if (!(eigen->values[k].real() < 0.0)) continue;
     if (found == n) return std::nullopt;
-    stable.col(found++) = solver.eigenvectors().col(k);
+    if (eigen->values[k].imag() < 0.0) {
+      stable.col(found++) = eigen->vectors.col(k).imag();
+    } else {
+      stable.col(found++) = eigen->vectors.col(k).real();
+    }
   }
   if (found < n) return std::nullopt;
-  const Eigen::FullPivLU<Eigen::MatrixXcd> top(stable.topRows(n));
-  if (!top.isInvertible()) return std::nullopt;
-  const Eigen::MatrixXd p = (stable.bottomRows(n) * top.inverse()).real();
+  const auto per_top = Inverse(stable.topRows(n));
+  if (!per_top) return std::nullopt;
+  const Eigen::MatrixXd p = stable.bottomRows(n) * *per_top;
   return 0.5 * (p + p.transpose());
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <unsupported/Eigen/Polynomials>
 
 namespace lipoid {
 
@@ -34,6 +35,38 @@ Eigen::MatrixXd SolvePositive(const Eigen::MatrixXd& matrix, const Eigen::Matrix
 
 Eigen::VectorXd SolvePositive(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
   return matrix.llt().solve(right);
+}
+
+Eigen::VectorXd LeastSquares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.colPivHouseholderQr().solve(right);
+}
+
+Eigen::VectorXd ShortestLeastSquares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.completeOrthogonalDecomposition().solve(right);
+}
+
+std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& matrix) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(matrix);
+  if (!factor.isInvertible()) return std::nullopt;
+  return factor.inverse();
+}
+
+Eigen::MatrixXd PseudoInverse(const Eigen::MatrixXd& matrix) {
+  return matrix.completeOrthogonalDecomposition().pseudoInverse();
+}
+
+std::optional<GeneralEigen> EigenOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return GeneralEigen{solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::VectorXcd EigenvaluesOf(const Eigen::MatrixXd& matrix) {
+  return Eigen::EigenSolver<Eigen::MatrixXd>(matrix, /*computeEigenvectors=*/false).eigenvalues();
+}
+
+Eigen::VectorXcd RootsOf(const Eigen::VectorXd& coefficients) {
+  return Eigen::PolynomialSolver<double, Eigen::Dynamic>(coefficients).roots();
 }
 
 }  // namespace lipoid

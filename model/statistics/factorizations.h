@@ -6,6 +6,7 @@
 /// Tests: tests/model/statistics/factorizations_test.cc.
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace lipoid {
 
@@ -31,5 +32,27 @@ struct SymmetricEigen {
                                             const Eigen::MatrixXd& right);
 [[nodiscard]] Eigen::VectorXd SolvePositive(const Eigen::MatrixXd& matrix,
                                             const Eigen::VectorXd& right);
+
+/// The x for which |matrix x - right| is least, matrix of full column rank; or of these, where there are
+/// many, the shortest.
+[[nodiscard]] Eigen::VectorXd LeastSquares(const Eigen::MatrixXd& matrix,
+                                           const Eigen::VectorXd& right);
+[[nodiscard]] Eigen::VectorXd ShortestLeastSquares(const Eigen::MatrixXd& matrix,
+                                                   const Eigen::VectorXd& right);
+
+/// The inverse of a square matrix, none where it is singular to rounding; and of any the pseudoinverse.
+[[nodiscard]] std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& matrix);
+[[nodiscard]] Eigen::MatrixXd PseudoInverse(const Eigen::MatrixXd& matrix);
+
+/// Of a square matrix, in no order; n x n vectors of length 1, those of real eigenvalues real.
+struct GeneralEigen {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+[[nodiscard]] std::optional<GeneralEigen> EigenOf(const Eigen::MatrixXd& matrix);
+[[nodiscard]] Eigen::VectorXcd EigenvaluesOf(const Eigen::MatrixXd& matrix);
+
+/// Of a polynomial, its coefficients by rising powers, the last not 0: degree >= 1.
+[[nodiscard]] Eigen::VectorXcd RootsOf(const Eigen::VectorXd& coefficients);
 
 }  // namespace lipoid

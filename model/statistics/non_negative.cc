@@ -1,8 +1,9 @@
 #include "model/statistics/non_negative.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <vector>
+
+#include "model/statistics/factorizations.h"
 
 namespace lipoid {
 
@@ -27,7 +28,7 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a, const Eigen::V
         if (active[static_cast<std::size_t>(k)]) free.push_back(k);
       }
       if (free.empty()) break;
-      const Eigen::VectorXd y = a(Eigen::all, free).colPivHouseholderQr().solve(b);
+      const Eigen::VectorXd y = LeastSquares(a(Eigen::all, free), b);
       double share = 1.0;
       for (std::size_t k = 0; k < free.size(); ++k) {
         const double to = y[static_cast<Eigen::Index>(k)];

@@ -20,7 +20,7 @@ constexpr double kInPlaneGrowth = 2.0;
 constexpr double kBodyDensity_kg_per_m3 = 500.0;
 
 // The rotors of a vehicle together, as hover has them.
-struct Rotors {
+struct RotorWork {
   double count;
   double thrust_N_s2;  // over the square of the speed
   double torque_N_m_s2;
@@ -30,7 +30,7 @@ struct Rotors {
   double profile_W_s3 = 0.0;  // p
 };
 
-Rotors RotorsWithoutTheory(const Vehicle& vehicle, double density) {
+RotorWork RotorsWithoutTheory(const Vehicle& vehicle, double density) {
   Require(vehicle.mass_kg > 0.0 && vehicle.thrust_coefficient_N_s2 > 0.0 &&
               vehicle.motor_constant_N_m_per_A > 0.0,
           "a vehicle with mass, propellers and motors",
@@ -40,8 +40,8 @@ Rotors RotorsWithoutTheory(const Vehicle& vehicle, double density) {
           .torque_N_m_s2 = density * vehicle.torque_coefficient_N_m_s2};
 }
 
-Rotors RotorsIn(const Vehicle& vehicle, const LevelFlightOptions& options) {
-  Rotors rotors =
+RotorWork RotorsIn(const Vehicle& vehicle, const LevelFlightOptions& options) {
+  RotorWork rotors =
       RotorsWithoutTheory(vehicle, options.air_density_kg_per_m3 / kSeaLevelDensity_kg_per_m3);
   if (vehicle.propeller_diameter_m <= 0.0) return rotors;
   const auto& all = RotorsOf(vehicle.layout);
@@ -82,7 +82,7 @@ double InducedVelocity(double thrust_m2_per_s2, double across_m_per_s, double al
   return 0.5 * (bracket.first + bracket.second);
 }
 
-void SetMotors(const Vehicle& vehicle, const Rotors& rotors, LevelFlight& flight) {
+void SetMotors(const Vehicle& vehicle, const RotorWork& rotors, LevelFlight& flight) {
   const double omega = flight.speed_rad_per_s;
   const double torque_N_m = flight.shaft_W / (rotors.count * omega);
   flight.motor_A =
@@ -92,7 +92,7 @@ void SetMotors(const Vehicle& vehicle, const Rotors& rotors, LevelFlight& flight
   flight.battery_V = flight.motor_V + vehicle.esc.resistance_Ohm * flight.motor_A;
 }
 
-LevelFlight HoverOf(const Vehicle& vehicle, const Rotors& rotors) {
+LevelFlight HoverOf(const Vehicle& vehicle, const RotorWork& rotors) {
   LevelFlight flight;
   flight.figure_of_merit = flight.induced_W = flight.profile_W =
       std::numeric_limits<double>::quiet_NaN();
@@ -122,7 +122,7 @@ LevelFlight Cruise(const Vehicle& vehicle,
                    double airspeed_m_per_s,
                    const LevelFlightOptions& options) {
   Require(airspeed_m_per_s >= 0.0, "an airspeed of at least 0", {{"m/s", airspeed_m_per_s}});
-  const Rotors rotors = RotorsIn(vehicle, options);
+  const RotorWork rotors = RotorsIn(vehicle, options);
   if (airspeed_m_per_s == 0.0) return HoverOf(vehicle, rotors);
   if (rotors.radius_m <= 0.0) {
     throw OptionError(

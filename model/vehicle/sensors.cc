@@ -6,14 +6,14 @@
 namespace lipoid {
 namespace {
 
-constexpr std::uint32_t kNoiseStream = 0x73656e73;  // of its own, whatever else the seed feeds
+constexpr std::uint32_t kSensorStream = 0x73656e73;  // of its own, whatever else the seed feeds
 
 double Clip(double value, double range) { return std::clamp(value, -range, range); }
 
 }  // namespace
 
 Sensors::Sensors(const SensorOptions& options, std::uint64_t seed)
-    : options_(options), noise_(seed, kNoiseStream) {}
+    : options_(options), noise_(seed, kSensorStream) {}
 
 // Always draws the same count of numbers: see the header.
 SensorReadings Sensors::Read(const SensedMotion& motion) {

@@ -10,8 +10,8 @@ namespace lipoid {
 namespace {
 
 constexpr double kFoot_m = 0.3048;
-constexpr double kForgotten = 100.0;                // e^-100: what was before is below rounding
-constexpr std::uint32_t kNoiseStream = 0x77696e64;  // of its own, whatever else the seed feeds
+constexpr double kForgotten = 100.0;               // e^-100: what was before is below rounding
+constexpr std::uint32_t kWindStream = 0x77696e64;  // of its own, whatever else the seed feeds
 
 }  // namespace
 
@@ -72,7 +72,7 @@ Wind::Wind(const WindOptions& options, std::uint64_t seed, double step_s)
     : mean_m_per_s_{options.wind_x_m_per_s, options.wind_y_m_per_s, options.wind_z_m_per_s},
       wind_at_20ft_m_per_s_(options.gusts_m_per_s),
       step_s_(step_s),
-      noise_(seed, kNoiseStream) {
+      noise_(seed, kWindStream) {
   Require(step_s > 0.0, "step_s > 0", {{"step_s", step_s}});
   const double speed = std::hypot(mean_m_per_s_[0], mean_m_per_s_[1]);
   if (speed > 0.0) {

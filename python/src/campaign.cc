@@ -96,7 +96,7 @@ std::shared_ptr<PythonCampaign> Make(const nb::dict& given) {
   return std::make_shared<PythonCampaign>(std::move(made.campaign), std::move(made.logs));
 }
 
-nb::list Describe() {
+nb::list DescribeCampaign() {
   CampaignKeywords made;
   Keywords keywords;
   made.Declare(keywords);
@@ -220,7 +220,7 @@ void AddCampaigns(nb::module_& module) {
       [](nb::handle file) { return std::make_shared<PythonCampaign>(ReadCampaign(PathOf(file))); },
       nb::arg("file"));
   module.def("make_campaign", &Make, nb::arg("options"));
-  module.def("describe_campaign", &Describe);
+  module.def("describe_campaign", &DescribeCampaign);
 }
 
 }  // namespace lipoid::python

@@ -18,7 +18,7 @@ std::string TypeName(nb::handle value) {
 }
 
 // Of any object: what is no UTF-8 is shown by its escapes.
-std::string Shown(nb::handle value) {
+std::string ShownValue(nb::handle value) {
   const nb::object text = nb::repr(value);
   const auto bytes = nb::cast<nb::bytes>(text.attr("encode")("utf-8", "backslashreplace"));
   return {bytes.c_str(), bytes.size()};
@@ -52,14 +52,15 @@ std::string Utf8Of(const std::string& name, nb::handle text) {
   const char* const bytes = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
   if (bytes != nullptr) return {bytes, static_cast<std::size_t>(size)};
   PyErr_Clear();
-  throw OptionError(fmt::format("option {}: expected text of UTF-8, found {}", name, Shown(text)));
+  throw OptionError(
+      fmt::format("option {}: expected text of UTF-8, found {}", name, ShownValue(text)));
 }
 
 std::string TextOf(const std::string& name, nb::handle value) {
   if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
   if (nb::isinstance<nb::str>(value)) return Utf8Of(name, value);
   if (nb::isinstance<nb::int_>(value)) return nb::cast<std::string>(nb::str(value));
-  if (nb::isinstance<nb::float_>(value)) return Shown(nb::float_(value));
+  if (nb::isinstance<nb::float_>(value)) return ShownValue(nb::float_(value));
   // The numbers and truths of NumPy.
   if (nb::hasattr(value, "item") && nb::hasattr(value, "ndim") &&
       nb::cast<int>(value.attr("ndim")) == 0)
@@ -67,7 +68,7 @@ std::string TextOf(const std::string& name, nb::handle value) {
   throw OptionError(
       fmt::format("option {}: expected a number, a text or a truth value, found {} ({})",
                   name,
-                  Shown(value),
+                  ShownValue(value),
                   TypeName(value)));
 }
 
@@ -130,7 +131,7 @@ void Keywords::OfKind(std::string_view name,
   if (!given) return;
   if (!nb::isinstance<nb::dict>(*given))
     throw OptionError(
-        fmt::format("option {}: expected {{name: value}}, found {}", shown, Shown(*given)));
+        fmt::format("option {}: expected {{name: value}}, found {}", shown, ShownValue(*given)));
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
     const auto parameter = Utf8Of(shown, nb::str(key));
     values[parameter] = NumberOf(shown + " " + parameter, value);
@@ -145,8 +146,8 @@ void Keywords::OfKind(std::string_view name,
   const auto given = Take(name, "Mapping[str, tuple[float, float]]", help);
   if (!given) return;
   const auto fail = [&] {
-    throw OptionError(
-        fmt::format("option {}: expected {{name: (low, high)}}, found {}", shown, Shown(*given)));
+    throw OptionError(fmt::format(
+        "option {}: expected {{name: (low, high)}}, found {}", shown, ShownValue(*given)));
   };
   if (!nb::isinstance<nb::dict>(*given)) fail();
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
@@ -190,7 +191,7 @@ void Keywords::OfKind(std::string_view name,
   }
   if (!nb::hasattr(*given, "__iter__"))
     throw OptionError(
-        fmt::format("option {}: expected a text or several, found {}", shown, Shown(*given)));
+        fmt::format("option {}: expected a text or several, found {}", shown, ShownValue(*given)));
   for (const nb::handle word : *given) values.push_back(TextOf(shown, word));
 }
 
@@ -214,8 +215,8 @@ void Keywords::OfKind(std::string_view name,
   if (one) return add(*given);
   for (const nb::handle value : *given) add(value);
   if (values.empty())
-    throw OptionError(
-        fmt::format("option {}: expected at least one number, found {}", shown, Shown(*given)));
+    throw OptionError(fmt::format(
+        "option {}: expected at least one number, found {}", shown, ShownValue(*given)));
 }
 
 void Keywords::OfKind(std::string_view name,
@@ -227,7 +228,7 @@ void Keywords::OfKind(std::string_view name,
   if (!given) return;
   if (!nb::isinstance<nb::dict>(*given))
     throw OptionError(
-        fmt::format("option {}: expected {{key: name}}, found {}", shown, Shown(*given)));
+        fmt::format("option {}: expected {{key: name}}, found {}", shown, ShownValue(*given)));
   for (const auto& [key, value] : nb::cast<nb::dict>(*given))
     values[Utf8Of(shown, nb::str(key))] = TextOf(shown, value);
 }
@@ -261,7 +262,7 @@ void Keywords::Group(std::string_view name,
     throw OptionError(fmt::format("option {}: expected a dictionary of {}, found {}",
                                   shown,
                                   fmt::join(names, ", "),
-                                  Shown(*given)));
+                                  ShownValue(*given)));
   }
   for (const auto& [key, value] : nb::cast<nb::dict>(*given)) {
     const std::string option = Utf8Of(shown, nb::str(key));

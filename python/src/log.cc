@@ -39,7 +39,7 @@ std::vector<int> WholeNumbers(const char* name, const nb::object& given) {
   return numbers;
 }
 
-PythonLog Shared(Log log) { return {std::make_shared<const Log>(std::move(log))}; }
+PythonLog AsShared(Log log) { return {std::make_shared<const Log>(std::move(log))}; }
 
 // Arrays are asked for, not a gist: every row is kept unless something else is said.
 ReadingRequest EveryRow() { return {.most_rows = std::nullopt}; }
@@ -59,7 +59,7 @@ PythonLog Read(nb::handle file, const nb::dict& given) {
     const WithoutLock unlocked;
     log = ReadLog(path, options);
   }
-  return Shared(std::move(log));
+  return AsShared(std::move(log));
 }
 
 // The table of a binary file: what it is called where the columns are of no vendor.
@@ -75,7 +75,7 @@ PythonLog ReadText(const nb::bytes& text,
     log = ReadLogText({text.c_str(), text.size()}, name, options);
   }
   if (log.report.format == kPlainCsv.name) log.report.format = format;
-  return Shared(std::move(log));
+  return AsShared(std::move(log));
 }
 
 PythonLog Take(const Input& time_s,
@@ -100,7 +100,7 @@ PythonLog Take(const Input& time_s,
     const WithoutLock unlocked;
     log = TakeLog(std::move(record), options);
   }
-  return Shared(std::move(log));
+  return AsShared(std::move(log));
 }
 
 nb::object Inspect(const PythonLog& self) {
@@ -299,7 +299,7 @@ PythonLog FromState(const nb::tuple& state) {
   Thaw(state[4], log.record.file);
   options_internal::FromText("hold", nb::cast<std::string>(state[5]), Names{}, log.record.hold);
   Thaw(state[6], log.report);
-  return Shared(std::move(log));
+  return AsShared(std::move(log));
 }
 
 // Which of these columns a file's header would name for a quantity, and its unit where that is not the
@@ -323,7 +323,7 @@ nb::object LikelyColumn(const std::vector<std::string>& names, const std::string
   return nb::none();
 }
 
-nb::list Describe(bool of_a_file) {
+nb::list DescribeReading(bool of_a_file) {
   Keywords keywords;
   (void)ReadingOf(keywords, EveryRow(), of_a_file);
   return keywords.Described();
@@ -402,7 +402,7 @@ void AddLogs(nb::module_& module) {
           [](const PythonLog& self, const std::string& name) {
             Log log = self.Lent();
             log.record.file = name;
-            return Shared(std::move(log));
+            return AsShared(std::move(log));
           },
           nb::arg("name"))
       .def("reading",
@@ -434,7 +434,7 @@ void AddLogs(nb::module_& module) {
       [](const nb::dict& given) { (void)ReadingOf(given, true); },
       nb::arg("options"));
   module.def("likely_column", &LikelyColumn, nb::arg("names"), nb::arg("key"));
-  module.def("describe_reading", &Describe, nb::arg("of_a_file"));
+  module.def("describe_reading", &DescribeReading, nb::arg("of_a_file"));
 }
 
 }  // namespace lipoid::python

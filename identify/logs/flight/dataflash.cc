@@ -93,7 +93,7 @@ double Number(std::string_view bytes, std::size_t offset, char letter) {
   }
 }
 
-struct Place {
+struct FieldPlace {
   std::size_t offset = 0;
   char letter = 'f';
 };
@@ -101,9 +101,9 @@ struct Place {
 struct Format {
   std::string name;
   std::size_t bytes = 0;  // with the head
-  std::map<std::string, Place, std::less<>> places;
+  std::map<std::string, FieldPlace, std::less<>> places;
 
-  [[nodiscard]] std::optional<Place> Find(std::string_view field) const {
+  [[nodiscard]] std::optional<FieldPlace> Find(std::string_view field) const {
     const auto found = places.find(field);
     if (found == places.end()) return std::nullopt;
     return found->second;
@@ -122,16 +122,16 @@ Format ParseFormat(std::string_view payload) {
     const auto end = std::min(rest.find(','), rest.size());
     const std::size_t bytes = BytesOf(letter);
     if (bytes == 0 || kHeadBytes + offset + bytes > format.bytes) break;
-    format.places.emplace(rest.substr(0, end), Place{offset, letter});
+    format.places.emplace(rest.substr(0, end), FieldPlace{offset, letter});
     offset += bytes;
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return format;
 }
 
-class Reader {
+class DataflashReader {
  public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {
+  explicit DataflashReader(std::string_view bytes) : bytes_(bytes) {
     formats_[kFormatType] = Format{.name = "FMT", .bytes = kFormatBytes, .places = {}};
   }
 
@@ -269,6 +269,6 @@ bool IsDataFlash(std::string_view bytes) {
          static_cast<std::uint8_t>(bytes[2]) == kFormatType;
 }
 
-AutopilotLog ReadDataFlash(std::string_view bytes) { return Reader(bytes).Read(); }
+AutopilotLog ReadDataFlash(std::string_view bytes) { return DataflashReader(bytes).Read(); }
 
 }  // namespace lipoid

@@ -124,9 +124,9 @@ int CellsOf(double number) {
   return number >= 1.0 && number <= kMost ? static_cast<int>(number) : 0;
 }
 
-class Reader {
+class UlogReader {
  public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  explicit UlogReader(std::string_view bytes) : bytes_(bytes) {}
 
   AutopilotLog Read() {
     MessageWalk(*this, bytes_, log_).From(kHeaderBytes);
@@ -343,6 +343,6 @@ class Reader {
 
 bool IsULog(std::string_view bytes) { return bytes.starts_with(kMagic); }
 
-AutopilotLog ReadULog(std::string_view bytes) { return Reader(bytes).Read(); }
+AutopilotLog ReadULog(std::string_view bytes) { return UlogReader(bytes).Read(); }
 
 }  // namespace lipoid

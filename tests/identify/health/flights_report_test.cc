@@ -8,7 +8,7 @@
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {

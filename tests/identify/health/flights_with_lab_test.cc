@@ -12,7 +12,7 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
 #include "model/core/parallel.h"
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 #include "tests/support/synthetic_campaign.h"
 #include "tests/support/synthetic_flight.h"
 

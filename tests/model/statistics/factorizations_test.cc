@@ -58,5 +58,50 @@ TEST(Factorizations, SolvesWithAPositiveMatrix) {
   EXPECT_EQ(SolvePositive(square, Eigen::MatrixXd(4, 0)).cols(), 0);
 }
 
+TEST(Factorizations, SolvesLeastSquares) {
+  const Eigen::MatrixXd rows = Random(9, 3);
+  const Eigen::VectorXd right = Random(9, 1);
+  const Eigen::VectorXd x = LeastSquares(rows, right);
+  EXPECT_LT((rows.transpose() * (right - rows * x)).norm(), kRounding);
+  // Twice the same column: of all that fit, the shortest shares between them.
+  Eigen::MatrixXd twice(9, 4);
+  twice << rows, rows.col(2);
+  const Eigen::VectorXd shortest = ShortestLeastSquares(twice, right);
+  EXPECT_NEAR(shortest[2], 0.5 * x[2], kRounding);
+  EXPECT_NEAR(shortest[3], 0.5 * x[2], kRounding);
+}
+
+TEST(Factorizations, InvertsWhatCanBeInverted) {
+  const Eigen::MatrixXd square = Random(5, 5);
+  const auto inverse = Inverse(square);
+  ASSERT_TRUE(inverse.has_value());
+  EXPECT_LT((*inverse * square - Eigen::MatrixXd::Identity(5, 5)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((PseudoInverse(square) - *inverse).cwiseAbs().maxCoeff(), 1e-12);
+  Eigen::MatrixXd singular = square;
+  singular.col(1) = singular.col(3);
+  EXPECT_FALSE(Inverse(singular).has_value());
+  const Eigen::MatrixXd pseudo = PseudoInverse(singular);
+  EXPECT_LT((singular * pseudo * singular - singular).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Factorizations, EigenvectorsAreTurnedByNothing) {
+  Eigen::MatrixXd matrix = Random(6, 6);
+  matrix.bottomLeftCorner(3, 3).setZero();
+  const auto eigen = EigenOf(matrix);
+  ASSERT_TRUE(eigen.has_value());
+  const Eigen::MatrixXcd turned = matrix * eigen->vectors;
+  EXPECT_LT((turned - eigen->vectors * eigen->values.asDiagonal()).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_NEAR(EigenvaluesOf(matrix).sum().real(), matrix.trace(), 1e-12);
+}
+
+TEST(Factorizations, RootsMakeThePolynomial) {
+  // (s + 2)(s² + 2 s + 5)
+  const Eigen::VectorXcd roots = RootsOf(Eigen::Vector4d(10.0, 9.0, 4.0, 1.0));
+  ASSERT_EQ(roots.size(), 3);
+  for (const std::complex<double>& s : roots) {
+    EXPECT_LT(std::abs((s + 2.0) * (s * s + 2.0 * s + 5.0)), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace lipoid

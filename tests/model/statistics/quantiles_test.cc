@@ -1,5 +1,5 @@
 // Against the closed forms of one and two degrees of freedom, and the normal distribution.
-#include "model/statistics/student.h"
+#include "model/statistics/quantiles.h"
 
 #include <gtest/gtest.h>
 
@@ -27,6 +27,17 @@ TEST(Student, ReachIsThatOfTheNormalDistributionWhereMuchIsKnown) {
   const double correction = (std::pow(kNormal, 3) + kNormal) / (4.0 * kFreedom);
   EXPECT_NEAR(Reach95(kFreedom), kNormal + correction, 1e-10);
   EXPECT_GT(Reach95(4.0), Reach95(5.0));
+}
+
+TEST(Quantiles, OfSquaresAreTheClosedFormsOfTwoDegreesOfFreedom) {
+  for (const double p : {0.001, 0.05, 0.5, 0.9}) {
+    EXPECT_NEAR(ChiSquaredPassed(2.0, p), -2.0 * std::log(p), 1e-12);
+    // 2 and n degrees: (1 + 2 F/n)^(-n/2) = p.
+    EXPECT_NEAR(FisherPassed(2.0, 7.0, p), 3.5 * (std::pow(p, -1.0 / 3.5) - 1.0), 1e-11 / p);
+    // One of them is Student's number squared.
+    EXPECT_NEAR(
+        FisherPassed(1.0, 9.0, p), std::pow(StudentQuantile(9.0, 1.0 - 0.5 * p), 2), 1e-11 / p);
+  }
 }
 
 }  // namespace
