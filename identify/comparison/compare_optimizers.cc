@@ -56,6 +56,13 @@ const Improvement* Reached(const OptimizationSummary& summary, double cost) {
   return found == summary.improvements.end() ? nullptr : &*found;
 }
 
+// A resistance of 0 is a branch that is not there; searches that stop short of a bound by so little are at it.
+bool AtBound(const PulseVariable& variable, double value) {
+  constexpr double kNear = 1e-6;
+  const double near = kNear * std::max(std::abs(value), variable.unit);
+  return value <= variable.lower + near || value >= variable.upper - near;
+}
+
 }  // namespace
 
 Comparison CompareOptimizers(const VoltageSweep& sweep,
@@ -88,6 +95,9 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     const PulseProblem& p = problem(*optimizer);
     result.summary = optimizer->Minimize(p, p.Point(unknowns.start), settings);
     result.parameters = p.Parameters(result.summary.x);
+    for (const PulseVariable& v : p.variables()) {
+      if (AtBound(v, Entry(result.parameters, v))) result.at_bound.push_back(v.name);
+    }
     result.errors = sweep.Errors(result.parameters.sweep);
     ++done;
   }

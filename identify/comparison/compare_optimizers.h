@@ -52,7 +52,8 @@ struct OptimizerComparison {
   std::string optimizer;
   OptimizationSummary summary;  ///< from the data's start
   PulseParameters parameters;
-  SweepErrors errors;                                           ///< over all rows
+  std::vector<std::string> at_bound;  ///< parameters that ended at a bound of the problem
+  SweepErrors errors;                 ///< over all rows
   double gap = std::numeric_limits<double>::quiet_NaN();        ///< cost / best cost - 1
   int starts = 0;                                               ///< random ones, or 1: the data's
   int successes = 0;                                            ///< of those

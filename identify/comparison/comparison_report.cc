@@ -51,6 +51,7 @@ Json ResultToJson(const OptimizerComparison& result, bool diffusion) {
           {"termination", options_internal::ToText(summary.termination)},
           {"message", summary.message},
           {"parameters", SweepParametersToJson(result.parameters.sweep, diffusion)},
+          {"at_bound", result.at_bound},
           {"starts", result.starts},
           {"successes", result.successes},
           {"success_rate", result.success_rate()},

@@ -289,7 +289,7 @@ GainDesignResult DesignGains(const GainDesign& design,
   const auto minimize = [&](const GainProblem& of) {
     GainDesignResult result;
     result.optimization = optimizer.Minimize(of, from, settings);
-    result.start_cost = 2.0 * problem.Cost(from);
+    result.start_cost = problem.CostOf(start);
     const Eigen::VectorXd& x = result.optimization.x.size() == 3 ? result.optimization.x : from;
     result.gains = problem.Gains(x);
     result.at_bound = problem.AtBound(x);

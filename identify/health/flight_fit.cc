@@ -332,6 +332,7 @@ void WidenTo(const std::vector<SearchEnd>& ends,
              const FlightSearch& search,
              FlightFit& fit) {
   double most = 0.0;
+  double other = 0.0;
   Eigen::VectorXd away = Eigen::VectorXd::Zero(fit.unknowns.size());
   for (const SearchEnd& end : ends) {
     const double less_likely = end.minus_log_likelihood - found.minus_log_likelihood;
@@ -342,8 +343,13 @@ void WidenTo(const std::vector<SearchEnd>& ends,
     if (!(weight > most)) continue;
     most = weight;
     away = std::sqrt(share) * apart;
+    other = fit.unknowns[U::kCapacity] + apart[U::kCapacity];
   }
+  constexpr double kWorthSaying = 1.25;
+  const double before = fit.covariance(U::kCapacity, U::kCapacity);
   fit.covariance += away * away.transpose();
+  const double after = fit.covariance(U::kCapacity, U::kCapacity);
+  if (after > kWorthSaying * kWorthSaying * before) fit.nearly_as_likely = other;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 /// tests/identify/health/coverage_test.cc.
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "identify/health/coloured_noise.h"
@@ -29,6 +30,9 @@ struct FlightFit {
   Eigen::VectorXd unknowns;    ///< those of flight_model.h
   Eigen::MatrixXd covariance;  ///< of them
   Eigen::VectorXd prior_deviation;
+  /// ln of the capacity of another end of the search, over the reference's, where that end is nearly as likely
+  /// and widens the error of the capacity by a quarter or more.
+  std::optional<double> nearly_as_likely;
   double lag_s = 0.0;
   double lag_deviation_s = 0.0;
   ColouredNoise noise;

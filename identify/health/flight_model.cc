@@ -206,8 +206,8 @@ ResistanceAt FlightModel::StepResistance(const Eigen::VectorXd& unknowns,
   for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
   const CellModel<Jet> model(WithUnknowns(reference_.cell.Parameters(), x));
   auto rest = model.Relaxed(Jet(soc));
-  const bool known = among_.ambient_degC || !among_.measured_degC.empty();
-  if (known) rest.temperature_K = Jet(kUsual_K);
+  if (reference_.cell.temperature)
+    rest.temperature_K = Jet(reference_.cell.temperature->reference_K);
   const Jet drop_V = model.Voltage(rest, Jet(0.0)) - model.Voltage(rest, Jet(current_A));
   ResistanceAt at{drop_V.a / current_A, Eigen::VectorXd::Zero(size())};
   at.slope.head(U::kCount) = drop_V.v / drop_V.a;

@@ -17,6 +17,7 @@
 #include "identify/logs/segments.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
+#include "model/core/special_values.h"
 #include "model/core/parallel.h"
 #include "model/statistics/quantiles.h"
 
@@ -92,6 +93,12 @@ void AddCautions(const FlightSamples& samples,
         100.0 * samples.coherence,
         samples.window_s));
   }
+  if (fit.nearly_as_likely && health.capacity_Ah.known()) {
+    cautions.push_back(fmt::format(
+        "a pack of {:.3g} Ah would explain this flight nearly as well: the intervals reach towards it, and a longer "
+        "flight tells the two apart",
+        reference.cell.alpha_C() * std::exp(*fit.nearly_as_likely) / 3600.0));
+  }
   if (!health.temperature_known) {
     cautions.emplace_back(
         "the temperature is not known: the resistance is that of the flight, a cold pack looks old, and "
@@ -118,7 +125,8 @@ void AddCautions(const FlightSamples& samples,
 }
 
 // Another cell, or one of another size, can be bent until it fits.
-void DoubtTheResistance(double new_Ohm, FlightHealth& health) {
+void DoubtTheResistance(FlightHealth& health) {
+  const double new_Ohm = health.new_resistance_Ohm;
   if (!health.doubted_because.empty() || !health.resistance_Ohm.known() || !(new_Ohm > 0.0)) return;
   const double of_new = health.resistance_Ohm.value / new_Ohm;
   if (of_new >= kLeastResistanceOfNew && of_new <= kMostResistanceOfNew) return;
@@ -267,6 +275,13 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   const double step_A = 0.5 * samples.largest_A;
   const double middle = std::clamp(0.5 * (x[U::kStart] + soc_end), 0.2, 0.9);
   const ResistanceAt resistance = model.StepResistance(x, middle, std::max(step_A, 1e-3));
+  health.new_resistance_Ohm =
+      reference.typical ? kNaN
+                        : options.series * model
+                                               .StepResistance(Eigen::VectorXd::Zero(model.size()),
+                                                               middle,
+                                                               std::max(step_A, 1e-3))
+                                               .resistance_Ohm;
   // Where a current was measured at another instant than the voltage, a slope of one over the other
   // is too small. The slope the other way round is too large, by the square of the coherence between
   // them: the truth is in between.
@@ -291,8 +306,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtTheFit(health);
-  if (!reference.typical)
-    DoubtTheResistance(options.series * reference.cell.series_resistance_Ohm(0.5), health);
+  DoubtTheResistance(health);
   AddCautions(samples, fit, reference, health);
   if (log.report.flight) {
     for (std::string& doubt :
@@ -392,9 +406,6 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   report.reference = cell.name;
   report.new_capacity_Ah =
       guessed ? std::numeric_limits<double>::quiet_NaN() : reference.cell.alpha_C() / 3600.0;
-  report.new_resistance_Ohm = reference.typical
-                                  ? std::numeric_limits<double>::quiet_NaN()
-                                  : options.series * reference.cell.series_resistance_Ohm(0.5);
   report.activation_energy_J_per_mol = reference.cell.temperature->series_J_per_mol;
   report.reference_degC = CelsiusOf(reference.cell.temperature->reference_K);
   report.temperature_assumed = reference.cell.temperature_assumed;
@@ -429,6 +440,7 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
     if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));
   }
   if (report.flights.empty()) throw LoadError(report.refused);
+  report.new_resistance_Ohm = report.flights.back().new_resistance_Ohm;
   report.capacity_trend = TrendOf(
       report.flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
   report.resistance_trend = TrendOf(report.flights,

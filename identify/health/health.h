@@ -60,7 +60,10 @@ struct FlightHealth {
   /// As this current sensor counts: what the error of its scale, the same in every flight, adds is
   /// not in it.
   WithInterval counted_capacity_Ah;
-  WithInterval resistance_Ohm;  ///< of the pack, at once; at 25 degC where the flight tells its own
+  /// Of the pack, at once, at the middle of the charge that the flight took; where the flight tells its
+  /// temperature that at the reference's.
+  WithInterval resistance_Ohm;
+  double new_resistance_Ohm = 0.0;  ///< the reference's there; NaN where it says nothing of it
   WithInterval counted_resistance_Ohm;
   double log_capacity = 0.0;  ///< over the reference, as fitted, whether that is known or not
   double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
@@ -87,7 +90,7 @@ struct HealthReport {
   bool typical = false;             ///< the curve of a chemistry
   bool capacity_told = false;       ///< the capacity is what the autopilot was told
   double new_capacity_Ah = 0.0;     ///< NaN: nobody says it, and the reference is a typical curve
-  double new_resistance_Ohm = 0.0;  ///< of the pack; NaN where the reference says nothing of it
+  double new_resistance_Ohm = 0.0;  ///< of the last flight
   /// By which the resistance of a flight whose temperature is known becomes that at the reference temperature.
   double activation_energy_J_per_mol = 0.0;
   double reference_degC = 0.0;

@@ -43,6 +43,7 @@ Json FlightToJson(const FlightHealth& flight) {
           {"capacity_unknown_because", Because(flight.capacity_Ah)},
           {"resistance_Ohm", ValueOf(flight.resistance_Ohm)},
           {"resistance_interval_95", IntervalOf(flight.resistance_Ohm)},
+          {"new_resistance_Ohm", NumberOrNull(flight.new_resistance_Ohm)},
           {"counted_resistance_Ohm", ValueOf(flight.counted_resistance_Ohm)},
           {"counted_resistance_interval_95", IntervalOf(flight.counted_resistance_Ohm)},
           {"resistance_unknown_because", Because(flight.resistance_Ohm)},
@@ -173,7 +174,7 @@ std::string HealthSentence(const HealthReport& report, const FlightHealth& fligh
   text += OneQuantity("capacity", flight.capacity_Ah, 1.0, "Ah", report.new_capacity_Ah);
   text += "; ";
   text +=
-      OneQuantity("resistance", flight.resistance_Ohm, kMilli, "mOhm", report.new_resistance_Ohm);
+      OneQuantity("resistance", flight.resistance_Ohm, kMilli, "mOhm", flight.new_resistance_Ohm);
   return text;
 }
 

@@ -120,11 +120,14 @@ std::string GapsText(const std::vector<Gap>& gaps) {
                      UnknownCharge(gaps) / 3600.0);
 }
 
-void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, double capacity_Ah) {
+void RefuseUnknownCharge(const Record& record,
+                         const std::vector<Gap>& gaps,
+                         double capacity_Ah,
+                         double most_share) {
   if (gaps.empty() || record.voltage_V.empty()) return;
   const double capacity_C =
       capacity_Ah > 0.0 ? 3600.0 * capacity_Ah : CountCharge(record).range_C();
-  if (UnknownCharge(gaps) <= kMostUnknownCharge * capacity_C) return;
+  if (UnknownCharge(gaps) <= most_share * capacity_C) return;
   const Gap& most = LargestOf(gaps);
   throw LoadError(
       {record.file},

@@ -27,8 +27,11 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 /// most charge, and the charge of all. At least one.
 [[nodiscard]] std::string GapsText(const std::vector<Gap>& gaps);
 
-/// LoadError where the gaps of a record may hold more than kMostUnknownCharge of
+/// LoadError where the gaps of a record may hold more than this share of
 /// capacity_Ah, that of all cells in parallel (0: of the charge that the record moves). It says which part can be read instead.
-void RefuseUnknownCharge(const Record& record, const std::vector<Gap>& gaps, double capacity_Ah);
+void RefuseUnknownCharge(const Record& record,
+                         const std::vector<Gap>& gaps,
+                         double capacity_Ah,
+                         double most_share = kMostUnknownCharge);
 
 }  // namespace lipoid

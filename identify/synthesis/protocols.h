@@ -41,12 +41,12 @@ struct SynthesisOptions {
     constexpr double kYear_s = 3.2e7;
     v("rates_C",
       self.rates_C,
-      Names(),
+      Numbers(),
       "constant-current rates in C, as 1,2,3; empty: 1C, 2C, ... up to what suits the cell");
     v("low_rate_h", self.low_rate_h, Range{0.01, 1e4}, "duration of the low-rate discharge, h");
     v("ambient_degC",
       self.ambient_degC,
-      Names(),
+      Numbers(),
       "temperatures of the surroundings in degC, as 25,0,-20: the whole protocol runs at the first, "
       "its pulses at the others too; empty: the reference temperature, in no column");
     v("pulse_rate_C",

@@ -130,7 +130,8 @@ Gains LoadGains(const std::string& name_or_file) {
     if (gains.name == name_or_file) return gains;
   }
   return ParseGains(
-      ReadTextFileOr(name_or_file, "a gains file or one of the shipped sets", ShippedGainsNames()),
+      ReadTextFileOr(
+          name_or_file, "a gains file, placed, or one of the shipped sets", ShippedGainsNames()),
       name_or_file);
 }
 

@@ -43,6 +43,9 @@ struct Range {
 /// Stands where a Range would, for options whose names say all: enums, booleans and texts.
 struct Names {};
 
+/// The same for texts that are numbers with commas between them.
+struct Numbers {};
+
 /// What `--help`, `list --options` and the docs say of one option.
 struct OptionDescription {
   std::string name;
@@ -117,6 +120,8 @@ std::string DescribeValid(const Valid& valid) {
     return "true | false";
   } else if constexpr (std::is_same_v<Valid, Range>) {
     return FormatRange(valid, std::is_same_v<T, int>);
+  } else if constexpr (std::is_same_v<Valid, Numbers>) {
+    return "numbers";
   } else {
     return "text";
   }

@@ -9,6 +9,7 @@
 #include "model/battery/curve_range.h"
 #include "model/battery/temperature_range.h"
 #include "model/control/laws/control_laws.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/vehicle/allocation.h"
 
@@ -80,11 +81,12 @@ std::string DoubtAboutSpeed(const FlightSetup& setup,
 }  // namespace
 
 Json FlightToJson(const FlightResult& flight) {
-  Json trim = {{"possible", flight.trim.possible()},
-               {"speed_rad_per_s", flight.trim.speed_rad_per_s},
-               {"duty", flight.trim.duty},
-               {"battery_V", flight.trim.battery_V},
-               {"battery_A", flight.trim.battery_A}};
+  Json trim = {
+      {"possible", flight.trim.possible()},
+      {"speed_rad_per_s", flight.trim.speed_rad_per_s},
+      {"duty", flight.trim.duty},
+      {"battery_V", flight.trim.battery_V},
+      {"battery_A", flight.trim.power_suffices ? Json(flight.trim.battery_A) : Json(nullptr)}};
   Json summary = {{"outcome", options_internal::ToText(flight.outcome)},
                   {"reason", flight.reason},
                   {"trim", std::move(trim)},
@@ -153,6 +155,17 @@ std::vector<std::string> FlightDoubts(const FlightSetup& setup,
     doubts.push_back(DoubtAboutCurve(*setup.cell, flight.final_soc, setup.initial_soc));
   }
   doubts.push_back(DoubtAboutSpeed(setup, plan, flight));
+  const std::size_t asked = plan.arrivals_s.size();
+  const std::size_t reached = flight.waypoint_distance_m.size();
+  if (flight.outcome == Outcome::kCompleted && reached < asked) {
+    doubts.push_back(fmt::format(
+        "the flight ended after {:.4g} s, before the stays at {} of {} did, of which nothing is said: the last ends "
+        "after {:.4g} s (--duration)",
+        flight.simulated_s,
+        asked - reached,
+        Counted(asked, "waypoint"),
+        plan.arrivals_s.back()));
+  }
   std::erase(doubts, "");
   return doubts;
 }

@@ -292,6 +292,7 @@ class Simulation {
                  x_[plant::kPosition + 2] - reference.down.value,
                  reference.angles[1].value - x_[plant::kAngles + 1],
                  battery_V_);
+    WatchAltitude(x_[plant::kPosition + 2] - reference.down.value);
     if (command_.hold_position) WatchPlace();
     if (record) record(Sample(measured, electrical));
   }
@@ -381,6 +382,22 @@ class Simulation {
     }
   }
 
+  // Of the last kLost_s: root mean square.
+  [[nodiscard]] double RecentAltitudeError() const {
+    double sum = 0.0;
+    for (const double square : altitude_m2_) sum += square;
+    return std::sqrt(sum / double(std::max<std::size_t>(altitude_m2_.size(), 1)));
+  }
+
+  void WatchAltitude(double off_m) {
+    constexpr auto kSteps = std::size_t(kLost_s / kControlStep_s);
+    if (altitude_m2_.size() < kSteps) {
+      altitude_m2_.push_back(off_m * off_m);
+    } else {
+      altitude_m2_[result_.steps % kSteps] = off_m * off_m;
+    }
+  }
+
   void WatchArrivals(double now_s) {
     auto& distances_m = result_.waypoint_distance_m;
     while (distances_m.size() < plan_.arrivals_s.size() &&
@@ -396,13 +413,27 @@ class Simulation {
   void JudgeCourse() {
     std::vector<std::string> reasons;
     if (lost_) {
-      reasons.push_back(
-          fmt::format("it could not hold its place: from {:.3f} s on it tilted by the {:.3g} "
-                      "degrees that it may and drifted off all the same, up to {:.4g} m. Give less "
-                      "wind, or gains with a larger tilt_limit_rad",
-                      at_limit_->since_s,
-                      setup_.gains.position.tilt_limit_rad * kDegrees,
-                      result_.largest_position_error_m));
+      reasons.push_back(fmt::format(
+          "it could not hold its place: from {:.3f} s on it tilted by the {:.3g} "
+          "degrees that it may and drifted off all the same, up to {:.4g} m. Give {}",
+          at_limit_->since_s,
+          setup_.gains.position.tilt_limit_rad * kDegrees,
+          result_.largest_position_error_m,
+          Blows(setup_.wind)
+              ? "less wind, or gains with a larger tilt_limit_rad"
+              : "gains that are placed for this vehicle, commands that are compensated for the "
+                "voltage, or a smaller change of altitude on the way"));
+    }
+    if (result_.outcome == Outcome::kCompleted) {
+      const double off_m = RecentAltitudeError();
+      if (!(off_m <= kAtPlace_m)) {
+        reasons.push_back(fmt::format(
+            "it could not hold its altitude: over the last {:g} s it was {:.4g} m (rms) from where its "
+            "reference was{}",
+            std::min(kLost_s, result_.simulated_s),
+            off_m,
+            result_.trim.possible() ? "" : ", for it cannot hover on this battery"));
+      }
     }
     const auto& distances_m = result_.waypoint_distance_m;
     std::vector<std::size_t> missed;
@@ -416,7 +447,8 @@ class Simulation {
           });
       reasons.push_back(fmt::format(
           "it missed {} of {}: {:.4g} m were left to waypoint {} at the end of its "
-          "stay. Give a longer stay_s, which begins with the command and includes the way",
+          "stay. Give a longer stay_s (of a square: corner_s), which begins with the command and includes the "
+          "way",
           missed.size(),
           Counted(distances_m.size(), "waypoint"),
           distances_m[worst],
@@ -553,6 +585,7 @@ class Simulation {
   std::optional<AtLimit> at_limit_;  // of the tilt
   bool lost_ = false;
   std::size_t saturated_ = 0;
+  std::vector<double> altitude_m2_;  ///< squared errors of the last kLost_s, in no order
   bool ended_ = false;
 };
 

@@ -65,7 +65,7 @@ def _paragraph(option: Description, indent: str) -> str:
     words = str(option["help"]).removesuffix("...").rstrip(", ")
     if "_" not in words.split()[0]:  # no symbol, as v_oc(A)
         words = words[0].upper() + words[1:]
-    words += f" (valid: {numbers})." if numbers and numbers != "text" else "."
+    words += f" (valid: {numbers})." if numbers and numbers not in ("text", "numbers") else "."
     head = f"{indent}{option['name']} : {option['type']}"
     if not option["type"].endswith("None"):
         head += f", default {_default(option)}"

@@ -72,6 +72,18 @@ std::string TextOf(const std::string& name, nb::handle value) {
                   TypeName(value)));
 }
 
+// 1, "1,2,3", or any sequence of numbers.
+std::string NumbersOf(const std::string& name, nb::handle value) {
+  if (nb::isinstance<nb::str>(value) || !nb::hasattr(value, "__len__") ||
+      !nb::hasattr(value, "__iter__"))
+    return TextOf(name, value);
+  std::string text;
+  for (const nb::handle one : nb::borrow<nb::object>(value)) {
+    text += (text.empty() ? "" : ",") + options_internal::FormatDouble(NumberOf(name, one));
+  }
+  return text;
+}
+
 std::optional<nb::object> Keywords::Given(const std::string& name) const {
   if (!given_.is_valid() || !given_.contains(name.c_str())) return std::nullopt;
   nb::object value = nb::borrow(given_[name.c_str()]);
@@ -92,7 +104,8 @@ void Keywords::Declare(std::string_view name,
   one["valid"] = option.valid;
   one["help"] = option.help;
   described_.append(one);
-  if (const auto value = Given(shown)) set(shown, TextOf(shown, *value));
+  const auto value = Given(shown);
+  if (value) set(shown, type == kNumbers ? NumbersOf(shown, *value) : TextOf(shown, *value));
 }
 
 void Keywords::Text(std::string_view name,

@@ -30,6 +30,9 @@ namespace lipoid::python {
 
 namespace nb = nanobind;
 
+/// The type of an option that is numbers with commas between them.
+inline constexpr std::string_view kNumbers = "str | float | Sequence[float]";
+
 /// A name of the command line as Python has it: alpha_C of "alpha-C".
 [[nodiscard]] std::string PythonName(std::string_view name);
 
@@ -45,7 +48,7 @@ class Keywords {
              options_internal::ToText(value),
              options_internal::DescribeValid<T>(valid),
              std::string(help)},
-            TypeOf<T>(),
+            TypeOf<T, Valid>(),
             [&](const std::string& shown, const std::string& text) {
               options_internal::FromText(shown, text, valid, value);
             });
@@ -61,7 +64,7 @@ class Keywords {
              value ? options_internal::ToText(*value) : "None",
              options_internal::DescribeValid<T>(valid),
              std::string(help)},
-            TypeOf<T>() + " | None",
+            TypeOf<T, Valid>() + " | None",
             [&](const std::string& shown, const std::string& text) {
               options_internal::FromText(shown, text, valid, value.emplace());
             });
@@ -156,9 +159,11 @@ class Keywords {
               const Word& word,
               std::string_view help);
 
-  template <class T>
+  template <class T, class Valid>
   static std::string TypeOf() {
-    if constexpr (std::is_enum_v<T>) {
+    if constexpr (std::is_same_v<Valid, Numbers>) {
+      return std::string(kNumbers);
+    } else if constexpr (std::is_enum_v<T>) {
       std::string type;
       for (const auto& name : options_internal::ChoiceNames<T>())
         type += (type.empty() ? "Literal[\"" : "\", \"") + name;
@@ -177,9 +182,11 @@ class Keywords {
   static std::vector<std::string> TypesOf() {
     std::vector<std::string> types;
     const Options defaults{};
-    Options::Visit(defaults, [&](std::string_view, const auto& member, const auto&, const char*) {
-      types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>>());
-    });
+    Options::Visit(defaults,
+                   [&](std::string_view, const auto& member, const auto& valid, const char*) {
+                     types.push_back(TypeOf<std::remove_cvref_t<decltype(member)>,
+                                            std::remove_cvref_t<decltype(valid)>>());
+                   });
     return types;
   }
 

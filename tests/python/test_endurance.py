@@ -179,5 +179,6 @@ def test_a_share_may_be_in_percent_as_on_the_command_line() -> None:
     cell, vehicle = "gifi-600mAh-1", "mambo-physical"
     percent = lipoid.endurance(cell, vehicle=vehicle, reserve="20%")
     assert percent.minutes == lipoid.endurance(cell, vehicle=vehicle, reserve=0.2).minutes
-    with pytest.raises(lipoid.OptionError, match="option reserve: expected"):
+    expected = "option reserve: expected 0% .. 99%, found '200%'"
+    with pytest.raises(lipoid.OptionError, match=expected):
         lipoid.endurance(cell, vehicle=vehicle, reserve="200%")

@@ -72,6 +72,21 @@ def test_a_synthetic_pack_is_one_in_memory_too(tmp_path: Path) -> None:
     )
 
 
+def test_rates_are_numbers_as_well_as_text() -> None:
+    def rates(rates_C: Any) -> list[int]:
+        return [
+            len(log)
+            for log in lipoid.synthesize(
+                "gifi-600mAh-1", rates_C=rates_C, ambient_degC=25, sampling_s=10.0
+            ).logs()
+        ]
+
+    assert rates([1, 2.5]) == rates((1.0, 2.5)) == rates(np.array([1, 2.5])) == rates("1,2.5")
+    assert rates(2) == rates("2")
+    with pytest.raises(lipoid.OptionError, match="rates_C: expected a number, found 'two'"):
+        rates([1, "two"])
+
+
 def test_the_sums_are_of_the_bytes_that_were_read(lab: Path, tmp_path: Path) -> None:
     shutil.copytree(lab, tmp_path / "lab")
     files = sorted(file for file in (tmp_path / "lab").iterdir() if file.name != "truth.json")

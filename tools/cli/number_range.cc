@@ -37,7 +37,7 @@ std::vector<double> ReadRange(const std::string& option,
   const auto steps = static_cast<long>(std::floor(count + 1e-9));
   for (long k = 0; k <= steps; ++k) {
     // 0.8 + 2 * 0.01 is 0.82 to its reader.
-    const double value = std::round((first + double(k) * step) * 1e12) * 1e-12;
+    const double value = std::round((first + double(k) * step) * 1e12) / 1e12;
     values.push_back(std::abs(double(k) - count) < 1e-9 ? last : value);
   }
   return values;

@@ -126,6 +126,31 @@ std::string BestText(const Comparison& comparison) {
          "\n";
 }
 
+// What the optimizers that found a fit left at a bound; "": nothing.
+std::string BoundsText(const Comparison& comparison) {
+  std::vector<std::string> sentences;
+  for (const PulseVariable& v : comparison.variables) {
+    std::vector<std::string> who;
+    double value = 0.0;
+    for (const auto& r : comparison.results) {
+      if (std::count(r.at_bound.begin(), r.at_bound.end(), v.name) == 0) continue;
+      who.push_back(r.optimizer);
+      value = Entry(r.parameters, v);
+    }
+    if (who.empty()) continue;
+    sentences.push_back(fmt::format("{} ended at its bound of {}{} with {}",
+                                    v.name,
+                                    Significant(value),
+                                    v.resistive() ? ", which is no such branch," : "",
+                                    who.size() == comparison.results.size() && who.size() > 1
+                                        ? "every optimizer"
+                                        : fmt::format("{}", fmt::join(who, ", "))));
+  }
+  if (sentences.empty()) return "";
+  return cli::Wrapped(fmt::format("{}: such a value is no finding.", fmt::join(sentences, "; "))) +
+         "\n";
+}
+
 }  // namespace
 
 cli::ExitCode CompareCommand(cli::CommandLine& line) {
@@ -199,7 +224,12 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   const std::string problem = ProblemText(task, comparison);
   const std::string results = ResultsText(comparison, request.starts);
   const std::string parameters = ParametersText(comparison, diffusion);
-  line.Print("{}\n{}\n{}\n{}", problem, results, parameters, BestText(comparison));
+  line.Print("{}\n{}\n{}\n{}{}",
+             problem,
+             results,
+             parameters,
+             BestText(comparison),
+             BoundsText(comparison));
   const bool found = !comparison.best_optimizer.empty();
   if (!found) line.Message("no optimizer found a finite cost; the table says why");
   return found ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;

@@ -10,6 +10,7 @@
 #include "model/analysis/stability_json.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/nearest_name.h"
@@ -73,8 +74,9 @@ std::vector<WeightedXi> WeightedXis(const std::vector<double>& xi, const std::st
     }
   }
   if (!w.empty() && w.size() != xi.size()) {
-    throw OptionError(fmt::format(
-        "option --weights: expected {} numbers, one for each xi, found {}", xi.size(), w.size()));
+    throw OptionError(fmt::format("option --weights: expected {}, one for each xi, found {}",
+                                  Counted(xi.size(), "number"),
+                                  w.size()));
   }
   if (!w.empty() && *std::max_element(w.begin(), w.end()) == 0.0) {
     throw OptionError(fmt::format(
@@ -103,7 +105,10 @@ OptimizerSettings TenTimesLonger(const OptimizerEntry& optimizer, OptimizerSetti
 }
 
 // Which bounds decided the answer; "": none.
-std::string AtBoundText(const std::vector<GainBound>& at_bound) {
+std::string AtBoundText(const std::vector<GainBound>& at_bound, std::string_view law) {
+  // Of this law the bounds are those of the weights.
+  const std::string_view what =
+      law == "lqr" ? "the search for the regulator's weights" : "the search";
   std::vector<std::string> largest;
   std::vector<std::string> options;
   std::vector<std::string> least;
@@ -118,14 +123,16 @@ std::string AtBoundText(const std::vector<GainBound>& at_bound) {
   std::vector<std::string> sentences;
   if (!largest.empty()) {
     sentences.push_back(fmt::format(
-        "the search ended at its upper bound: {}. The error would be less beyond it; give a higher one "
+        "{} ended at its upper bound: {}. The error would be less beyond it; give a higher one "
         "({}) where the motors and the noise of the sensors allow it",
+        what,
         fmt::join(largest, ", "),
         fmt::join(options, ", ")));
   }
   if (!least.empty()) {
     sentences.push_back(
-        fmt::format("the search ended at its lower bound: {}. This maneuver gains nothing by it",
+        fmt::format("{} ended at its lower bound: {}. This maneuver gains nothing by it",
+                    what,
                     fmt::join(least, ", ")));
   }
   return fmt::format("{}", fmt::join(sentences, "; "));
@@ -337,7 +344,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         kStabilityMargin,
         decay);
   }
-  if (const std::string text = AtBoundText(result.at_bound); !text.empty())
+  if (const std::string text = AtBoundText(result.at_bound, design.controller.law); !text.empty())
     line.Message("{}", text);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));

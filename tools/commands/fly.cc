@@ -1,6 +1,7 @@
 // lipoid fly MANEUVER: a flight of a vehicle on an identified cell, or on an ideal source.
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -49,7 +50,9 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
   row("outcome", options_internal::ToText(flight.outcome), "");
   row("simulated", fmt::format("{:.3f}", flight.simulated_s), "s");
   row("hover duty", fmt::format("{:.3f}", flight.trim.duty), "at the start");
-  row("hover current", fmt::format("{:.3f}", flight.trim.battery_A), "A");
+  row("hover current",
+      flight.trim.power_suffices ? fmt::format("{:.3f}", flight.trim.battery_A) : "-",
+      "A");
   row("altitude error", Significant(std::sqrt(flight.mse_altitude_m2)), "m rms");
   row("pitch error", Significant(std::sqrt(flight.mse_pitch_deg2)), "degrees rms");
   if (std::isfinite(flight.mse_position_m2)) {
@@ -57,7 +60,14 @@ void PrintFlight(cli::CommandLine& line, std::string_view maneuver, const Flight
     row("", Significant(flight.largest_position_error_m), "m at the largest");
     row("speed", Significant(flight.fastest_m_per_s), "m/s at the largest, along x or y");
   }
-  for (std::size_t k = 0; k < flight.waypoint_distance_m.size(); ++k) {
+  constexpr std::size_t kMostShown = 8;
+  const auto& distances_m = flight.waypoint_distance_m;
+  if (distances_m.size() > kMostShown) {
+    row(fmt::format("largest of {} distances from waypoints", distances_m.size()),
+        Significant(*std::max_element(distances_m.begin(), distances_m.end())),
+        "m at the end of its stay");
+  }
+  for (std::size_t k = 0; k < distances_m.size() && distances_m.size() <= kMostShown; ++k) {
     row(fmt::format("waypoint {}", k + 1),
         Significant(flight.waypoint_distance_m[k]),
         "m away at the end of its stay");
@@ -312,7 +322,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
     line.Message("{} cannot hover on this battery: {}",
                  setup.vehicle.name,
                  flight.trim.power_suffices
-                     ? fmt::format("it would need a duty cycle of {:.3f} at {:.3f} V",
+                     ? fmt::format("it would need a duty cycle of {:.4g} at {:.3f} V",
                                    flight.trim.duty,
                                    flight.trim.battery_V)
                      : std::string("it never gives the power"));

@@ -60,7 +60,11 @@ cli::ExitCode PolesCommand(cli::CommandLine& line) {
       "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
       "unaware for a Mambo, placed for any other vehicle)");
   line.Text("xi", range, "RANGE", "voltage over the nominal one: FIRST:STEP:LAST, or one number");
-  line.OutputOption("output,o", output, "CSV", "one row per pole: xi, kappa, kind, re, im");
+  line.OutputOption(
+      "output,o",
+      output,
+      "CSV",
+      "one row per pole: xi, kappa, kind (0: closed form (5.21), 1: quasi-static motors, 2: with the lag of the motors), real and imaginary part in 1/s");
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 

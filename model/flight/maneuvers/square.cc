@@ -31,6 +31,8 @@ FlightPlan Plan(const SquareOptions& options, std::optional<double> duration_s) 
                              {.altitude_m = options.altitude_m,
                               .x_m = corners[corner % 4][0],
                               .y_m = corners[corner % 4][1]}});
+    const double left_s = time_s + options.corner_s;
+    if (left_s <= plan.duration_s) plan.arrivals_s.push_back(left_s);
     ++corner;
   }
   return plan;

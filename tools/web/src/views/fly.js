@@ -34,10 +34,17 @@ const RESULTS = [
   ["current in hover at the start / A", (s) => s.trim.battery_A],
 ];
 
-// One row for each waypoint that any of the flights has.
-const waypoints = (summaries) => Array.from(
-  { length: Math.max(...summaries.map((s) => listOf(s.waypoint_distance_m).length)) },
-  (_, k) => [`distance from waypoint ${k + 1} at the end of its stay / m`, (s) => listOf(s.waypoint_distance_m)[k] ?? null]);
+// One row for each waypoint that any of the flights has; of many the largest distance alone.
+const mostShown = 8;
+const waypoints = (summaries) => {
+  const length = Math.max(...summaries.map((s) => listOf(s.waypoint_distance_m).length));
+  if (length > mostShown) {
+    return [["largest distance from a waypoint at the end of its stay / m", (s) =>
+      listOf(s.waypoint_distance_m).length ? Math.max(...s.waypoint_distance_m) : null]];
+  }
+  return Array.from({ length }, (_, k) =>
+    [`distance from waypoint ${k + 1} at the end of its stay / m`, (s) => listOf(s.waypoint_distance_m)[k] ?? null]);
+};
 
 // Flights side by side.
 function results(summaries, names) {
