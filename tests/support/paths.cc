@@ -8,6 +8,10 @@ std::string SourcePath(const std::string& relative) {
   return std::string(LIPOID_SOURCE_DIR) + "/" + relative;
 }
 
+std::string FlightFixture(const std::string& name) {
+  return SourcePath("fixtures/flights/" + name);
+}
+
 std::string LabDataPath(const std::string& relative) {
   const std::filesystem::path source(LIPOID_SOURCE_DIR);
   for (const auto& folder : {source / "fixtures" / "lab", source / ".." / "shared" / "data"}) {

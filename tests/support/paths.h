@@ -12,6 +12,9 @@ namespace lipoid::test {
 /// A file of the project, "fixtures/cells/x.json".
 std::string SourcePath(const std::string& relative);
 
+/// A log of an autopilot among those of fixtures/flights.
+std::string FlightFixture(const std::string& name);
+
 /// A real lab log: of fixtures/lab, or a larger one from a folder beside the project. "" where it
 /// is in neither: then skip and say so.
 std::string LabDataPath(const std::string& relative);

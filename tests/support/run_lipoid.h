@@ -19,6 +19,10 @@ struct RunResult {
 /// A folder of its own for the current test, empty; `lipoid` runs in it.
 [[nodiscard]] std::string TestFolder();
 
+/// A log of four rows.
+inline constexpr const char* kFourRowLog =
+    "time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,1,3.9\n3,0,4.0\n";
+
 /// `lipoid arguments...` in the folder, with standard input closed.
 [[nodiscard]] RunResult RunLipoid(const std::string& folder,
                                   const std::vector<std::string>& arguments);

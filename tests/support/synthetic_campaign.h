@@ -17,6 +17,9 @@
 
 namespace lipoid::test {
 
+/// White noise of the voltages in campaigns of the joint fit.
+inline constexpr double kJointNoise_V = 0.0005;
+
 /// A shipped cell with a branch that logs of minutes can see: 0.03 Ohm and 1500 F.
 inline Cell Truth() {
   Cell cell = LoadCell("gifi-600mAh-1");

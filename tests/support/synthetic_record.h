@@ -4,12 +4,16 @@
 /// Records with known steps, for tests: steps of current, sampled anyhow, with or without noise.
 
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
 #include "identify/logs/record.h"
 
 namespace lipoid::test {
+
+/// As the most rows to keep of a log: none is left out.
+inline constexpr std::size_t kEveryRow = std::size_t{1} << 40;
 
 struct CurrentStep {
   double duration_s = 0.0;
@@ -45,6 +49,12 @@ inline Record RecordOfSteps(const std::vector<CurrentStep>& steps,
   }
   if (hold == Hold::kForward) add(start_s, 0.0);
   return record;
+}
+
+inline void AddWhiteNoise(Record& record, double noise_V, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> normal;
+  for (double& v : record.voltage_V) v += noise_V * normal(engine);
 }
 
 }  // namespace lipoid::test

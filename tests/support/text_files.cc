@@ -10,6 +10,8 @@
 
 namespace lipoid::test {
 
+void Write(const std::string& file, std::string_view text) { std::ofstream(file) << text; }
+
 std::string WriteText(const std::string& name, std::string_view text) {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
   std::string folder = std::string(test->test_suite_name()) + "." + test->name();

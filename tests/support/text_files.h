@@ -8,6 +8,12 @@
 
 namespace lipoid::test {
 
+/// The header of a log in the units of lipoid.
+inline const std::string kLogHeader = "time_s,current_A,voltage_V\n";
+
+/// Writes the text to a file, which may be there.
+void Write(const std::string& file, std::string_view text);
+
 /// Writes the text, byte for byte, to a file of that name in a folder of the current test.
 std::string WriteText(const std::string& name, std::string_view text);
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kBeta = 0.1924, kSeries = 0.1314;  // of gifi-600mAh-1
 
-void SynthesizeLogs(const std::string& folder) {
+void SynthesizeExactLogs(const std::string& folder) {
   const auto run = RunLipoid(folder,
                              {"synthesize",
                               "gifi-600mAh-1",
@@ -46,7 +46,7 @@ std::vector<std::string> Compare(const std::vector<std::string>& more) {
 
 TEST(Compare, RunsTheSevenOfTheThesisUnlessToldOtherwise) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const auto run = RunLipoid(folder, Compare({"--csv", "table.csv"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find(" rows of 1 log, "), std::string::npos) << run.out;
@@ -95,7 +95,7 @@ TEST(Compare, RunsTheSevenOfTheThesisUnlessToldOtherwise) {
 
 TEST(Compare, WritesOneRowPerStartAndTablesForAPaperAndCallsATieATie) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const auto run = RunLipoid(folder,
                              Compare({"--optimizers",
                                       "levenberg-marquardt,interior-point",
@@ -178,7 +178,7 @@ TEST(Latex, HasEachNumberThatTheScreenShows) {
 
 TEST(Compare, TriesRandomStartsAndGivesTheSameForAnyNumberOfThreads) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   std::vector<std::string> texts;
   for (const char* threads : {"1", "2"}) {
     const auto run = RunLipoid(folder,
@@ -208,7 +208,7 @@ TEST(Compare, TriesRandomStartsAndGivesTheSameForAnyNumberOfThreads) {
 
 TEST(Compare, HoldsBoundsAndFitsTimeConstants) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const auto run = RunLipoid(folder,
                              Compare({"--optimizers",
                                       "sqp,nelder-mead",
@@ -240,7 +240,7 @@ TEST(Compare, HoldsBoundsAndFitsTimeConstants) {
 
 TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const auto run =
       RunLipoid(folder, Compare({"--optimizers", "levenberg-marquardt", "--set", "scaling=none"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -251,11 +251,10 @@ TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
 
 TEST(Compare, SaysWhichSettingsChangeNothing) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const auto said = [&](const char* optimizers) {
-    return RunLipoid(
-               folder,
-               Compare({"--optimizers", optimizers, "--set", "particle-swarm.population=20"}))
+    return RunLipoid(folder,
+                     Compare({"--optimizers", optimizers, "--set", "particle-swarm.population=20"}))
         .err;
   };
   EXPECT_NE(said("sqp,levenberg-marquardt")
@@ -295,7 +294,7 @@ TEST(Compare, ABranchWithoutResistanceHasNoCapacitanceInTheTable) {
 
 TEST(Compare, RefusesWhatMakesNoSense) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeExactLogs(folder);
   const struct {
     std::vector<std::string> more;
     const char* says;

@@ -4,17 +4,15 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "model/core/json.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid::test {
 namespace {
-
-void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
 
 TEST(ExportCommand, WritesTheFilesAndPrintsWhatTheirCommentsSay) {
   const auto folder = TestFolder();

@@ -18,7 +18,7 @@ namespace {
 using Columns = std::vector<std::string>;
 
 // The lab's logs of a shipped cell in logs/, sampled every second.
-std::string FolderWithLogs() {
+std::string FolderWithNoisyLogs() {
   auto folder = TestFolder();
   const auto run = RunLipoid(folder,
                              {"synthesize",
@@ -70,7 +70,7 @@ std::string Row(double t, double i, double v) {
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   const auto run = RunLipoid(
       folder, {"identify", "logs/campaign.toml", "-o", "cell.json", "--summary", "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -88,7 +88,7 @@ TEST(FirstHour, TheFirstLineOfAFitIsItsVerdict) {
 
 // The times of one log in minutes under a header of seconds: its charge is a sixtieth.
 TEST(FirstHour, AnAbsurdFitDoesNotEndAsDone) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   for (const char* log : {"cc_1C.csv", "cc_3C.csv", "cc_6C.csv"}) {
     Rewrite(folder + "/logs/" + log, folder + "/" + log, [](double t, double i, double v) {
       return Row(t / 60.0, i, v);
@@ -123,7 +123,7 @@ TEST(FirstHour, AnAbsurdFitDoesNotEndAsDone) {
 }
 
 TEST(FirstHour, ACapacityInMilliampereHoursIsRefused) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   auto text = ReadTextFile(folder + "/logs/campaign.toml");
   const auto at = text.find("capacity_Ah = 0.6");
   ASSERT_NE(at, std::string::npos) << text;
@@ -136,7 +136,7 @@ TEST(FirstHour, ACapacityInMilliampereHoursIsRefused) {
 }
 
 TEST(FirstHour, AGapIsRefusedAndDrafted) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   Rewrite(folder + "/logs/pulses.csv", folder + "/gap.csv", [](double t, double i, double v) {
     return t > 1805.0 && t < 2225.0 ? "" : Row(t, i, v);
   });
@@ -150,7 +150,7 @@ TEST(FirstHour, AGapIsRefusedAndDrafted) {
 }
 
 TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   for (const char* log : {"cc_1C.csv", "cc_3C.csv", "cc_6C.csv", "low_rate.csv", "pulses.csv"}) {
     std::filesystem::create_directories(folder + "/pack");
     Rewrite(folder + "/logs/" + log, folder + "/pack/" + log, [](double t, double i, double v) {
@@ -176,7 +176,7 @@ TEST(FirstHour, APackIsDraftedAsOneAndIdentifies) {
 }
 
 TEST(FirstHour, ALogThatDoesNotStartFullIsSeen) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   Rewrite(folder + "/logs/pulses.csv", folder + "/half.csv", [](double t, double i, double v) {
     return t < 9000.0 ? "" : Row(t - 9000.0, i, v);
   });
@@ -188,7 +188,7 @@ TEST(FirstHour, ALogThatDoesNotStartFullIsSeen) {
 }
 
 TEST(FirstHour, ColumnsCanBeNamedWhereverLogsAreRead) {
-  const auto folder = FolderWithLogs();
+  const auto folder = FolderWithNoisyLogs();
   Rewrite(
       folder + "/logs/pulses.csv",
       folder + "/odd.csv",
@@ -256,10 +256,10 @@ TEST(FirstHour, ASimulationEndsAtTheCutOff) {
 
 // The band counts the rows that are written: under 100 A it would be volts wide.
 TEST(FirstHour, TheBandOfASimulationEndsAtTheCutOffToo) {
-  const auto folder = FolderWithLogs();
-  ASSERT_EQ(RunLipoid(folder, {"identify", "logs/campaign.toml", "--quiet", "-o", "cell.json"})
-                .exit_code,
-            0);
+  const auto folder = FolderWithNoisyLogs();
+  ASSERT_EQ(
+      RunLipoid(folder, {"identify", "logs/campaign.toml", "--quiet", "-o", "cell.json"}).exit_code,
+      0);
   std::ofstream(folder + "/much.csv") << "time_s,current_A\n0,0\n1,0.5\n2,0.5\n3,100\n4,100\n";
   const auto run = RunLipoid(folder,
                              {"simulate",

@@ -1,4 +1,4 @@
-// Flight logs and tables without a header, through the command line.
+// FlightFixture logs and tables without a header, through the command line.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -12,11 +12,10 @@
 namespace lipoid::test {
 namespace {
 
-std::string Flight(const std::string& name) { return SourcePath("fixtures/flights/" + name); }
-
 TEST(InspectFlights, SaysVehicleBatteryAndUpdates) {
   const std::string summary = ScratchPath("inspect_flight.json");
-  const auto run = RunLipoid(TestFolder(), {"inspect", Flight("log171.bin"), "--summary", summary});
+  const auto run =
+      RunLipoid(TestFolder(), {"inspect", FlightFixture("log171.bin"), "--summary", summary});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("vehicle      APM:Copter V3.3-dev (ae3192b8), frame QUAD"),
             std::string::npos)
@@ -30,11 +29,11 @@ TEST(InspectFlights, SaysVehicleBatteryAndUpdates) {
 }
 
 TEST(InspectFlights, AsksWhichBattery) {
-  const auto open = RunLipoid(TestFolder(), {"inspect", Flight("sample_log_small.ulg")});
+  const auto open = RunLipoid(TestFolder(), {"inspect", FlightFixture("sample_log_small.ulg")});
   EXPECT_EQ(open.exit_code, 3);
   EXPECT_NE(open.err.find("say which with `battery` (--battery 1)"), std::string::npos) << open.err;
   const auto second =
-      RunLipoid(TestFolder(), {"inspect", Flight("sample_log_small.ulg"), "--battery", "2"});
+      RunLipoid(TestFolder(), {"inspect", FlightFixture("sample_log_small.ulg"), "--battery", "2"});
   EXPECT_EQ(second.exit_code, 0) << second.err;
   EXPECT_NE(second.out.find("2 of 2; 12 cells in series, 6 Ah as the autopilot was told"),
             std::string::npos)
@@ -43,9 +42,10 @@ TEST(InspectFlights, AsksWhichBattery) {
 
 TEST(ConvertFlights, WritesTheRowsThatWereRead) {
   const std::string csv = ScratchPath("flight.csv");
-  const auto run = RunLipoid(TestFolder(), {"convert", Flight("esc_status_log.ulg"), "-o", csv});
+  const auto run =
+      RunLipoid(TestFolder(), {"convert", FlightFixture("esc_status_log.ulg"), "-o", csv});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Log first = ReadLog(Flight("esc_status_log.ulg"));
+  const Log first = ReadLog(FlightFixture("esc_status_log.ulg"));
   ReadOptions positive;  // a flight without a rest settles no sign by itself
   positive.current_sign = "discharge-positive";
   const Log again = ReadLog(csv, positive);
@@ -55,7 +55,7 @@ TEST(ConvertFlights, WritesTheRowsThatWereRead) {
 }
 
 TEST(ConvertFlights, WithoutABatteryIsBadInput) {
-  const std::string bytes = ReadTextFile(Flight("esc_status_log.ulg"));
+  const std::string bytes = ReadTextFile(FlightFixture("esc_status_log.ulg"));
   const std::string file = WriteText("no_battery.ulg", bytes.substr(0, 1000));
   const std::string csv = ScratchPath("no_battery.csv");
   const auto run = RunLipoid(TestFolder(), {"convert", file, "-o", csv});
@@ -67,7 +67,7 @@ TEST(ConvertFlights, WithoutABatteryIsBadInput) {
 }
 
 TEST(Columns, ByTheirNumbersForATableWithoutHeader) {
-  const std::string table = ReadTextFile(Flight("log171.csv"));
+  const std::string table = ReadTextFile(FlightFixture("log171.csv"));
   const std::string rows = table.substr(table.find('\n') + 1);
   const std::string file = WriteText("no_header.csv", rows);
   const std::string csv = ScratchPath("no_header_out.csv");
@@ -87,7 +87,7 @@ TEST(Columns, ByTheirNumbersForATableWithoutHeader) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   ReadOptions positive;
   positive.current_sign = "discharge-positive";
-  const Log named = ReadLog(Flight("log171.csv"), positive);
+  const Log named = ReadLog(FlightFixture("log171.csv"), positive);
   EXPECT_EQ(ReadLog(csv, positive).record.voltage_V, named.record.voltage_V);
   EXPECT_EQ(ReadLog(csv, positive).record.current_A, named.record.current_A);
 

@@ -18,7 +18,9 @@ namespace lipoid::test {
 namespace {
 
 // Of a message; the second says how to get help.
-std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n') + 1); }
+std::string FirstLineWithBreak(const std::string& text) {
+  return text.substr(0, text.find('\n') + 1);
+}
 
 TEST(Fly, WritesTheLogAndTheSummary) {
   const auto folder = TestFolder();
@@ -116,7 +118,7 @@ TEST(Fly, ARowOfTheLogIsAWholeNumberOfControlSteps) {
   const auto odd = run("0.007");
   EXPECT_EQ(odd.exit_code, 2);
   EXPECT_EQ(
-      FirstLine(odd.err),
+      FirstLineWithBreak(odd.err),
       "lipoid fly: error: option --log-step-s: expected a multiple of the control step of 0.005 "
       "s, found 0.007 s; give 0.005 or 0.01\n");
   for (const char* step_s : {"0.005", "0.015", "0.1", "0.35"})
@@ -306,7 +308,7 @@ TEST(Fly, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
   const auto folder = TestFolder();
   auto run = RunLipoid(folder, {"fly", "hover", "--ensemble", "10"});
   EXPECT_EQ(run.exit_code, 3);
-  EXPECT_EQ(FirstLine(run.err),
+  EXPECT_EQ(FirstLineWithBreak(run.err),
             "gifi-600mAh-1:1:1: error: expected the key 'uncertainty' for --ensemble, found none: "
             "identify the cell again with this version of lipoid, or leave --ensemble out\n");
   for (const std::string command : {"fly hover", "simulate"}) {
@@ -323,7 +325,7 @@ TEST(Fly, AnEnsembleNeedsACellThatSaysHowUncertainItIs) {
   }
   run = RunLipoid(folder, {"fly", "hover", "--xi", "1", "--ensemble", "10"});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(FirstLine(run.err),
+  EXPECT_EQ(FirstLineWithBreak(run.err),
             "lipoid fly: error: option --ensemble is for a cell; an ideal source has no "
             "uncertainty\n");
 }
@@ -333,7 +335,7 @@ TEST(Fly, SaysWhatDoesNotGoTogether) {
   const auto error = [&](std::vector<std::string> options) {
     options.insert(options.begin(), "fly");
     const auto run = RunLipoid(folder, options);
-    return std::to_string(run.exit_code) + " " + FirstLine(run.err);
+    return std::to_string(run.exit_code) + " " + FirstLineWithBreak(run.err);
   };
   EXPECT_EQ(error({"hover", "--battery", "ideal", "--cell", "gifi-600mAh-1"}),
             "2 lipoid fly: error: options --battery ideal and --cell: give one of them\n");
@@ -428,7 +430,7 @@ TEST(Fly, SaysBeforeTakeOffThatALoopIsUnstable) {
                         "--summary",
                         "s.json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const std::string first = FirstLine(run.err);
+  const std::string first = FirstLineWithBreak(run.err);
   EXPECT_EQ(first.find("the attitude loop is unstable at xi = 0.8 (take-off): its error doubles"),
             0U)
       << first;
@@ -470,7 +472,7 @@ TEST(Fly, GainsOfOtherVehiclesArePlacedByTheirMotors) {
                         "s.json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(
-      FirstLine(run.err),
+      FirstLineWithBreak(run.err),
       "gains placed from the motors' lag of 42.1 ms: poles of the attitude at 4.75 rad/s, yaw "
       "1.29, altitude 2.37, position 1.19\n");
   EXPECT_EQ(ReadJson(folder, "s.json").at("gains"), "placed");
@@ -559,7 +561,7 @@ TEST(Poles, PrintsThreeWaysForARange) {
 TEST(Poles, SaysWhatARangeIs) {
   const auto folder = TestFolder();
   const auto error = [&](const char* range) {
-    return FirstLine(RunLipoid(folder, {"poles", "attitude", "--xi", range}).err);
+    return FirstLineWithBreak(RunLipoid(folder, {"poles", "attitude", "--xi", range}).err);
   };
   EXPECT_EQ(error("0.8:1"),
             "lipoid poles: error: option --xi: expected FIRST:STEP:LAST or one number, found "
@@ -637,10 +639,11 @@ TEST(Design, SaysWhatIsWrong) {
   const auto folder = TestFolder();
   EXPECT_EQ(RunLipoid(folder, {"design", "yaw"}).exit_code, 2);
   EXPECT_EQ(
-      FirstLine(RunLipoid(folder, {"design", "altitude", "--aware", "--weights", "1,2"}).err),
+      FirstLineWithBreak(
+          RunLipoid(folder, {"design", "altitude", "--aware", "--weights", "1,2"}).err),
       "lipoid design: error: option --weights: expected 21 numbers, one for each xi, found 2\n");
   EXPECT_EQ(
-      FirstLine(
+      FirstLineWithBreak(
           RunLipoid(folder, {"design", "altitude", "--xi", "0.9:0.1:1", "--weights", "0,0"}).err),
       "lipoid design: error: option --weights: expected a number above 0 among them, found 0,0, "
       "by which no gains are better than others\n");

@@ -19,8 +19,6 @@
 namespace lipoid::test {
 namespace {
 
-std::string Flight(const std::string& name) { return SourcePath("fixtures/flights/" + name); }
-
 TEST(Health, OfASoloFlightSaysWhatItTells) {
   const std::string folder = TestFolder();
   const auto run = RunLipoid(folder,
@@ -31,7 +29,7 @@ TEST(Health, OfASoloFlightSaysWhatItTells) {
                               "5.2",
                               "--series",
                               "4",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -91,9 +89,13 @@ TEST(Health, OfARacerAgreesWithItsEdges) {
 }
 
 TEST(Health, RefusesWhatSaysNothing) {
-  const auto brief = RunLipoid(
-      TestFolder(),
-      {"health", "--cell", "gifi-600mAh-1", "--battery", "2", Flight("sample_log_small.ulg")});
+  const auto brief = RunLipoid(TestFolder(),
+                               {"health",
+                                "--cell",
+                                "gifi-600mAh-1",
+                                "--battery",
+                                "2",
+                                FlightFixture("sample_log_small.ulg")});
   EXPECT_EQ(brief.exit_code, 3);
   EXPECT_NE(brief.err.find("expected a flight of at least 20 s, found 6 s"), std::string::npos)
       << brief.err;
@@ -125,7 +127,7 @@ TEST(Health, GuessesNoCapacityFromATypicalCurve) {
                               "gifi-600mAh-1",
                               "--series",
                               "6",
-                              Flight("esc_status_log.ulg"),
+                              FlightFixture("esc_status_log.ulg"),
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -151,7 +153,7 @@ TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
                               "4",
                               "--capacity-Ah",
                               "0.4",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -210,7 +212,7 @@ TEST(Health, SaysThatTheRestIsThatOfAnotherNumberOfCells) {
                                 series,
                                 "--capacity-Ah",
                                 "5.2",
-                                Flight("log171.bin"),
+                                FlightFixture("log171.bin"),
                                 "--summary",
                                 "s.json"});
     EXPECT_EQ(run.exit_code, 1) << run.err;
@@ -233,7 +235,7 @@ TEST(Health, RefusesFlightsThatWereToldOfSeveralPacks) {
     more.insert(more.begin(), {"health", "--cell", "gifi-600mAh-1"});
     return RunLipoid(TestFolder(), more);
   };
-  const auto cells = health({Flight("quadrotor_local.ulg"), Flight("log171.bin")});
+  const auto cells = health({FlightFixture("quadrotor_local.ulg"), FlightFixture("log171.bin")});
   EXPECT_EQ(cells.exit_code, 2);
   EXPECT_NE(cells.err.find("option --series: expected flights of one pack, found "),
             std::string::npos)
@@ -242,7 +244,7 @@ TEST(Health, RefusesFlightsThatWereToldOfSeveralPacks) {
   EXPECT_NE(cells.err.find("that says nothing of it; give --series"), std::string::npos)
       << cells.err;
   const auto capacities =
-      health({Flight("quadrotor_local.ulg"), Flight("log171.bin"), "--series", "4"});
+      health({FlightFixture("quadrotor_local.ulg"), FlightFixture("log171.bin"), "--series", "4"});
   EXPECT_EQ(capacities.exit_code, 2);
   EXPECT_NE(capacities.err.find("log171.bin that says 5.2 Ah; give --capacity-Ah"),
             std::string::npos)
@@ -253,7 +255,9 @@ TEST(Health, RefusesFlightsThatWereToldOfSeveralPacks) {
 // narrow the intervals about it.
 TEST(Health, SaysThatTheReferenceDoesNotDescribeTheFlight) {
   const std::string folder = TestFolder();
-  ASSERT_EQ(RunLipoid(folder, {"convert", Flight("log171.bin"), "-o", "all.bdf.csv"}).exit_code, 0);
+  ASSERT_EQ(
+      RunLipoid(folder, {"convert", FlightFixture("log171.bin"), "-o", "all.bdf.csv"}).exit_code,
+      0);
   const std::string all = ReadText(folder + "/all.bdf.csv");
   std::size_t from = all.size();
   for (int row = 0; row <= 1200; ++row) from = all.rfind('\n', from - 1);
@@ -294,7 +298,7 @@ TEST(Health, DoubtsWhatNoCellBecomes) {
                               "4",
                               "--capacity-Ah",
                               "5.2",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--summary",
                               "s.json"});
   EXPECT_EQ(run.exit_code, 1) << run.err;
@@ -379,12 +383,13 @@ TEST(Health, CountsAFlightOnce) {
                  {"health", "--cell", "gifi-600mAh-1", "--series", "4", "--capacity-Ah", "5.2"});
     return RunLipoid(folder, files);
   };
-  const auto twice = health({Flight("log171.bin"), SourcePath("fixtures/./flights/log171.bin")});
+  const auto twice =
+      health({FlightFixture("log171.bin"), SourcePath("fixtures/./flights/log171.bin")});
   EXPECT_EQ(twice.exit_code, 2);
   EXPECT_NE(twice.err.find("is given twice; name each log once"), std::string::npos) << twice.err;
 
-  const std::string log = ReadText(Flight("log171.bin"));
-  const auto copies = health({Flight("log171.bin"),
+  const std::string log = ReadText(FlightFixture("log171.bin"));
+  const auto copies = health({FlightFixture("log171.bin"),
                               WriteText("b.bin", log),
                               WriteText("c.bin", log),
                               "--summary",
@@ -411,7 +416,7 @@ TEST(Health, SaysByWhichEnergyAResistanceIsThatAt25DegC) {
                               "5.2",
                               "--ambient-degC",
                               "5",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -425,7 +430,7 @@ TEST(Health, SaysByWhichEnergyAResistanceIsThatAt25DegC) {
 
 TEST(Health, AsksForTheCellsInSeries) {
   const auto run =
-      RunLipoid(TestFolder(), {"health", "--cell", "gifi-600mAh-1", Flight("log171.bin")});
+      RunLipoid(TestFolder(), {"health", "--cell", "gifi-600mAh-1", FlightFixture("log171.bin")});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("expected how many cells the pack has in series"), std::string::npos)
       << run.err;
@@ -443,10 +448,10 @@ TEST(Health, NamesWhatItLeavesOut) {
                               "5.2",
                               "--series",
                               "6",
-                              Flight("esc_status_log.ulg"),
+                              FlightFixture("esc_status_log.ulg"),
                               "--battery",
                               "1",
-                              Flight("sample_log_small.ulg"),
+                              FlightFixture("sample_log_small.ulg"),
                               "--summary",
                               "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -464,7 +469,7 @@ TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {
   const auto run = RunLipoid(folder,
                              {"identify",
                               "--flight",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--series",
                               "4",
                               "--capacity-Ah",
@@ -486,9 +491,14 @@ TEST(IdentifyFlights, GivesWhatFlightsAloneTell) {
   EXPECT_NEAR(flights.at("highest_soc").get<double>() - flights.at("lowest_soc").get<double>(),
               0.729 / 5.2,
               kHalfWindow);
-  const auto simulated = RunLipoid(
-      folder,
-      {"validate", "cell.json", Flight("log171.bin"), "--series", "4", "--initial-soc", "0.93"});
+  const auto simulated = RunLipoid(folder,
+                                   {"validate",
+                                    "cell.json",
+                                    FlightFixture("log171.bin"),
+                                    "--series",
+                                    "4",
+                                    "--initial-soc",
+                                    "0.93"});
   EXPECT_EQ(simulated.exit_code, 0) << simulated.err;
 }
 
@@ -498,7 +508,7 @@ TEST(IdentifyFlights, CannotGiveMoreThanTheCellHolds) {
   const auto run = RunLipoid(folder,
                              {"identify",
                               "--flight",
-                              Flight("log171.bin"),
+                              FlightFixture("log171.bin"),
                               "--series",
                               "4",
                               "--capacity-Ah",
@@ -519,7 +529,8 @@ TEST(IdentifyFlights, CannotGiveMoreThanTheCellHolds) {
 TEST(IdentifyFlights, SayThatThePackIsNotThatOfTheFlight) {
   const std::string folder = TestFolder();
   const auto first_line = [&](const std::string& flight, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"identify", "--flight", Flight(flight), "-o", "cell.json"};
+    std::vector<std::string> arguments{
+        "identify", "--flight", FlightFixture(flight), "-o", "cell.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto run = RunLipoid(folder, arguments);
     EXPECT_LE(run.exit_code, 1) << run.err;
@@ -551,9 +562,14 @@ TEST(IdentifyFlights, SayThatThePackIsNotThatOfTheFlight) {
 }
 
 TEST(IdentifyFlights, AreNoProblemForOptimizers) {
-  const auto run = RunLipoid(
-      TestFolder(),
-      {"compare", "--flight", Flight("log171.bin"), "--series", "4", "--capacity-Ah", "5.2"});
+  const auto run = RunLipoid(TestFolder(),
+                             {"compare",
+                              "--flight",
+                              FlightFixture("log171.bin"),
+                              "--series",
+                              "4",
+                              "--capacity-Ah",
+                              "5.2"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("expected logs of the lab, found flights alone"), std::string::npos)
       << run.err;
@@ -562,10 +578,10 @@ TEST(IdentifyFlights, AreNoProblemForOptimizers) {
 // A flight on a pack of twice the cell bends the cell of the lab logs until both fit badly.
 TEST(IdentifyFlights, OfAnotherPackAreNotTakenWithLabLogs) {
   const std::string folder = TestFolder();
-  ASSERT_EQ(
-      RunLipoid(folder, {"convert", Flight("log171.bin"), "--series", "4", "-o", "l4.bdf.csv"})
-          .exit_code,
-      0);
+  ASSERT_EQ(RunLipoid(folder,
+                      {"convert", FlightFixture("log171.bin"), "--series", "4", "-o", "l4.bdf.csv"})
+                .exit_code,
+            0);
   const auto lab = [](const std::string& name) {
     return SourcePath("fixtures/lab/dmegc_inr18650_26_r1/" + name);
   };
@@ -595,9 +611,9 @@ TEST(IdentifyFlights, OfAnotherPackAreNotTakenWithLabLogs) {
 }
 
 TEST(IdentifyFlights, AsksForTheCapacity) {
-  const auto run =
-      RunLipoid(TestFolder(),
-                {"identify", "--flight", Flight("log171.bin"), "--series", "4", "-o", "cell.json"});
+  const auto run = RunLipoid(
+      TestFolder(),
+      {"identify", "--flight", FlightFixture("log171.bin"), "--series", "4", "-o", "cell.json"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("flights alone do not tell it, found none; give --capacity-Ah"),
             std::string::npos)

@@ -43,11 +43,9 @@ RunResult Refused(const std::string& folder, const std::vector<std::string>& arg
   return run;
 }
 
-const char* const kLog = "time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,1,3.9\n3,0,4.0\n";
-
 TEST(Hostile, JsonOfEveryKindIsRefusedWhereverItIsRead) {
   const auto folder = TestFolder();
-  std::ofstream(folder + "/log.csv") << kLog;
+  std::ofstream(folder + "/log.csv") << kFourRowLog;
   std::vector<std::string> files;
   for (const char* const name :
        {"01_nul_double_free.json", "01_nul_escaped_exception.json", "01_nul_segfault.json"}) {
@@ -118,7 +116,7 @@ TEST(Hostile, LogsAndNamesAreShownShortAndEscaped) {
 
 TEST(Hostile, LoopsOfLinksAreSaid) {
   const auto folder = TestFolder();
-  std::ofstream(folder + "/log.csv") << kLog;
+  std::ofstream(folder + "/log.csv") << kFourRowLog;
   fs::create_symlink("loop", folder + "/loop");
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"validate", "loop", "log.csv"},
@@ -142,7 +140,7 @@ TEST(Hostile, LoopsOfLinksAreSaid) {
 
 TEST(Hostile, NumbersThatAreNoneAreRefusedLikeTheirTwins) {
   const auto folder = TestFolder();
-  std::ofstream(folder + "/log.csv") << kLog;
+  std::ofstream(folder + "/log.csv") << kFourRowLog;
   for (const char* const option : {"--start-s", "--end-s"}) {
     for (const char* const value : {"inf", "-inf", "nan", "infinity"}) {
       const auto run = Refused(

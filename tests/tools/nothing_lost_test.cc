@@ -5,28 +5,24 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLog = "time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,1,3.9\n3,0,4.0\n";
-
-void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
-
 // A campaign of three logs in logs/, a cell, gains, and links to a log.
 std::string FolderOfInputs() {
   const auto folder = TestFolder();
   fs::create_directories(folder + "/logs");
   for (const char* const log : {"cc", "low", "pulses"})
-    Write(folder + "/logs/" + log + ".csv", kLog);
+    Write(folder + "/logs/" + log + ".csv", kFourRowLog);
   Write(folder + "/c.toml",
         "[cell]\ncutoff_V = 3.0\n"
         "[[log]]\nkind = \"constant-current\"\nfile = \"logs/cc.csv\"\n"
@@ -273,7 +269,7 @@ TEST(NothingLost, TheSummaryOfAFailedCommandReplacesNoInput) {
 
 TEST(NothingLost, AFileThatIsReplacedKeepsItsModeItsLinkAndTheOthersTheirFile) {
   const auto folder = TestFolder();
-  Write(folder + "/log.csv", kLog);
+  Write(folder + "/log.csv", kFourRowLog);
   const std::vector<std::string> convert{
       "convert", "log.csv", "--current-sign", "discharge-positive", "-o"};
   const auto convert_to = [&](const std::string& file) {
@@ -303,7 +299,7 @@ TEST(NothingLost, AFileThatIsReplacedKeepsItsModeItsLinkAndTheOthersTheirFile) {
 
 TEST(NothingLost, NamesOfAnyLengthThatADiskTakesAreWritten) {
   const auto folder = TestFolder();
-  Write(folder + "/log.csv", kLog);
+  Write(folder + "/log.csv", kFourRowLog);
   for (const std::size_t length : {std::size_t{245}, std::size_t{255}}) {
     const std::string name = std::string(length - 4, 'x') + ".csv";
     EXPECT_EQ(RunLipoid(folder,
@@ -316,7 +312,7 @@ TEST(NothingLost, NamesOfAnyLengthThatADiskTakesAreWritten) {
 
 TEST(NothingLost, SeveralFilesAppearTogetherOrNotAtAll) {
   const auto folder = TestFolder();
-  Write(folder + "/log.csv", kLog);
+  Write(folder + "/log.csv", kFourRowLog);
   Write(folder + "/out.csv", "old");
   const std::vector<std::string> arguments{"convert",
                                            "log.csv",
@@ -358,7 +354,7 @@ TEST(NothingLost, SignalsAndLimitsLeaveNothingHalf) {
 
 TEST(NothingLost, KilledItLeavesWhatBlocksNoLaterRunAndIsNoLog) {
   const auto folder = TestFolder();
-  Write(folder + "/log.csv", kLog);
+  Write(folder + "/log.csv", kFourRowLog);
   const auto killed = RunShell(
       folder,
       "timeout --signal=KILL 0.5 \"$LIPOID\" fly hover --battery ideal --duration 1e5 --log-step-s 0.005 -o f.csv");
@@ -379,7 +375,7 @@ TEST(NothingLost, KilledItLeavesWhatBlocksNoLaterRunAndIsNoLog) {
 
 TEST(NothingLost, AReaderWhoLeavesEarlyIsNoErrorWhereverTheDataGo) {
   const auto folder = TestFolder();
-  std::string log = kLog;
+  std::string log = kFourRowLog;
   for (int k = 4; k < 100'000; ++k) log += std::to_string(k) + ",0,4.0\n";
   Write(folder + "/log.csv", log);
   for (const std::string output : {"/dev/stdout", "-", "out.csv", "/dev/fd/1"}) {
@@ -393,7 +389,7 @@ TEST(NothingLost, AReaderWhoLeavesEarlyIsNoErrorWhereverTheDataGo) {
 
 TEST(NothingLost, StandardOutputIsTheSameByAllOfItsNames) {
   const auto folder = TestFolder();
-  Write(folder + "/log.csv", kLog);
+  Write(folder + "/log.csv", kFourRowLog);
   const auto converted = [&](const std::string& output) {
     const auto run = RunShell(folder,
                               "\"$LIPOID\" convert log.csv --current-sign discharge-positive -o " +

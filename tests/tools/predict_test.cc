@@ -246,7 +246,7 @@ TEST(Simulate, RefusesWhatItCannotUseAndWritesNothing) {
 }
 
 // cell.json, whose r_s alone is uncertain, by 4 mOhm, and i.csv: half an hour of rests and pulses.
-std::string FolderWithUncertainCell() {
+std::string FolderWithUncertainCellAndCurrent() {
   auto folder = TestFolder();
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.uncertainty = Cell::Uncertainty{
@@ -259,7 +259,7 @@ std::string FolderWithUncertainCell() {
 }
 
 TEST(Simulate, AnEnsembleAddsTheBandOfEachRow) {
-  const auto folder = FolderWithUncertainCell();
+  const auto folder = FolderWithUncertainCellAndCurrent();
   const auto simulate = [&](const std::string& output, std::vector<std::string> more) {
     std::vector<std::string> arguments{"simulate",
                                        "cell.json",

@@ -10,6 +10,7 @@
 #include "model/core/json_text.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/text_files.h"
 #include "tools/report/report.h"
 #include "tools/report/summary_schema.h"
 
@@ -17,10 +18,6 @@ namespace lipoid::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kLog = "time_s,current_A,voltage_V\n0,0,4.1\n1,1,4.0\n2,1,3.9\n3,0,4.0\n";
-
-void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
 
 // What the page carries: {"schema": ..., "results": [...]}.
 Json DataOf(const std::string& page) {
@@ -35,7 +32,7 @@ class Report : public ::testing::Test {
   void SetUp() override {
     if (!CanReport()) GTEST_SKIP() << "built without reports";
     folder_ = TestFolder();
-    Write(folder_ + "/log.csv", kLog);
+    Write(folder_ + "/log.csv", kFourRowLog);
   }
 
   Json Summary(const std::vector<std::string>& arguments) {
@@ -139,7 +136,7 @@ TEST_F(Report, SaysWhichFileIsMissingOrHasChanged) {
     EXPECT_EQ(run.err, "s.json: " + page.at("notes").at(0).get<std::string>() + "\n");
     return page.at("notes").at(0).get<std::string>();
   };
-  Write(folder_ + "/log.csv", std::string(kLog) + "4,0,4.0\n");
+  Write(folder_ + "/log.csv", std::string(kFourRowLog) + "4,0,4.0\n");
   EXPECT_EQ(note(),
             "The charts of samples are not here: log.csv has another SHA-256 than it had. Run "
             "`lipoid validate` again with --report.");
@@ -223,9 +220,8 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
       "c.json:1:13: error: /command: expected one of the commands whose results can be "
       "shown (compare, design, endurance, fly, health, identify, inspect, plan, poles, study, validate), "
       "found \"convert\"");
-  ExpectRefused(
-      refused("{\"command\": \"validate\"}\n"),
-      "c.json:1:1: error: /: expected an object with the key 'edges', found an object");
+  ExpectRefused(refused("{\"command\": \"validate\"}\n"),
+                "c.json:1:1: error: /: expected an object with the key 'edges', found an object");
   ExpectRefused(refused("{\"command\": \"poles\", \"command\": \"poles\"}\n"),
                 "c.json:1:22: error: expected every key once, found 'command' again");
 }

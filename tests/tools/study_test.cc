@@ -13,7 +13,7 @@ namespace lipoid::test {
 namespace {
 
 // Logs of a cell with one branch, below the folder.
-void SynthesizeLogs(const std::string& folder) {
+void SynthesizeNoisyLogs(const std::string& folder) {
   const auto run = RunLipoid(folder,
                              {"synthesize",
                               "gifi-600mAh-1",
@@ -33,7 +33,7 @@ void SynthesizeLogs(const std::string& folder) {
 
 TEST(Study, BranchesPrintsATableAndRecommendsTheCellsOwn) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeNoisyLogs(folder);
   const auto run = RunLipoid(folder,
                              {"study",
                               "branches",
@@ -80,7 +80,7 @@ TEST(Study, BranchesPrintsATableAndRecommendsTheCellsOwn) {
 
 TEST(Study, OcvAndTermsGiveRows) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeNoisyLogs(folder);
   for (const char* what : {"ocv", "terms"}) {
     const auto run = RunLipoid(
         folder, {"study", what, "logs/campaign.toml", "--summary", "s.json", "--csv", "t.csv"});
@@ -105,7 +105,7 @@ TEST(Study, OcvAndTermsGiveRows) {
 // As `lipoid identify --method staged` does.
 TEST(Study, FitsThatDidNotConvergeEndWithOne) {
   const auto folder = TestFolder();
-  SynthesizeLogs(folder);
+  SynthesizeNoisyLogs(folder);
   for (const char* what : {"branches", "terms"}) {
     const auto study = [&](const char* iterations) {
       return RunLipoid(folder,

@@ -21,7 +21,7 @@ Cell CircuitCell() {
   return cell;
 }
 
-ExportRequest RequestOf(const Cell& cell) {
+ExportRequest WithDefaultMission(const Cell& cell) {
   ExportRequest request;
   request.cell = cell;
   request.mission = DefaultMission(cell);
@@ -29,7 +29,7 @@ ExportRequest RequestOf(const Cell& cell) {
 }
 
 TEST(CircuitFit, FindsTheCircuitThatTheCellIs) {
-  const SingleCell one(RequestOf(CircuitCell()));
+  const SingleCell one(WithDefaultMission(CircuitCell()));
   const auto fitted = FitCircuit(one, 2);
   ASSERT_NE(fitted.projection.termination, Termination::kFailure) << fitted.projection.message;
   const auto error =
@@ -45,7 +45,7 @@ TEST(CircuitFit, FindsTheCircuitThatTheCellIs) {
 }
 
 TEST(CircuitFit, MoreBranchesAreNeverWorse) {
-  const SingleCell one(RequestOf(LoadCell("grepow-32Ah-1")));
+  const SingleCell one(WithDefaultMission(LoadCell("grepow-32Ah-1")));
   double before_V = HUGE_VAL;
   for (int branches = 0; branches <= 2; ++branches) {
     const auto fitted = FitCircuit(one, branches);

@@ -20,7 +20,7 @@
 namespace lipoid {
 namespace {
 
-ExportRequest RequestOf(const Cell& cell) {
+ExportRequest RequestOfFileC(const Cell& cell) {
   ExportRequest request;
   request.cell = cell;
   request.source = "c.json";
@@ -48,7 +48,7 @@ TEST(ImportCell, TablesComeBackWithTheSameVoltages) {
   cell.branches.push_back({Resistance<double>({-0.1, 0.8}, {0.03, 0.02}), 30.0, std::nullopt});
   cell.self_heating = Cell::SelfHeating{300.0, 0.002};
   cell.charge_transfer = Cell::ChargeTransfer{0.4, Resistance<double>({0.1, 0.5}, {0.06, 0.04})};
-  const auto request = RequestOf(cell);
+  const auto request = RequestOfFileC(cell);
   const Exported exported = Export(FindExportTarget("tables"), request);
   const ImportedCell back = ImportCell(exported.files[0].content, "t.csv");
   EXPECT_EQ(back.format, "tables");
@@ -63,7 +63,7 @@ TEST(ImportCell, TablesOfASmoothCurveComeBackWithinTheirTolerance) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.open_circuit_voltage = OpenCircuitVoltage::MonotoneCubic(
       {0.0, 0.05, 0.1, 0.3, 0.5, 0.8, 1.0}, {3.0, 3.4, 3.6, 3.72, 3.8, 4.0, 4.2});
-  const auto request = RequestOf(cell);
+  const auto request = RequestOfFileC(cell);
   const Exported exported = Export(FindExportTarget("tables"), request);
   const ImportedCell back = ImportCell(exported.files[0].content, "t.csv");
   const double difference_V =
@@ -75,7 +75,7 @@ TEST(ImportCell, TablesOfASmoothCurveComeBackWithinTheirTolerance) {
 TEST(ImportCell, AFrameOfArduPilotIsACellWithItsLaw) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.series = 3;
-  const auto request = RequestOf(cell);
+  const auto request = RequestOfFileC(cell);
   const Exported exported = Export(FindExportTarget("ardupilot"), request);
   const ImportedCell back = ImportCell(exported.files[0].content, "frame.json");
   EXPECT_EQ(back.format, "ardupilot");
@@ -94,7 +94,7 @@ TEST(ImportCell, AnSdfOfGazeboIsACellWithItsLaw) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.series = 2;
   cell.parallel = 2;
-  const auto request = RequestOf(cell);
+  const auto request = RequestOfFileC(cell);
   const GazeboBattery battery{8.3, -1.4, 0.8, 0.3, 6.0};
   const std::string sdf =
       "<?xml version='1.0'?>\n<sdf version='1.9'><model name='m'><!-- <plugin> -->\n"
@@ -201,7 +201,7 @@ TEST(ImportCell, RefusesWhatIsNoBatteryWithLineAndColumn) {
 }
 
 TEST(ImportCell, SaysThatOtherProgramsGotItFromLipoid) {
-  const ExportRequest request = RequestOf(LoadCell("gifi-600mAh-1"));
+  const ExportRequest request = RequestOfFileC(LoadCell("gifi-600mAh-1"));
   for (const char* target : {"c", "px4", "pybamm", "spice"}) {
     const Exported exported = Export(FindExportTarget(target), request);
     EXPECT_EQ(

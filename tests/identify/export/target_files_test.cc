@@ -27,7 +27,7 @@ Cell Pack() {
   return cell;
 }
 
-ExportRequest RequestOf(const Cell& cell) {
+ExportRequest RequestOfMyCell(const Cell& cell) {
   ExportRequest request;
   request.cell = cell;
   request.source = "c.json";
@@ -50,7 +50,7 @@ std::map<std::string, double> NumbersOf(const std::string& text, char separator)
 }
 
 TEST(ArduPilotFiles, HoldTheSameNumbersAndTheseHaveTheStatedError) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   request.target_version = "2026-06";
   const auto exported = Export(FindExportTarget("ardupilot"), request);
   const Json frame = ParseJson(FrameWithoutComments(exported.files[0].content, "f"), "f");
@@ -74,7 +74,7 @@ TEST(ArduPilotFiles, HoldTheSameNumbersAndTheseHaveTheStatedError) {
 }
 
 TEST(Px4File, HasTheFiveColumnsOfQGroundControl) {
-  const auto exported = Export(FindExportTarget("px4"), RequestOf(Pack()));
+  const auto exported = Export(FindExportTarget("px4"), RequestOfMyCell(Pack()));
   std::istringstream lines(exported.files[0].content);
   std::map<std::string, std::pair<double, int>> found;
   for (std::string line; std::getline(lines, line);) {
@@ -99,7 +99,7 @@ TEST(Px4File, HasTheFiveColumnsOfQGroundControl) {
 }
 
 TEST(GazeboFile, HasTheNamesOfItsVersion) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   const auto& gazebo = FindExportTarget("gazebo");
   EXPECT_NE(Export(gazebo, request)
                 .files[0]
@@ -125,7 +125,7 @@ TEST(GazeboFile, HasTheNamesOfItsVersion) {
 }
 
 TEST(GazeboFile, ACommentCannotEndEarly) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   request.source = "a-->b<evil/>--";
   const std::string sdf = Export(FindExportTarget("gazebo"), request).files[0].content;
   const auto end = sdf.find("-->");
@@ -134,7 +134,7 @@ TEST(GazeboFile, ACommentCannotEndEarly) {
 }
 
 TEST(FilteredTargets, SayWhereAMissionStartsUnderLoad) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   const auto says = [&](const char* target) {
     const std::string file = Export(FindExportTarget(target), request).files[0].content;
     return file.find("The mission starts under a load of 1 A") != std::string::npos;
@@ -146,7 +146,7 @@ TEST(FilteredTargets, SayWhereAMissionStartsUnderLoad) {
 }
 
 TEST(Ns3File, NamesTheClassOfItsVersionInItsUnits) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   const auto& ns3 = FindExportTarget("ns3");
   const std::string now = Export(ns3, request).files[0].content;
   // 2 x 1353.6 C are 45120 mA min.
@@ -165,7 +165,7 @@ TEST(Ns3File, NamesTheClassOfItsVersionInItsUnits) {
 }
 
 TEST(TheveninFile, HasEveryKeyAndNothingButNumbersInItsFunctions) {
-  auto request = RequestOf(LoadCell("gifi-600mAh-1"));
+  auto request = RequestOfMyCell(LoadCell("gifi-600mAh-1"));
   request.source = "x\n!eval os.system('a')";
   for (const int branches : {1, 2}) {
     request.branches = branches;
@@ -202,7 +202,7 @@ TEST(TheveninFile, HasEveryKeyAndNothingButNumbersInItsFunctions) {
 }
 
 TEST(SimscapeFile, ItsVectorsHaveTheStatedError) {
-  auto request = RequestOf(Pack());
+  auto request = RequestOfMyCell(Pack());
   request.branches = 2;
   const auto exported = Export(FindExportTarget("simscape"), request);
   const std::string& script = exported.files[0].content;

@@ -19,7 +19,7 @@
 namespace lipoid {
 namespace {
 
-ExportRequest RequestOf(const Cell& cell) {
+ExportRequest RequestOfHostileSource(const Cell& cell) {
   ExportRequest request;
   request.cell = cell;
   request.source = "c*/ell -->\n{#x#}\\.json";
@@ -42,7 +42,7 @@ TEST_P(EveryTarget, StatesItsErrorItsLimitsAndItsFiles) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.series = 3;
   cell.parallel = 2;
-  const Exported exported = Export(target, RequestOf(cell));
+  const Exported exported = Export(target, RequestOfHostileSource(cell));
   ASSERT_FALSE(exported.files.empty());
   EXPECT_FALSE(exported.parameters.empty());
   std::set<std::string> names;
@@ -66,7 +66,7 @@ TEST_P(EveryTarget, StatesItsErrorItsLimitsAndItsFiles) {
 TEST_P(EveryTarget, SaysWhatOfTheCellNoTargetHolds) {
   const ExportTarget& target = FindExportTarget(GetParam());
   Cell plain = LoadCell("gifi-600mAh-1");
-  ExportRequest request = RequestOf(plain);
+  ExportRequest request = RequestOfHostileSource(plain);
   request.mission.initial_soc = 0.9;
   const Exported without = Export(target, request);
   Cell cell = plain;
@@ -102,7 +102,7 @@ TEST_P(EveryTarget, SaysWhatOfTheCellNoTargetHolds) {
 
 TEST_P(EveryTarget, GivesTheSameBytesAgain) {
   const ExportTarget& target = FindExportTarget(GetParam());
-  const auto request = RequestOf(LoadCell("grepow-32Ah-2"));
+  const auto request = RequestOfHostileSource(LoadCell("grepow-32Ah-2"));
   const auto once = Export(target, request);
   const auto again = Export(target, request);
   ASSERT_EQ(once.files.size(), again.files.size());
@@ -112,7 +112,7 @@ TEST_P(EveryTarget, GivesTheSameBytesAgain) {
 
 TEST_P(EveryTarget, KnowsItsVersionsAndNoOther) {
   const ExportTarget& target = FindExportTarget(GetParam());
-  auto request = RequestOf(LoadCell("gifi-600mAh-1"));
+  auto request = RequestOfHostileSource(LoadCell("gifi-600mAh-1"));
   for (const auto& version : target.Versions()) {
     request.target_version = version;
     EXPECT_FALSE(Export(target, request).files.empty()) << version;

@@ -12,7 +12,7 @@
 namespace lipoid {
 namespace {
 
-using Names = std::vector<std::string>;
+using NameList = std::vector<std::string>;
 
 std::string ErrorOf(const GivenParameters& given, int branches = 1, bool diffusion = true) {
   return test::MessageOf<OptionError>(
@@ -21,8 +21,8 @@ std::string ErrorOf(const GivenParameters& given, int branches = 1, bool diffusi
 
 TEST(Given, NamesAreThoseOfTheTableOfParameters) {
   EXPECT_EQ(FitParameterNames(true, 2),
-            (Names{"beta", "r_s", "r_1", "r_2", "tau_1", "tau_2", "c_1", "c_2"}));
-  EXPECT_EQ(FitParameterNames(false, 0), Names{"r_s"});
+            (NameList{"beta", "r_s", "r_1", "r_2", "tau_1", "tau_2", "c_1", "c_2"}));
+  EXPECT_EQ(FitParameterNames(false, 0), NameList{"r_s"});
   for (const auto& name : FitParameterNames(true, 12)) EXPECT_TRUE(FindCellParameter(name)) << name;
 }
 

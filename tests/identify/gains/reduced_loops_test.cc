@@ -39,7 +39,7 @@ LoopTask Task(double xi, FlightPlan plan, bool lag, bool saturate) {
 
 // Sums of four equal motors against one motor times four: rounding, amplified by seconds of a loop
 // that rings.
-constexpr double kRounding = 1e-10;
+constexpr double kRoundingOfLoops = 1e-10;
 
 TEST(ReducedLoops, TheAltitudeIsThatOfTheWholeFlight) {
   for (const char* name : {"unaware", "aware"}) {
@@ -58,7 +58,8 @@ TEST(ReducedLoops, TheAltitudeIsThatOfTheWholeFlight) {
           double largest = 0.0;
           for (std::size_t k = 0; k < errors.size(); ++k) {
             // e_Z = Z_ref - Z with z down is altitude less reference.
-            ASSERT_NEAR(errors[k], whole[k].altitude_m() - whole[k].altitude_reference_m, kRounding)
+            ASSERT_NEAR(
+                errors[k], whole[k].altitude_m() - whole[k].altitude_reference_m, kRoundingOfLoops)
                 << name << " " << xi << " " << lag << saturate << " at " << k;
             largest = std::max(largest, std::abs(errors[k]));
           }
@@ -88,8 +89,9 @@ TEST(ReducedLoops, ThePitchIsThatOfTheWholeFlight) {
         ASSERT_EQ(errors.size(), whole.size());
         double largest = 0.0;
         for (std::size_t k = 0; k < errors.size(); ++k) {
-          ASSERT_NEAR(
-              errors[k], whole[k].angle_references_rad[1] - whole[k].angles_rad[1], kRounding)
+          ASSERT_NEAR(errors[k],
+                      whole[k].angle_references_rad[1] - whole[k].angles_rad[1],
+                      kRoundingOfLoops)
               << name << " " << xi << " " << lag << " at " << k;
           largest = std::max(largest, std::abs(errors[k]));
         }

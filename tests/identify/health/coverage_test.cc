@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSeries = 4;
 
-struct Truth {
+struct TrueFlight {
   double capacity_Ah, resistance_Ohm, start_soc, end_soc, scale, offset_A;
 };
 
@@ -58,7 +58,7 @@ void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t see
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::vector<Log> logs;
-  std::vector<Truth> truths;
+  std::vector<TrueFlight> truths;
   for (int k = 0; k < flights; ++k) {
     const double capacity = 0.6 + 0.45 * uniform(engine);
     const double resistance = 1.0 + 1.5 * uniform(engine);
@@ -92,7 +92,7 @@ void ExpectCoverage(int flights, double temperature_step_degC, std::uint64_t see
   std::map<std::string, double> width;
   for (std::size_t k = 0; k < truths.size(); ++k) {
     const FlightHealth& f = report.flights[k];
-    const Truth& t = truths[k];
+    const TrueFlight& t = truths[k];
     const auto look = [&](const std::string& name, const WithInterval& value, double truth) {
       if (!value.known()) return;
       ++known[name];

@@ -22,7 +22,9 @@ Cell Simple() {
   return cell;
 }
 
-LoadedLog FlightOf(const Cell& cell, const FlightPlan& plan, const FlightRecorder& recorder) {
+LoadedLog FlightOfKnownStart(const Cell& cell,
+                             const FlightPlan& plan,
+                             const FlightRecorder& recorder) {
   LoadedLog log = AsLog(LogKind::kFlight, FlyAndLog(cell, 1, plan, recorder, "flight").log.record);
   log.entry.initial_soc = plan.start_soc;
   return log;
@@ -40,7 +42,7 @@ TEST(FlightsAlone, GiveTheCurveAndTheTotalResistance) {
   const Cell truth = Simple();
   FlightPlan plan;
   plan.start_soc = 0.97;
-  const std::vector<LoadedLog> logs{FlightOf(truth, plan, Fine())};
+  const std::vector<LoadedLog> logs{FlightOfKnownStart(truth, plan, Fine())};
   Campaign campaign = CampaignOf(logs, 5.0);
   const FlightsAlone found = IdentifyFlightsAlone(campaign, logs);
   EXPECT_NEAR(found.flights.at(0).lag_s, 0.2, 0.05);
@@ -70,7 +72,7 @@ TEST(FlightsAlone, GiveTheCurveAndTheTotalResistance) {
 TEST(FlightsAlone, OfACampaignAreACellWithItsUncertainty) {
   FlightPlan plan;
   plan.start_soc = 0.97;
-  const std::vector<LoadedLog> logs{FlightOf(Simple(), plan, Fine())};
+  const std::vector<LoadedLog> logs{FlightOfKnownStart(Simple(), plan, Fine())};
   const Identification found = Identify(CampaignOf(logs, 5.0), logs, {});
   ASSERT_TRUE(found.flights_alone);
   EXPECT_TRUE(found.usable()) << found.quality.Sentence();
@@ -89,7 +91,7 @@ TEST(FlightsAlone, FindTheirStartsRelativeToOneAnother) {
     plan.start_soc = start;
     plan.charge_share = start == 0.97 ? 0.5 : 0.35;
     plan.seed = seed++;
-    logs.push_back(FlightOf(truth, plan, Fine()));
+    logs.push_back(FlightOfKnownStart(truth, plan, Fine()));
     if (start != 0.97) logs.back().entry.initial_soc = 1.0;  // nothing told
   }
   const FlightsAlone found = IdentifyFlightsAlone(CampaignOf(logs, 5.0), logs);
@@ -112,7 +114,8 @@ TEST(FlightsAlone, SayWhichStartIsMissing) {
   FlightPlan low;
   low.start_soc = 0.4;
   low.charge_share = 0.25;
-  std::vector<LoadedLog> logs{FlightOf(truth, high, Fine()), FlightOf(truth, low, Fine())};
+  std::vector<LoadedLog> logs{FlightOfKnownStart(truth, high, Fine()),
+                              FlightOfKnownStart(truth, low, Fine())};
   logs[1].entry.file = "low.csv";
   logs[1].entry.initial_soc = 1.0;
   const std::string message =
@@ -128,7 +131,7 @@ TEST(FlightsAlone, AreFittedWithLabLogs) {
   const Identification lab = Identify(CampaignOf(logs, 5.0), logs, {});
   FlightPlan plan;
   plan.start_soc = 0.97;
-  logs.push_back(FlightOf(WithTypicalTemperature(truth), plan, LikePx4()));
+  logs.push_back(FlightOfKnownStart(WithTypicalTemperature(truth), plan, LikePx4()));
   const Identification found = Identify(CampaignOf(logs, 5.0), logs, {});
   EXPECT_FALSE(found.flights_alone);
   ASSERT_TRUE(found.flights_with_lab);

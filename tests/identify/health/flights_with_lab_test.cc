@@ -19,6 +19,8 @@
 namespace lipoid::test {
 namespace {
 
+using U = FlightUnknowns;
+
 constexpr double kFree = 1e9;  // degrees of freedom: the lab's noise is known
 
 // A cell of few numbers.
@@ -58,7 +60,7 @@ Cell WithErrors(Cell cell, const Eigen::MatrixXd& covariance, double freedom) {
   return cell;
 }
 
-LoadedLog FlightOf(const Cell& cell, const FlightPlan& plan, const FlightRecorder& recorder) {
+LoadedLog FlightAt25degC(const Cell& cell, const FlightPlan& plan, const FlightRecorder& recorder) {
   LoadedLog log = AsLog(LogKind::kFlight, FlyAndLog(cell, 1, plan, recorder, "flight").log.record);
   log.entry.ambient_degC = 25.0;
   return log;
@@ -145,7 +147,8 @@ TEST(FlightsWithLab, AreTheFitOfTheRowsOfAllLogs) {
   };
   const Fitted by_lab = LeastSquares(lab_rows, Values(truth), 0.01 * scale);
 
-  const LoadedLog flight = FlightOf(truth, {.start_soc = 0.95, .seed = 5}, OfOneCell(1.05, 0.2));
+  const LoadedLog flight =
+      FlightAt25degC(truth, {.start_soc = 0.95, .seed = 5}, OfOneCell(1.05, 0.2));
   const FlightsWithLab found = FitFlightsWithLab(
       WithErrors(WithValues(truth, by_lab.x), by_lab.covariance, kFree), {flight});
   ASSERT_TRUE(found.taken) << found.not_taken_because;
@@ -153,7 +156,6 @@ TEST(FlightsWithLab, AreTheFitOfTheRowsOfAllLogs) {
   const FlightSamples samples = SampleFlight(flight.log);
   const Surroundings among{.measured_degC = {}, .ambient_degC = 25.0, .initial_degC = {}};
   const ColouredNoise& noise = found.flights.at(0).noise;
-  using U = FlightUnknowns;
   const std::vector<int> own{
       U::kStart, U::kSeries, U::kBranches, U::kTau, U::kScale, U::kOffset_A, U::kWarming};
   constexpr Eigen::Index kOwn = 7;
@@ -240,7 +242,7 @@ TEST(FlightsWithLabCoverage, IntervalsCoverTheTruth) {
       plan.charge_share = plan.start_soc - 0.1 - 0.2 * uniform(engine);
       plan.seed = kSeed + static_cast<std::uint64_t>(2 * k + f);
       FlightRecorder recorder = OfOneCell(scale, 0.4 * (uniform(engine) - 0.5));
-      flights.push_back(FlightOf(truth, plan, recorder));
+      flights.push_back(FlightAt25degC(truth, plan, recorder));
       starts.push_back(plan.start_soc);
       scales.push_back(scale);
     }
@@ -290,7 +292,7 @@ TEST(FlightsWithLab, OfAnAgedPackAreNotTaken) {
   aged.series_resistance_Ohm = 2.0 * aged.series_resistance_Ohm(0.5);
   const Cell with_errors = WithErrors(lab, LabCovariance(lab), kFree);
   const FlightsWithLab found = FitFlightsWithLab(
-      with_errors, {FlightOf(aged, {.start_soc = 0.95, .seed = 7}, OfOneCell(1.0, 0.0))});
+      with_errors, {FlightAt25degC(aged, {.start_soc = 0.95, .seed = 7}, OfOneCell(1.0, 0.0))});
   EXPECT_FALSE(found.taken);
   EXPECT_EQ(Values(found.cell), Values(lab));
   EXPECT_GT(found.distance, found.distance_limit);
@@ -301,7 +303,7 @@ TEST(FlightsWithLab, OfAnAgedPackAreNotTaken) {
 TEST(FlightsWithLab, NeedTheErrorsOfTheLab) {
   const Cell lab = Few();
   const FlightsWithLab found =
-      FitFlightsWithLab(lab, {FlightOf(lab, {.start_soc = 0.95}, OfOneCell(1.0, 0.0))});
+      FitFlightsWithLab(lab, {FlightAt25degC(lab, {.start_soc = 0.95}, OfOneCell(1.0, 0.0))});
   EXPECT_FALSE(found.taken);
   EXPECT_NE(found.not_taken_because.find("how uncertain"), std::string::npos);
 }

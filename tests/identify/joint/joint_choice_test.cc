@@ -12,12 +12,12 @@
 namespace lipoid {
 namespace {
 
-constexpr double kNoise_V = 0.0005;
+using test::kJointNoise_V;
 
 using test::Truth;
 
 JointResult Identify(const Cell& truth, const JointOptions& options = {}) {
-  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 5.0, kJointNoise_V);
   return IdentifyJoint(test::CampaignOf(logs), logs, {}, options);
 }
 
@@ -65,7 +65,7 @@ TEST(JointChoice, TakesTablesWhereResistancesRiseTowardsEmpty) {
 TEST(JointChoice, FindsThatThereIsNoBranch) {
   Cell truth = Truth();
   truth.branches.clear();
-  for (const double noise_V : {0.0, kNoise_V}) {
+  for (const double noise_V : {0.0, kJointNoise_V}) {
     const auto logs = test::SyntheticLogs(truth, 5.0, noise_V);
     const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
     EXPECT_TRUE(result.cell.branches.empty()) << noise_V;
@@ -106,7 +106,7 @@ TEST(JointChoice, TermsThatAreGoneBesideANewBranchDoNotStopIt) {
   truth.branches[1].time_constant_s = 1000.0;
   for (Cell::Branch& branch : truth.branches)
     branch.capacitance_F = branch.time_constant_s / branch.resistance_Ohm.resistance_Ohm[0];
-  auto logs = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  auto logs = test::SyntheticLogs(truth, 2.0, kJointNoise_V);
   logs.resize(1);  // at 1C
   for (int rate = 2; rate <= 5; ++rate) {
     logs.push_back(test::AsLog(LogKind::kConstantCurrent,
@@ -116,10 +116,10 @@ TEST(JointChoice, TermsThatAreGoneBesideANewBranchDoNotStopIt) {
                                    3600.0,
                                    [&](double) { return rate * truth.capacity_Ah; },
                                    fmt::format("cc_{}C.csv", rate),
-                                   kNoise_V,
+                                   kJointNoise_V,
                                    static_cast<std::uint64_t>(rate))));
   }
-  for (LoadedLog& log : test::SyntheticLogs(truth, 2.0, kNoise_V)) {
+  for (LoadedLog& log : test::SyntheticLogs(truth, 2.0, kJointNoise_V)) {
     if (log.entry.kind != LogKind::kConstantCurrent) logs.push_back(std::move(log));
   }
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
@@ -157,7 +157,7 @@ TEST(JointChoice, LoadsOfOneCurrentAskForNothingThatGoesWithTheCurrent) {
   Cell truth = Truth();
   truth.self_heating =
       Cell::SelfHeating{.time_constant_s = 300.0, .resistance_drop_Ohm_per_A2 = 3e-3};
-  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  auto logs = test::SyntheticLogs(truth, 5.0, kJointNoise_V);
   logs.erase(logs.begin(), logs.begin() + 3);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
   EXPECT_FALSE(result.logs.several_currents);

@@ -23,7 +23,7 @@ using test::UnknownsOf;
 
 // A cell with hysteresis beside every term that an offset of the current moves, its tables on the
 // nodes of the structure; and what its sensor shows too much.
-JointExample Everything() {
+JointExample ExampleWithHysteresis() {
   JointExample e = test::ExampleOfTables();
   test::AddSelfHeating(e);
   e.structure.hysteresis_soc = {0.1, 0.5, 0.9};
@@ -57,7 +57,7 @@ void Shift(Record& record, double offset_A) {
 }
 
 TEST(JointHysteresis, RowsAreThoseOfTheCellModel) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithHysteresis();
   LoadedLog log = BothDirections();
   Record& r = log.log.record;
   r.voltage_V = Predict(e.cell, r.time_s, r.current_A, r.hold, 0.7).voltage_V;
@@ -73,7 +73,7 @@ TEST(JointHysteresis, RowsAreThoseOfTheCellModel) {
 
 // The slopes of the rows against differences of the voltage of the cell that simulations step.
 TEST(JointHysteresis, SlopesAreThoseOfRiddersDifferences) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithHysteresis();
   LoadedLog log = BothDirections();
   Record& r = log.log.record;
   r.voltage_V = Predict(e.cell, r.time_s, r.current_A, r.hold, 0.7).voltage_V;
@@ -155,7 +155,7 @@ std::vector<LoadedLog> BothWays(const Cell& truth,
   return logs;
 }
 
-constexpr double kNoise_V = 0.0005;
+using test::kJointNoise_V;
 const JointOptions kQuick{.branches = 1,
                           .resistance_nodes = 1,
                           .self_heating = Presence::kOff,
@@ -178,7 +178,7 @@ TEST(JointHysteresis, FindsWhatIsThereWithinItsInterval) {
   std::vector<Tally> tallies{
       {"gamma", 40.0, 8.0}, {"M", 0.02, 0.001}, {"i_off", kOffset_A, 1e-4}, {"alpha", 1353.6, 5.0}};
   for (std::uint64_t seed = 1; seed <= kCampaigns; ++seed) {
-    const auto logs = BothWays(truth, kNoise_V, kOffset_A, seed);
+    const auto logs = BothWays(truth, kJointNoise_V, kOffset_A, seed);
     const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick);
     ASSERT_TRUE(result.cell.hysteresis) << seed;
     ASSERT_TRUE(result.choice.best.structure.current_offset) << seed;
@@ -204,7 +204,7 @@ TEST(JointHysteresis, FindsAnOffsetOfEitherSign) {
   Cell truth = test::Truth();
   truth.hysteresis = Cell::Hysteresis{40.0, {}, {0.02}};
   for (const double offset_A : {-0.003, -0.002, 0.003}) {  // 6 and 4 % of the slow current
-    const auto logs = BothWays(truth, kNoise_V, offset_A, 5);
+    const auto logs = BothWays(truth, kJointNoise_V, offset_A, 5);
     const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick);
     EXPECT_EQ(result.alpha_source, "least-squares") << offset_A;
     ASSERT_TRUE(result.choice.best.structure.current_offset) << offset_A;
@@ -216,7 +216,7 @@ TEST(JointHysteresis, FindsAnOffsetOfEitherSign) {
 TEST(JointHysteresis, IsNotFoundWhereThereIsNone) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const auto logs = BothWays(test::Truth(), kNoise_V, 0.0, seed);
+    const auto logs = BothWays(test::Truth(), kJointNoise_V, 0.0, seed);
     const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick);
     const JointStructure& structure = result.choice.best.structure;
     if (!structure.hysteresis_soc.empty() || structure.current_offset) ++found;
@@ -227,7 +227,7 @@ TEST(JointHysteresis, IsNotFoundWhereThereIsNone) {
 TEST(JointHysteresis, DischargesAloneDoNotAskForIt) {
   Cell truth = test::Truth();
   truth.hysteresis = Cell::Hysteresis{40.0, {}, {0.02}};
-  const auto logs = test::SyntheticLogs(truth, 20.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 20.0, kJointNoise_V);
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick);
   EXPECT_FALSE(result.cell.hysteresis);
   for (const auto& row : result.choice.tried)
@@ -238,7 +238,7 @@ TEST(JointHysteresis, DischargesAloneDoNotAskForIt) {
 TEST(JointHysteresis, AreaOfTheFoundLoopIsThatOfTheTruth) {
   Cell truth = test::Truth();
   truth.hysteresis = Cell::Hysteresis{40.0, {}, {0.02}};
-  const auto logs = BothWays(truth, kNoise_V, 0.0, 3);
+  const auto logs = BothWays(truth, kJointNoise_V, 0.0, 3);
   const Cell found = IdentifyJoint(test::CampaignOf(logs), logs, {}, kQuick).cell;
   ASSERT_TRUE(found.hysteresis);
   const double charge_C = 0.5 * truth.alpha_C();

@@ -10,6 +10,7 @@
 #include "identify/joint/joint_trust.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
+#include "tests/support/plain_joint.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -20,12 +21,6 @@ std::vector<LoadedLog> Logs() {
   cell.branches = {{Resistance<double>(0.03), 45.0, 1500.0}};
   return test::SyntheticLogs(cell, 5.0, 0.0005);
 }
-
-constexpr JointOptions kPlain{.branches = 1,
-                              .resistance_nodes = 1,
-                              .self_heating = Presence::kOff,
-                              .charge_transfer = Presence::kOff,
-                              .smoothness = 1e-4};
 
 std::string Refusal(const std::vector<std::string>& names,
                     const JointResult& result,
@@ -41,7 +36,7 @@ std::string Refusal(const std::vector<std::string>& names,
 // Refits against sensitivities: the model is nearly linear over so short intervals.
 TEST(JointProfile, AgreesWithTheStandardErrorWhereTheModelIsNearlyLinear) {
   const auto logs = Logs();
-  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, test::kPlainJoint);
   const TrustReport trust = AssessJoint(result);
   const auto profiles = ProfileJoint({"beta", "r_s", "r_1", "tau_1"}, result, trust);
   ASSERT_EQ(profiles.size(), 4U);
@@ -62,7 +57,7 @@ TEST(JointProfile, AgreesWithTheStandardErrorWhereTheModelIsNearlyLinear) {
 
 TEST(JointProfile, RefusesWhatItCannotHold) {
   const auto logs = Logs();
-  JointOptions options = kPlain;
+  JointOptions options = test::kPlainJoint;
   options.resistance_nodes = 6;
   StagedGiven given;
   given.parameters.fixed["beta"] = 0.1924;
@@ -95,12 +90,12 @@ TEST(JointProfile, NamesThatNoRunHasAreRefusedBeforeALogIsRead) {
   const std::vector<std::string> some_run_has{
       "beta", "r_s", "r_1", "tau_3", "tau_h", "i_0", "E", "E_s", "E_2", "gamma"};
   EXPECT_EQ(refusal(some_run_has, {}, {}), "");
-  EXPECT_EQ(refusal({"bta"}, {}, kPlain),
+  EXPECT_EQ(refusal({"bta"}, {}, test::kPlainJoint),
             "option --profile: no parameter 'bta' in this fit; profiles can be had of beta, r_s, "
             "r_1, tau_1, E_d, E_s, E_1, gamma, E");
   EXPECT_NE(refusal({"tau_4"}, {}, {}), "");
-  EXPECT_NE(refusal({"tau_2"}, {}, kPlain), "");
-  EXPECT_NE(refusal({"tau_h"}, {}, kPlain), "");
+  EXPECT_NE(refusal({"tau_2"}, {}, test::kPlainJoint), "");
+  EXPECT_NE(refusal({"tau_h"}, {}, test::kPlainJoint), "");
   StagedGiven given;
   given.parameters.fixed["beta"] = 0.1924;
   EXPECT_NE(refusal({"beta"}, given, {}).find("'beta' is given"), std::string::npos);

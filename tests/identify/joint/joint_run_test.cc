@@ -20,9 +20,9 @@
 namespace lipoid {
 namespace {
 
-constexpr double kNoise_V = 0.0002;
+constexpr double kSmallNoise_V = 0.0002;
 
-Cell Truth(const std::string& name = "gifi-600mAh-1") {
+Cell TruthOf(const std::string& name = "gifi-600mAh-1") {
   Cell cell = LoadCell(name);
   const double r = 0.25 * cell.series_resistance_Ohm(0.5);
   cell.branches = {{Resistance<double>(r), 45.0, 45.0 / r}};
@@ -45,8 +45,8 @@ bool OneSays(const std::vector<std::string>& sentences, const std::string& words
 TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
   for (const char* name : {"gifi-600mAh-1", "gifi-600mAh-3", "grepow-32Ah-2"}) {
     for (const double sampling_s : {1.0, 10.0}) {
-      const Cell truth = Truth(name);
-      const auto logs = test::SyntheticLogs(truth, sampling_s, kNoise_V);
+      const Cell truth = TruthOf(name);
+      const auto logs = test::SyntheticLogs(truth, sampling_s, kSmallNoise_V);
       const JointResult result = IdentifyJoint(test::CampaignOf(logs, truth.capacity_Ah), logs);
       SCOPED_TRACE(std::string(name) + " every " + std::to_string(sampling_s) + " s");
       EXPECT_TRUE(result.converged);
@@ -58,7 +58,7 @@ TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
       }
       const auto& pulses = result.fitted.back();
       EXPECT_EQ(pulses.file, "pulses.csv");
-      EXPECT_NEAR(pulses.all.rmse, kNoise_V, 0.1 * kNoise_V);
+      EXPECT_NEAR(pulses.all.rmse, kSmallNoise_V, 0.1 * kSmallNoise_V);
     }
   }
 }
@@ -66,9 +66,9 @@ TEST(JointRun, FindsEveryParameterOfSyntheticCampaigns) {
 // A branch of one row: held at two, it would stand in for r_s, and what a pulse drops within a second and within
 // 30 s would be off by more than its interval.
 TEST(JointRun, FindsABranchThatIsFasterThanTwoRows) {
-  Cell truth = Truth();
+  Cell truth = TruthOf();
   truth.branches = {{Resistance<double>(0.06), 10.0, {}}};
-  const auto logs = test::SyntheticLogs(truth, 10.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 10.0, kSmallNoise_V);
   const JointResult result = Identify(logs);
   EXPECT_TRUE(OneSays(result.cautions, "a branch stood at 20 s, twice the time between rows"));
   const TrustReport trust = AssessJoint(result);
@@ -83,7 +83,7 @@ TEST(JointRun, FindsABranchThatIsFasterThanTwoRows) {
 }
 
 TEST(JointRun, ItsCellIsWhatWasFitted) {
-  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
+  const auto logs = test::SyntheticLogs(TruthOf(), 5.0, 0.001);
   const JointResult result = Identify(logs);
   // The capacity reference moves alpha and the nodes together: no voltage changes.
   const JointSolution& best = result.choice.best;
@@ -103,7 +103,7 @@ TEST(JointRun, ItsCellIsWhatWasFitted) {
 }
 
 TEST(JointRun, AlphaEndsWhereTheCurveReachesTheCutOff) {
-  const auto logs = test::SyntheticLogs(Truth(), 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(TruthOf(), 5.0, kSmallNoise_V);
   const JointResult result = Identify(logs);
   EXPECT_EQ(result.alpha_source, "cut-off");
   EXPECT_NEAR(result.cell.open_circuit_voltage(0.0), 3.0, 1e-9);
@@ -118,13 +118,13 @@ TEST(JointRun, AlphaEndsWhereTheCurveReachesTheCutOff) {
 }
 
 TEST(JointRun, SameInputSameBytes) {
-  const auto logs = test::SyntheticLogs(Truth(), 5.0, 0.001);
+  const auto logs = test::SyntheticLogs(TruthOf(), 5.0, 0.001);
   EXPECT_EQ(CellToJson(Identify(logs).cell).dump(), CellToJson(Identify(logs).cell).dump());
 }
 
 TEST(JointRun, LogsThatDoNotStartFullAreNoTrouble) {
-  const Cell truth = Truth();
-  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const Cell truth = TruthOf();
+  auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   // The pulses from 60 %.
   Record& record = logs.back().log.record;
   logs.back().entry.initial_soc = 0.6;
@@ -142,8 +142,8 @@ TEST(JointRun, LogsThatDoNotStartFullAreNoTrouble) {
 // Every log from 90 %: nothing moves them against one another, and v_oc leads to alpha as where all
 // start full. Alpha is no less than what the slow discharge delivered says.
 TEST(JointRun, LogsThatStartAlikeLeaveAlphaToTheCutoff) {
-  const Cell truth = Truth();
-  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const Cell truth = TruthOf();
+  auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   double delivered_C = 0.0;
   for (LoadedLog& log : logs) {
     Record& record = log.log.record;
@@ -175,8 +175,8 @@ TEST(JointRun, LogsThatStartAlikeLeaveAlphaToTheCutoff) {
 
 // On a curve that is given over the whole charge alpha is an unknown like any other.
 TEST(JointRun, AGivenCurveTellsAlpha) {
-  const Cell truth = Truth();
-  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const Cell truth = TruthOf();
+  const auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   StagedGiven given;
   given.open_circuit_voltage = truth.open_circuit_voltage;
   const JointResult result = Identify(logs, given);
@@ -186,7 +186,7 @@ TEST(JointRun, AGivenCurveTellsAlpha) {
     EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.002 * is) << parameter;
   }
   // The curve is the very one, not one at nodes: nothing is left but noise.
-  EXPECT_LT(result.rmse_V, 1.1 * kNoise_V);
+  EXPECT_LT(result.rmse_V, 1.1 * kSmallNoise_V);
   const TrustReport trust = AssessJoint(result);
   const auto alpha = std::find_if(trust.quantities.begin(),
                                   trust.quantities.end(),
@@ -201,7 +201,7 @@ TEST(JointRun, AGivenCurveTellsAlpha) {
 // Pulses from 0.761 of the charge of which it is said that they begin at 0.85: alpha is looked for
 // about the charge of the low-rate log, and not further away with every pass.
 TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
-  auto logs = test::SyntheticLogs(test::Truth(), 5.0, kNoise_V);
+  auto logs = test::SyntheticLogs(test::Truth(), 5.0, kSmallNoise_V);
   Record& record = logs.back().log.record;
   constexpr std::size_t kFirst = 1000;  // 5,000 s, in the rest after the third pulse
   for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) {
@@ -220,8 +220,8 @@ TEST(JointRun, AWrongStartLeadsAlphaNoFurtherThanItsBound) {
 // ---- little data -------------------------------------------------------------------------------
 
 TEST(JointRun, AGivenCurveAndOnePulseAreAProblem) {
-  const Cell truth = Truth();
-  auto all = test::SyntheticLogs(truth, 1.0, kNoise_V);
+  const Cell truth = TruthOf();
+  auto all = test::SyntheticLogs(truth, 1.0, kSmallNoise_V);
   Record record = all.back().log.record;
   for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V}) column->resize(1800);
   const std::vector<LoadedLog> logs{test::AsLog(LogKind::kPulses, record)};
@@ -232,19 +232,19 @@ TEST(JointRun, AGivenCurveAndOnePulseAreAProblem) {
   EXPECT_TRUE(OneSays(result.cautions, "too few pulses"));
   EXPECT_EQ(result.choice.best.structure.nodes(), 1);
   EXPECT_NEAR(*CellParameter(result.cell, "r_s"), *CellParameter(truth, "r_s"), 0.002);
-  EXPECT_LT(result.fitted.front().all.rmse, 1.2 * kNoise_V);
+  EXPECT_LT(result.fitted.front().all.rmse, 1.2 * kSmallNoise_V);
 }
 
 TEST(JointRun, OneCurrentALogThatStopsEarlyAndSlowSamplingGiveAnAnswer) {
-  const Cell truth = Truth();
-  const auto all = test::SyntheticLogs(truth, 60.0, kNoise_V);
+  const Cell truth = TruthOf();
+  const auto all = test::SyntheticLogs(truth, 60.0, kSmallNoise_V);
   const auto pulses = test::SimulateLog(
       truth,
       60.0,
       1e5,
       [](double t) { return std::fmod(t - 1e-6, 3600.0) < 600.0 ? 0.6 : 0.0; },
       "pulses.csv",
-      kNoise_V);
+      kSmallNoise_V);
   // A minute between rows, one current, and a low rate that ends half way.
   std::vector<LoadedLog> logs{all[0], all[3], test::AsLog(LogKind::kPulses, pulses)};
   Record& low = logs[1].log.record;
@@ -259,7 +259,7 @@ TEST(JointRun, OneCurrentALogThatStopsEarlyAndSlowSamplingGiveAnAnswer) {
 TEST(JointRun, AThesisBranchThatIsNotThereIsNamed) {
   Cell truth = LoadCell("gifi-600mAh-1");
   truth.branches.clear();
-  const auto logs = test::SyntheticLogs(truth, 1.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 1.0, kSmallNoise_V);
   const JointResult result = Identify(logs, {}, {.branches = 1});
   EXPECT_TRUE(OneSays(result.cautions, "branch 1 was not found"))
       << *CellParameter(result.cell, "r_1");
@@ -272,7 +272,7 @@ std::string OptionErrorOf(const GivenParameters& parameters, int branches = 1) {
   given.parameters = parameters;
   JointOptions options;
   options.branches = branches;
-  const auto logs = test::SyntheticLogs(Truth(), 30.0);
+  const auto logs = test::SyntheticLogs(TruthOf(), 30.0);
   return test::MessageOf<OptionError>(
       [&] { static_cast<void>(IdentifyJoint(test::CampaignOf(logs), logs, {}, options, given)); });
 }
@@ -310,10 +310,10 @@ TEST(JointRun, RefusesWhatNoCellCanHave) {
 
 // No current and no rest lasts longer than 1,770 s. Nobody asks for more where the branch is fast.
 TEST(JointRun, ABranchSlowerThanEverySegmentIsLetInWhereItIsThere) {
-  Cell slow = Truth();
+  Cell slow = TruthOf();
   const double r_Ohm = *CellParameter(slow, "r_1");
   slow.branches = {{Resistance<double>(r_Ohm), 4000.0, 4000.0 / r_Ohm}};
-  const JointResult result = Identify(test::SyntheticLogs(slow, 5.0, kNoise_V));
+  const JointResult result = Identify(test::SyntheticLogs(slow, 5.0, kSmallNoise_V));
   EXPECT_TRUE(result.setup.slow_branches);
   EXPECT_TRUE(OneSays(result.cautions, "the longest time at one current: time constants of up to"));
   ASSERT_EQ(result.cell.branches.size(), 1U);
@@ -324,7 +324,7 @@ TEST(JointRun, ABranchSlowerThanEverySegmentIsLetInWhereItIsThere) {
   EXPECT_GT(tau->low, 1770.0);
   EXPECT_LE(tau->low, 4000.0);
   EXPECT_GE(tau->high, 4000.0);
-  const JointResult fast = Identify(test::SyntheticLogs(Truth(), 5.0, kNoise_V));
+  const JointResult fast = Identify(test::SyntheticLogs(TruthOf(), 5.0, kSmallNoise_V));
   EXPECT_FALSE(fast.setup.slow_branches);
   EXPECT_FALSE(OneSays(fast.cautions, "the longest time at one current"));
 }
@@ -332,8 +332,8 @@ TEST(JointRun, ABranchSlowerThanEverySegmentIsLetInWhereItIsThere) {
 // The free branch is the faster one: sorted by time constants it would be the first, and the report
 // would say of the wrong one that it is held.
 TEST(JointRun, ABranchThatIsNamedKeepsItsNumber) {
-  const Cell truth = Truth();
-  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const Cell truth = TruthOf();
+  const auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   StagedGiven given;
   given.parameters.fixed = {{"tau_1", 100.0}, {"r_1", 0.002}};
   JointOptions options;
@@ -353,9 +353,9 @@ TEST(JointRun, ABranchThatIsNamedKeepsItsNumber) {
 }
 
 TEST(JointRun, WithoutDiffusionThereIsNoBeta) {
-  Cell truth = Truth();
+  Cell truth = TruthOf();
   truth.diffusion.reset();
-  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   StagedOptions staged;
   staged.pulses.diffusion = false;
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, staged);
@@ -366,9 +366,9 @@ TEST(JointRun, WithoutDiffusionThereIsNoBeta) {
 
 // Held at its limit, beta took half a percent of r_s.
 TEST(JointRun, DiffusionThatNoLogShowsIsLeftOut) {
-  Cell truth = Truth();
+  Cell truth = TruthOf();
   truth.diffusion.reset();
-  const auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   const JointResult result = Identify(logs);
   EXPECT_FALSE(result.cell.diffusion);
   EXPECT_TRUE(OneSays(result.cautions, "these logs show no diffusion"));
@@ -387,7 +387,7 @@ TEST(JointRun, DiffusionThatNoLogShowsIsLeftOut) {
   StagedGiven within;
   within.parameters.bounds = {{"beta", {0.01, 1.0}}};
   EXPECT_TRUE(Identify(logs, within).cell.diffusion);
-  EXPECT_TRUE(Identify(test::SyntheticLogs(Truth(), 5.0, kNoise_V)).cell.diffusion);
+  EXPECT_TRUE(Identify(test::SyntheticLogs(TruthOf(), 5.0, kSmallNoise_V)).cell.diffusion);
 }
 
 // ---- real cells --------------------------------------------------------------------------------
@@ -504,8 +504,8 @@ TEST(JointRun, FindsTheChargeThatBringsLogsOfManyStartsTogether) {
 // Without a low-rate log the curve starts from the rests of the pulses. v_oc is fitted all the
 // same, and the truth comes back: the discharges show its shape between the rests.
 TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
-  const Cell truth = Truth();
-  auto logs = test::SyntheticLogs(truth, 5.0, kNoise_V);
+  const Cell truth = TruthOf();
+  auto logs = test::SyntheticLogs(truth, 5.0, kSmallNoise_V);
   logs.erase(logs.begin() + 3);
   const JointResult result = Identify(logs);
   EXPECT_TRUE(result.converged);
@@ -515,7 +515,7 @@ TEST(JointRun, FindsTheTruthWithoutALowRateLog) {
     const double is = *CellParameter(truth, parameter);
     EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.02 * is) << parameter;
   }
-  EXPECT_LT(result.fitted.back().all.rmse, 1.2 * kNoise_V);
+  EXPECT_LT(result.fitted.back().all.rmse, 1.2 * kSmallNoise_V);
 }
 
 // The first part of a log: a test that was stopped.
@@ -529,9 +529,9 @@ LoadedLog Stopped(LoadedLog log, double share) {
 // Below half of the charge there is a slow discharge alone. Free resistances took part of it there, up to
 // a hundred times those of the cell.
 TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
-  Cell truth = Truth();
+  Cell truth = TruthOf();
   truth.series_resistance_Ohm = {{0.0, 0.3, 1.0}, {0.16, 0.14, 0.13}};
-  const auto all = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  const auto all = test::SyntheticLogs(truth, 2.0, kSmallNoise_V);
   const std::vector<LoadedLog> logs{all[3], Stopped(all[4], 0.5)};
   const JointResult result = Identify(logs, {}, {.resistance_nodes = 13});
   EXPECT_TRUE(OneSays(result.cautions, "of the charge: beyond, resistances are taken to go on"));
@@ -556,17 +556,17 @@ TEST(JointRun, FarFromEveryLoadResistancesGoOn) {
 
 // Modes beyond M count as a resistance: where the next of them is slower than the rows, r_s is not r_s.
 TEST(JointRun, SaysWhereMoreModesOfTheDiffusionAreWanted) {
-  Cell truth = Truth();
-  EXPECT_FALSE(OneSays(Identify(test::SyntheticLogs(truth, 2.0, kNoise_V)).cautions, "modes"));
+  Cell truth = TruthOf();
+  EXPECT_FALSE(OneSays(Identify(test::SyntheticLogs(truth, 2.0, kSmallNoise_V)).cautions, "modes"));
   truth.diffusion->beta_per_sqrt_s = 0.08;  // 1/(11 beta)^2 = 1.3 s
   truth.diffusion->terms = 60;
-  EXPECT_TRUE(OneSays(Identify(test::SyntheticLogs(truth, 1.0, kNoise_V)).cautions,
+  EXPECT_TRUE(OneSays(Identify(test::SyntheticLogs(truth, 1.0, kSmallNoise_V)).cautions,
                       "diffusion is counted in 10 modes, and the next, of "));
 }
 
 // A slow discharge counts what a faulty zero adds for twenty hours, and no other discharge shows it.
 TEST(JointRun, SaysWhatTheZeroOfTheCurrentSensorWouldDoToAlpha) {
-  auto logs = test::SyntheticLogs(Truth(), 20.0, kNoise_V);
+  auto logs = test::SyntheticLogs(TruthOf(), 20.0, kSmallNoise_V);
   EXPECT_TRUE(
       OneSays(Identify(logs).cautions, "alpha takes the zero of the current sensor as exact"));
   std::erase_if(logs, [](const auto& log) { return log.entry.kind == LogKind::kLowRate; });
@@ -576,8 +576,9 @@ TEST(JointRun, SaysWhatTheZeroOfTheCurrentSensorWouldDoToAlpha) {
 // Pulses that end at 3.7 V say nothing of the charge below: the last slope of their v_oc led to 1.5
 // times the charge, with an interval that missed it.
 TEST(JointRun, LogsThatEndFarAboveTheCutoffLeaveAlphaToTheNominalCapacity) {
-  const Cell truth = Truth();
-  const std::vector<LoadedLog> logs{Stopped(test::SyntheticLogs(truth, 2.0, kNoise_V)[4], 0.5)};
+  const Cell truth = TruthOf();
+  const std::vector<LoadedLog> logs{
+      Stopped(test::SyntheticLogs(truth, 2.0, kSmallNoise_V)[4], 0.5)};
   const double nominal_Ah = truth.alpha_C() / 3600.0;
   const JointResult result = IdentifyJoint(test::CampaignOf(logs, nominal_Ah), logs);
   EXPECT_EQ(result.alpha_source, "nominal-capacity");
@@ -588,8 +589,8 @@ TEST(JointRun, LogsThatEndFarAboveTheCutoffLeaveAlphaToTheNominalCapacity) {
 
 // A slow discharge that was stopped gives v_oc where it went, and others the charge.
 TEST(JointRun, ASlowDischargeThatWasStoppedIsNotTheCharge) {
-  const Cell truth = Truth();
-  const auto all = test::SyntheticLogs(truth, 2.0, kNoise_V);
+  const Cell truth = TruthOf();
+  const auto all = test::SyntheticLogs(truth, 2.0, kSmallNoise_V);
   const std::vector<LoadedLog> logs{all[0], all[1], Stopped(all[3], 0.4), all[4]};
   const JointResult result = Identify(logs);
   EXPECT_EQ(result.alpha_source, "cut-off");
@@ -633,7 +634,7 @@ TEST(JointRun, IdentifiesNasaAtFiveAgesWithoutALowRateLog) {
 }
 
 TEST(JointRun, SaysWhatItTriedInItsSummary) {
-  const auto logs = test::SyntheticLogs(Truth(), 10.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(TruthOf(), 10.0, kSmallNoise_V);
   const JointResult result = Identify(logs);
   const Json json = JointToJson(result, AssessJoint(result));
   EXPECT_EQ(json.at("parameters")[0].at("name"), "alpha");

@@ -18,7 +18,7 @@ using test::SetupOf;
 using test::UnknownsOf;
 
 // A cell with every term of the current alone, its tables on the nodes of the structure.
-JointExample Everything() {
+JointExample ExampleWithSelfHeating() {
   JointExample e = test::ExampleOfTables();
   test::AddSelfHeating(e);
   return e;
@@ -26,7 +26,7 @@ JointExample Everything() {
 
 // The sums are made of other code than the cell that simulations step: they must be one model.
 TEST(JointSweep, RowsAreThoseOfTheCellModel) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithSelfHeating();
   for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
     auto logs = test::SyntheticLogs(e.cell, 2.0);
     for (auto& log : logs) {
@@ -51,31 +51,31 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
 }
 
 // The cell that simulations step, in a scalar that carries its derivatives.
-using Jet = ceres::Jet<double, 5>;
-CellParameters<Jet> Differentiable(const JointExample& e) {
+using RateJet = ceres::Jet<double, 5>;
+CellParameters<RateJet> DifferentiableInRates(const JointExample& e) {
   const CellParameters<double> p = e.cell.Parameters();
   const auto table = [](const Resistance<double>& r) {
-    return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
+    return Resistance<RateJet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
   };
-  CellParameters<Jet> jets;
-  jets.alpha_C = Jet(p.alpha_C);
-  jets.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  CellParameters<RateJet> jets;
+  jets.alpha_C = RateJet(p.alpha_C);
+  jets.beta_per_sqrt_s = RateJet(p.beta_per_sqrt_s, 0);
   jets.terms = p.terms;
   jets.tail = p.tail;
   jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
   for (int j = 0; j < 2; ++j)
     jets.branches.push_back(
-        {table(p.branches[j].resistance_Ohm), Jet(p.branches[j].time_constant_s, 1 + j)});
+        {table(p.branches[j].resistance_Ohm), RateJet(p.branches[j].time_constant_s, 1 + j)});
   jets.open_circuit_voltage = p.open_circuit_voltage;
-  jets.self_heating = SelfHeating<Jet>{Jet(p.self_heating->time_constant_s, 3),
-                                       Jet(p.self_heating->resistance_drop_Ohm_per_A2)};
-  jets.charge_transfer = ChargeTransfer<Jet>{Jet(p.charge_transfer->current_A, 4),
-                                             table(p.charge_transfer->resistance_Ohm)};
+  jets.self_heating = SelfHeating<RateJet>{RateJet(p.self_heating->time_constant_s, 3),
+                                           RateJet(p.self_heating->resistance_drop_Ohm_per_A2)};
+  jets.charge_transfer = ChargeTransfer<RateJet>{RateJet(p.charge_transfer->current_A, 4),
+                                                 table(p.charge_transfer->resistance_Ohm)};
   return jets;
 }
 
 TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithSelfHeating();
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 5);
   const int of_jet[] = {
@@ -87,19 +87,20 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
   const JointObservations seen(joint, setup);
   const auto rows = seen.Rows(e.structure, e.rates, x);
   const auto smooth = seen.Rows(e.structure, e.rates, x, CurveSlope::kSmooth);
-  const CellModel<Jet> model(Differentiable(e));
+  const CellModel<RateJet> model(DifferentiableInRates(e));
   SlopeSums expected(5, x.size());
   for (std::size_t l = 0; l < rows.size(); ++l) {
     const JointLog& log = joint.logs[l];
-    auto state = model.Relaxed(Jet(1.0 - log.delivered_C / setup.alpha_C));
+    auto state = model.Relaxed(RateJet(1.0 - log.delivered_C / setup.alpha_C));
     Eigen::VectorXd size = Eigen::VectorXd::Zero(5);
     Eigen::VectorXd off = size;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (k > 0)
-        model.Advance(state, Jet(log.step_A[k]), model.MakeStep(log.time_s[k] - log.time_s[k - 1]));
+        model.Advance(
+            state, RateJet(log.step_A[k]), model.MakeStep(log.time_s[k] - log.time_s[k - 1]));
       if (!(log.weight[k] > 0.0)) continue;
-      const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
+      const RateJet voltage = model.Voltage(state, RateJet(log.current_A[k]));
       const Eigen::VectorXd slope = rows[l].sensitivity.row(row).head(5).transpose();
       for (int p = 0; p < 5; ++p) {
         size[p] = std::max(size[p], std::abs(voltage.v[p]));
@@ -128,7 +129,7 @@ TEST(JointSweep, SlopesAreThoseOfTheCellModel) {
 }
 
 TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithSelfHeating();
   const auto logs = test::SyntheticLogs(e.cell, 5.0, 0.001);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -165,7 +166,7 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
 }
 
 TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithSelfHeating();
   const auto logs = test::SyntheticLogs(e.cell, 5.0);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});

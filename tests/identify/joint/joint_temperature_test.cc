@@ -21,14 +21,14 @@
 namespace lipoid {
 namespace {
 
-constexpr double kNoise_V = 0.0005;
+using test::kJointNoise_V;
 
 using test::JointExample;
 using test::SetupOf;
 using test::UnknownsOf;
 
 // A cell with every term that knows temperature, its tables on the nodes of the structure.
-JointExample Everything() {
+JointExample ExampleWithTemperature() {
   JointExample e = test::ExampleOfTables();
   e.structure.temperature = true;
   e.structure.entropy_soc = {0.0, 0.4, 1.0};
@@ -62,7 +62,7 @@ std::vector<LoadedLog> LogsOfChangingTemperature(const Cell& cell, double dt_s, 
 }
 
 TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithTemperature();
   const auto logs = LogsOfChangingTemperature(e.cell, 2.0, 2400);
   const JointSetup setup = SetupOf(e.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -77,37 +77,38 @@ TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
 }
 
 // The cell that simulations step, in a scalar that carries its derivatives.
-using Jet = ceres::Jet<double, 9>;
-CellParameters<Jet> Differentiable(const JointExample& e) {
+using EnergyJet = ceres::Jet<double, 9>;
+CellParameters<EnergyJet> DifferentiableInEnergies(const JointExample& e) {
   const CellParameters<double> p = e.cell.Parameters();
   const auto table = [](const Resistance<double>& r) {
-    return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
+    return Resistance<EnergyJet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
   };
-  CellParameters<Jet> jets;
-  jets.alpha_C = Jet(p.alpha_C);
-  jets.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  CellParameters<EnergyJet> jets;
+  jets.alpha_C = EnergyJet(p.alpha_C);
+  jets.beta_per_sqrt_s = EnergyJet(p.beta_per_sqrt_s, 0);
   jets.terms = p.terms;
   jets.tail = p.tail;
   jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
   for (int j = 0; j < 2; ++j)
     jets.branches.push_back(
-        {table(p.branches[j].resistance_Ohm), Jet(p.branches[j].time_constant_s, 1 + j)});
+        {table(p.branches[j].resistance_Ohm), EnergyJet(p.branches[j].time_constant_s, 1 + j)});
   jets.open_circuit_voltage = p.open_circuit_voltage;
-  jets.charge_transfer = ChargeTransfer<Jet>{Jet(p.charge_transfer->current_A, 3),
-                                             table(p.charge_transfer->resistance_Ohm)};
-  TemperatureDependence<Jet>& term = jets.temperature.emplace();
-  term.diffusion_J_per_mol = Jet(p.temperature->diffusion_J_per_mol, 4);
-  term.series_J_per_mol = Jet(p.temperature->series_J_per_mol, 5);
+  jets.charge_transfer = ChargeTransfer<EnergyJet>{EnergyJet(p.charge_transfer->current_A, 3),
+                                                   table(p.charge_transfer->resistance_Ohm)};
+  TemperatureDependence<EnergyJet>& term = jets.temperature.emplace();
+  term.diffusion_J_per_mol = EnergyJet(p.temperature->diffusion_J_per_mol, 4);
+  term.series_J_per_mol = EnergyJet(p.temperature->series_J_per_mol, 5);
   for (int j = 0; j < 2; ++j)
     term.branches_J_per_mol.emplace_back(p.temperature->branches_J_per_mol[j], 6 + j);
-  term.charge_transfer_J_per_mol = Jet(p.temperature->charge_transfer_J_per_mol, 8);
+  term.charge_transfer_J_per_mol = EnergyJet(p.temperature->charge_transfer_J_per_mol, 8);
   const auto& slopes = p.temperature->entropy->slope_V_per_K;
-  term.entropy = EntropySlope<Jet>{p.temperature->entropy->soc, {slopes.begin(), slopes.end()}};
+  term.entropy =
+      EntropySlope<EnergyJet>{p.temperature->entropy->soc, {slopes.begin(), slopes.end()}};
   return jets;
 }
 
 TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
-  const JointExample e = Everything();
+  const JointExample e = ExampleWithTemperature();
   const RateSlots slots(e.structure);
   ASSERT_EQ(slots.size(), 9);
   const int of_jet[] = {slots.beta(),
@@ -124,20 +125,20 @@ TEST(JointTemperature, SlopesAreThoseOfTheCellModel) {
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
   const JointObservations seen(joint, setup);
   const auto rows = seen.Rows(e.structure, e.rates, UnknownsOf(e, joint.typical_A));
-  const CellModel<Jet> model(Differentiable(e));
+  const CellModel<EnergyJet> model(DifferentiableInEnergies(e));
   for (std::size_t l = 0; l < rows.size(); ++l) {
     const JointLog& log = joint.logs[l];
-    auto state = model.Relaxed(Jet(1.0));
-    typename CellModel<Jet>::Step step;
+    auto state = model.Relaxed(EnergyJet(1.0));
+    typename CellModel<EnergyJet>::Step step;
     Eigen::VectorXd size = Eigen::VectorXd::Zero(9);
     Eigen::VectorXd off = size;
     for (std::size_t k = 0; k < log.size(); ++k) {
       if (k > 0) {
         model.MakeStep(log.time_s[k] - log.time_s[k - 1], state.temperature_K, step);
-        model.Advance(state, Jet(log.step_A[k]), step);
+        model.Advance(state, EnergyJet(log.step_A[k]), step);
       }
-      state.temperature_K = Jet(log.temperature_K[k]);
-      const Jet voltage = model.Voltage(state, Jet(log.current_A[k]));
+      state.temperature_K = EnergyJet(log.temperature_K[k]);
+      const EnergyJet voltage = model.Voltage(state, EnergyJet(log.current_A[k]));
       const auto slope = rows[l].sensitivity.row(static_cast<Eigen::Index>(k));
       for (int p = 0; p < 9; ++p) {
         size[p] = std::max(size[p], std::abs(voltage.v[p]));
@@ -374,7 +375,7 @@ TEST(JointTemperature, EnergiesAreSharedWhereTheLogsCannotTellThemApart) {
 
 // The slope in one energy that all share is the sum of the slopes in each.
 TEST(JointTemperature, TheSlopeInASharedEnergyIsTheSumOfThoseInEach) {
-  const JointExample own = Everything();
+  const JointExample own = ExampleWithTemperature();
   const auto logs = LogsOfChangingTemperature(own.cell, 5.0, 2000);
   const JointSetup setup = SetupOf(own.cell);
   const JointLogs joint = MakeJointLogs(logs, setup.alpha_C, setup.open_circuit_voltage, {});
@@ -423,7 +424,7 @@ bool Says(const JointResult& result, const std::string& words) {
 // One log among others has no thermometer: as warm as its surroundings it would bend every energy.
 TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance) {
   const Cell truth = ColdTruth();
-  auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, kNoise_V);
+  auto logs = ClimateChamber(truth, {25.0, 40.0, 10.0}, kJointNoise_V);
   const auto fast = std::find_if(logs.begin(), logs.end(), [](const LoadedLog& log) {
     return log.entry.file == "cc_6C.csv" && log.log.record.temperature_degC.front() > 35.0;
   });
@@ -432,7 +433,7 @@ TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance
   fast->log.record.temperature_degC.clear();
   fast->entry.ambient_degC = 40.0;
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
-  EXPECT_LT(result.rmse_V, 1.2 * kNoise_V);
+  EXPECT_LT(result.rmse_V, 1.2 * kJointNoise_V);
   ASSERT_TRUE(result.cell.temperature);
   EXPECT_NEAR(result.cell.temperature->diffusion_J_per_mol, 30e3, 3000.0);
   EXPECT_NEAR(result.cell.temperature->series_J_per_mol, 18e3, 500.0);
@@ -443,7 +444,7 @@ TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance
 
 // Where one log is silent temperature takes no part in any.
 TEST(JointTemperature, ALogWithoutATemperatureIsNamed) {
-  auto logs = ClimateChamber(ColdTruth(), {25.0, 10.0}, kNoise_V);
+  auto logs = ClimateChamber(ColdTruth(), {25.0, 10.0}, kJointNoise_V);
   logs.back().log.record.temperature_degC.clear();
   JointOptions options{.branches = 1, .resistance_nodes = 1};
   const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, options);

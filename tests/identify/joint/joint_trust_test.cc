@@ -10,19 +10,13 @@
 #include "identify/fit/linearized_fit.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
+#include "tests/support/plain_joint.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
 namespace {
 
 using test::Truth;
-
-// The structure is known: what is tested is how far to believe its parameters.
-constexpr JointOptions kPlain{.branches = 1,
-                              .resistance_nodes = 1,
-                              .self_heating = Presence::kOff,
-                              .charge_transfer = Presence::kOff,
-                              .smoothness = 1e-4};
 
 // Exact slopes against differences of the rows themselves.
 TEST(JointTrust, SensitivitiesOfRatesAreTheSlopesOfTheRows) {
@@ -82,7 +76,7 @@ TEST(JointTrust, IntervalsCoverTheTruth) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
     auto logs = clean;
     test::AddColouredNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
-    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+    const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, test::kPlainJoint);
     for (const QuantityTrust& q : AssessJoint(result).quantities) {
       const auto is = CellParameter(truth, q.name);
       if (!is) continue;
@@ -106,7 +100,7 @@ TEST(JointTrust, ABranchThatIsNotThereIsNotBelieved) {
   Cell truth = LoadCell("gifi-600mAh-1");
   truth.branches.clear();
   auto logs = test::SyntheticLogs(truth, 5.0, 0.0002);
-  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, test::kPlainJoint);
   const TrustReport trust = AssessJoint(result);
   for (const QuantityTrust& q : trust.quantities) {
     if (q.name == "tau_1") {
@@ -123,14 +117,15 @@ TEST(JointTrust, WhatIsGivenIsNotAskedFor) {
   const auto logs = test::SyntheticLogs(Truth(), 10.0, 0.0002);
   StagedGiven given;
   given.parameters.fixed = {{"beta", 0.1924}, {"r_s", 0.1314}};
-  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain, given);
+  const JointResult result =
+      IdentifyJoint(test::CampaignOf(logs), logs, {}, test::kPlainJoint, given);
   for (const QuantityTrust& q : AssessJoint(result).quantities) {
     EXPECT_NE(q.name, "beta");
     EXPECT_NE(q.name, "r_s");
   }
   EXPECT_EQ(result.cautions.front(), "held as given: beta = 0.1924 s^-1/2, r_s = 0.1314 Ohm");
 
-  JointOptions tables = kPlain;
+  JointOptions tables = test::kPlainJoint;
   tables.resistance_nodes = 6;
   for (const QuantityTrust& q :
        AssessJoint(IdentifyJoint(test::CampaignOf(logs), logs, {}, tables, given)).quantities) {

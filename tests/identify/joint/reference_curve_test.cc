@@ -12,7 +12,7 @@
 namespace lipoid {
 namespace {
 
-constexpr double kNoise_V = 0.0005;
+using test::kJointNoise_V;
 
 // Less charge and larger resistances; v_oc(A) higher by `moved_V` at half charge, and the same at its ends.
 Cell Aged(double moved_V) {
@@ -31,7 +31,7 @@ Cell Aged(double moved_V) {
 }
 
 Identification AgainstNew(const Cell& aged) {
-  const auto logs = test::SyntheticLogs(aged, 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(aged, 5.0, kJointNoise_V);
   IdentifyOptions options;
   options.given.reference = std::make_shared<const HeldShape>(
       HeldShape{.source = "new.cell.json", .cell = test::Truth()});
@@ -81,7 +81,7 @@ TEST(ReferenceCurve, BeyondEmptyItIsAlphaThatIsWrong) {
 }
 
 TEST(ReferenceCurve, IsAskedOnlyWhereOneIsHeld) {
-  const auto logs = test::SyntheticLogs(test::Truth(), 5.0, kNoise_V);
+  const auto logs = test::SyntheticLogs(test::Truth(), 5.0, kJointNoise_V);
   EXPECT_FALSE(IdentifyJoint(test::CampaignOf(logs), logs).held_curve);
 }
 

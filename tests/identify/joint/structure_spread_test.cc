@@ -8,7 +8,7 @@ namespace lipoid {
 namespace {
 
 constexpr double kTypical_A = 2.0;
-constexpr double kRounding = 1e-15;
+constexpr double kRoundingOfValues = 1e-15;
 
 // Resistances in ohms at the nodes, r_s first; no voltages.
 JointSolution Solution(std::vector<double> soc,
@@ -20,8 +20,8 @@ JointSolution Solution(std::vector<double> soc,
   solution.structure.resistance_soc = std::move(soc);
   solution.rates.beta_per_sqrt_s = beta;
   solution.rates.time_constant_s = std::move(tau_s);
-  solution.x = Eigen::Map<Eigen::VectorXd>(ohms.data(), static_cast<Eigen::Index>(ohms.size())) *
-               kTypical_A;
+  solution.x =
+      Eigen::Map<Eigen::VectorXd>(ohms.data(), static_cast<Eigen::Index>(ohms.size())) * kTypical_A;
   return solution;
 }
 
@@ -31,18 +31,19 @@ TEST(StructureSpread, ReadsQuantitiesByTheirNames) {
   EXPECT_EQ(ValueIn(constant, "beta", kTypical_A, constant), 0.2);
   EXPECT_EQ(ValueIn(constant, "tau_1", kTypical_A, constant), 80.0);
   EXPECT_EQ(ValueIn(constant, "tau_2", kTypical_A, constant), 20.0);
-  EXPECT_NEAR(ValueIn(constant, "r_1", kTypical_A, constant), 0.03, kRounding);
-  EXPECT_NEAR(ValueIn(constant, "r_s(0.2)", kTypical_A, constant), 0.1, kRounding);
+  EXPECT_NEAR(ValueIn(constant, "r_1", kTypical_A, constant), 0.03, kRoundingOfValues);
+  EXPECT_NEAR(ValueIn(constant, "r_s(0.2)", kTypical_A, constant), 0.1, kRoundingOfValues);
   EXPECT_NEAR(ValueIn(constant, "c_1", kTypical_A, constant), 80.0 / 0.03, 1e-11);
-  EXPECT_NEAR(ValueIn(constant, "r_total(0.5)", kTypical_A, constant), 0.18, kRounding);
+  EXPECT_NEAR(ValueIn(constant, "r_total(0.5)", kTypical_A, constant), 0.18, kRoundingOfValues);
   for (const char* name : {"tau_3", "r_3", "r_ct", "rho_h", "tau_h", "i_0", "alpha"})
     EXPECT_TRUE(std::isnan(ValueIn(constant, name, kTypical_A, constant))) << name;
 
   const JointSolution table =
       Solution({0.0, 0.4, 1.0}, {20.0}, {0.3, 0.1, 0.04, 0.2, 0.1, 0.1}, 0.2);
-  EXPECT_NEAR(ValueIn(table, "r_s(0.2)", kTypical_A, table), 0.2, kRounding);
-  EXPECT_NEAR(ValueIn(table, "r_s(0.5)", kTypical_A, table), 0.09, kRounding);
-  EXPECT_NEAR(ValueIn(table, "r_s", kTypical_A, table), (0.2 + 0.09 + 0.06) / 3.0, kRounding);
+  EXPECT_NEAR(ValueIn(table, "r_s(0.2)", kTypical_A, table), 0.2, kRoundingOfValues);
+  EXPECT_NEAR(ValueIn(table, "r_s(0.5)", kTypical_A, table), 0.09, kRoundingOfValues);
+  EXPECT_NEAR(
+      ValueIn(table, "r_s", kTypical_A, table), (0.2 + 0.09 + 0.06) / 3.0, kRoundingOfValues);
 }
 
 // Weights 3/4 and 1/4, betas 0.2 (taken) and 0.24, and halved tables that say 0.21:
@@ -54,10 +55,13 @@ TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
   choice.tried.push_back({.what = "another",
                           .solution = Solution({0.5}, {20.0, 90.0}, {0.1, 0.05, 0.01}, 0.24),
                           .weight = 0.25});
-  const auto beta = [&](const JointSolution& s) { return ValueIn(s, "beta", kTypical_A, choice.best); };
+  const auto beta = [&](const JointSolution& s) {
+    return ValueIn(s, "beta", kTypical_A, choice.best);
+  };
   EXPECT_NEAR(SpreadOverStructures(choice, beta).squaredNorm(), 0.25 * 0.04 * 0.04, 1e-15);
   choice.finer = Solution({0.5}, {20.0}, {0.1, 0.05}, 0.21);
-  EXPECT_NEAR(SpreadOverStructures(choice, beta).squaredNorm(), 0.25 * 0.04 * 0.04 + 0.01 * 0.01, 1e-15);
+  EXPECT_NEAR(
+      SpreadOverStructures(choice, beta).squaredNorm(), 0.25 * 0.04 * 0.04 + 0.01 * 0.01, 1e-15);
   // A second branch, far faster than the one taken, is not what the first is compared with.
   choice.finer = Solution({0.5}, {0.0022, 22.0}, {0.1, 0.002, 0.05}, 0.21);
   EXPECT_NEAR(ValueIn(choice.finer, "tau_1", kTypical_A, choice.best), 22.0, 0.2);
@@ -65,16 +69,21 @@ TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
   // One that was split in two is one: 2 sqrt(tau_a tau_b)/(tau_a + tau_b) of the second half counts.
   const JointSolution split = Solution({0.5}, {15.0, 24.0}, {0.1, 0.02, 0.03}, 0.2);
   const double shared = 2.0 * std::sqrt(15.0 * 24.0) / 39.0;
-  EXPECT_NEAR(ValueIn(split, "r_1", kTypical_A, choice.best), 0.02 * shared + 0.03, kRounding);
-  const double log_tau = (0.02 * shared * std::log(15.0) + 0.03 * std::log(24.0)) / (0.02 * shared + 0.03);
+  EXPECT_NEAR(
+      ValueIn(split, "r_1", kTypical_A, choice.best), 0.02 * shared + 0.03, kRoundingOfValues);
+  const double log_tau =
+      (0.02 * shared * std::log(15.0) + 0.03 * std::log(24.0)) / (0.02 * shared + 0.03);
   EXPECT_NEAR(ValueIn(split, "tau_1", kTypical_A, choice.best), std::exp(log_tau), 1e-13);
   EXPECT_NEAR(ValueIn(split, "c_1", kTypical_A, choice.best),
-              std::exp(log_tau) / (0.02 * shared + 0.03), 1e-10);
+              std::exp(log_tau) / (0.02 * shared + 0.03),
+              1e-10);
   // Where both halves were taken each stands for itself.
   EXPECT_EQ(ValueIn(split, "tau_2", kTypical_A, split), 24.0);
-  EXPECT_NEAR(ValueIn(split, "r_2", kTypical_A, split), 0.03, kRounding);
+  EXPECT_NEAR(ValueIn(split, "r_2", kTypical_A, split), 0.03, kRoundingOfValues);
   // A quantity that only the other structure has adds nothing.
-  const auto i_0 = [&](const JointSolution& s) { return ValueIn(s, "i_0", kTypical_A, choice.best); };
+  const auto i_0 = [&](const JointSolution& s) {
+    return ValueIn(s, "i_0", kTypical_A, choice.best);
+  };
   EXPECT_TRUE(SpreadOverStructures(choice, i_0).isZero(0.0));
 }
 

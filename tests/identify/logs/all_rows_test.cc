@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tests/support/load_error.h"
+#include "tests/support/synthetic_record.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid {
@@ -16,9 +17,9 @@ namespace {
 
 using test::WriteText;
 
-constexpr std::size_t kEveryRow = std::size_t{1} << 40;
-constexpr std::size_t kMost = 8192;
-constexpr std::size_t kRows = 60000;
+using test::kEveryRow;
+constexpr std::size_t kMostRows = 8192;
+constexpr std::size_t kRowsOfLog = 60000;
 
 // A discharge with rests and noise, by a function that writes one row.
 template <class Row>
@@ -27,7 +28,7 @@ std::string Text(const std::string& header, const Row& row) {
   std::normal_distribution<double> normal;
   std::string text = header + "\n";
   double charge_C = 0.0;
-  for (std::size_t k = 0; k < kRows; ++k) {
+  for (std::size_t k = 0; k < kRowsOfLog; ++k) {
     const double current_A = k % 10000 < 4000 ? 0.0 : 2.5 + 0.003 * normal(random);
     charge_C += 0.01 * current_A;
     row(text, k, current_A, 4.1 - 0.02 * current_A - 4e-4 * charge_C + 2e-4 * normal(random));
@@ -40,7 +41,7 @@ void ExpectTheSame(const std::string& text, ReadOptions options) {
   const std::string file = WriteText("log.csv", text);
   options.most_rows = kEveryRow;
   const Log every = ReadLog(file, options);
-  options.most_rows = kMost;
+  options.most_rows = kMostRows;
   Log log = ReadLog(file, options);
   ASSERT_TRUE(log.report.thinned);
   Record all;
@@ -74,7 +75,7 @@ TEST(AllRows, ALogThatWasKeptIsOneBlock) {
   ForEachBlockOfRows(log, {}, [&](Record& rows) {
     ++blocks;
     EXPECT_EQ(std::as_const(rows.time_s).data(), first);  // not a copy
-    EXPECT_EQ(rows.size(), kRows);
+    EXPECT_EQ(rows.size(), kRowsOfLog);
   });
   EXPECT_EQ(blocks, 1U);
 }
@@ -141,7 +142,7 @@ TEST(AllRows, AFileThatChangedIsRefused) {
   const std::string text = Text("time_s,current_A,voltage_V", row);
   const std::string file = WriteText("log.csv", text);
   ReadOptions options;
-  options.most_rows = kMost;
+  options.most_rows = kMostRows;
   Log log = ReadLog(file, options);
   WriteText("log.csv", text.substr(0, text.rfind('\n', text.size() - 2) + 1));
   EXPECT_EQ(

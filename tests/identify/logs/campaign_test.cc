@@ -13,7 +13,7 @@ namespace {
 
 using test::LoadErrorOf;
 
-std::string Refusal(const std::string& text) {
+std::string RefusalOfCampaign(const std::string& text) {
   return LoadErrorOf([&] { (void)ParseCampaign(text, "lab/c.toml"); });
 }
 
@@ -131,31 +131,32 @@ TEST(CampaignRefuses, AMissingFile) {
 
 TEST(CampaignRefuses, WhatIsNotToml) {
   // The words after the colon are toml++'s.
-  EXPECT_EQ(Refusal("[cell]\nname = \n").find("lab/c.toml:2:8: error: not a campaign in TOML: "),
+  EXPECT_EQ(RefusalOfCampaign("[cell]\nname = \n")
+                .find("lab/c.toml:2:8: error: not a campaign in TOML: "),
             0U);
-  EXPECT_EQ(Refusal("[cell]\nname = 'a'\nname = 'b'\n")
+  EXPECT_EQ(RefusalOfCampaign("[cell]\nname = 'a'\nname = 'b'\n")
                 .find("lab/c.toml:3:8: error: not a campaign in TOML: "),
             0U);
-  EXPECT_EQ(
-      Refusal("time_s,current_A\n1,2\n").find("lab/c.toml:1:7: error: not a campaign in TOML: "),
-      0U);
+  EXPECT_EQ(RefusalOfCampaign("time_s,current_A\n1,2\n")
+                .find("lab/c.toml:1:7: error: not a campaign in TOML: "),
+            0U);
 }
 
 TEST(CampaignRefuses, AnEmptyCampaign) {
   const auto none = "lab/c.toml:1:1: error: expected at least one [[log]], found none";
-  EXPECT_EQ(Refusal(""), none);
-  EXPECT_EQ(Refusal("[cell]\nname = 'x'\n"), none);
-  EXPECT_EQ(Refusal("log = []\n"), none);
+  EXPECT_EQ(RefusalOfCampaign(""), none);
+  EXPECT_EQ(RefusalOfCampaign("[cell]\nname = 'x'\n"), none);
+  EXPECT_EQ(RefusalOfCampaign("log = []\n"), none);
 }
 
 TEST(CampaignRefuses, SingleBrackets) {
-  EXPECT_EQ(Refusal("[log]\nkind = 'pulses'\nfile = 'a.csv'\n"),
+  EXPECT_EQ(RefusalOfCampaign("[log]\nkind = 'pulses'\nfile = 'a.csv'\n"),
             "lab/c.toml:1:1: error: expected [[log]], in double brackets, found [log]");
 }
 
 TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
   EXPECT_EQ(
-      Refusal(
+      RefusalOfCampaign(
           "[cell]\ncutof_V = 3.0\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n  fiel = 1\n[lab]\n"),
       "lab/c.toml:2:1: error: expected one of the keys name, capacity_Ah, cutoff_V, series, "
       "parallel, age, found "
@@ -169,22 +170,22 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
 
 TEST(CampaignRefuses, AnUnknownKind) {
   EXPECT_EQ(
-      Refusal("[[log]]\nkind = \"pulse\"\nfile = 'a.csv'\n"),
+      RefusalOfCampaign("[[log]]\nkind = \"pulse\"\nfile = 'a.csv'\n"),
       "lab/c.toml:2:8: error: kind: expected one of constant-current, low-rate, low-rate-charge, pulses, "
       "flight, validation, found "
       "'pulse'");
 }
 
 TEST(CampaignRefuses, MissingKindAndFile) {
-  EXPECT_EQ(Refusal("[[log]]\nhold = 'backward'\n"),
+  EXPECT_EQ(RefusalOfCampaign("[[log]]\nhold = 'backward'\n"),
             "lab/c.toml:1:1: error: expected the key 'kind' in this [[log]], found none\n"
             "lab/c.toml:1:1: error: expected the key 'file' in this [[log]], found none");
 }
 
 TEST(CampaignRefuses, WrongTypes) {
   EXPECT_EQ(
-      Refusal("[cell]\nname = 5\ncapacity_Ah = '33'\nseries = 1.5\n[[log]]\nkind = "
-              "true\nfile = ['a.csv']\n"),
+      RefusalOfCampaign("[cell]\nname = 5\ncapacity_Ah = '33'\nseries = 1.5\n[[log]]\nkind = "
+                        "true\nfile = ['a.csv']\n"),
       "lab/c.toml:2:8: error: name: expected a text in quotes, found 5\n"
       "lab/c.toml:3:15: error: capacity_Ah: expected a capacity above 0 Ah, found '33'\n"
       "lab/c.toml:4:10: error: series: expected an integer from 1 to 100000, found 1.5\n"
@@ -245,22 +246,24 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(CampaignRefusesLine, WithLineAndColumn) {
   const auto text =
       std::string("[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n") + GetParam().line + "\n";
-  EXPECT_EQ(Refusal(text), std::string("lab/c.toml:") + GetParam().message);
+  EXPECT_EQ(RefusalOfCampaign(text), std::string("lab/c.toml:") + GetParam().message);
 }
 
 TEST(CampaignRefuses, CutOffThatIsNoCells) {
-  EXPECT_EQ(Refusal("[cell]\ncutoff_V = 3000\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n"),
-            "lab/c.toml:2:12: error: cutoff_V: expected the cut-off of one cell, from 0.5 V to 6 "
-            "V, found 3000");
+  EXPECT_EQ(
+      RefusalOfCampaign("[cell]\ncutoff_V = 3000\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n"),
+      "lab/c.toml:2:12: error: cutoff_V: expected the cut-off of one cell, from 0.5 V to 6 "
+      "V, found 3000");
 }
 
 TEST(CampaignRefuses, TheSameLogTwice) {
   const std::string one = "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n";
-  EXPECT_EQ(Refusal(one + "[[log]]\nkind = 'pulses'\nfile = './a.csv'\n"),
+  EXPECT_EQ(RefusalOfCampaign(one + "[[log]]\nkind = 'pulses'\nfile = './a.csv'\n"),
             "lab/c.toml:6:8: error: expected each log once, found './a.csv' of kind pulses again "
             "(first in line 3)");
-  EXPECT_EQ(Refusal(one + "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\nsteps = [5]\n"), "no error");
-  EXPECT_EQ(Refusal(one + "[[log]]\nkind = 'validation'\nfile = 'a.csv'\n"), "no error");
+  EXPECT_EQ(RefusalOfCampaign(one + "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\nsteps = [5]\n"),
+            "no error");
+  EXPECT_EQ(RefusalOfCampaign(one + "[[log]]\nkind = 'validation'\nfile = 'a.csv'\n"), "no error");
 }
 
 // The sets that cannot identify a cell.

@@ -24,13 +24,13 @@ namespace {
 
 constexpr double kRestShare = 0.02;  // of the largest current
 
-struct Count {
+struct Judgements {
   int right = 0;
   int refused = 0;
   int wrong = 0;
 
   [[nodiscard]] int all() const { return right + refused + wrong; }
-  Count& operator+=(const Count& other) {
+  Judgements& operator+=(const Judgements& other) {
     right += other.right;
     refused += other.refused;
     wrong += other.wrong;
@@ -98,10 +98,10 @@ Record Noisy(Record record, const Noise& noise, unsigned seed) {
 }
 
 // Of a record whose discharge is positive, and of the same written the other way round.
-Count Judge(Record record, const std::string& what) {
-  Count count;
-  for (const CurrentSign truth : {CurrentSign::kDischargePositive,
-                                  CurrentSign::kDischargeNegative}) {
+Judgements Judge(Record record, const std::string& what) {
+  Judgements count;
+  for (const CurrentSign truth :
+       {CurrentSign::kDischargePositive, CurrentSign::kDischargeNegative}) {
     const SignFinding found = FindSignFromPhysics(record);
     if (found.sign == truth) {
       ++count.right;
@@ -129,8 +129,8 @@ bool IsPlain(const Record& record) {
 }
 
 struct Tally {
-  std::map<std::string, Count> plain;   // by form and noise
-  std::map<std::string, Count> others;  // short pulses, cycles, ...
+  std::map<std::string, Judgements> plain;   // by form and noise
+  std::map<std::string, Judgements> others;  // short pulses, cycles, ...
 
   void Take(const Record& whole) {
     const std::pair<const char*, Record> forms[] = {
@@ -140,7 +140,7 @@ struct Tally {
         {"one direction, no rests", WithoutRests(OneDirection(whole))}};
     unsigned seed = 1;
     for (const auto& [form, record] : forms) {
-      std::map<std::string, Count>& counts = IsPlain(record) ? plain : others;
+      std::map<std::string, Judgements>& counts = IsPlain(record) ? plain : others;
       for (const Noise& noise : kNoises) {
         const std::string what = std::string(form) + " | " + noise.name;
         counts[what] += Judge(Noisy(record, noise, seed++), what);
@@ -148,15 +148,16 @@ struct Tally {
     }
   }
 
-  static Count Sum(const std::map<std::string, Count>& counts) {
-    Count sum;
+  static Judgements Sum(const std::map<std::string, Judgements>& counts) {
+    Judgements sum;
     for (const auto& [what, count] : counts) sum += count;
     return sum;
   }
 
   void Print() const {
-    std::printf("%-64s %30s %30s\n", "", "plain: right refused wrong", "others: right refused wrong");
-    std::map<std::string, std::pair<Count, Count>> rows;
+    std::printf(
+        "%-64s %30s %30s\n", "", "plain: right refused wrong", "others: right refused wrong");
+    std::map<std::string, std::pair<Judgements, Judgements>> rows;
     for (const auto& [what, count] : plain) rows[what].first += count;
     for (const auto& [what, count] : others) rows[what].second += count;
     rows["sum"] = {Sum(plain), Sum(others)};
@@ -254,7 +255,7 @@ TEST(CurrentSignOnLogs, OfSimulatedCellsIsRightUnderNoiseAndWithoutRests) {
   Tally tally;
   for (const Record& log : SimulatedLogs()) tally.Take(log);
   tally.Print();
-  const Count plain = Tally::Sum(tally.plain);
+  const Judgements plain = Tally::Sum(tally.plain);
   EXPECT_EQ(plain.wrong, 0);
   EXPECT_EQ(plain.refused, 0);
   EXPECT_EQ(Tally::Sum(tally.others).wrong, 0);
@@ -280,7 +281,7 @@ TEST(CurrentSignOnLogs, OfMutatedFixturesIsRightOrRefused) {
   }
   EXPECT_GE(read, 38);
   tally.Print();
-  Count all = Tally::Sum(tally.plain);
+  Judgements all = Tally::Sum(tally.plain);
   all += Tally::Sum(tally.others);
   EXPECT_EQ(all.wrong, 0);
   EXPECT_GT(all.right, all.refused);
@@ -292,15 +293,15 @@ TEST(CurrentSignOnLogs, OfMutatedLogsIsRightOrRefused) {
   Tally tally;
   for (const Record& log : logs) tally.Take(Slower(log));
   tally.Print();
-  const Count plain = Tally::Sum(tally.plain);
-  const Count others = Tally::Sum(tally.others);
+  const Judgements plain = Tally::Sum(tally.plain);
+  const Judgements others = Tally::Sum(tally.others);
   EXPECT_EQ(plain.wrong + others.wrong, 0);
   // Pulse tests at 0 and -20 degC, whose voltage rises for hours after heavy pulses.
   EXPECT_LT(plain.refused, plain.all() / 100);
   // Most of these are pulses without the rests beside them, in which nothing is left to see.
   EXPECT_GT(others.right, others.all() / 2);
   for (const Record& log : logs) {  // all rows
-    const Count whole = Judge(log, "all rows");
+    const Judgements whole = Judge(log, "all rows");
     EXPECT_EQ(whole.right, 2) << log.file;
   }
 }

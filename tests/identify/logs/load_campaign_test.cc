@@ -5,15 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid {
 namespace {
 
-void Write(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
+using test::Write;
 
 constexpr const char* kDischarge =
     "time_s,current_A,voltage_V\n0,0,8.4\n10,4,8.0\n20,4,7.0\n30,4,6.0\n";
@@ -249,11 +249,12 @@ TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
           "current_sign = 'discharge-positive'\n");
     return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
   };
-  EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,4.0\n36000,0.2,3.5\n"),
-            folder +
-                "/a.csv:1:1: error: expected a slow charge, as kind \"low-rate-charge\" says, found "
-                "2 Ah that flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
-                "current round (`current_sign`)");
+  EXPECT_EQ(
+      complaint("0,0,4.2\n18000,0.2,4.0\n36000,0.2,3.5\n"),
+      folder +
+          "/a.csv:1:1: error: expected a slow charge, as kind \"low-rate-charge\" says, found "
+          "2 Ah that flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
+          "current round (`current_sign`)");
   EXPECT_EQ(complaint("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"), "no error");
   // Nor is a slow charge a discharge.
   const auto other_way = [&](const std::string& rows) {
@@ -263,10 +264,12 @@ TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
           "current_sign = 'discharge-positive'\n");
     return test::LoadErrorOf([&] { (void)LoadCampaign(ReadCampaign(folder + "/c.toml")); });
   };
-  EXPECT_EQ(other_way("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"),
-            folder + "/a.csv:1:1: error: expected a slow discharge, as kind \"low-rate\" says, found "
-                     "2 Ah that flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge "
-                     "turn the current round (`current_sign`)");
+  EXPECT_EQ(
+      other_way("0,0,3.5\n18000,-0.2,3.9\n36000,-0.2,4.2\n"),
+      folder +
+          "/a.csv:1:1: error: expected a slow discharge, as kind \"low-rate\" says, found "
+          "2 Ah that flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge "
+          "turn the current round (`current_sign`)");
   EXPECT_EQ(other_way("0,0,3.5\n18000,-0.2,4.2\n36000,0.19,3.5\n"), "no error");
   // What empties the cell before it is charged is not the charge.
   EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
@@ -285,20 +288,23 @@ TEST(LoadCampaign, ARestedCellFarFromItsSurroundingsIsDoubted) {
     return LoadCampaign(ReadCampaign(folder + "/c.toml"))[0].log.report.warnings;
   };
   const std::vector<std::string> none;
-  EXPECT_EQ(warnings("77", "ambient_degC = 25\n"),
-            (std::vector<std::string>{
-                "the cell rests at 77 degC in the first row, and ambient_degC is 25: if these are "
-                "degrees Fahrenheit (25 degC), say degF in the header; where the cell was warmed or "
-                "cooled before the test, say initial_degC"}));
-  EXPECT_EQ(warnings("25", "ambient_degC = -20\n"),
-            (std::vector<std::string>{
-                "the cell rests at 25 degC in the first row, and ambient_degC is -20: look which of "
-                "the two is right; where the cell was warmed or cooled before the test, say "
-                "initial_degC"}));
+  EXPECT_EQ(
+      warnings("77", "ambient_degC = 25\n"),
+      (std::vector<std::string>{
+          "the cell rests at 77 degC in the first row, and ambient_degC is 25: if these are "
+          "degrees Fahrenheit (25 degC), say degF in the header; where the cell was warmed or "
+          "cooled before the test, say initial_degC"}));
+  EXPECT_EQ(
+      warnings("25", "ambient_degC = -20\n"),
+      (std::vector<std::string>{
+          "the cell rests at 25 degC in the first row, and ambient_degC is -20: look which of "
+          "the two is right; where the cell was warmed or cooled before the test, say "
+          "initial_degC"}));
   EXPECT_EQ(warnings("39", "ambient_degC = 25\n"), none);
-  EXPECT_EQ(warnings("77", ""),
-            (std::vector<std::string>{"the cell is at 77 degC in the first row: if these are degrees "
-                                      "Fahrenheit (25 degC), say degF in the header"}));
+  EXPECT_EQ(
+      warnings("77", ""),
+      (std::vector<std::string>{"the cell is at 77 degC in the first row: if these are degrees "
+                                "Fahrenheit (25 degC), say degF in the header"}));
   EXPECT_EQ(warnings("55", ""), none);
   EXPECT_EQ(warnings("77", "ambient_degC = 25\ninitial_degC = 77\n"), none);
   EXPECT_EQ(warnings("77", "ambient_degC = 25\n", 1), none) << "a cell under load may be warm";
@@ -322,9 +328,10 @@ TEST(LoadCampaign, ATemperatureOfWholeDegreesGoesStraightBetweenThem) {
   };
   const LoadedLog whole = loaded(1.0);
   EXPECT_NEAR(whole.log.record.temperature_degC[12], 21.2, 0.06);
-  EXPECT_EQ(whole.log.report.warnings,
-            (std::vector<std::string>{
-                "its temperature is in steps of 1 degC, and is taken to go straight from one to the next"}));
+  EXPECT_EQ(
+      whole.log.report.warnings,
+      (std::vector<std::string>{
+          "its temperature is in steps of 1 degC, and is taken to go straight from one to the next"}));
   const LoadedLog fine = loaded(0.01);
   EXPECT_NEAR(fine.log.record.temperature_degC[12], 21.2, 1e-9);
   EXPECT_TRUE(fine.log.report.warnings.empty());

@@ -19,19 +19,20 @@
 namespace lipoid {
 namespace {
 
+using test::kLogHeader;
 using test::WriteText;
 
 // Rest, then 2 A: the voltage falls by 0.1 V at the edge and goes on falling.
-constexpr const char* kRows = "0,0,4.1\n1,0,4.1\n2,2,4\n3,2,3.99\n4,2,3.97\n";
+constexpr const char* kFiveRows = "0,0,4.1\n1,0,4.1\n2,2,4\n3,2,3.99\n4,2,3.97\n";
 
-std::string Refusal(const std::string& text, const ReadOptions& options = {}) {
+std::string RefusalOfLog(const std::string& text, const ReadOptions& options = {}) {
   const std::string file = WriteText("log.csv", text);
   std::string message = test::LoadErrorOf([&] { (void)ReadLog(file, options); });
   if (message.starts_with(file)) message = "F" + message.substr(file.size());
   return message;
 }
 
-Log Read(const std::string& text, const ReadOptions& options = {}) {
+Log ReadOf(const std::string& text, const ReadOptions& options = {}) {
   return ReadLog(WriteText("log.csv", text), options);
 }
 
@@ -60,7 +61,7 @@ TEST(PlainCsv, HeaderNamesAreUnderstood) {
                              "时间（s）,电池电流（A）,电池电压（V）",
                              "\"time_s\",\"current_A\",\"voltage_V\""}) {
     SCOPED_TRACE(header);
-    const Log log = Read(std::string(header) + "\n" + kRows);
+    const Log log = ReadOf(std::string(header) + "\n" + kFiveRows);
     EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 3, 4}));
     EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
     EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
@@ -76,8 +77,8 @@ TEST(PlainCsv, FahrenheitIsConvertedWhereTheHeaderSaysIt) {
                              "temperature_degF",
                              "Temperature/Fahrenheit"}) {
     SCOPED_TRACE(header);
-    const Log log = Read(std::string("time_s,current_A,voltage_V,") + header +
-                         "\n0,0,4.1,32\n1,0,4.1,212\n2,2,4,-40\n3,2,3.99,77\n4,2,3.97,77\n");
+    const Log log = ReadOf(std::string("time_s,current_A,voltage_V,") + header +
+                           "\n0,0,4.1,32\n1,0,4.1,212\n2,2,4,-40\n3,2,3.99,77\n4,2,3.97,77\n");
     const std::vector<double> degC{0, 100, -40, 25, 25};
     ASSERT_EQ(log.record.temperature_degC.size(), degC.size());
     for (std::size_t k = 0; k < degC.size(); ++k)
@@ -89,8 +90,8 @@ TEST(PlainCsv, FahrenheitIsConvertedWhereTheHeaderSaysIt) {
 TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
   const auto warnings = [](const std::string& header, const std::string& more) {
     const std::string end = ",77" + more + "\n";
-    const Log log = Read("time_s,current_A,voltage_V," + header + "\n0,0,4.1" + end + "1,0,4.1" +
-                         end + "2,2,4" + end + "3,2,3.99" + end);
+    const Log log = ReadOf("time_s,current_A,voltage_V," + header + "\n0,0,4.1" + end + "1,0,4.1" +
+                           end + "2,2,4" + end + "3,2,3.99" + end);
     EXPECT_TRUE(log.record.temperature_degC.empty());
     return log.report.warnings;
   };
@@ -106,16 +107,17 @@ TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
 
 TEST(PlainCsv, UnitsAreConverted) {
   // Dividing by 1000 and multiplying by 60 or 3600 are exact for these numbers.
-  const Log log = Read(
+  const Log log = ReadOf(
       "time_h,current_mA,voltage_mV,temperature_K\n0,0,4100,300\n0.5,0,4100,300\n1,2000,4000,300\n"
       "1.5,2000,3990,300\n2,2000,3970,300\n");
   EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1800, 3600, 5400, 7200}));
   EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
   EXPECT_EQ(log.record.temperature_degC, (std::vector<double>(5, 300 - 273.15)));
-  EXPECT_EQ(Read("time_min,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(),
+  EXPECT_EQ(ReadOf("time_min,current_A,voltage_V\n" + std::string(kFiveRows)).record.time_s.back(),
             240.0);
-  EXPECT_EQ(Read("time_ms,current_A,voltage_V\n" + std::string(kRows)).record.time_s.back(), 0.004);
+  EXPECT_EQ(ReadOf("time_ms,current_A,voltage_V\n" + std::string(kFiveRows)).record.time_s.back(),
+            0.004);
 }
 
 TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {
@@ -132,25 +134,25 @@ TEST(PlainCsv, UnitsMayStandInALineBelowTheNames) {
     if (semicolons) std::replace(rows.begin(), rows.end(), ',', ';');
     if (tabs) std::replace(rows.begin(), rows.end(), ',', '\t');
     text += rows;
-    const Log log = Read(text);
+    const Log log = ReadOf(text);
     EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 3, 4}));
     EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
     EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99, 3.97}));
   }
   // A line of words among which is no unit is neither such a line nor a row.
   EXPECT_EQ(
-      Refusal("Time,Current,Voltage\none,two,three\n" + std::string(kRows)),
+      RefusalOfLog("Time,Current,Voltage\none,two,three\n" + std::string(kFiveRows)),
       "F:1:1: error: expected times in column 'Time' as numbers, as durations such as 00:01:02.5 or "
       "as dates such as 2021-03-26 17:01:33, found 'one' in the first row");
   // Units of the user's that contradict the line are refused, as those of a header are.
-  EXPECT_EQ(
-      Refusal("Time,Current,Voltage\ns,mA,mV\n" + std::string(kRows), {.units = {"s", "A", "V"}}),
-      "F:1:6: error: expected a column in A as the option units says, found 'Current'");
+  EXPECT_EQ(RefusalOfLog("Time,Current,Voltage\ns,mA,mV\n" + std::string(kFiveRows),
+                         {.units = {"s", "A", "V"}}),
+            "F:1:6: error: expected a column in A as the option units says, found 'Current'");
 }
 
 // Neware's software in Chinese: the clock of the step beside that of the test, a state that says the direction.
 TEST(PlainCsv, ChineseNamesAreOfTheWholeTest) {
-  const Log log = Read(
+  const Log log = ReadOf(
       "循环号,工步类型,时间,总时间,电流(A),电压(V),温度（℃）,绝对时间\n"
       "1,搁置,0:00:00,0:00:00,0,4.18,25,2023-05-01 10:00:00\n"
       "1,恒流放电,0:00:00,0:00:10,-1,4.08,25.5,2023-05-01 10:00:10\n"
@@ -160,20 +162,21 @@ TEST(PlainCsv, ChineseNamesAreOfTheWholeTest) {
   EXPECT_EQ(log.record.temperature_degC, (std::vector<double>{25, 25.5, 26}));
   // The same names in GBK, as Excel writes them there.
   EXPECT_EQ(
-      Refusal("\xCA\xB1\xBC\xE4(s),\xB5\xE7\xC1\xF7(A),\xB5\xE7\xD1\xB9(V)\n" + std::string(kRows)),
+      RefusalOfLog("\xCA\xB1\xBC\xE4(s),\xB5\xE7\xC1\xF7(A),\xB5\xE7\xD1\xB9(V)\n" +
+                   std::string(kFiveRows)),
       "F:1:1: error: expected a header that names time, current and voltage, such as "
       "time_s,current_A,voltage_V, found "
       "'\u02b1\\xbc\\xe4(s),\\xb5\\xe7\\xc1\\xf7(A),\\xb5\\xe7\u0479(V)'; the file is not UTF-8: "
       "save it so; `lipoid list formats` shows what is read");
   EXPECT_EQ(
-      Refusal("time_s  current_A  voltage_V\n     0     0.0       4.1\n"),
+      RefusalOfLog("time_s  current_A  voltage_V\n     0     0.0       4.1\n"),
       "F:1:1: error: expected a header that names time, current and voltage, such as "
       "time_s,current_A,voltage_V, found 'time_s  current_A  voltage_V'; what stands apart by "
       "blanks is one column: put TAB, ; or , between them; `lipoid list formats` shows what is read");
 }
 
 TEST(PlainCsv, ARowThatCannotBeIsDroppedAndSaid) {
-  const Log log = Read(
+  const Log log = ReadOf(
       "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,2,4\n3,2,10\n4,2,3.98\n5,2,3.97\n6,2,3.96\n");
   EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2, 4, 5, 6}));
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.98, 3.97, 3.96}));
@@ -195,7 +198,7 @@ TEST(PlainCsv, AShortHoleInTheTemperatureIsBridged) {
                           4.1 - 0.01 * static_cast<double>(k),
                           degC[k]);
     }
-    return Read(text);
+    return ReadOf(text);
   };
   const auto warned = [](const Log& log, const std::string& words) {
     return std::any_of(log.report.warnings.begin(), log.report.warnings.end(), [&](const auto& w) {
@@ -221,27 +224,27 @@ TEST(PlainCsv, StepsAndCyclesAreReportedWhereAskedFor) {
   const std::string text =
       "time_s,current_A,voltage_V,step,cycle\n0,0,4.1,1,1\n1,0,4.1,1,1\n2,2,4,2,1\n3,2,3.99,2,1\n"
       "4,2,3.97,2,2\n";
-  EXPECT_TRUE(Read(text).report.labels.empty());
-  const auto labels = Read(text, {.labels = true}).report.labels;
+  EXPECT_TRUE(ReadOf(text).report.labels.empty());
+  const auto labels = ReadOf(text, {.labels = true}).report.labels;
   ASSERT_EQ(labels.size(), 3U);
   EXPECT_EQ(labels[1].row, 2U);
   EXPECT_EQ(labels[1].step, 2.0);
   EXPECT_EQ(labels[2].row, 4U);
   EXPECT_EQ(labels[2].cycle, 2.0);
-  EXPECT_TRUE(Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.labels = true})
+  EXPECT_TRUE(ReadOf("time_s,current_A,voltage_V\n" + std::string(kFiveRows), {.labels = true})
                   .report.labels.empty());
 }
 
 TEST(PlainCsv, NegativeDischargeIsTurnedRound) {
   const Log log =
-      Read("time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n");
+      ReadOf("time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n");
   EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2, 2}));
   EXPECT_FALSE(std::signbit(log.record.current_A[0]));
   EXPECT_EQ(log.report.current_sign, "discharge-negative");
 }
 
 TEST(PlainCsv, WhatIsSkippedIsCounted) {
-  const Log log = Read(
+  const Log log = ReadOf(
       "\xEF\xBB\xBF# lab 3\ntime_s,current_A,voltage_V,\n0,0,4.1,\n1,0,4.1,\n1,0,4.2,\n\n2,2,4,\n# "
       "pause\n"
       "3,2,3.99,\n4,2,3.97,\n5,2");
@@ -262,7 +265,7 @@ TEST(PlainCsv, WhatIsSkippedIsCounted) {
 TEST(PlainCsv, AClockThatIsCoarserThanItsRowsIsSaid) {
   std::string text = "time_s,current_A,voltage_V\n";
   for (int k = 0; k < 100; ++k) text += fmt::format("{},{},{}\n", k / 10, k < 30 ? 0 : 2, 4.1);
-  const Log log = Read(text, {.current_sign = "discharge-positive"});
+  const Log log = ReadOf(text, {.current_sign = "discharge-positive"});
   EXPECT_EQ(log.report.rows, 10U);
   EXPECT_EQ(log.report.warnings,
             (std::vector<std::string>{
@@ -295,9 +298,9 @@ TEST(TakeLog, MissingTemperaturesAreThoseOfAFile) {
 TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
   const std::string text =
       "time_s,current_A,voltage_V\n0,0,4.100\n1,0,4.100\n2,2,4.000\n3,2,3.990\n4,2,3.970";
-  EXPECT_EQ(Read(text).record.size(), 5U);
+  EXPECT_EQ(ReadOf(text).record.size(), 5U);
   for (const std::size_t missing : {1U, 2U, 3U, 4U}) {
-    const Log log = Read(text.substr(0, text.size() - missing));
+    const Log log = ReadOf(text.substr(0, text.size() - missing));
     EXPECT_EQ(log.record.size(), 4U);
     EXPECT_EQ(log.report.dropped_cut_last_line, 1U);
   }
@@ -305,21 +308,21 @@ TEST(PlainCsv, ALastNumberThatLacksDigitsOfAFixedFormatIsCut) {
   const std::string quoted =
       "\"time_s\",\"current_A\",\"voltage_V\"\n\"0\",\"0\",\"4.10\"\n\"1\",\"0\",\"4.10\"\n"
       "\"2\",\"2\",\"4.00\"\n\"3\",\"2\",\"3.99\"\n\"4\",\"2\",\"3.97\"";
-  EXPECT_EQ(Read(quoted).record.size(), 5U);
-  EXPECT_EQ(Read(quoted.substr(0, quoted.size() - 1)).record.size(), 4U);
+  EXPECT_EQ(ReadOf(quoted).record.size(), 5U);
+  EXPECT_EQ(ReadOf(quoted.substr(0, quoted.size() - 1)).record.size(), 4U);
   // With a line end it is what the logger wrote.
-  EXPECT_EQ(Read(text.substr(0, text.size() - 1) + "\n").record.size(), 5U);
+  EXPECT_EQ(ReadOf(text.substr(0, text.size() - 1) + "\n").record.size(), 5U);
 }
 
 TEST(PlainCsv, ALeadResistanceRaisesTheVoltageUnderDischarge) {
-  const Log log =
-      Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.lead_resistance_Ohm = 0.25});
+  const Log log = ReadOf("time_s,current_A,voltage_V\n" + std::string(kFiveRows),
+                         {.lead_resistance_Ohm = 0.25});
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4.5, 4.49, 4.470000000000001}));
 }
 
 TEST(PlainCsv, OnlyATimeSpanIsReadAndTimeRestarts) {
   const Log log =
-      Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.start_s = 1, .end_s = 3});
+      ReadOf("time_s,current_A,voltage_V\n" + std::string(kFiveRows), {.start_s = 1, .end_s = 3});
   EXPECT_EQ(log.record.time_s, (std::vector<double>{0, 1, 2}));
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4, 3.99}));
   EXPECT_EQ(log.report.dropped_unselected, 2U);
@@ -328,21 +331,21 @@ TEST(PlainCsv, OnlyATimeSpanIsReadAndTimeRestarts) {
 // The rows at rest tell nothing of the sign; with the edge that the part leaves out they do.
 TEST(PlainCsv, APartThatDoesNotSettleItsSignHasThatOfTheWholeLog) {
   const std::string header = "time_s,current_A,voltage_V\n";
-  for (const char* rows : {kRows, "0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n"}) {
+  for (const char* rows : {kFiveRows, "0,0,4.1\n1,0,4.1\n2,-2,4\n3,-2,3.99\n4,-2,3.97\n"}) {
     const ReadOptions rest{.end_s = 1};
-    const Log log = Read(header + rows, rest);
-    const Log whole = Read(header + rows);
+    const Log log = ReadOf(header + rows, rest);
+    const Log whole = ReadOf(header + rows);
     EXPECT_EQ(log.record.size(), 2U);
     EXPECT_EQ(log.report.current_sign, whole.report.current_sign);
     EXPECT_EQ(
         log.report.current_sign_reason,
         fmt::format("discharge is {} as in the whole log; by itself this part does not settle "
                     "it: no current flows",
-                    rows == kRows ? "positive" : "negative"));
+                    rows == kFiveRows ? "positive" : "negative"));
     EXPECT_FALSE(log.report.current_sign_is_of_others);
     EXPECT_EQ(ReadLogText(header + rows, "F", rest).report.current_sign, log.report.current_sign);
     EXPECT_EQ(
-        Refusal(header + "0,0,4.1\n1,0,4.1\n2,0,4.1\n", rest),
+        RefusalOfLog(header + "0,0,4.1\n1,0,4.1\n2,0,4.1\n", rest),
         "F:1:8: error: expected a current whose sign the data settle, found that no current "
         "flows; say `current_sign` (--current-sign discharge-positive or discharge-negative), "
         "or read another part of the log");
@@ -357,18 +360,19 @@ TEST(PlainCsv, APartThatDoesNotSettleItsSignHasThatOfTheWholeLog) {
 }
 
 TEST(PlainCsv, HoldIsPassedOn) {
-  EXPECT_EQ(Read("time_s,current_A,voltage_V\n" + std::string(kRows), {.hold = Hold::kForward})
-                .record.hold,
-            Hold::kForward);
+  EXPECT_EQ(
+      ReadOf("time_s,current_A,voltage_V\n" + std::string(kFiveRows), {.hold = Hold::kForward})
+          .record.hold,
+      Hold::kForward);
 }
 
 TEST(PlainCsv, ColumnsCanBeNamed) {
   const std::string text =
       "Zeit [s],I1 [A],I2 [A],Spannung [mV]\n0,0,9,4100\n1,0,9,4100\n2,2,9,4000\n3,2,9,3990\n";
-  const Log log =
-      Read(text,
-           {.columns = {
-                {"time_s", "zeit [s]"}, {"current_A", "I1 [A]"}, {"voltage_V", "Spannung [mV]"}}});
+  const Log log = ReadOf(
+      text,
+      {.columns = {
+           {"time_s", "zeit [s]"}, {"current_A", "I1 [A]"}, {"voltage_V", "Spannung [mV]"}}});
   EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2}));
   EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99}));
 }
@@ -380,7 +384,7 @@ TEST(PlainCsv, ColumnsOfAHeaderCanBeNumbered) {
   for (const std::string header : {"Zeit [s],I1 [A],I2 [A],Spannung [mV]\n",
                                    "Prüfer,Maier\n\nZeit,I1,I2,Spannung\ns,A,A,mV\n"}) {
     SCOPED_TRACE(header);
-    const Log log = Read(header + rows, numbers);
+    const Log log = ReadOf(header + rows, numbers);
     EXPECT_EQ(log.record.current_A, (std::vector<double>{0, 0, 2, 2}));
     EXPECT_EQ(log.record.voltage_V, (std::vector<double>{4.1, 4.1, 4, 3.99}));
   }
@@ -388,9 +392,9 @@ TEST(PlainCsv, ColumnsOfAHeaderCanBeNumbered) {
 
 TEST(PlainCsv, TheSignCanBeGiven) {
   const std::string text = "time_s,current_A,voltage_V\n0,0,4.1\n1,0,4.1\n2,0,4.1\n";
-  EXPECT_EQ(Read(text, {.current_sign = "discharge-negative"}).report.current_sign,
+  EXPECT_EQ(ReadOf(text, {.current_sign = "discharge-negative"}).report.current_sign,
             "discharge-negative");
-  EXPECT_EQ(Read(text, {.current_sign = "discharge-positive"}).report.current_sign_reason,
+  EXPECT_EQ(ReadOf(text, {.current_sign = "discharge-positive"}).report.current_sign_reason,
             "given by the option current_sign");
 }
 
@@ -403,14 +407,12 @@ struct Wrong {
 
 void PrintTo(const Wrong& wrong, std::ostream* os) { *os << wrong.what; }
 
-const std::string kHeader = "time_s,current_A,voltage_V\n";
-
 const Wrong kWrong[] = {
     {"empty", "", "F:1:1: error: expected a log, found an empty file"},
     {"blank", "\n\n", "F:1:1: error: expected a log, found only blank lines and comments"},
-    {"header only", kHeader, "F:1:1: error: expected rows below the header, found none"},
+    {"header only", kLogHeader, "F:1:1: error: expected rows below the header, found none"},
     {"cut row only",
-     kHeader + "1,2",
+     kLogHeader + "1,2",
      "F:1:1: error: expected rows below the header, found only one that is cut off"},
     {"unknown header",
      "foo,bar,baz\n1,2,3\n",
@@ -433,7 +435,7 @@ const Wrong kWrong[] = {
      "name them as the header does (--columns current_A=\"...\", or `columns` in a campaign)",
      {.voltage_optional = true}},
     {"no header",
-     kRows,
+     kFiveRows,
      "F:1:1: error: expected a header that names the columns, found numbers; add one line on top, "
      "such as "
      "time_s,current_A,voltage_V, or number the columns from 1 (--columns time_s=1 current_A=2 "
@@ -462,7 +464,7 @@ const Wrong kWrong[] = {
      "time_s,current_V,voltage_V\n1,2,3\n",
      "F:1:8: error: expected a unit of current (A, mA) in 'current_V', found 'v'"},
     {"units contradict",
-     kHeader + kRows,
+     kLogHeader + kFiveRows,
      "F:1:8: error: expected a column in mA as the option units says, found 'current_A'",
      {.units = {"s", "mA", "V"}}},
     {"two currents",
@@ -471,13 +473,13 @@ const Wrong kWrong[] = {
      "which with `columns = "
      "{current_A = \"current_A\"}`"},
     {"named column missing",
-     kHeader + kRows,
+     kLogHeader + kFiveRows,
      "F:1:1: error: expected columns for time, current and voltage, found none for 'Zeit' among "
      "time_s, current_A, "
      "voltage_V; name them as the header does (--columns time_s=\"...\", or `columns` in a campaign)",
      {.columns = {{"time_s", "Zeit"}}}},
     {"more columns numbered than there are",
-     kHeader + kRows,
+     kLogHeader + kFiveRows,
      "F:1:1: error: expected rows with the columns that --columns numbers, below at most a line of "
      "names and one of units, found 'time_s,current_A,voltage_V'; this file has a header: name the "
      "columns as it does (--columns time_s=\"...\")",
@@ -489,30 +491,30 @@ const Wrong kWrong[] = {
      "does (--columns time_s=\"...\")",
      {.columns = {{"time_s", "1"}, {"current_A", "2"}, {"voltage_V", "3"}}}},
     {"text",
-     kHeader + "0,0,4.1\n1,abc,4\n",
+     kLogHeader + "0,0,4.1\n1,abc,4\n",
      "F:3:3: error: expected a number in column 'current_A', found 'abc'"},
     {"an empty cell",
-     kHeader + "0,0,4.1\n1,,4\n",
+     kLogHeader + "0,0,4.1\n1,,4\n",
      "F:3:3: error: expected a number in column 'current_A', found an empty cell"},
     {"nan",
-     kHeader + "0,0,4.1\n1, nan,4\n",
+     kLogHeader + "0,0,4.1\n1, nan,4\n",
      "F:3:4: error: expected a finite number in column 'current_A', found 'nan'"},
     {"inf",
-     kHeader + "0,0,4.1\n1,2,-inf\n",
+     kLogHeader + "0,0,4.1\n1,2,-inf\n",
      "F:3:5: error: expected a finite number in column 'voltage_V', found '-inf'"},
     {"overflow",
-     kHeader + "0,3.40E+38,4.1\n1,2,3\n",
+     kLogHeader + "0,3.40E+38,4.1\n1,2,3\n",
      "F:2:3: error: expected a finite number in column 'current_A', found '3.40E+38', which "
      "loggers write for an "
      "overflow"},
     {"beyond doubles",
-     kHeader + "0,1e999,4.1\n1,2,3\n",
+     kLogHeader + "0,1e999,4.1\n1,2,3\n",
      "F:2:3: error: expected a finite number in column 'current_A', found '1e999'"},
     {"too few fields",
-     kHeader + "0,0,4.1\n1,2\n2,2,4\n",
+     kLogHeader + "0,0,4.1\n1,2\n2,2,4\n",
      "F:3:1: error: expected 3 fields as in the header, found 2"},
     {"decimal comma in a comma file",
-     kHeader + "0,0,0,0,4,1\n",
+     kLogHeader + "0,0,0,0,4,1\n",
      "F:2:1: error: expected 3 fields as in the header, found 6"},
     {"two decimal marks",
      "time_s;current_A;voltage_V\n0;0,5;4.1\n",
@@ -521,26 +523,26 @@ const Wrong kWrong[] = {
      "time_s;current_A;voltage_V\n0;1.000,5;4,1\n",
      "F:2:3: error: expected a number in column 'current_A', found '1.000,5'"},
     {"backwards",
-     kHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
+     kLogHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
      "F:4:1: error: expected time to increase, found '1' after 2 s; if the clock starts anew with "
      "each step or cycle, "
      "pick some with `steps` or `cycles`, or name a column that runs on with `columns = {time_s = "
      "\"...\"}`"},
     {"mV labelled as V",
-     kHeader + "0,0,4100\n1,0,4100\n2,2,4000\n",
+     kLogHeader + "0,0,4100\n1,0,4100\n2,2,4000\n",
      "F:1:18: error: expected a voltage in V, found 4100 V; are these mV? Say so in the header or "
      "with `units`"},
     {"absurd currents",
-     kHeader + "0,0,4.1\n1,1000000,4\n2,1000000,3.9\n",
+     kLogHeader + "0,0,4.1\n1,1000000,4\n2,1000000,3.9\n",
      "F:1:8: error: expected a current in A, found 1e+06 A; are these mA? Say so in the header or "
      "with `units`"},
     {"absurd times",
-     kHeader + "0,0,4.1\n1e12,2,4\n2e12,2,3.9\n",
+     kLogHeader + "0,0,4.1\n1e12,2,4\n2e12,2,3.9\n",
      "F:1:1: error: expected times in s, found a log of 6.34e+04 years; are these ms? Say so in "
      "the header or with "
      "`units`"},
     {"all rest",
-     kHeader + "0,0,4.1\n1,0,4.1\n2,0,4.1\n",
+     kLogHeader + "0,0,4.1\n1,0,4.1\n2,0,4.1\n",
      "F:1:8: error: expected a current whose sign the data settle, found that no current flows; "
      "say `current_sign` "
      "(--current-sign discharge-positive or discharge-negative), or read a part of the log"},
@@ -550,7 +552,7 @@ const Wrong kWrong[] = {
      "(steps of the file: 1, 2)",
      {.steps = {3}}},
     {"steps without a step column",
-     kHeader + kRows,
+     kLogHeader + kFiveRows,
      "F:1:1: error: expected a column for the step because of the option steps, found none among "
      "time_s, current_A, "
      "voltage_V",
@@ -594,7 +596,7 @@ const Wrong kWrong[] = {
 
 class RefusedLog : public testing::TestWithParam<Wrong> {};
 TEST_P(RefusedLog, SaysWhatIsWrong) {
-  EXPECT_EQ(Refusal(GetParam().text, GetParam().options), GetParam().message);
+  EXPECT_EQ(RefusalOfLog(GetParam().text, GetParam().options), GetParam().message);
 }
 INSTANTIATE_TEST_SUITE_P(All, RefusedLog, testing::ValuesIn(kWrong));
 
@@ -608,7 +610,7 @@ TEST(RefusedLog, MissingFilesAndFolders) {
 }
 
 TEST(RefusedLog, AVeryLongLine) {
-  const std::string message = Refusal(kHeader + kRows + std::string(3000000, '7'));
+  const std::string message = RefusalOfLog(kLogHeader + kFiveRows + std::string(3000000, '7'));
   EXPECT_EQ(message,
             "F:7:1: error: expected a row of a log, found a line of more than 131072 bytes");
 }
@@ -616,11 +618,11 @@ TEST(RefusedLog, AVeryLongLine) {
 TEST(RefusedLog, AMillionColumns) {
   std::string text = "a";
   for (int k = 0; k < 1000000; ++k) text += ",";
-  EXPECT_NE(Refusal(text + "\n1\n").find(": error: expected "), std::string::npos);
+  EXPECT_NE(RefusalOfLog(text + "\n1\n").find(": error: expected "), std::string::npos);
 }
 
 TEST(ReadOptions, AreChecked) {
-  const std::string file = WriteText("log.csv", kHeader + kRows);
+  const std::string file = WriteText("log.csv", kLogHeader + kFiveRows);
   const auto complaint = [&](const ReadOptions& options) {
     try {
       (void)ReadLog(file, options);

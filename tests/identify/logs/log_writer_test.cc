@@ -14,7 +14,7 @@
 namespace lipoid {
 namespace {
 
-Record Discharge(std::size_t rows) {
+Record DischargeOfRows(std::size_t rows) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(0.0, 1.0);
   Record record;
@@ -36,7 +36,7 @@ void ExpectTheSameBits(std::span<const double> a, std::span<const double> b) {
 
 TEST(LogWriter, WhatWasWrittenReadsBackBitForBit) {
   for (const auto format : {LogFileFormat::kCsv, LogFileFormat::kBdf}) {
-    const Record record = Discharge(20000);
+    const Record record = DischargeOfRows(20000);
     const std::string file = test::WriteText("out.csv", "");
     WriteLog(record, file, format);
     const Log log = ReadLog(file);
@@ -64,7 +64,7 @@ TEST(LogWriter, TheTextIsPlain) {
 }
 
 TEST(LogWriter, RefusesAFolderThatIsMissingAndColumnsOfUnequalLength) {
-  Record record = Discharge(5);
+  Record record = DischargeOfRows(5);
   EXPECT_THROW(WriteLog(record, "/nonexistent/folder/x.csv"), OptionError);
   record.voltage_V.pop_back();
   EXPECT_THROW(WriteLog(record, test::WriteText("out.csv", "")), PreconditionError);

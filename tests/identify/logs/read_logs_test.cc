@@ -8,15 +8,16 @@
 
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid {
 namespace {
 
-constexpr const char* kHeader = "time_s,current_A,voltage_V\n";
+using test::kLogHeader;
 
 // Falls by 1 V while 2 A flow, which count as `written`.
-std::string Discharge(double written) {
-  std::string text = kHeader;
+std::string TextOfDischarge(double written) {
+  std::string text = kLogHeader;
   for (int k = 0; k <= 100; ++k) {
     text += std::to_string(36 * k) + "," + std::to_string(k > 0 ? written : 0.0) + "," +
             std::to_string(4.1 - 0.01 * k) + "\n";
@@ -24,11 +25,11 @@ std::string Discharge(double written) {
   return text;
 }
 
-const std::string kRest = std::string(kHeader) + "0,0,4.1\n60,0,4.1\n120,0,4.1\n";
+const std::string kTextOfRest = kLogHeader + "0,0,4.1\n60,0,4.1\n120,0,4.1\n";
 
 // The amount of a discharge and of the charge after it.
 std::string AmountOfACycle() {
-  std::string text = kHeader;
+  std::string text = kLogHeader;
   for (int k = 0; k <= 200; ++k) {
     text += std::to_string(36 * k) + ",2," +
             std::to_string(k <= 100 ? 4.1 - 0.01 * k : 3.15 + 0.01 * (k - 100)) + "\n";
@@ -41,9 +42,9 @@ struct Outcome {
   std::map<std::string, std::string> problems;
 };
 
-Outcome Read(const std::string& name,
-             const std::vector<std::pair<std::string, std::string>>& files,
-             const std::map<std::string, ReadOptions>& options = {}) {
+Outcome ReadTogether(const std::string& name,
+                     const std::vector<std::pair<std::string, std::string>>& files,
+                     const std::map<std::string, ReadOptions>& options = {}) {
   const std::string folder = test::FreshFolder("read_logs/" + name);
   std::vector<LogToRead> logs;
   for (const auto& [file, text] : files) {
@@ -65,11 +66,11 @@ Outcome Read(const std::string& name,
 }
 
 TEST(ReadLogs, OneSettledLogSettlesItsNeighbours) {
-  const Outcome outcome = Read("settles",
-                               {{"a_rest.csv", kRest},
-                                {"b.csv", Discharge(-2.0)},
-                                {"c.csv", Discharge(-2.0)},
-                                {"d_rest.csv", kRest}});
+  const Outcome outcome = ReadTogether("settles",
+                                       {{"a_rest.csv", kTextOfRest},
+                                        {"b.csv", TextOfDischarge(-2.0)},
+                                        {"c.csv", TextOfDischarge(-2.0)},
+                                        {"d_rest.csv", kTextOfRest}});
   EXPECT_TRUE(outcome.problems.empty());
   const LogReport& rest = outcome.logs.at("a_rest.csv").report;
   EXPECT_EQ(rest.current_sign, "discharge-negative");
@@ -83,9 +84,10 @@ TEST(ReadLogs, OneSettledLogSettlesItsNeighbours) {
 }
 
 TEST(ReadLogs, LogsThatDisagreeSettleNone) {
-  const Outcome outcome = Read(
-      "disagree",
-      {{"one.csv", Discharge(2.0)}, {"other.csv", Discharge(-2.0)}, {"rest.csv", kRest}});
+  const Outcome outcome = ReadTogether("disagree",
+                                       {{"one.csv", TextOfDischarge(2.0)},
+                                        {"other.csv", TextOfDischarge(-2.0)},
+                                        {"rest.csv", kTextOfRest}});
   EXPECT_EQ(outcome.logs.size(), 2U);
   EXPECT_EQ(outcome.problems.at("rest.csv"),
             "expected a current whose sign the data settle, found that no current flows, and that "
@@ -95,9 +97,10 @@ TEST(ReadLogs, LogsThatDisagreeSettleNone) {
 }
 
 TEST(ReadLogs, AnotherFormatSettlesNothing) {
-  std::string other = Discharge(-2.0);
-  other.replace(0, std::string(kHeader).size(), "Time [s],I [A],U [V]\n");
-  const Outcome outcome = Read("formats", {{"other.csv", other}, {"rest.csv", kRest}});
+  std::string other = TextOfDischarge(-2.0);
+  other.replace(0, kLogHeader.size(), "Time [s],I [A],U [V]\n");
+  const Outcome outcome =
+      ReadTogether("formats", {{"other.csv", other}, {"rest.csv", kTextOfRest}});
   EXPECT_EQ(outcome.problems.at("rest.csv"),
             "expected a current whose sign the data settle, found that no current flows; say "
             "`current_sign` (--current-sign discharge-positive or discharge-negative), or read a "
@@ -105,8 +108,8 @@ TEST(ReadLogs, AnotherFormatSettlesNothing) {
 }
 
 TEST(ReadLogs, ALogThatContradictsItselfIsSettledByNone) {
-  const Outcome outcome =
-      Read("contradicts", {{"plain.csv", Discharge(2.0)}, {"amount.csv", AmountOfACycle()}});
+  const Outcome outcome = ReadTogether(
+      "contradicts", {{"plain.csv", TextOfDischarge(2.0)}, {"amount.csv", AmountOfACycle()}});
   EXPECT_EQ(outcome.problems.at("amount.csv"),
             "expected a current whose sign the data settle, found that the voltage falls with the "
             "current in some places and rises in others, as if the current had no sign; say "
@@ -115,25 +118,26 @@ TEST(ReadLogs, ALogThatContradictsItselfIsSettledByNone) {
 }
 
 TEST(ReadLogs, WhatIsGivenWinsAndSettlesTheOthers) {
-  const Outcome outcome = Read("given",
-                               {{"given.csv", kRest}, {"open.csv", kRest}},
-                               {{"given.csv", {.current_sign = "discharge-negative"}}});
+  const Outcome outcome = ReadTogether("given",
+                                       {{"given.csv", kTextOfRest}, {"open.csv", kTextOfRest}},
+                                       {{"given.csv", {.current_sign = "discharge-negative"}}});
   EXPECT_EQ(outcome.logs.at("given.csv").report.current_sign_reason,
             "given by the option current_sign");
   EXPECT_EQ(outcome.logs.at("open.csv").report.current_sign, "discharge-negative");
   EXPECT_TRUE(outcome.logs.at("open.csv").report.current_sign_is_of_others);
 
-  const Outcome against = Read("against",
-                               {{"given.csv", kRest}, {"found.csv", Discharge(2.0)}},
-                               {{"given.csv", {.current_sign = "discharge-negative"}}});
+  const Outcome against =
+      ReadTogether("against",
+                   {{"given.csv", kTextOfRest}, {"found.csv", TextOfDischarge(2.0)}},
+                   {{"given.csv", {.current_sign = "discharge-negative"}}});
   EXPECT_EQ(against.logs.at("given.csv").report.current_sign, "discharge-negative");
   EXPECT_EQ(against.logs.at("found.csv").report.current_sign, "discharge-positive");
 }
 
 TEST(ReadLogs, WhatTakeRefusesIsAProblemOfThatFile) {
   const std::string folder = test::FreshFolder("read_logs/take");
-  std::ofstream(folder + "/a.csv") << Discharge(2.0);
-  std::ofstream(folder + "/b.csv") << Discharge(2.0);
+  std::ofstream(folder + "/a.csv") << TextOfDischarge(2.0);
+  std::ofstream(folder + "/b.csv") << TextOfDischarge(2.0);
   const auto problems = ReadLogs({{folder + "/a.csv", {}}, {folder + "/b.csv", {}}},
                                  [](std::size_t k, const Log& log) {
                                    if (k == 1) throw LoadError({log.record.file, 3, 1}, "no");

@@ -13,37 +13,37 @@ Record Pulses() {
       {{20.0, 0.0}, {20.0, 4.0}, {20.0, 0.0}, {1.0, 20.0}, {20.0, 0.0}, {20.0, 4.0}});
 }
 
-using Rows = std::vector<std::size_t>;
+using RowNumbers = std::vector<std::size_t>;
 
 TEST(Spikes, AreRowsThatTheirNeighboursKnowNothingOf) {
   Record record = Pulses();
-  EXPECT_EQ(FindSpikes(record), Rows{});
+  EXPECT_EQ(FindSpikes(record), RowNumbers{});
   record.voltage_V[30] = 10.0;
   record.voltage_V[75] = 0.0;
-  EXPECT_EQ(FindSpikes(record), (Rows{30, 75}));
+  EXPECT_EQ(FindSpikes(record), (RowNumbers{30, 75}));
 }
 
 TEST(Spikes, TheFirstAndTheLastRowAreNone) {
   Record record = Pulses();
   record.voltage_V.front() = 10.0;
   record.voltage_V.back() = 2.0;  // a discharge that ends on a cliff
-  EXPECT_EQ(FindSpikes(record), Rows{});
+  EXPECT_EQ(FindSpikes(record), RowNumbers{});
 }
 
 TEST(Spikes, AStepOfTheCurrentExplainsAStepOfTheVoltage) {
   // At rest, then 8 A to the end: the first row lies alone above all others.
   Record record = test::RecordOfSteps({{100.0, 8.0}});
-  EXPECT_EQ(FindSpikes(record), Rows{});
+  EXPECT_EQ(FindSpikes(record), RowNumbers{});
   // One row of 60 A.
   record = test::RecordOfSteps({{20.0, 1.0}, {1.0, 60.0}, {20.0, 1.0}});
-  EXPECT_EQ(FindSpikes(record), Rows{});
+  EXPECT_EQ(FindSpikes(record), RowNumbers{});
 }
 
 TEST(Spikes, TwoWrongRowsTogetherAreNone) {
   Record record = Pulses();
   record.voltage_V[30] = record.voltage_V[31] = 10.0;  // CheckPlausible() refuses these
-  EXPECT_EQ(FindSpikes(record), Rows{});
-  EXPECT_EQ(FindSpikes(Record{}), Rows{});
+  EXPECT_EQ(FindSpikes(record), RowNumbers{});
+  EXPECT_EQ(FindSpikes(Record{}), RowNumbers{});
 }
 
 }  // namespace

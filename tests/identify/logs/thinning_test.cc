@@ -13,11 +13,12 @@
 #include "identify/logs/inspection.h"
 #include "identify/logs/log.h"
 #include "identify/logs/segments.h"
+#include "tests/support/synthetic_record.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::size_t kEveryRow = std::size_t{1} << 40;
+using test::kEveryRow;
 constexpr std::size_t kMost = 16384;
 
 // Rows of a discharge with rests before each load, 100 per second, as text.

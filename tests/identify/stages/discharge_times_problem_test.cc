@@ -14,8 +14,8 @@
 namespace lipoid {
 namespace {
 
-constexpr double kAlpha_C = 2400.0;
-constexpr double kBeta = 0.05;  // over the shortest time beta² L is 0.5: the two forms differ
+constexpr double kTrueAlpha_C = 2400.0;
+constexpr double kTrueBeta = 0.05;  // over the shortest time beta² L is 0.5: the two forms differ
 
 // Times of (4.37) with errors of a percent, so that the least cost is not zero.
 std::vector<DischargeTime> Times() {
@@ -26,7 +26,7 @@ std::vector<DischargeTime> Times() {
     times.push_back(
         {.file = "",
          .current_A = current_A,
-         .time_s = ExactDischargeTime(kAlpha_C, kBeta, current_A) * (1.0 + error(engine))});
+         .time_s = ExactDischargeTime(kTrueAlpha_C, kTrueBeta, current_A) * (1.0 + error(engine))});
   }
   return times;
 }
@@ -55,17 +55,20 @@ TEST_P(DischargeTimesBy, IsTheBestOfBothForms) {
   }
 }
 
-std::vector<std::string> Names() {
+std::vector<std::string> NamesOfUnknowns() {
   std::vector<std::string> names;
   for (const auto& optimizer : Optimizers()) names.emplace_back(optimizer.name);
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DischargeTimesBy, testing::ValuesIn(Names()), [](const auto& row) {
-  std::string name = row.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(All,
+                         DischargeTimesBy,
+                         testing::ValuesIn(NamesOfUnknowns()),
+                         [](const auto& row) {
+                           std::string name = row.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(DischargeTimesProblem, HasTheSlopesOfItsTimes) {
   const auto times = Times();

@@ -11,8 +11,8 @@
 namespace lipoid {
 namespace {
 
-constexpr double kAlpha_C = 10000.0;
-constexpr double kBeta = 0.2;
+constexpr double kLineAlpha_C = 10000.0;
+constexpr double kLineBeta = 0.2;
 const std::vector<double> kCurrents_A = {1.0, 2.0, 4.0, 6.0};
 
 std::vector<DischargeTime> Times(const std::vector<double>& currents_A,
@@ -49,10 +49,10 @@ const std::vector<DischargeTime> kLgM50 = {{"cc_0p5c.csv", 2.499827, 6973.04},
                                            {"cc_2c.csv", 9.999869, 1749.554}};
 
 // Cramer's rule for min sum w² (L - alpha/I + c)².
-struct NormalEquations {
+struct WeightedLine {
   double alpha_C, lag_s, alpha_error_C, lag_error_s;
 };
-NormalEquations Solve(const std::vector<DischargeTime>& times, bool relative) {
+WeightedLine Solve(const std::vector<DischargeTime>& times, bool relative) {
   long double aa = 0, ac = 0, cc = 0, ay = 0, cy = 0;
   for (const auto& d : times) {
     const long double w = relative ? 1.0L / d.time_s : 1.0L;
@@ -81,9 +81,9 @@ TEST(DischargeTimes, RecoverTheirTruthInBothForms) {
   for (const double beta : {0.05, 0.2, 0.9}) {
     for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
       for (const auto weighting : {TimeWeighting::kSeconds, TimeWeighting::kRelative}) {
-        const auto fit = FitDischargeTimes(Times(kCurrents_A, kAlpha_C, beta, form),
+        const auto fit = FitDischargeTimes(Times(kCurrents_A, kLineAlpha_C, beta, form),
                                            {.form = form, .weighting = weighting});
-        EXPECT_NEAR(fit.alpha_C, kAlpha_C, 1e-8 * kAlpha_C);
+        EXPECT_NEAR(fit.alpha_C, kLineAlpha_C, 1e-8 * kLineAlpha_C);
         // 1e-12 of 10 000 s in a lag that is 4 s at beta = 0.9.
         EXPECT_NEAR(fit.beta_per_sqrt_s, beta, 1e-7 * beta);
         EXPECT_TRUE(fit.identifiable) << fit.reason;
@@ -102,12 +102,12 @@ TEST(DischargeTimes, KnowHowFullADischargeBegins) {
   for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
     std::vector<DischargeTime> times;
     for (std::size_t k = 0; k < kCurrents_A.size(); ++k) {
-      times.push_back(Times({kCurrents_A[k]}, starts[k] * kAlpha_C, kBeta, form).front());
+      times.push_back(Times({kCurrents_A[k]}, starts[k] * kLineAlpha_C, kLineBeta, form).front());
       times.back().initial_soc = starts[k];
     }
     const auto fit = FitDischargeTimes(times, {.form = form});
-    EXPECT_NEAR(fit.alpha_C, kAlpha_C, 1e-8 * kAlpha_C);
-    EXPECT_NEAR(fit.beta_per_sqrt_s, kBeta, 1e-7 * kBeta);
+    EXPECT_NEAR(fit.alpha_C, kLineAlpha_C, 1e-8 * kLineAlpha_C);
+    EXPECT_NEAR(fit.beta_per_sqrt_s, kLineBeta, 1e-7 * kLineBeta);
     EXPECT_EQ(fit.rows[0].current_A, kCurrents_A[0]);
     EXPECT_LT(fit.rmse_s, 1e-6);
   }
@@ -115,10 +115,10 @@ TEST(DischargeTimes, KnowHowFullADischargeBegins) {
 
 TEST(DischargeTimes, NeedTheExactFormWhereTheyAreShort) {
   // beta² L = 0.0025 * 311 s at 8 A: the steady form takes the missing charge for a larger beta.
-  const auto times = Times({2.0, 3.0, 5.0, 8.0}, kAlpha_C, 0.05, DischargeForm::kExact);
+  const auto times = Times({2.0, 3.0, 5.0, 8.0}, kLineAlpha_C, 0.05, DischargeForm::kExact);
   const auto exact = FitDischargeTimes(times, {.form = DischargeForm::kExact});
   EXPECT_NEAR(exact.beta_per_sqrt_s, 0.05, 1e-8);
-  EXPECT_NEAR(exact.alpha_C, kAlpha_C, 1e-5);
+  EXPECT_NEAR(exact.alpha_C, kLineAlpha_C, 1e-5);
   const auto steady = FitDischargeTimes(times);
   EXPECT_GT(std::abs(steady.beta_per_sqrt_s - 0.05), 0.005);
 }
@@ -211,7 +211,7 @@ TEST(DischargeTimes, OfTheLgCellDoNotIdentifyBeta) {
 
 TEST(DischargeTimes, DominatedByNoiseDoNotIdentifyBeta) {
   // Charges fall, but by less than their scatter: 82 s of lag and errors of +-150 s.
-  auto times = Times({1.0, 1.5, 2.0, 3.0, 4.0}, kAlpha_C, kBeta);
+  auto times = Times({1.0, 1.5, 2.0, 3.0, 4.0}, kLineAlpha_C, kLineBeta);
   const double off_s[] = {0.0, 150.0, -150.0, 150.0, -150.0};
   for (std::size_t k = 0; k < times.size(); ++k) times[k].time_s += off_s[k];
   const auto fit = FitDischargeTimes(times);
@@ -243,8 +243,8 @@ TEST(DischargeTimes, OfARisingChargeStandAtTheBoundOfBeta) {
 }
 
 TEST(DischargeTimes, OfTwoLogsHaveNoStandardErrors) {
-  const auto fit = FitDischargeTimes(Times({1.0, 3.0}, kAlpha_C, kBeta));
-  EXPECT_NEAR(fit.beta_per_sqrt_s, kBeta, 1e-9);
+  const auto fit = FitDischargeTimes(Times({1.0, 3.0}, kLineAlpha_C, kLineBeta));
+  EXPECT_NEAR(fit.beta_per_sqrt_s, kLineBeta, 1e-9);
   EXPECT_TRUE(std::isnan(fit.alpha_standard_error_C));
   EXPECT_TRUE(std::isnan(fit.beta_standard_error_per_sqrt_s));
   EXPECT_EQ(fit.beta_lower_bound_per_sqrt_s, 0.0);  // none is implied
@@ -252,19 +252,20 @@ TEST(DischargeTimes, OfTwoLogsHaveNoStandardErrors) {
 }
 
 TEST(DischargeTimes, WithAlphaGivenFindBetaFromOneLog) {
-  const auto one = FitDischargeTimes(Times({2.0}, kAlpha_C, kBeta), {}, kAlpha_C);
-  EXPECT_EQ(one.alpha_C, kAlpha_C);
-  EXPECT_NEAR(one.beta_per_sqrt_s, kBeta, 1e-12);
+  const auto one = FitDischargeTimes(Times({2.0}, kLineAlpha_C, kLineBeta), {}, kLineAlpha_C);
+  EXPECT_EQ(one.alpha_C, kLineAlpha_C);
+  EXPECT_NEAR(one.beta_per_sqrt_s, kLineBeta, 1e-12);
   EXPECT_TRUE(one.identifiable);
   EXPECT_TRUE(std::isnan(one.beta_standard_error_per_sqrt_s));
-  const auto exact = FitDischargeTimes(Times({2.0, 50.0}, kAlpha_C, kBeta, DischargeForm::kExact),
-                                       {.form = DischargeForm::kExact},
-                                       kAlpha_C);
-  EXPECT_EQ(exact.alpha_C, kAlpha_C);
+  const auto exact =
+      FitDischargeTimes(Times({2.0, 50.0}, kLineAlpha_C, kLineBeta, DischargeForm::kExact),
+                        {.form = DischargeForm::kExact},
+                        kLineAlpha_C);
+  EXPECT_EQ(exact.alpha_C, kLineAlpha_C);
   EXPECT_EQ(exact.alpha_standard_error_C, 0.0);
-  EXPECT_NEAR(exact.beta_per_sqrt_s, kBeta, 1e-8);
+  EXPECT_NEAR(exact.beta_per_sqrt_s, kLineBeta, 1e-8);
   // Less charge than the log delivered: beta cannot be found.
-  const auto none = FitDischargeTimes({{"a", 2.0, 5100.0}}, {}, kAlpha_C);
+  const auto none = FitDischargeTimes({{"a", 2.0, 5100.0}}, {}, kLineAlpha_C);
   EXPECT_FALSE(none.identifiable);
   EXPECT_TRUE(none.beta_at_bound);
   EXPECT_EQ(none.reason.find("nan"), std::string::npos) << none.reason;
@@ -276,17 +277,18 @@ TEST(DischargeTimes, StandardErrorsAreTheSpreadOfManyDraws) {
   constexpr int kDraws = 2000;
   constexpr double kNoise_s = 4.0;
   for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
-    const auto truth = Times({1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}, kAlpha_C, kBeta, form);
+    const auto truth =
+        Times({1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}, kLineAlpha_C, kLineBeta, form);
     std::mt19937 engine(20);
     double alpha = 0.0, alpha_squares = 0.0, beta = 0.0, beta_squares = 0.0, alpha_variance = 0.0,
            beta_variance = 0.0;
     const int draws = form == DischargeForm::kSteady ? kDraws : 400;
     for (int draw = 0; draw < draws; ++draw) {
       const auto fit = FitDischargeTimes(Noisy(truth, kNoise_s, engine), {.form = form});
-      alpha += fit.alpha_C - kAlpha_C;
-      alpha_squares += std::pow(fit.alpha_C - kAlpha_C, 2);
-      beta += fit.beta_per_sqrt_s - kBeta;
-      beta_squares += std::pow(fit.beta_per_sqrt_s - kBeta, 2);
+      alpha += fit.alpha_C - kLineAlpha_C;
+      alpha_squares += std::pow(fit.alpha_C - kLineAlpha_C, 2);
+      beta += fit.beta_per_sqrt_s - kLineBeta;
+      beta_squares += std::pow(fit.beta_per_sqrt_s - kLineBeta, 2);
       alpha_variance += std::pow(fit.alpha_standard_error_C, 2);
       beta_variance += std::pow(fit.beta_standard_error_per_sqrt_s, 2);
     }
@@ -308,12 +310,12 @@ TEST(DischargeTimes, BoundHoldsInNineteenOfTwentyDraws) {
   // Large noise too: the bound must hold where beta is not identifiable, cut off at beta = 1 as it
   // is.
   for (const double noise_s : {5.0, 60.0}) {
-    const auto truth = Times(kCurrents_A, kAlpha_C, kBeta);
+    const auto truth = Times(kCurrents_A, kLineAlpha_C, kLineBeta);
     std::mt19937 engine(7);
     int covered = 0;
     for (int draw = 0; draw < kDraws; ++draw) {
       covered +=
-          FitDischargeTimes(Noisy(truth, noise_s, engine)).beta_lower_bound_per_sqrt_s <= kBeta;
+          FitDischargeTimes(Noisy(truth, noise_s, engine)).beta_lower_bound_per_sqrt_s <= kLineBeta;
     }
     // Binomial: 95 % +- 3 * 0.34 %; a negative lag is lifted to 0, which can only widen the bound.
     EXPECT_GE(covered, 0.94 * kDraws) << noise_s;
@@ -375,7 +377,7 @@ TEST(DischargeTimesOptions, AreSetByName) {
 // A log of twice the weight counts as two, and one of next to none has no say.
 TEST(DischargeTimes, CountByTheirWeights) {
   for (const auto form : {DischargeForm::kSteady, DischargeForm::kExact}) {
-    auto weighted = Times(kCurrents_A, kAlpha_C, kBeta, form);
+    auto weighted = Times(kCurrents_A, kLineAlpha_C, kLineBeta, form);
     weighted[1].time_s += 20.0;
     weighted[3].time_s -= 5.0;
     auto repeated = weighted;
@@ -388,8 +390,8 @@ TEST(DischargeTimes, CountByTheirWeights) {
     EXPECT_NEAR(one.beta_per_sqrt_s / two.beta_per_sqrt_s, 1.0, kSolver);
     weighted[1].weight = weighted[3].weight = 1e-6;
     const auto without = FitDischargeTimes(weighted, {.form = form});
-    EXPECT_NEAR(without.alpha_C / kAlpha_C, 1.0, 1e-4);
-    EXPECT_GT(std::abs(two.alpha_C / kAlpha_C - 1.0), 1e-4);
+    EXPECT_NEAR(without.alpha_C / kLineAlpha_C, 1.0, 1e-4);
+    EXPECT_GT(std::abs(two.alpha_C / kLineAlpha_C - 1.0), 1e-4);
   }
 }
 

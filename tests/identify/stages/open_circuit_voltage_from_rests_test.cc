@@ -19,7 +19,7 @@ namespace lipoid {
 namespace {
 
 // Table 4.11 (1/beta² = 27 s) with a branch of 45 s, or another.
-Cell Truth(double time_constant_s = 45.0) {
+Cell TruthRelaxingIn(double time_constant_s = 45.0) {
   Cell cell = LoadCell("gifi-600mAh-1");
   cell.branches = {{Resistance<double>(0.03), time_constant_s, time_constant_s / 0.03}};
   return cell;
@@ -47,7 +47,7 @@ OcvFromRests Find(const Record& record, double alpha_C, double initial_soc = 1.0
 constexpr double kSettled_V = 1e-9;
 
 TEST(OpenCircuitVoltageFromRests, RestsOfHalfAnHourLieOnTheTruth) {
-  const Cell truth = Truth();
+  const Cell truth = TruthRelaxingIn();
   const Record record = Pulses(truth, 0.6, 225.0, 2025.0);
   const OcvFromRests found = Find(record, truth.alpha_C());
   ASSERT_GE(found.rests.size(), 9U);
@@ -65,7 +65,7 @@ TEST(OpenCircuitVoltageFromRests, RestsOfHalfAnHourLieOnTheTruth) {
 // of the rest showed e^-1 - e^-2 of it, 1.7 times as much.
 TEST(OpenCircuitVoltageFromRests, WhatIsStillToComeIsLessThanTheDriftItReports) {
   const double rest_s = 900.0;
-  const Cell truth = Truth(0.5 * rest_s);
+  const Cell truth = TruthRelaxingIn(0.5 * rest_s);
   const Record record = Pulses(truth, 0.6, 225.0, 225.0 + rest_s);
   const OcvFromRests found = Find(record, truth.alpha_C());
   ASSERT_GE(found.rests.size(), 9U);
@@ -87,7 +87,7 @@ TEST(OpenCircuitVoltageFromRests, WhatIsStillToComeIsLessThanTheDriftItReports) 
 // 2 sigma/sqrt(450) = 0.1 mV at its end; a single row would miss 0.5 mV in two of three rests.
 TEST(OpenCircuitVoltageFromRests, AveragesTheNoiseOfTheLastQuarter) {
   constexpr double kNoise_V = 0.001;
-  const Cell truth = Truth();
+  const Cell truth = TruthRelaxingIn();
   Record record = Pulses(truth, 0.6, 225.0, 2025.0);
   std::mt19937_64 engine(7);
   std::normal_distribution<double> noise(0.0, kNoise_V);
@@ -105,7 +105,7 @@ TEST(OpenCircuitVoltageFromRests, AveragesTheNoiseOfTheLastQuarter) {
 TEST(OpenCircuitVoltageFromRests, TwoGuessesEncloseTheTruthBelowTheLowestRest) {
   for (const double load_s : {150.0, 225.0, 270.0, 400.0}) {
     SCOPED_TRACE(load_s);
-    const Cell truth = Truth();
+    const Cell truth = TruthRelaxingIn();
     const Record record = Pulses(truth, 0.6, load_s, load_s + 1800.0);
     const OcvFromRests found = Find(record, truth.alpha_C());
     ASSERT_TRUE(found.guessed_to_soc);
@@ -122,7 +122,7 @@ TEST(OpenCircuitVoltageFromRests, TwoGuessesEncloseTheTruthBelowTheLowestRest) {
 }
 
 TEST(OpenCircuitVoltageFromRests, OfRestsAtOneStateOfChargeTheLongestCounts) {
-  const Cell truth = Truth(450.0);
+  const Cell truth = TruthRelaxingIn(450.0);
   // Ten percent, half an hour of rest; a tenth of a percent, ten minutes of rest; and so on.
   const double long_s = 225.0 + 1800.0;
   const double period_s = long_s + 2.0 + 600.0;
@@ -142,7 +142,7 @@ TEST(OpenCircuitVoltageFromRests, OfRestsAtOneStateOfChargeTheLongestCounts) {
 }
 
 TEST(OpenCircuitVoltageFromRests, StartsOfSeveralLogsAreRests) {
-  const Cell truth = Truth();
+  const Cell truth = TruthRelaxingIn();
   std::vector<Record> records;
   std::vector<std::vector<Segment>> segments;
   std::vector<LogOfRests> logs;
@@ -168,7 +168,7 @@ TEST(OpenCircuitVoltageFromRests, StartsOfSeveralLogsAreRests) {
 }
 
 TEST(OpenCircuitVoltageFromRests, RefusesTooFewRestsAndSaysWhatItFound) {
-  const Cell truth = Truth();
+  const Cell truth = TruthRelaxingIn();
   // Rests of four minutes: none counts but the start.
   const Record record = Pulses(truth, 0.6, 60.0, 300.0);
   EXPECT_EQ(test::LoadErrorOf([&] { static_cast<void>(Find(record, truth.alpha_C())); }),

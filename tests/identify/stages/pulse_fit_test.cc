@@ -24,20 +24,20 @@ namespace {
 using test::CurrentStep;
 using test::MessageOf;
 
-OpenCircuitVoltage Curve() {
+OpenCircuitVoltage CurveOfTable() {
   return OpenCircuitVoltage::Linear(
       {0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0},
       {3.0, 3.3, 3.45, 3.6, 3.7, 3.74, 3.77, 3.82, 3.87, 3.95, 4.02, 4.11, 4.2});
 }
 
-struct Truth {
+struct TrueCell {
   double alpha_C = 1353.6;
   SweepParameters parameters;
   int terms = 10;
   bool tail = true;
 };
 
-Truth SmallCell() {
+TrueCell SmallCell() {
   return {.alpha_C = 1353.6,
           .parameters = {.beta_per_sqrt_s = 0.1924,
                          .series_resistance_Ohm = 0.1314,
@@ -45,7 +45,7 @@ Truth SmallCell() {
                          .time_constant_s = {45.0}}};
 }
 
-Truth LargeCell() {
+TrueCell LargeCell() {
   return {.alpha_C = 1.2e5,
           .parameters = {.beta_per_sqrt_s = 0.06,
                          .series_resistance_Ohm = 1.1e-3,
@@ -53,7 +53,7 @@ Truth LargeCell() {
                          .time_constant_s = {12.0}}};
 }
 
-Truth TwoBranches() {
+TrueCell TwoBranches() {
   return {.alpha_C = 1353.6,
           .parameters = {.beta_per_sqrt_s = 0.3,
                          .series_resistance_Ohm = 0.1,
@@ -61,14 +61,14 @@ Truth TwoBranches() {
                          .time_constant_s = {2.0, 120.0}}};
 }
 
-Cell CellOf(const Truth& truth) {
+Cell CellOf(const TrueCell& truth) {
   Cell cell;
   cell.capacity_Ah = truth.alpha_C / 3600.0;
   cell.diffusion = Cell::Diffusion{.alpha_C = truth.alpha_C,
                                    .beta_per_sqrt_s = truth.parameters.beta_per_sqrt_s,
                                    .terms = truth.terms,
                                    .tail = truth.tail};
-  cell.open_circuit_voltage = Curve();
+  cell.open_circuit_voltage = CurveOfTable();
   cell.series_resistance_Ohm = Resistance<double>(truth.parameters.series_resistance_Ohm);
   for (std::size_t j = 0; j < truth.parameters.resistance_Ohm.size(); ++j) {
     cell.branches.push_back(
@@ -80,7 +80,7 @@ Cell CellOf(const Truth& truth) {
 }
 
 // 30 s pulses of a twentieth of the charge with rests of 600 s, until 3/4 of it have left.
-Record Pulses(const Truth& truth,
+Record Pulses(const TrueCell& truth,
               double pulse_sampling_s,
               double rest_sampling_s,
               Hold hold,
@@ -97,13 +97,7 @@ Record Pulses(const Truth& truth,
   return record;
 }
 
-void AddNoise(Record& record, double noise_V, unsigned seed) {
-  std::mt19937 engine(seed);
-  std::normal_distribution<double> normal;
-  for (double& v : record.voltage_V) v += noise_V * normal(engine);
-}
-
-VoltageSweep SweepOf(const Truth& truth, const std::vector<const Record*>& records) {
+VoltageSweep SweepOf(const TrueCell& truth, const std::vector<const Record*>& records) {
   std::vector<SweepLog> logs;
   for (const Record* record : records) {
     logs.push_back({.record = record});
@@ -112,7 +106,7 @@ VoltageSweep SweepOf(const Truth& truth, const std::vector<const Record*>& recor
            .diffusion = true,
            .terms = truth.terms,
            .tail = truth.tail,
-           .open_circuit_voltage = Curve()},
+           .open_circuit_voltage = CurveOfTable()},
           std::move(logs)};
 }
 
@@ -147,12 +141,12 @@ void ExpectSame(const SweepParameters& found, const SweepParameters& truth, doub
   }
 }
 
-using Names = std::vector<std::string>;
+using NameList = std::vector<std::string>;
 
 TEST(PulseFit, FindsEveryParameterOfACellWithoutNoise) {
   struct Case {
     const char* name;
-    Truth truth;
+    TrueCell truth;
     double pulse_sampling_s, rest_sampling_s;
     Hold hold;
   };
@@ -180,20 +174,20 @@ TEST(PulseFit, FindsEveryParameterOfACellWithoutNoise) {
     const auto fit = Fit(sweep, static_cast<int>(one.truth.parameters.resistance_Ohm.size()));
     EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
     ExpectSame(fit.parameters, one.truth.parameters, 1e-6);
-    EXPECT_EQ(fit.at_bound, Names{});
-    EXPECT_EQ(fit.fixed, Names{});
+    EXPECT_EQ(fit.at_bound, NameList{});
+    EXPECT_EQ(fit.fixed, NameList{});
     EXPECT_LT(fit.errors.rmse, 1e-8);
     EXPECT_EQ(fit.errors.rows, record.size());
   }
 }
 
 TEST(PulseFit, FindsTheRestWithBetaHeld) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward);
   const auto fit = Fit(SweepOf(truth, {&record}), 1, {}, truth.parameters.beta_per_sqrt_s);
   EXPECT_EQ(fit.parameters.beta_per_sqrt_s, truth.parameters.beta_per_sqrt_s);
   ExpectSame(fit.parameters, truth.parameters, 1e-6);
-  EXPECT_EQ(fit.fixed, Names{"beta"});
+  EXPECT_EQ(fit.fixed, NameList{"beta"});
   // Held elsewhere it stays there, and the fit is worse.
   const auto off = Fit(SweepOf(truth, {&record}), 1, {}, 0.3);
   EXPECT_EQ(off.parameters.beta_per_sqrt_s, 0.3);
@@ -201,28 +195,28 @@ TEST(PulseFit, FindsTheRestWithBetaHeld) {
 }
 
 TEST(PulseFit, FindsTheCellOfTheThesisWithoutTheTail) {
-  Truth truth = SmallCell();
+  TrueCell truth = SmallCell();
   truth.tail = false;
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kForward);
   ExpectSame(Fit(SweepOf(truth, {&record}), 1).parameters, truth.parameters, 1e-6);
 }
 
 TEST(PulseFit, FindsOneCellInSeveralLogs) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record quick = Pulses(truth, 0.1, 10.0, Hold::kBackward, 4);
   const Record slow = Pulses(truth, 10.0, 10.0, Hold::kForward, 10);
   ExpectSame(Fit(SweepOf(truth, {&quick, &slow}), 1).parameters, truth.parameters, 1e-6);
 }
 
 TEST(PulseFit, FindsAPlainEquivalentCircuit) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   Cell cell = CellOf(truth);
   cell.diffusion.reset();
   cell.capacity_Ah = truth.alpha_C / 3600.0;
   Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward);
   record.voltage_V = Predict(cell, record.time_s, record.current_A, record.hold).voltage_V;
   const VoltageSweep sweep(
-      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
+      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = CurveOfTable()},
       {{.record = &record}});
   const auto fit = FitPulses(sweep, {.data = FindStartValues({&record})});
   EXPECT_NEAR(fit.parameters.series_resistance_Ohm, 0.1314, 1e-6 * 0.1314);
@@ -235,13 +229,13 @@ TEST(PulseFit, FindsAPlainEquivalentCircuit) {
 // within 35 %.
 TEST(PulseFit, IsAsSharpAsTheNoiseAllows) {
   constexpr double kNoise_V = 2e-4;
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record clean = Pulses(truth, 1.0, 1.0, Hold::kBackward, 8);
   double squares = 0.0;
   int count = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Record record = clean;
-    AddNoise(record, kNoise_V, seed);
+    test::AddWhiteNoise(record, kNoise_V, seed);
     const auto sweep = SweepOf(truth, {&record});
     const auto fit = Fit(sweep, 1);
     EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
@@ -266,35 +260,35 @@ TEST(PulseFit, IsAsSharpAsTheNoiseAllows) {
 }
 
 TEST(PulseFit, SaysThatABranchIsNotThere) {
-  Truth truth = SmallCell();
+  TrueCell truth = SmallCell();
   truth.parameters.resistance_Ohm.clear();
   truth.parameters.time_constant_s.clear();
   for (const double sampling_s : {0.1, 1.0}) {
     const Record record = Pulses(truth, sampling_s, 1.0, Hold::kBackward);
     const auto fit = Fit(SweepOf(truth, {&record}), 1);
     EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
-    EXPECT_EQ(fit.at_bound, Names{"r_1"});
+    EXPECT_EQ(fit.at_bound, NameList{"r_1"});
     EXPECT_EQ(fit.parameters.resistance_Ohm, std::vector<double>{0.0});
     EXPECT_NEAR(fit.parameters.beta_per_sqrt_s, truth.parameters.beta_per_sqrt_s, 1e-6 * 0.1924);
     EXPECT_NEAR(fit.parameters.series_resistance_Ohm, 0.1314, 1e-6 * 0.1314);
     const auto two = Fit(SweepOf(truth, {&record}), 2);
-    EXPECT_EQ(two.at_bound, (Names{"r_1", "r_2"}));
+    EXPECT_EQ(two.at_bound, (NameList{"r_1", "r_2"}));
     EXPECT_EQ(two.parameters.resistance_Ohm, (std::vector<double>{0.0, 0.0}));
     EXPECT_NEAR(two.parameters.series_resistance_Ohm, 0.1314, 1e-6 * 0.1314);
     const auto none = Fit(SweepOf(truth, {&record}), 0);
     ExpectSame(none.parameters, truth.parameters, 1e-6);
-    EXPECT_EQ(none.at_bound, Names{});
+    EXPECT_EQ(none.at_bound, NameList{});
   }
 }
 
 TEST(PulseFit, MergesABranchThatIsFasterThanTheSampling) {
   // 0.24 ms at 0.1 s, as in Table 4.11: with backward hold nothing tells it from r_s.
-  Truth truth = SmallCell();
+  TrueCell truth = SmallCell();
   truth.parameters.resistance_Ohm = {0.02};
   truth.parameters.time_constant_s = {2.4e-4};
   const Record record = Pulses(truth, 0.1, 1.0, Hold::kBackward);
   const auto fit = Fit(SweepOf(truth, {&record}), 1);
-  EXPECT_EQ(fit.at_bound, Names{"r_1"});
+  EXPECT_EQ(fit.at_bound, NameList{"r_1"});
   EXPECT_EQ(fit.parameters.resistance_Ohm[0], 0.0);
   EXPECT_NEAR(fit.parameters.series_resistance_Ohm, 0.1514, 1e-6 * 0.1514);
   EXPECT_NEAR(fit.parameters.beta_per_sqrt_s, 0.1924, 1e-6 * 0.1924);
@@ -303,41 +297,41 @@ TEST(PulseFit, MergesABranchThatIsFasterThanTheSampling) {
   truth.parameters.time_constant_s = {2.4e-4, 1e-5};
   const Record both = Pulses(truth, 0.1, 1.0, Hold::kBackward);
   const auto merged = Fit(SweepOf(truth, {&both}), 2);
-  EXPECT_EQ(merged.at_bound, (Names{"r_1", "r_2"}));
+  EXPECT_EQ(merged.at_bound, (NameList{"r_1", "r_2"}));
   EXPECT_NEAR(merged.parameters.series_resistance_Ohm, 0.1614, 1e-6 * 0.1614);
 }
 
 TEST(PulseFit, NamesABetaAtItsBound) {
   // No diffusion in the cell: 1/beta² = 0 lies beyond beta = 1.
-  Truth truth = SmallCell();
+  TrueCell truth = SmallCell();
   Cell cell = CellOf(truth);
   cell.diffusion.reset();
   Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward);
   record.voltage_V = Predict(cell, record.time_s, record.current_A, record.hold).voltage_V;
   const auto fit = Fit(SweepOf(truth, {&record}), 1);
   EXPECT_EQ(fit.termination, Termination::kConverged) << fit.message;
-  EXPECT_EQ(fit.at_bound, Names{"beta"});
+  EXPECT_EQ(fit.at_bound, NameList{"beta"});
   EXPECT_EQ(fit.parameters.beta_per_sqrt_s, 1.0);
 }
 
 TEST(PulseFit, HoldsWhatItIsTold) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
   const auto sweep = SweepOf(truth, {&record});
   const auto r_s = Fit(sweep, 1, {.fixed = {{"r_s", 0.1314}}});
   EXPECT_EQ(r_s.parameters.series_resistance_Ohm, 0.1314);
-  EXPECT_EQ(r_s.fixed, Names{"r_s"});
+  EXPECT_EQ(r_s.fixed, NameList{"r_s"});
   ExpectSame(r_s.parameters, truth.parameters, 1e-6);
 
   const auto branch = Fit(sweep, 1, {.fixed = {{"r_1", 0.03}, {"c_1", 1500.0}}});
   EXPECT_EQ(branch.parameters.resistance_Ohm[0], 0.03);
   EXPECT_DOUBLE_EQ(branch.parameters.time_constant_s[0], 45.0);
-  EXPECT_EQ(branch.fixed, (Names{"r_1", "c_1"}));
+  EXPECT_EQ(branch.fixed, (NameList{"r_1", "c_1"}));
   ExpectSame(branch.parameters, truth.parameters, 1e-6);
 
   const auto all =
       Fit(sweep, 1, {.fixed = {{"beta", 0.2}, {"r_s", 0.1}, {"r_1", 0.02}, {"tau_1", 30.0}}});
-  EXPECT_EQ(all.fixed, (Names{"beta", "r_s", "r_1", "tau_1"}));
+  EXPECT_EQ(all.fixed, (NameList{"beta", "r_s", "r_1", "tau_1"}));
   EXPECT_EQ(all.parameters.beta_per_sqrt_s, 0.2);
   EXPECT_EQ(all.parameters.time_constant_s[0], 30.0);
   EXPECT_EQ(all.termination, Termination::kConverged);
@@ -351,45 +345,45 @@ TEST(PulseFit, HoldsWhatItIsTold) {
 }
 
 TEST(PulseFit, KeepsToBounds) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
   const auto sweep = SweepOf(truth, {&record});
   const auto low = Fit(sweep, 1, {.bounds = {{"r_s", {0.0, 0.12}}}});
   EXPECT_EQ(low.parameters.series_resistance_Ohm, 0.12);
-  EXPECT_EQ(low.at_bound, Names{"r_s"});
+  EXPECT_EQ(low.at_bound, NameList{"r_s"});
   const auto tau = Fit(sweep, 1, {.bounds = {{"tau_1", {60.0, 100.0}}}});
   EXPECT_NEAR(tau.parameters.time_constant_s[0], 60.0, 1e-12);
-  EXPECT_EQ(tau.at_bound, Names{"tau_1"});
+  EXPECT_EQ(tau.at_bound, NameList{"tau_1"});
   const auto beta = Fit(sweep, 1, {.bounds = {{"beta", {0.3, 0.5}}}});
   EXPECT_NEAR(beta.parameters.beta_per_sqrt_s, 0.3, 1e-12);
-  EXPECT_EQ(beta.at_bound, Names{"beta"});
+  EXPECT_EQ(beta.at_bound, NameList{"beta"});
   // Bounds that hold the truth change nothing.
   const auto wide =
       Fit(sweep, 1, {.bounds = {{"beta", {0.0, 1.0}}, {"r_s", {0.1, 0.2}}, {"r_1", {0.01, 1.0}}}});
   ExpectSame(wide.parameters, truth.parameters, 1e-6);
-  EXPECT_EQ(wide.at_bound, Names{});
+  EXPECT_EQ(wide.at_bound, NameList{});
 }
 
 TEST(PulseFit, MovesCapacitancesWhereTheyAreNamed) {
-  const Truth truth = SmallCell();  // r_1 = 0.03, c_1 = 1500
+  const TrueCell truth = SmallCell();  // r_1 = 0.03, c_1 = 1500
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
   const auto sweep = SweepOf(truth, {&record});
   // c_1 alone, with r_1 still free.
   const auto fixed = Fit(sweep, 1, {.fixed = {{"c_1", 1500.0}}});
   ExpectSame(fixed.parameters, truth.parameters, 1e-6);
-  EXPECT_EQ(fixed.fixed, Names{"c_1"});
+  EXPECT_EQ(fixed.fixed, NameList{"c_1"});
   EXPECT_NEAR(
       fixed.parameters.time_constant_s[0], 1500.0 * fixed.parameters.resistance_Ohm[0], 1e-12);
   const auto low = Fit(sweep, 1, {.bounds = {{"c_1", {100.0, 1000.0}}}});
-  EXPECT_EQ(low.at_bound, Names{"c_1"});
+  EXPECT_EQ(low.at_bound, NameList{"c_1"});
   EXPECT_NEAR(low.parameters.time_constant_s[0] / low.parameters.resistance_Ohm[0], 1000.0, 1e-9);
   const auto wide = Fit(sweep, 1, {.bounds = {{"c_1", {100.0, 10000.0}}}});
-  EXPECT_EQ(wide.at_bound, Names{});
+  EXPECT_EQ(wide.at_bound, NameList{});
   ExpectSame(wide.parameters, truth.parameters, 1e-6);
 }
 
 TEST(PulseFit, TakesAStartThatItIsGiven) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record record = Pulses(truth, 1.0, 1.0, Hold::kBackward, 6);
   const auto sweep = SweepOf(truth, {&record});
   ExpectSame(Fit(sweep, 1, {.start = {{"beta", 0.5}, {"r_1", 0.01}, {"c_1", 100.0}}}).parameters,
@@ -407,7 +401,7 @@ TEST(PulseFit, TakesAStartThatItIsGiven) {
 }
 
 TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   const Record record = Pulses(truth, 10.0, 10.0, Hold::kBackward, 3);
   const auto sweep = SweepOf(truth, {&record});
   const auto message = [&](const GivenParameters& knowledge, int branches = 1) {
@@ -420,14 +414,14 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
   EXPECT_EQ(message({.bounds = {{"R_s", {0.0, 1.0}}}}, 2),
             "--bounds: no parameter 'R_s' in this fit; there are beta, r_s, r_1, r_2, tau_1, "
             "tau_2, c_1, c_2");
-  EXPECT_EQ(message({.fixed = {{"r_s", -0.1}}}), "--fix r_s=-0.1: expected a resistance of at least 0 Ohm");
+  EXPECT_EQ(message({.fixed = {{"r_s", -0.1}}}),
+            "--fix r_s=-0.1: expected a resistance of at least 0 Ohm");
   EXPECT_EQ(message({.fixed = {{"r_s", std::nan("")}}}),
             "--fix r_s=nan: expected a resistance of at least 0 Ohm");
-  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}),
-            "--fix beta=2: expected a number in (0, 1]");
-  EXPECT_EQ(message({.start = {{"beta", 0.0}}}),
-            "--start beta=0: expected a number in (0, 1]");
-  EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}), "--fix tau_1=0: expected a time constant above 0 s");
+  EXPECT_EQ(message({.fixed = {{"beta", 2.0}}}), "--fix beta=2: expected a number in (0, 1]");
+  EXPECT_EQ(message({.start = {{"beta", 0.0}}}), "--start beta=0: expected a number in (0, 1]");
+  EXPECT_EQ(message({.fixed = {{"tau_1", 0.0}}}),
+            "--fix tau_1=0: expected a time constant above 0 s");
   EXPECT_EQ(message({.start = {{"tau_1", std::numeric_limits<double>::infinity()}}}),
             "--start tau_1=inf: expected a time constant above 0 s");
   EXPECT_EQ(message({.bounds = {{"r_s", {0.2, 0.1}}}}),
@@ -442,7 +436,7 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
             "--fix r_s=0.5 lies outside --bounds r_s=0,0.1");
 
   const VoltageSweep plain(
-      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = Curve()},
+      {.alpha_C = truth.alpha_C, .diffusion = false, .open_circuit_voltage = CurveOfTable()},
       {{.record = &record}});
   EXPECT_EQ(MessageOf<OptionError>([&] {
               static_cast<void>(Fit(plain, 1, {.fixed = {{"beta", 0.2}}}));
@@ -451,11 +445,11 @@ TEST(PulseFit, SaysWhatIsWrongWithWhatItIsTold) {
 }
 
 TEST(SweepErrors, AreThoseOfThePrediction) {
-  const Truth truth = TwoBranches();
+  const TrueCell truth = TwoBranches();
   Record first = Pulses(truth, 0.1, 5.0, Hold::kForward, 5);
   Record second = Pulses(truth, 1.0, 1.0, Hold::kBackward, 20);  // runs out: A falls below 0
-  AddNoise(first, 0.02, 1);
-  AddNoise(second, 0.02, 2);
+  test::AddWhiteNoise(first, 0.02, 1);
+  test::AddWhiteNoise(second, 0.02, 2);
   double percent = 0.0, largest = 0.0, squares = 0.0;
   std::size_t outside = 0;
   for (const Record* record : {&first, &second}) {
@@ -519,12 +513,12 @@ TEST(PulseFit, OfRealCellsIsAtLeastAsGoodAsAnotherImplementation) {
     EXPECT_NEAR(joint.errors.rmse, 12.1e-3, 0.06e-3);
     EXPECT_NEAR(joint.parameters.beta_per_sqrt_s, 0.268827, 3e-4);
     EXPECT_NEAR(joint.parameters.series_resistance_Ohm, 1.281805e-3, 4e-6);
-    EXPECT_EQ(joint.at_bound, Names{"r_1"});
+    EXPECT_EQ(joint.at_bound, NameList{"r_1"});
     const auto held = nissan(true);
     EXPECT_NEAR(held.errors.mean_error_percent, 0.2350, 0.0012);
     EXPECT_NEAR(held.errors.rmse, 13.210806e-3, 0.07e-3);
     EXPECT_NEAR(held.parameters.series_resistance_Ohm, 1.072057e-3, 4e-6);
-    EXPECT_EQ(held.at_bound, Names{"r_1"});
+    EXPECT_EQ(held.at_bound, NameList{"r_1"});
   }
   {
     const auto joint = dmegc(false);
@@ -532,7 +526,7 @@ TEST(PulseFit, OfRealCellsIsAtLeastAsGoodAsAnotherImplementation) {
     EXPECT_LE(joint.errors.mean_error_percent, 0.1865);
     EXPECT_NEAR(joint.errors.rmse, 8.672e-3, 0.01e-3);
     EXPECT_EQ(joint.parameters.beta_per_sqrt_s, 1.0);
-    EXPECT_EQ(joint.at_bound, Names{"beta"});
+    EXPECT_EQ(joint.at_bound, NameList{"beta"});
     EXPECT_NEAR(joint.parameters.series_resistance_Ohm, 2.7405e-2, 4e-5);
     EXPECT_NEAR(joint.parameters.resistance_Ohm[0], 2.2455e-2, 4e-5);
     EXPECT_NEAR(joint.parameters.time_constant_s[0], 66.2, 0.3);
@@ -545,11 +539,11 @@ TEST(PulseFit, OfRealCellsIsAtLeastAsGoodAsAnotherImplementation) {
 }
 
 TEST(PulseFit, GivesTheSameBitsWithAnyNumberOfThreads) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   Record a = Pulses(truth, 1.0, 1.0, Hold::kBackward, 5);
   Record b = Pulses(truth, 0.5, 10.0, Hold::kForward, 8);
-  AddNoise(a, 1e-3, 1);
-  AddNoise(b, 1e-3, 2);
+  test::AddWhiteNoise(a, 1e-3, 1);
+  test::AddWhiteNoise(b, 1e-3, 2);
   const auto sweep = SweepOf(truth, {&a, &b});
   const auto run = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -567,7 +561,7 @@ TEST(PulseFit, GivesTheSameBitsWithAnyNumberOfThreads) {
 
 // Logs that show little or nothing: an answer within the bounds and a reason, whatever it is worth.
 TEST(PulseFit, AnswersWhateverTheLogShows) {
-  const Truth truth = SmallCell();
+  const TrueCell truth = SmallCell();
   std::vector<std::pair<const char*, Record>> records;
   records.emplace_back("one pulse", Pulses(truth, 1.0, 1.0, Hold::kBackward, 1));
   records.emplace_back("no rest", test::RecordOfSteps({{600.0, 1.0}}));

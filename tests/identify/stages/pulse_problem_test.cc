@@ -13,9 +13,10 @@
 namespace lipoid {
 namespace {
 
-using Jet = ceres::Jet<double, 6>;
+using PulseJet = ceres::Jet<double, 6>;
 
-constexpr BranchUnknown kUnknowns[] = {BranchUnknown::kTimeConstant, BranchUnknown::kCapacitance};
+constexpr BranchUnknown kBranchUnknowns[] = {BranchUnknown::kTimeConstant,
+                                             BranchUnknown::kCapacitance};
 constexpr ParameterScale kScales[] = {ParameterScale::kNatural,
                                       ParameterScale::kTypical,
                                       ParameterScale::kLog,
@@ -23,7 +24,7 @@ constexpr ParameterScale kScales[] = {ParameterScale::kNatural,
 
 // Smooth: differences extrapolate over kinks, also those of the second derivative, as if they were
 // not there.
-OpenCircuitVoltage Curve() {
+OpenCircuitVoltage CurveOfPolynomial() {
   return OpenCircuitVoltage::Polynomial(0.0, 1.0, {3.8, 0.45, -0.05, 0.08});
 }
 
@@ -41,34 +42,35 @@ Record Pulses() {
 }
 
 JointSetup SmallSetup() {
-  return {.alpha_C = 2000.0, .terms = 6, .tail = true, .open_circuit_voltage = Curve()};
+  return {.alpha_C = 2000.0, .terms = 6, .tail = true, .open_circuit_voltage = CurveOfPolynomial()};
 }
 
 // Two branches of which the first is described by its capacitance where `unknown` says so: value
 // and gradient of 1/2 ||r||² in natural parameters (beta, r_s, r_1, r_2, then what stands beside),
 // by automatic differentiation of the cell itself.
-Jet CostByJets(const Record& record, const PulseParameters& p) {
-  CellParameters<Jet> cell;
+PulseJet CostByJets(const Record& record, const PulseParameters& p) {
+  CellParameters<PulseJet> cell;
   const JointSetup setup = SmallSetup();
-  cell.alpha_C = Jet(setup.alpha_C);
-  cell.beta_per_sqrt_s = Jet(p.sweep.beta_per_sqrt_s, 0);
+  cell.alpha_C = PulseJet(setup.alpha_C);
+  cell.beta_per_sqrt_s = PulseJet(p.sweep.beta_per_sqrt_s, 0);
   cell.terms = setup.terms;
   cell.tail = setup.tail;
   cell.open_circuit_voltage = setup.open_circuit_voltage;
-  cell.series_resistance_Ohm = Resistance<Jet>(Jet(p.sweep.series_resistance_Ohm, 1));
+  cell.series_resistance_Ohm = Resistance<PulseJet>(PulseJet(p.sweep.series_resistance_Ohm, 1));
   for (std::size_t j = 0; j < 2; ++j) {
     const int at = static_cast<int>(j);
-    const Jet r(p.sweep.resistance_Ohm[j], 2 + at);
-    const Jet tau = std::isnan(p.capacitance_F[j]) ? Jet(p.sweep.time_constant_s[j], 4 + at)
-                                                   : r * Jet(p.capacitance_F[j], 4 + at);
-    cell.branches.push_back({Resistance<Jet>(r), tau});
+    const PulseJet r(p.sweep.resistance_Ohm[j], 2 + at);
+    const PulseJet tau = std::isnan(p.capacitance_F[j])
+                             ? PulseJet(p.sweep.time_constant_s[j], 4 + at)
+                             : r * PulseJet(p.capacitance_F[j], 4 + at);
+    cell.branches.push_back({Resistance<PulseJet>(r), tau});
   }
-  const CellModel<Jet> model(std::move(cell));
-  RecordStepper<Jet> stepper(model, record.hold, model.Relaxed(Jet(1.0)));
-  Jet cost(0.0);
+  const CellModel<PulseJet> model(std::move(cell));
+  RecordStepper<PulseJet> stepper(model, record.hold, model.Relaxed(PulseJet(1.0)));
+  PulseJet cost(0.0);
   for (std::size_t k = 0; k < record.size(); ++k) {
-    stepper.Row(record.time_s[k], Jet(record.current_A[k]));
-    const Jet residual = record.voltage_V[k] - stepper.Voltage();
+    stepper.Row(record.time_s[k], PulseJet(record.current_A[k]));
+    const PulseJet residual = record.voltage_V[k] - stepper.Voltage();
     cost += 0.5 * residual * residual;
   }
   return cost;
@@ -83,7 +85,7 @@ template <class Check>
 void ForEveryCase(const GivenParameters& known, Check&& check) {
   const Record record = Pulses();
   const VoltageSweep sweep(SmallSetup(), {{.record = &record}});
-  for (const BranchUnknown unknown : kUnknowns) {
+  for (const BranchUnknown unknown : kBranchUnknowns) {
     for (const ParameterScale scale : kScales) {
       SCOPED_TRACE(testing::Message() << "unknown " << static_cast<int>(unknown) << ", scale "
                                       << static_cast<int>(scale));
@@ -151,7 +153,7 @@ TEST(PulseProblem, HasTheGradientOfTheCellAlsoOnBounds) {
         const PulseParameters p = problem.Parameters(x);
         // A branch faster than anything has no slope that a finite precision could tell.
         if (p.sweep.time_constant_s[0] < 1e-6 || p.sweep.time_constant_s[1] < 1e-6) continue;
-        const Jet cost = CostByJets(record, p);
+        const PulseJet cost = CostByJets(record, p);
         const Eigen::VectorXd gradient = Gradient(problem, x);
         EXPECT_NEAR(Cost(problem, x), cost.a, 1e-10 * cost.a);
         for (int k = 0; k < problem.size(); ++k) {

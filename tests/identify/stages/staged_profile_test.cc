@@ -7,30 +7,16 @@
 
 #include "identify/stages/staged_trust.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/prediction.h"
 #include "model/core/errors.h"
 #include "model/statistics/normal_noise.h"
+#include "tests/support/pulse_record.h"
 
 namespace lipoid {
 namespace {
 
 // Eight pulses of 60 s with 900 s of rest, once a second, under 0.2 mV of white noise.
-Record PulseRecord(double branch_Ohm) {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.diffusion->beta_per_sqrt_s = 0.12;
-  cell.series_resistance_Ohm = 0.08;
-  cell.branches.clear();
-  if (branch_Ohm > 0.0) {
-    cell.branches.emplace_back();
-    cell.branches[0].resistance_Ohm = branch_Ohm;
-    cell.branches[0].time_constant_s = 25.0;
-  }
-  Record record;
-  for (int k = 0; k <= 8 * 960; ++k) {
-    record.time_s.push_back(k);
-    record.current_A.push_back(k > 0 && (k - 1) % 960 < 60 ? 2.4 : 0.0);
-  }
-  record.voltage_V = Predict(cell, record.time_s, record.current_A).voltage_V;
+Record NoisyPulseRecord(double branch_Ohm) {
+  Record record = test::PulseRecord(branch_Ohm);
   NormalNoise normal(5, 0);
   for (double& voltage_V : record.voltage_V) voltage_V += 2e-4 * normal();
   return record;
@@ -39,7 +25,7 @@ Record PulseRecord(double branch_Ohm) {
 // A fit, and how its parameters are profiled.
 struct Fitted {
   explicit Fitted(double branch_Ohm, GivenParameters knowledge = {})
-      : record(PulseRecord(branch_Ohm)),
+      : record(NoisyPulseRecord(branch_Ohm)),
         given(std::move(knowledge)),
         sweep({.alpha_C = cell.alpha_C(), .open_circuit_voltage = cell.open_circuit_voltage},
               {{.record = &record}}),

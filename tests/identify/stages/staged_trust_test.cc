@@ -11,37 +11,19 @@
 #include "identify/stages/staged_run.h"
 #include "identify/stages/start_values.h"
 #include "model/battery/cell_file.h"
-#include "model/battery/prediction.h"
 #include "model/statistics/normal_noise.h"
 #include "tests/support/paths.h"
+#include "tests/support/pulse_record.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kBeta = 0.12;
-constexpr double kSeries_Ohm = 0.08;
-constexpr double kBranch_Ohm = 0.03;
-constexpr double kTau_s = 25.0;
+using test::kPulseBeta;
+using test::kPulseSeries_Ohm;
+using test::kPulseTau_s;
+using test::PulseRecord;
 
-// Eight pulses of 60 s with 900 s of rest, once a second; the rests are short for the diffusion.
-Record PulseRecord(double branch_Ohm) {
-  Cell cell = LoadCell("gifi-600mAh-1");
-  cell.diffusion->beta_per_sqrt_s = kBeta;
-  cell.series_resistance_Ohm = kSeries_Ohm;
-  cell.branches.clear();
-  if (branch_Ohm > 0.0) {
-    cell.branches.emplace_back();
-    cell.branches[0].resistance_Ohm = branch_Ohm;
-    cell.branches[0].time_constant_s = kTau_s;
-  }
-  Record record;
-  for (int k = 0; k <= 8 * 960; ++k) {
-    record.time_s.push_back(k);
-    record.current_A.push_back(k > 0 && (k - 1) % 960 < 60 ? 2.4 : 0.0);
-  }
-  record.voltage_V = Predict(cell, record.time_s, record.current_A).voltage_V;
-  return record;
-}
+constexpr double kBranch_Ohm = 0.03;
 
 void AddNoise(Record& record, double white_V, double slow_V, double time_s, std::uint64_t seed) {
   NormalNoise normal(seed, 0);
@@ -78,11 +60,11 @@ const QuantityTrust& Of(const TrustReport& trust, const std::string& name) {
 // The whole way, nonlinear fit and all: simulated logs, staged fit, intervals.
 TEST(StagedTrust, IntervalsCoverTheTruthOfSimulatedPulses) {
   const Record clean = PulseRecord(kBranch_Ohm);
-  const std::pair<std::string, double> truth[] = {{"beta", kBeta},
-                                                  {"r_s", kSeries_Ohm},
+  const std::pair<std::string, double> truth[] = {{"beta", kPulseBeta},
+                                                  {"r_s", kPulseSeries_Ohm},
                                                   {"r_1", kBranch_Ohm},
-                                                  {"tau_1", kTau_s},
-                                                  {"c_1", kTau_s / kBranch_Ohm}};
+                                                  {"tau_1", kPulseTau_s},
+                                                  {"c_1", kPulseTau_s / kBranch_Ohm}};
   // More of them for docs/verdicts.md.
   const char* more = std::getenv("LIPOID_TRUST_SEEDS");
   const std::uint64_t seeds = more != nullptr ? std::stoul(more) : 40;
@@ -114,7 +96,7 @@ TEST(StagedTrust, LeavesOutWhatWasGiven) {
   Record record = PulseRecord(kBranch_Ohm);
   AddNoise(record, 2e-4, 0.0, 1.0, 1);
   const auto outcome =
-      FitAndAssess(record, {.fixed = {{"beta", kBeta}, {"c_1", kTau_s / kBranch_Ohm}}});
+      FitAndAssess(record, {.fixed = {{"beta", kPulseBeta}, {"c_1", kPulseTau_s / kBranch_Ohm}}});
   std::string names;
   for (const auto& q : outcome.trust.quantities) names += q.name + " ";
   EXPECT_EQ(names, "r_s r_1 tau_1 ");

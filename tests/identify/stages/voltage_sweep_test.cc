@@ -26,9 +26,9 @@ constexpr double kTolerance = 1e-11;
 // Products with a column that is zero, or nothing beside the others (kAlive).
 constexpr double kNothing = 1e-150;
 
-using Jet = ceres::Jet<double, 8>;  // beta, r_s, and three branches
+using SweepJet = ceres::Jet<double, 8>;  // beta, r_s, and three branches
 
-OpenCircuitVoltage Curve() {
+OpenCircuitVoltage CurveOfCubic() {
   return OpenCircuitVoltage::MonotoneCubic({-0.1, 0.0, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0},
                                            {2.6, 3.0, 3.45, 3.6, 3.74, 3.82, 3.95, 4.11, 4.2});
 }
@@ -63,25 +63,26 @@ SweepLog LogOf(const Record& record, double initial_soc = 1.0, double weight = 1
 Eigen::MatrixXd DenseRows(const JointSetup& setup, const SweepLog& log, const SweepParameters& p) {
   const auto branches = static_cast<int>(p.time_constant_s.size());
   const int columns = VoltageSweep::Columns(branches);
-  CellParameters<Jet> cell;
-  cell.alpha_C = Jet(setup.alpha_C);
-  cell.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  CellParameters<SweepJet> cell;
+  cell.alpha_C = SweepJet(setup.alpha_C);
+  cell.beta_per_sqrt_s = SweepJet(p.beta_per_sqrt_s, 0);
   cell.diffusion = setup.diffusion;
   cell.terms = setup.terms;
   cell.tail = setup.tail;
   cell.open_circuit_voltage = setup.open_circuit_voltage;
-  cell.series_resistance_Ohm = Resistance<Jet>(Jet(p.series_resistance_Ohm, 1));
+  cell.series_resistance_Ohm = Resistance<SweepJet>(SweepJet(p.series_resistance_Ohm, 1));
   for (int j = 0; j < branches; ++j) {
     const auto at = static_cast<std::size_t>(j);
-    cell.branches.push_back({Resistance<Jet>(Jet(p.resistance_Ohm[at], 2 + j)),
-                             Jet(p.time_constant_s[at], 2 + branches + j)});
+    cell.branches.push_back({Resistance<SweepJet>(SweepJet(p.resistance_Ohm[at], 2 + j)),
+                             SweepJet(p.time_constant_s[at], 2 + branches + j)});
   }
-  const CellModel<Jet> model(std::move(cell));
-  RecordStepper<Jet> stepper(model, log.record->hold, model.Relaxed(Jet(log.initial_soc)));
+  const CellModel<SweepJet> model(std::move(cell));
+  RecordStepper<SweepJet> stepper(
+      model, log.record->hold, model.Relaxed(SweepJet(log.initial_soc)));
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(log.record->size()), columns + 1);
   for (std::size_t k = 0; k < log.record->size(); ++k) {
-    stepper.Row(log.record->time_s[k], Jet(log.record->current_A[k]));
-    const Jet residual = log.record->voltage_V[k] - stepper.Voltage();
+    stepper.Row(log.record->time_s[k], SweepJet(log.record->current_A[k]));
+    const SweepJet residual = log.record->voltage_V[k] - stepper.Voltage();
     const double weight = std::sqrt(log.weight);
     const auto row = static_cast<Eigen::Index>(k);
     rows.row(row).head(columns) = weight * residual.v.head(columns).transpose();
@@ -140,7 +141,7 @@ JointSetup MakeSetup(int terms = 10, bool tail = true, bool diffusion = true) {
           .diffusion = diffusion,
           .terms = terms,
           .tail = tail,
-          .open_circuit_voltage = Curve()};
+          .open_circuit_voltage = CurveOfCubic()};
 }
 
 TEST(VoltageSweep, HasTheJacobianOfTheCell) {
@@ -293,7 +294,7 @@ TEST(VoltageSweep, MeansAddUpToTheRows) {
   const auto means = [&](const VoltageSweep& sweep, std::size_t most) {
     return sweep.Means(at.structure, at.rates, at.x, most)[0];
   };
-  const JointSetup setup{.alpha_C = 2000.0, .open_circuit_voltage = Curve()};
+  const JointSetup setup{.alpha_C = 2000.0, .open_circuit_voltage = CurveOfCubic()};
   // Steps of exactly constant current at 1 s, which condense, and a random log, which does not.
   Record steps;
   for (int k = 0; k <= 3000; ++k) {

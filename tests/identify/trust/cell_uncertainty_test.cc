@@ -16,6 +16,7 @@
 #include "model/battery/prediction_band.h"
 #include "model/core/special_values.h"
 #include "model/statistics/normal_noise.h"
+#include "tests/support/plain_joint.h"
 #include "tests/support/synthetic_campaign.h"
 
 namespace lipoid {
@@ -144,17 +145,12 @@ double Covered(const Cell& found, const Cell& truth, std::uint64_t seed) {
 TEST(CellUncertainty, TheBandOfAJointCellCoversTheTruth) {
   const Cell truth = Truth();
   const auto clean = test::SyntheticLogs(truth, 10.0);
-  constexpr JointOptions kPlain{.branches = 1,
-                                .resistance_nodes = 1,
-                                .self_heating = Presence::kOff,
-                                .charge_transfer = Presence::kOff,
-                                .smoothness = 1e-4};
   constexpr int kSeeds = 20;
   double covered = 0.0;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     auto logs = clean;
     AddNoise(logs, 0.0002, 0.0004, static_cast<std::uint64_t>(seed));
-    JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, kPlain);
+    JointResult result = IdentifyJoint(test::CampaignOf(logs), logs, {}, test::kPlainJoint);
     result.cell.uncertainty =
         UncertaintyOf(AssessJoint(result), result.cell, SocFollowsAlpha(result)).found;
     ASSERT_TRUE(result.cell.uncertainty.has_value());

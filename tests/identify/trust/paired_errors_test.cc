@@ -10,13 +10,13 @@
 namespace lipoid {
 namespace {
 
-constexpr double kRounding = 1e-14;
+constexpr double kRoundingOfErrors = 1e-14;
 
 // Two units of weight 1, differences 3 and 1: mean 2, standard error sqrt(2/4 (1 + 1)) = 1.
 TEST(PairedErrors, AreTheTextbooksForEqualWeights) {
   const PairedGain gain = CompareErrors({5.0, 4.0}, {2.0, 3.0}, {1.0, 1.0});
-  EXPECT_NEAR(gain.gain, 2.0, kRounding);
-  EXPECT_NEAR(gain.standard_error, 1.0, kRounding);
+  EXPECT_NEAR(gain.gain, 2.0, kRoundingOfErrors);
+  EXPECT_NEAR(gain.standard_error, 1.0, kRoundingOfErrors);
   EXPECT_FALSE(gain.AskedFor());  // by no two units
   // Two standard errors of a normal distribution.
   EXPECT_NEAR(gain.Probability(), 0.977249868, 1e-9);
@@ -25,7 +25,7 @@ TEST(PairedErrors, AreTheTextbooksForEqualWeights) {
 TEST(PairedErrors, WhatIsHardForBothModelsDropsOut) {
   const PairedGain gain =
       CompareErrors({5.0, 1004.0, 7.0, 3.0, 9.0}, {4.0, 1003.0, 6.0, 2.0, 8.0}, {1, 1, 1, 1, 1});
-  EXPECT_NEAR(gain.gain, 1.0, kRounding);
+  EXPECT_NEAR(gain.gain, 1.0, kRoundingOfErrors);
   EXPECT_NEAR(gain.standard_error, 0.0, 1e-12);
   EXPECT_TRUE(gain.AskedFor());
 }
@@ -33,9 +33,9 @@ TEST(PairedErrors, WhatIsHardForBothModelsDropsOut) {
 // Sums carry their weights: a unit of weight 3 counts three times as much.
 TEST(PairedErrors, UnitsCountWithTheirWeights) {
   const PairedGain gain = CompareErrors({6.0, 1.0}, {3.0, 2.0}, {3.0, 1.0});
-  EXPECT_NEAR(gain.gain, (3.0 - 1.0) / 4.0, kRounding);
+  EXPECT_NEAR(gain.gain, (3.0 - 1.0) / 4.0, kRoundingOfErrors);
   // Off the mean: 3 - 3/2 and -1 - 1/2.
-  EXPECT_NEAR(gain.standard_error, std::sqrt(2.0 * (2.25 + 2.25)) / 4.0, kRounding);
+  EXPECT_NEAR(gain.standard_error, std::sqrt(2.0 * (2.25 + 2.25)) / 4.0, kRoundingOfErrors);
   EXPECT_FALSE(gain.AskedFor());
 }
 
@@ -46,13 +46,13 @@ TEST(PairedErrors, EveryUnitHasItsSay) {
   std::vector<double> few{2.0, 2.1, 2.2, 2.3, 2.4, 2.5, 30.0};
   std::vector<double> many{1.9, 1.9, 1.9, 1.9, 1.9, 1.9, 29.0};
   // Ranks 1 to 7, all on one side.
-  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 28.0 / std::sqrt(140.0), kRounding);
+  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 28.0 / std::sqrt(140.0), kRoundingOfErrors);
   EXPECT_TRUE(CompareErrors(few, many, weight).AskedFor());
   few.back() = 1e4;  // however much worse
-  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 28.0 / std::sqrt(140.0), kRounding);
+  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 28.0 / std::sqrt(140.0), kRoundingOfErrors);
   few.back() = 28.0;  // rank 7 on the other side: the mean still gains, the ranks are not sure
   EXPECT_GT(CompareErrors(few, many, weight).gain, 0.0);
-  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 14.0 / std::sqrt(140.0), kRounding);
+  EXPECT_NEAR(CompareErrors(few, many, weight).ranks, 14.0 / std::sqrt(140.0), kRoundingOfErrors);
   EXPECT_FALSE(CompareErrors(few, many, weight).AskedFor());
 }
 

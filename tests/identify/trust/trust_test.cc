@@ -20,7 +20,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kRounding = 1e-9;  // of inverses of matrices of condition 1e4 or so
+constexpr double kRoundingOfInverses = 1e-9;  // of inverses of matrices of condition 1e4 or so
 
 // Noise of one sample per second, by a generator of its own.
 VectorXd Noise(Index rows, double white_V, double slow_V, double time_s, std::uint64_t seed) {
@@ -160,17 +160,18 @@ TEST(Trust, WhatIsDrawnHasTheCovarianceThatIsReported) {
   for (Index i = 0; i < 4; ++i) {
     for (Index j = 0; j < 4; ++j) {
       const double size = std::sqrt(report.covariance(i, i) * report.covariance(j, j));
-      EXPECT_NEAR(drawn(i, j), report.covariance(i, j), kRounding * size) << i << " " << j;
+      EXPECT_NEAR(drawn(i, j), report.covariance(i, j), kRoundingOfInverses * size)
+          << i << " " << j;
       EXPECT_NEAR(report.covariance(i, j),
                   scattered(i, j) + spread.row(i).dot(spread.row(j)),
-                  kRounding * size);
+                  kRoundingOfInverses * size);
     }
     const auto& q = report.quantities[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(q.standard_error / std::sqrt(drawn(i, i)), 1.0, kRounding) << q.name;
-    EXPECT_NEAR(q.model_standard_error, spread.row(i).norm(), kRounding) << q.name;
+    EXPECT_NEAR(q.standard_error / std::sqrt(drawn(i, i)), 1.0, kRoundingOfInverses) << q.name;
+    EXPECT_NEAR(q.model_standard_error, spread.row(i).norm(), kRoundingOfInverses) << q.name;
   }
   const double sum = drawn(1, 1) + 2.0 * drawn(1, 2) + drawn(2, 2);
-  EXPECT_NEAR(drawn(4, 4), sum, kRounding * drawn(1, 1));
+  EXPECT_NEAR(drawn(4, 4), sum, kRoundingOfInverses * drawn(1, 1));
   // Nobody is told of it, and it changes nothing else.
   const auto without = AssessTrust({&fit.rows, 1}, {}, quantities);
   EXPECT_EQ(without.drawn_covariance.size(), 0);
@@ -199,8 +200,8 @@ TEST(Trust, WhatIsHeldOrNotInTheRowsDoesNotVary) {
   EXPECT_TRUE(std::isinf(report.quantities[1].standard_error));
   // r_s and its twin move together, as far as their sum is uncertain.
   EXPECT_GT(drawn(1, 1), 0.0);
-  EXPECT_NEAR(drawn(1, 1), drawn(4, 4), kRounding * drawn(1, 1));
-  EXPECT_NEAR(drawn(1, 4), drawn(1, 1), kRounding * drawn(1, 1));
+  EXPECT_NEAR(drawn(1, 1), drawn(4, 4), kRoundingOfInverses * drawn(1, 1));
+  EXPECT_NEAR(drawn(1, 4), drawn(1, 1), kRoundingOfInverses * drawn(1, 1));
 }
 
 // The promise: 95 % intervals cover 90 to 99 %, whatever the colour of the noise.
@@ -307,12 +308,13 @@ TEST(Trust, ReducesToTheQuantitiesWithoutChangingThem) {
   const double white = squares / (2.0 * kRows - 4.0);
   for (std::size_t k = 0; k < 3; ++k) {
     const VectorXd& c = quantities[k].combination;
-    EXPECT_NEAR(
-        report.quantities[k].white_standard_error, std::sqrt(white * c.dot(inverse * c)), kRounding)
+    EXPECT_NEAR(report.quantities[k].white_standard_error,
+                std::sqrt(white * c.dot(inverse * c)),
+                kRoundingOfInverses)
         << k;
   }
   const VectorXd difference{{2.0, 1.0, -1.0}};
-  EXPECT_NEAR(difference.dot(report.covariance * difference), 0.0, kRounding);
+  EXPECT_NEAR(difference.dot(report.covariance * difference), 0.0, kRoundingOfInverses);
   // Rows of all weights have the same noise: H^{-1} J'W Sigma W J H^{-1}.
   MatrixXd scatter = MatrixXd::Zero(4, 4);
   for (const auto& log : logs) {
@@ -335,9 +337,9 @@ TEST(Trust, SingularValuesAreThoseOfTheScaledSensitivities) {
   const double rms = 1.0 / std::sqrt(double(pulses.sensitivity.rows()));
   for (Index k = 0; k < 4; ++k) {
     const auto& found = report.combinations[static_cast<std::size_t>(3 - k)];
-    EXPECT_NEAR(found.singular_value_V, rms * svd.singularValues()[k], kRounding);
+    EXPECT_NEAR(found.singular_value_V, rms * svd.singularValues()[k], kRoundingOfInverses);
     const Eigen::Map<const VectorXd> weights(found.weights.data(), 4);
-    EXPECT_NEAR(std::abs(weights.dot(svd.matrixV().col(k))), 1.0, kRounding);
+    EXPECT_NEAR(std::abs(weights.dot(svd.matrixV().col(k))), 1.0, kRoundingOfInverses);
   }
 }
 
@@ -352,8 +354,9 @@ TEST(Trust, HoldsWhatStandsAtABound) {
   quantities[3].at_bound = true;
   const auto report = Assess(rows, quantities);
   for (std::size_t k = 0; k < 3; ++k)
-    EXPECT_NEAR(
-        report.quantities[k].standard_error / without.quantities[k].standard_error, 1.0, kRounding);
+    EXPECT_NEAR(report.quantities[k].standard_error / without.quantities[k].standard_error,
+                1.0,
+                kRoundingOfInverses);
   EXPECT_EQ(report.quantities[3].verdict, Verdict::kAtBound);
   EXPECT_TRUE(std::isnan(report.quantities[3].standard_error));
   EXPECT_TRUE(std::isnan(report.quantities[3].low));

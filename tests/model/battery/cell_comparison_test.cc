@@ -11,7 +11,7 @@
 namespace lipoid {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kRoundingOfPercents = 1e-12;
 
 const ParameterComparison& Find(const CellComparison& comparison, const std::string& name) {
   for (const auto& one : comparison.parameters) {
@@ -28,10 +28,10 @@ TEST(CellComparison, SaysTheErrorOfEachParameterInPercentOfTheTruth) {
   SetCellParameter(estimate, "r_s", 0.1314 * 0.99);
   const auto comparison = CompareCells(truth, estimate);
   EXPECT_EQ(Find(comparison, "alpha").error_percent, 0.0);
-  EXPECT_NEAR(*Find(comparison, "beta").error_percent, 2.0, kRounding);
-  EXPECT_NEAR(*Find(comparison, "r_s").error_percent, -1.0, kRounding);
+  EXPECT_NEAR(*Find(comparison, "beta").error_percent, 2.0, kRoundingOfPercents);
+  EXPECT_NEAR(*Find(comparison, "r_s").error_percent, -1.0, kRoundingOfPercents);
   EXPECT_EQ(Find(comparison, "r_s").unit, "Ohm");
-  EXPECT_NEAR(comparison.open_circuit_max_V, 0.0, kRounding);
+  EXPECT_NEAR(comparison.open_circuit_max_V, 0.0, kRoundingOfPercents);
 }
 
 // The same cell, its numbers written for 5 degC and for 25 degC.
@@ -77,7 +77,7 @@ TEST(CellComparison, AnotherGaugeOfAlphaIsTheSameCurve) {
   for (double& node : soc) node = 1.0 - (1.0 - node) / 1.01;
   estimate.open_circuit_voltage =
       OpenCircuitVoltage::Linear(soc, truth.open_circuit_voltage.voltage_V());
-  EXPECT_NEAR(CompareCells(truth, estimate).open_circuit_max_V, 0.0, kRounding);
+  EXPECT_NEAR(CompareCells(truth, estimate).open_circuit_max_V, 0.0, kRoundingOfPercents);
   // Without moving them it is another curve: 1 % of the charge at the steepest end, 15 V per unit
   // of soc.
   estimate.open_circuit_voltage = truth.open_circuit_voltage;

@@ -327,7 +327,7 @@ constexpr int kParameters = 7;
 const char* const kNames[kParameters] = {"alpha", "beta", "r_s", "r_1", "tau_1", "r_2", "current"};
 
 template <class T>
-T LastVoltage(const std::vector<T>& x, Hold hold) {
+T LastVoltageOfBranches(const std::vector<T>& x, Hold hold) {
   CellParameters<T> cell;
   cell.alpha_C = x[0];
   cell.beta_per_sqrt_s = x[1];
@@ -352,14 +352,14 @@ TEST_P(CellModelDerivatives, AreThoseOfRiddersDifferences) {
   for (const Hold hold : {Hold::kBackward, Hold::kForward}) {
     std::vector<Jet> jets;
     for (int k = 0; k < kParameters; ++k) jets.emplace_back(at[k], k);
-    const Jet voltage = LastVoltage(jets, hold);
+    const Jet voltage = LastVoltageOfBranches(jets, hold);
     // One definition; Jets divide by multiplying with the inverse, which rounds once more.
-    EXPECT_NEAR(voltage.a, LastVoltage(at, hold), 16.0 * kEpsilon * voltage.a);
+    EXPECT_NEAR(voltage.a, LastVoltageOfBranches(at, hold), 16.0 * kEpsilon * voltage.a);
     for (int k = 0; k < kParameters; ++k) {
       const auto f = [&](double x) {
         auto moved = at;
         moved[k] = x;
-        return LastVoltage(moved, hold);
+        return LastVoltageOfBranches(moved, hold);
       };
       const auto difference = test::Ridders(f, at[k], 0.1 * at[k]);
       // Rounding of a 4 V value over a step of 1 % of the parameter, or 1e-8 of the derivative.

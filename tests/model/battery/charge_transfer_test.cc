@@ -81,11 +81,12 @@ TEST(ChargeTransfer, WithoutResistanceIsAsIfItWereNotThere) {
   }
 }
 
-constexpr int kUnknowns = 5;
-const char* const kNames[kUnknowns] = {"i_0", "r_ct at 0", "r_ct at 1", "r_s", "current"};
+constexpr int kTransferUnknowns = 5;
+const char* const kTransferNames[kTransferUnknowns] = {
+    "i_0", "r_ct at 0", "r_ct at 1", "r_s", "current"};
 
 template <class T>
-T LastVoltage(const std::vector<T>& x) {
+T LastVoltageOfTransfer(const std::vector<T>& x) {
   CellParameters<T> cell;
   cell.alpha_C = T(1353.6);
   cell.diffusion = false;
@@ -99,24 +100,25 @@ T LastVoltage(const std::vector<T>& x) {
 }
 
 TEST(ChargeTransfer, DerivativesAreThoseOfRiddersDifferences) {
-  using Jet = ceres::Jet<double, kUnknowns>;
+  using Jet = ceres::Jet<double, kTransferUnknowns>;
   for (const double scale_A : {0.05, 0.5, 50.0}) {
     const std::vector<double> at = {scale_A, 0.05, 0.02, 0.13, 1.5};
     std::vector<Jet> jets;
-    for (int k = 0; k < kUnknowns; ++k) jets.emplace_back(at[k], k);
-    const Jet voltage = LastVoltage(jets);
-    EXPECT_NEAR(voltage.a, LastVoltage(at), 16.0 * kEpsilon * voltage.a);
-    for (int k = 0; k < kUnknowns; ++k) {
+    for (int k = 0; k < kTransferUnknowns; ++k) jets.emplace_back(at[k], k);
+    const Jet voltage = LastVoltageOfTransfer(jets);
+    EXPECT_NEAR(voltage.a, LastVoltageOfTransfer(at), 16.0 * kEpsilon * voltage.a);
+    for (int k = 0; k < kTransferUnknowns; ++k) {
       const auto f = [&](double x) {
         auto moved = at;
         moved[k] = x;
-        return LastVoltage(moved);
+        return LastVoltageOfTransfer(moved);
       };
       const auto difference = test::Ridders(f, at[k], 0.1 * at[k]);
       // As in cell_model_test.cc: rounding of a 4 V value over a step of 1 % of the parameter.
       const double tolerance = 1e-8 * std::abs(difference.value) + 1e3 * kEpsilon / at[k];
-      EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kNames[k] << " i_0 " << scale_A;
-      EXPECT_NE(voltage.v[k], 0.0) << kNames[k];
+      EXPECT_NEAR(voltage.v[k], difference.value, tolerance)
+          << kTransferNames[k] << " i_0 " << scale_A;
+      EXPECT_NE(voltage.v[k], 0.0) << kTransferNames[k];
     }
   }
 }

@@ -16,9 +16,9 @@ namespace lipoid {
 namespace {
 
 using test::kEpsilon;
-constexpr long double kPi = boost::math::constants::pi<long double>();
+constexpr long double kLongPi = boost::math::constants::pi<long double>();
 // Where the test steps into rounding alone: a handful of operations.
-constexpr double kRounding = 8 * kEpsilon;
+constexpr double kRoundingOfLag = 8 * kEpsilon;
 
 // U(L) by its definition: the terms in long double, as many as still move, and the exact remainder
 // of 2/(beta² k²) for those that have come to rest.
@@ -37,7 +37,7 @@ TEST(UnavailableLag, IsTheSumOfAllModes) {
     for (double x = 1e-7; x < 1e3; x *= 1.7) {
       const double time_s = x / (beta * beta);
       const auto exact = static_cast<double>(LagBySum(beta, time_s));
-      EXPECT_NEAR(UnavailableLag(beta, time_s), exact, kRounding * exact)
+      EXPECT_NEAR(UnavailableLag(beta, time_s), exact, kRoundingOfLag * exact)
           << "beta " << beta << ", x " << x;
     }
   }
@@ -48,10 +48,10 @@ TEST(UnavailableLag, HasNoSeamWhereItsFormChanges) {
   // per second.
   const double beta = 0.5;
   const double below = std::nextafter(1.0, 0.0);
-  EXPECT_NEAR(UnavailableLag(beta, below), UnavailableLag(beta, 1.0), kRounding * 6.1);
+  EXPECT_NEAR(UnavailableLag(beta, below), UnavailableLag(beta, 1.0), kRoundingOfLag * 6.1);
   const double step = 1e-6;
   EXPECT_NEAR((UnavailableLag(beta, 1.0 + step) - UnavailableLag(beta, 1.0 - step)) / (2.0 * step),
-              std::sqrt(static_cast<double>(kPi) / 0.25) - 1.0,
+              std::sqrt(static_cast<double>(kLongPi) / 0.25) - 1.0,
               1e-8);  // rounding of the difference: 6 kEpsilon/step
 }
 
@@ -88,14 +88,14 @@ TEST(UnavailableLag, IsWhatTheCellHoldsBack) {
     model.Advance(state, 2.5, step);
     EXPECT_NEAR(model.UnavailableCharge(state, 2.5) / 2.5,
                 UnavailableLag(0.2, 7.0 * k),
-                100 * kRounding * SteadyLag(0.2))  // of at most 100 steps
+                100 * kRoundingOfLag * SteadyLag(0.2))  // of at most 100 steps
         << k;
   }
 }
 
 TEST(BetaOfSteadyLag, UndoesSteadyLag) {
   for (const double beta : {1e-3, 0.2, 1.0}) {
-    EXPECT_NEAR(BetaOfSteadyLag(SteadyLag(beta)), beta, kRounding * beta);
+    EXPECT_NEAR(BetaOfSteadyLag(SteadyLag(beta)), beta, kRoundingOfLag * beta);
   }
   EXPECT_EQ(BetaOfSteadyLag(0.0), std::numeric_limits<double>::infinity());
   EXPECT_EQ(BetaOfSteadyLag(-3.0), std::numeric_limits<double>::infinity());
@@ -114,7 +114,7 @@ TEST(ExactDischargeTime, SatisfiesItsEquation) {
         const double target_s = alpha / current_A;
         ASSERT_GE(time_s, 0.0);
         ASSERT_LE(time_s, target_s);
-        EXPECT_NEAR(time_s + UnavailableLag(beta, time_s), target_s, 2 * kRounding * target_s)
+        EXPECT_NEAR(time_s + UnavailableLag(beta, time_s), target_s, 2 * kRoundingOfLag * target_s)
             << "alpha " << alpha << ", beta " << beta << ", current " << current_A;  // (4.37)
       }
     }
@@ -137,9 +137,10 @@ TEST(ExactDischargeTime, GrowsWithTheSquareOfTheChargeWhenItIsShort) {
   const double beta = 0.05;
   const double current_A = 100.0;
   const double expected_s =
-      std::pow(alpha * beta / (2.0 * current_A), 2) / static_cast<double>(kPi);
+      std::pow(alpha * beta / (2.0 * current_A), 2) / static_cast<double>(kLongPi);
   ASSERT_LT(beta * beta * expected_s, 0.01);
-  EXPECT_NEAR(ExactDischargeTime(alpha, beta, current_A), expected_s, 4 * kRounding * expected_s);
+  EXPECT_NEAR(
+      ExactDischargeTime(alpha, beta, current_A), expected_s, 4 * kRoundingOfLag * expected_s);
 }
 
 TEST(ExactDischargeTime, IsWhenTheCellIsEmpty) {
@@ -153,7 +154,7 @@ TEST(ExactDischargeTime, IsWhenTheCellIsEmpty) {
     auto state = model.Relaxed(1.0);
     const auto step = model.MakeStep(ExactDischargeTime(1353.6, 0.1924, current_A));
     model.Advance(state, current_A, step);
-    EXPECT_NEAR(model.Soc(state, current_A), 0.0, 80 * kRounding)
+    EXPECT_NEAR(model.Soc(state, current_A), 0.0, 80 * kRoundingOfLag)
         << current_A;  // a sum of 80 modes
   }
 }

@@ -107,11 +107,11 @@ TEST(Hysteresis, WithoutVoltageIsAsIfItWereNotThere) {
   }
 }
 
-constexpr int kUnknowns = 4;
-const char* const kNames[kUnknowns] = {"gamma", "M at 0", "M at 1", "current"};
+constexpr int kHysteresisUnknowns = 4;
+const char* const kHysteresisNames[kHysteresisUnknowns] = {"gamma", "M at 0", "M at 1", "current"};
 
 template <class T>
-T LastVoltage(const std::vector<T>& x) {
+T LastVoltageOfHysteresis(const std::vector<T>& x) {
   CellParameters<T> cell;
   cell.alpha_C = T(kAlpha_C);
   cell.diffusion = false;
@@ -124,22 +124,22 @@ T LastVoltage(const std::vector<T>& x) {
 }
 
 TEST(Hysteresis, DerivativesAreThoseOfRiddersDifferences) {
-  using Jet = ceres::Jet<double, kUnknowns>;
+  using Jet = ceres::Jet<double, kHysteresisUnknowns>;
   const std::vector<double> at = {kFolds, 0.03, 0.02, 3.0};
   std::vector<Jet> jets;
-  for (int k = 0; k < kUnknowns; ++k) jets.emplace_back(at[k], k);
-  const Jet voltage = LastVoltage(jets);
-  EXPECT_NEAR(voltage.a, LastVoltage(at), 16.0 * kEpsilon * voltage.a);
-  for (int k = 0; k < kUnknowns; ++k) {
+  for (int k = 0; k < kHysteresisUnknowns; ++k) jets.emplace_back(at[k], k);
+  const Jet voltage = LastVoltageOfHysteresis(jets);
+  EXPECT_NEAR(voltage.a, LastVoltageOfHysteresis(at), 16.0 * kEpsilon * voltage.a);
+  for (int k = 0; k < kHysteresisUnknowns; ++k) {
     const auto f = [&](double x) {
       auto moved = at;
       moved[k] = x;
-      return LastVoltage(moved);
+      return LastVoltageOfHysteresis(moved);
     };
     const auto difference = test::Ridders(f, at[k], 0.1 * at[k]);
     const double tolerance = 1e-8 * std::abs(difference.value) + 1e3 * kEpsilon / at[k];
-    EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kNames[k];
-    EXPECT_NE(voltage.v[k], 0.0) << kNames[k];
+    EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kHysteresisNames[k];
+    EXPECT_NE(voltage.v[k], 0.0) << kHysteresisNames[k];
   }
 }
 

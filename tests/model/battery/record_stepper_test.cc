@@ -14,8 +14,8 @@ namespace {
 
 using test::kEpsilon;
 
-CellParameters<double>
-PlainCell() {  // counts charge and drops r_s i: everything can be done by hand
+// Counts charge and drops r_s i: everything can be done by hand.
+CellParameters<double> PlainParameters() {
   CellParameters<double> cell;
   cell.alpha_C = 1024.0;
   cell.diffusion = false;
@@ -25,7 +25,7 @@ PlainCell() {  // counts charge and drops r_s i: everything can be done by hand
 }
 
 CellParameters<double> FullCell() {
-  CellParameters<double> cell = PlainCell();
+  CellParameters<double> cell = PlainParameters();
   cell.diffusion = true;
   cell.beta_per_sqrt_s = 0.2;
   cell.branches = {{0.03, 45.0}, {0.012, 0.7}};
@@ -51,7 +51,7 @@ std::vector<double> Voltages(const CellModel<double>& model,
 
 // Powers of two throughout: exact.
 TEST(RecordStepper, BackwardHoldMovesTheCurrentOfTheRowSinceTheRowBefore) {
-  const CellModel<double> model(PlainCell());
+  const CellModel<double> model(PlainParameters());
   const auto voltage_V =
       Voltages(model, Hold::kBackward, {{0.0, 2.0}, {64.0, 4.0}, {96.0, 0.0}, {128.0, -8.0}});
   EXPECT_EQ(voltage_V[0], 4.0 - 0.125 * 2.0);           // no charge yet, but the drop
@@ -61,7 +61,7 @@ TEST(RecordStepper, BackwardHoldMovesTheCurrentOfTheRowSinceTheRowBefore) {
 }
 
 TEST(RecordStepper, ForwardHoldMovesTheCurrentOfTheRowUntilTheNext) {
-  const CellModel<double> model(PlainCell());
+  const CellModel<double> model(PlainParameters());
   const auto voltage_V =
       Voltages(model, Hold::kForward, {{0.0, 2.0}, {64.0, 4.0}, {96.0, 0.0}, {128.0, -8.0}});
   EXPECT_EQ(voltage_V[0], 4.0 - 0.125 * 2.0);
@@ -138,7 +138,7 @@ TEST(RecordStepper, FinerSamplingOfTheSameCurrentGivesTheSameVoltages) {
 }
 
 TEST(RecordStepper, TimeThatDoesNotIncreaseBreaksThePrecondition) {
-  const CellModel<double> model(PlainCell());
+  const CellModel<double> model(PlainParameters());
   RecordStepper<double> stepper(model, Hold::kBackward, model.Relaxed(1.0));
   stepper.Row(1.0, 0.0);
   EXPECT_THROW(stepper.Row(1.0, 0.0), PreconditionError);

@@ -118,11 +118,11 @@ TEST(SelfHeating, WithoutAnyDropIsAsIfItWereNotThere) {
   }
 }
 
-constexpr int kUnknowns = 4;
-const char* const kNames[kUnknowns] = {"r_s", "tau_h", "rho_h", "current"};
+constexpr int kHeatingUnknowns = 4;
+const char* const kHeatingNames[kHeatingUnknowns] = {"r_s", "tau_h", "rho_h", "current"};
 
 template <class T>
-T LastVoltage(const std::vector<T>& x) {
+T LastVoltageOfSelfHeating(const std::vector<T>& x) {
   CellParameters<T> cell;
   cell.alpha_C = T(1353.6);
   cell.diffusion = false;
@@ -136,28 +136,30 @@ T LastVoltage(const std::vector<T>& x) {
 }
 
 TEST(SelfHeating, DerivativesAreThoseOfRiddersDifferences) {
-  using Jet = ceres::Jet<double, kUnknowns>;
+  using Jet = ceres::Jet<double, kHeatingUnknowns>;
   // Below the least share, and far beyond it: there only r_s and the current matter.
   for (const double current_A : {3.0, 60.0}) {
     const std::vector<double> at = {kSeries_Ohm, kTau_s, kRho, current_A};
     std::vector<Jet> jets;
-    for (int k = 0; k < kUnknowns; ++k) jets.emplace_back(at[k], k);
-    const Jet voltage = LastVoltage(jets);
-    EXPECT_NEAR(voltage.a, LastVoltage(at), 16.0 * kEpsilon * voltage.a);
-    for (int k = 0; k < kUnknowns; ++k) {
+    for (int k = 0; k < kHeatingUnknowns; ++k) jets.emplace_back(at[k], k);
+    const Jet voltage = LastVoltageOfSelfHeating(jets);
+    EXPECT_NEAR(voltage.a, LastVoltageOfSelfHeating(at), 16.0 * kEpsilon * voltage.a);
+    for (int k = 0; k < kHeatingUnknowns; ++k) {
       const auto f = [&](double x) {
         auto moved = at;
         moved[k] = x;
-        return LastVoltage(moved);
+        return LastVoltageOfSelfHeating(moved);
       };
       const auto difference = test::Ridders(f, at[k], 0.1 * at[k]);
       // As in cell_model_test.cc: rounding of a 4 V value over a step of 1 % of the parameter.
       const double tolerance = 1e-8 * std::abs(difference.value) + 1e3 * kEpsilon / at[k];
-      EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kNames[k] << " " << current_A;
-      if (current_A < 10.0 || kNames[k] == kNames[0] || kNames[k] == kNames[3]) {
-        EXPECT_NE(voltage.v[k], 0.0) << kNames[k];
+      EXPECT_NEAR(voltage.v[k], difference.value, tolerance)
+          << kHeatingNames[k] << " " << current_A;
+      if (current_A < 10.0 || kHeatingNames[k] == kHeatingNames[0] ||
+          kHeatingNames[k] == kHeatingNames[3]) {
+        EXPECT_NE(voltage.v[k], 0.0) << kHeatingNames[k];
       } else {
-        EXPECT_EQ(voltage.v[k], 0.0) << kNames[k];
+        EXPECT_EQ(voltage.v[k], 0.0) << kHeatingNames[k];
       }
     }
   }

@@ -259,12 +259,12 @@ TEST(Temperature, TypicalValuesAreAboutTheTemperatureOfTheLogs) {
   EXPECT_FALSE(warm.reference_degC);
 }
 
-constexpr int kUnknowns = 6;
-const char* const kNames[kUnknowns] = {
+constexpr int kTemperatureUnknowns = 6;
+const char* const kTemperatureNames[kTemperatureUnknowns] = {
     "E_s", "E_1", "E_d", "E_ct", "heat capacity", "thermal resistance"};
 
 template <class T>
-T LastVoltage(const std::vector<T>& x) {
+T LastVoltageOfTemperature(const std::vector<T>& x) {
   CellParameters<T> cell;
   cell.alpha_C = T(10000.0);
   cell.beta_per_sqrt_s = T(0.15);
@@ -288,23 +288,23 @@ T LastVoltage(const std::vector<T>& x) {
 }
 
 TEST(Temperature, DerivativesAreThoseOfRiddersDifferences) {
-  using Jet = ceres::Jet<double, kUnknowns>;
+  using Jet = ceres::Jet<double, kTemperatureUnknowns>;
   const std::vector<double> at = {14e3, 60e3, 45e3, 62e3, 40.0, 10.0};
   std::vector<Jet> jets;
-  for (int k = 0; k < kUnknowns; ++k) jets.emplace_back(at[k], k);
-  const Jet voltage = LastVoltage(jets);
-  EXPECT_NEAR(voltage.a, LastVoltage(at), 16.0 * kEpsilon * voltage.a);
-  for (int k = 0; k < kUnknowns; ++k) {
+  for (int k = 0; k < kTemperatureUnknowns; ++k) jets.emplace_back(at[k], k);
+  const Jet voltage = LastVoltageOfTemperature(jets);
+  EXPECT_NEAR(voltage.a, LastVoltageOfTemperature(at), 16.0 * kEpsilon * voltage.a);
+  for (int k = 0; k < kTemperatureUnknowns; ++k) {
     const auto f = [&](double x) {
       auto moved = at;
       moved[k] = x;
-      return LastVoltage(moved);
+      return LastVoltageOfTemperature(moved);
     };
     const auto difference = test::Ridders(f, at[k], 0.1 * at[k]);
     // As in cell_model_test.cc: rounding of a 4 V value over a step of 1 % of the parameter.
     const double tolerance = 1e-8 * std::abs(difference.value) + 1e3 * kEpsilon / at[k];
-    EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kNames[k];
-    EXPECT_NE(voltage.v[k], 0.0) << kNames[k];
+    EXPECT_NEAR(voltage.v[k], difference.value, tolerance) << kTemperatureNames[k];
+    EXPECT_NE(voltage.v[k], 0.0) << kTemperatureNames[k];
   }
 }
 

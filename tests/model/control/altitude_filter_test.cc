@@ -8,17 +8,18 @@
 #include <limits>
 
 #include "model/statistics/normal_noise.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr double kQ_m2_per_s2 = 5e-4;
+constexpr double kAltitudeQ_m2_per_s2 = 5e-4;
 constexpr double kR_m2 = 0.1;
-constexpr double kStep_s = 0.005;
+using test::kFlightStep_s;
 constexpr double kNoGate = std::numeric_limits<double>::infinity();
 
 AltitudeFilter Steady() {
-  AltitudeFilter filter(kQ_m2_per_s2, kR_m2, kStep_s);
+  AltitudeFilter filter(kAltitudeQ_m2_per_s2, kR_m2, kFlightStep_s);
   for (int k = 0; k < 4000; ++k) {
     filter.Predict(0.0);
     filter.Update(0.0, kNoGate);
@@ -26,14 +27,16 @@ AltitudeFilter Steady() {
   return filter;
 }
 
-Eigen::Matrix2d Transition() { return (Eigen::Matrix2d() << 1.0, kStep_s, 0.0, 1.0).finished(); }
+Eigen::Matrix2d Transition() {
+  return (Eigen::Matrix2d() << 1.0, kFlightStep_s, 0.0, 1.0).finished();
+}
 
 // The stabilizing solution of the algebraic Riccati equation of the filter, from the stable
 // eigenvectors of its symplectic matrix: nothing is iterated.
 Eigen::Matrix2d RiccatiSolution() {
   const Eigen::Matrix2d a = Transition().transpose();
   const Eigen::Vector2d b(1.0, 0.0);
-  const Eigen::Matrix2d q = Eigen::Vector2d(0.0, kQ_m2_per_s2).asDiagonal();
+  const Eigen::Matrix2d q = Eigen::Vector2d(0.0, kAltitudeQ_m2_per_s2).asDiagonal();
   const Eigen::Matrix2d inverse = a.transpose().inverse();
   const Eigen::Matrix2d g = b * b.transpose() / kR_m2;
   Eigen::Matrix4d symplectic;
@@ -71,7 +74,7 @@ TEST(AltitudeFilter, ReachesTheSolutionOfTheRiccatiEquation) {
   EXPECT_NEAR(gain[1], 0.0698, 5e-5);
   const Eigen::Matrix2d loop =
       (Eigen::Matrix2d::Identity() - gain * Eigen::RowVector2d(1.0, 0.0)) * Transition();
-  const std::complex<double> pole = std::log(loop.eigenvalues()[0]) / kStep_s;
+  const std::complex<double> pole = std::log(loop.eigenvalues()[0]) / kFlightStep_s;
   EXPECT_NEAR(std::abs(pole), 3.8, 0.05);
   EXPECT_NEAR(-pole.real() / std::abs(pole), 0.71, 0.005);
 }
@@ -82,13 +85,13 @@ TEST(AltitudeFilter, ErrsAsItsCovarianceSays) {
   NormalNoise noise(1, 1);
   double normalized = 0.0;
   for (int run = 0; run < kRuns; ++run) {
-    AltitudeFilter filter(kQ_m2_per_s2, kR_m2, kStep_s);
+    AltitudeFilter filter(kAltitudeQ_m2_per_s2, kR_m2, kFlightStep_s);
     double z = 0.0;
     double w = 0.0;
     for (int k = 0; k < 200; ++k) {
       const double acceleration = std::sin(0.1 * k);
-      z += kStep_s * (w + 0.5 * kStep_s * acceleration);
-      w += kStep_s * acceleration + std::sqrt(kQ_m2_per_s2) * noise();
+      z += kFlightStep_s * (w + 0.5 * kFlightStep_s * acceleration);
+      w += kFlightStep_s * acceleration + std::sqrt(kAltitudeQ_m2_per_s2) * noise();
       filter.Predict(acceleration);
       filter.Update(z + std::sqrt(kR_m2) * noise(), kNoGate);
     }
@@ -102,11 +105,11 @@ TEST(AltitudeFilter, ErrsAsItsCovarianceSays) {
 }
 
 TEST(AltitudeFilter, FollowsAKnownAcceleration) {
-  AltitudeFilter filter(kQ_m2_per_s2, kR_m2, kStep_s);
+  AltitudeFilter filter(kAltitudeQ_m2_per_s2, kR_m2, kFlightStep_s);
   filter.Reset(-1.0, 0.5);
   for (int k = 1; k <= 400; ++k) {
     filter.Predict(3.0);
-    const double t_s = k * kStep_s;
+    const double t_s = k * kFlightStep_s;
     filter.Update(-1.0 + 0.5 * t_s + 1.5 * t_s * t_s, kNoGate);
   }
   constexpr double kRounding = 1e-12;  // 400 sums of numbers below 10

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kWeight = 0.001;
 constexpr double kBand_m_per_s2 = 1.0;
-constexpr double kStep_s = 0.005;
 using test::kDegree;
+using test::kFlightStep_s;
 constexpr Triple<double> kAtRest{};
 
 Triple<double> GravityAt(const Triple<double>& angles_rad) {
@@ -21,7 +21,7 @@ Triple<double> GravityAt(const Triple<double>& angles_rad) {
 
 TEST(AttitudeFilter, RecoversATiltInItsTimeConstant) {
   const Triple<double> tilt{0.2, -0.3, 0.0};
-  AttitudeFilter filter(kWeight, kBand_m_per_s2, kStep_s);
+  AttitudeFilter filter(kWeight, kBand_m_per_s2, kFlightStep_s);
   filter.Reset({}, {});
   for (int k = 0; k < 1000; ++k) filter.Step(kAtRest, GravityAt(tilt));
   // After 5 s = dt/W a share of 1/e is left; (1 - W)^1000 differs from it by W/2 of itself.
@@ -36,7 +36,7 @@ TEST(AttitudeFilter, RecoversATiltInItsTimeConstant) {
 
 TEST(AttitudeFilter, HeedsTheAccelerometerOnlyWhileItShowsGravity) {
   for (const double factor : {0.89, 1.11}) {
-    AttitudeFilter filter(kWeight, kBand_m_per_s2, kStep_s);
+    AttitudeFilter filter(kWeight, kBand_m_per_s2, kFlightStep_s);
     filter.Reset({}, {});
     Triple<double> force = GravityAt({0.2, 0.1, 0.0});
     for (double& f : force) f *= factor;
@@ -73,23 +73,23 @@ TEST(AttitudeFilter, IntegratesTheGyroToSecondOrder) {
 }
 
 TEST(AttitudeFilter, AGyroBiasThatIsLeftBecomesATilt) {
-  AttitudeFilter filter(kWeight, kBand_m_per_s2, kStep_s);
+  AttitudeFilter filter(kWeight, kBand_m_per_s2, kFlightStep_s);
   const Triple<double> bias{-0.0095, 0.0, 0.0};
   filter.Reset({}, bias);
   for (int k = 0; k < 40'000; ++k) filter.Step(bias, GravityAt({}));
   // Where the two steps of the filter cancel, after the second of them: b dt (1 - W)/W.
-  EXPECT_NEAR(filter.angles_rad()[0], -0.0095 * kStep_s * (1.0 - kWeight) / kWeight, 1e-12);
+  EXPECT_NEAR(filter.angles_rad()[0], -0.0095 * kFlightStep_s * (1.0 - kWeight) / kWeight, 1e-12);
 }
 
 TEST(AttitudeFilter, TakesTheShortWayRound) {
-  AttitudeFilter filter(kWeight, kBand_m_per_s2, kStep_s);
+  AttitudeFilter filter(kWeight, kBand_m_per_s2, kFlightStep_s);
   filter.Reset({179.0 * kDegree, 0.0, 0.0}, {});
   filter.Step(kAtRest, GravityAt({-179.0 * kDegree, 0.0, 0.0}));
   EXPECT_NEAR(filter.angles_rad()[0], (179.0 + 2.0 * kWeight) * kDegree, 1e-12);
 }
 
 TEST(AttitudeFilter, StaysFiniteAtThePole) {
-  AttitudeFilter filter(kWeight, kBand_m_per_s2, kStep_s);
+  AttitudeFilter filter(kWeight, kBand_m_per_s2, kFlightStep_s);
   filter.Reset({}, {});
   for (int k = 0; k < 1000; ++k) filter.Step({1.0, 10.0, 10.0}, GravityAt({}));
   for (const double angle : filter.angles_rad()) EXPECT_TRUE(std::isfinite(angle));

@@ -14,23 +14,23 @@ namespace lipoid {
 namespace {
 
 using State = PlantState<double>;
-using Jet = ceres::Jet<double, 1>;
+using TimeJet = ceres::Jet<double, 1>;
 
-constexpr unsigned kSeed = 20261120;
+using test::kDrawSeed;
 using test::kEpsilon;
 
 // rho'' of the plant: the change of S(rho) Omega along its own motion, by automatic
 // differentiation.
 Triple<double> AngleAccelerations(const State& x, const State& dx) {
-  Triple<Jet> angles;
-  Triple<Jet> rates;
+  Triple<TimeJet> angles;
+  Triple<TimeJet> rates;
   for (std::size_t k = 0; k < 3; ++k) {
-    angles[k] = Jet(x[plant::kAngles + k]);
+    angles[k] = TimeJet(x[plant::kAngles + k]);
     angles[k].v[0] = dx[plant::kAngles + k];
-    rates[k] = Jet(x[plant::kRates + k]);
+    rates[k] = TimeJet(x[plant::kRates + k]);
     rates[k].v[0] = dx[plant::kRates + k];
   }
-  const auto angle_rates = Attitude<Jet>(angles).AngleRates(rates);
+  const auto angle_rates = Attitude<TimeJet>(angles).AngleRates(rates);
   return {angle_rates[0].v[0], angle_rates[1].v[0], angle_rates[2].v[0]};
 }
 
@@ -41,7 +41,7 @@ class DynamicInversion : public testing::TestWithParam<std::string> {};
 TEST_P(DynamicInversion, CancelsTheDynamicsWithoutMotorLag) {
   const Vehicle v = LoadVehicle(GetParam());
   const Plant plant(v, {.motor_lag = false, .drag = false, .ground = false});
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   int compared = 0;
   for (int draw = 0; draw < 400; ++draw) {
     const Triple<double> angles = test::RandomTriple(engine, 0.8);

@@ -14,7 +14,7 @@
 namespace lipoid {
 namespace {
 
-constexpr std::uint64_t kSeed = 40;
+constexpr std::uint64_t kNoiseSeed = 40;
 using test::kDegree;
 
 SensorOptions Faultless() {
@@ -70,7 +70,7 @@ bool Finite(const MeasuredState& s) {
 }
 
 TEST(Estimator, WithoutFaultsKnowsARest) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   Estimator estimator({});
   const SensedMotion motion = Hovering(1.5);
   estimator.Reset(Truth(motion), ReadAtRest(sensors, motion, 10));
@@ -101,7 +101,7 @@ TEST(Estimator, AtRestConvergesToTheTruthWithinItsCovariance) {
   double roll_square = 0.0;
   constexpr int kRuns = 50;
   for (int run = 0; run < kRuns; ++run) {
-    Sensors sensors(unbiased, kSeed + static_cast<std::uint64_t>(run));
+    Sensors sensors(unbiased, kNoiseSeed + static_cast<std::uint64_t>(run));
     Estimator estimator({});
     estimator.Reset(wrong, {});
     MeasuredState state;
@@ -122,7 +122,7 @@ TEST(Estimator, AtRestConvergesToTheTruthWithinItsCovariance) {
 }
 
 TEST(Estimator, CalibrationFindsTheBiases) {
-  Sensors sensors(SensorOptions{.pressure_bias_m = 200.0}, kSeed);
+  Sensors sensors(SensorOptions{.pressure_bias_m = 200.0}, kNoiseSeed);
   SensedMotion motion = Hovering(0.1);    // the sonar at its floor: only the pressure knows
   motion.angles_rad = {0.05, -0.1, 0.7};  // on a slope
   motion.specific_force_m_per_s2 =
@@ -148,7 +148,7 @@ TEST(Estimator, WithoutCalibrationErrsByTheBiasesAsItsHeaderSays) {
   SensorOptions biased = Faultless();
   biased.gyro_bias = 1.0;
   const auto settle = [](const SensorOptions& faults) {
-    Sensors sensors(faults, kSeed);
+    Sensors sensors(faults, kNoiseSeed);
     EstimatorOptions options;
     options.calibrate = false;
     Estimator estimator(options);
@@ -255,7 +255,7 @@ Worst Follow(const SensorOptions& faults, const EstimatorOptions& options, std::
 TEST(Estimator, FollowsAKnownFlight) {
   EstimatorOptions by_gyro;
   by_gyro.accelerometer_weight = 0.0;
-  const Worst w = Follow(Faultless(), by_gyro, kSeed);
+  const Worst w = Follow(Faultless(), by_gyro, kNoiseSeed);
   // Integration by trapezoids, (omega dt)²/12 = 1.4e-5 of tilts of 0.14 and speeds of 0.5, summed
   // up over 50 s in the position; 2 for the body's axes.
   constexpr double kTrapezoid = 2.0 * 1.4e-5;
@@ -267,7 +267,7 @@ TEST(Estimator, FollowsAKnownFlight) {
 // In such a flight the accelerometer shows no tilt (see attitude_filter.h). What it takes away of a
 // tilt of A sin(w t) is A/(T w), T = 5 s: 0.138/(5 2.6) in roll. The rest is of second order.
 TEST(Estimator, TheAccelerometerTakesAwaySomeOfATilt) {
-  const Worst w = Follow(Faultless(), {}, kSeed);
+  const Worst w = Follow(Faultless(), {}, kNoiseSeed);
   constexpr double kTaken_rad = 0.138 / (5.0 * 2.6);
   EXPECT_NEAR(w.tilt_rad, kTaken_rad, 0.15 * kTaken_rad);
   // g times that accelerates the filter of the velocity for 37 ms.
@@ -279,7 +279,7 @@ TEST(Estimator, TheAccelerometerTakesAwaySomeOfATilt) {
   // of the velocity in 37 ms.
   constexpr double kTilt_rad = 1.3e-3;
   constexpr double kDrift_m_per_s = kGravity_m_per_s2 * kTilt_rad * 0.037;
-  const Worst all = Follow({}, {}, kSeed);
+  const Worst all = Follow({}, {}, kNoiseSeed);
   EXPECT_LT(all.tilt_rad, kTaken_rad + 4.0 * kTilt_rad);
   EXPECT_LT(all.velocity_m_per_s, w.velocity_m_per_s + 5.0 * 0.018);
   EXPECT_LT(all.position_m,
@@ -287,7 +287,7 @@ TEST(Estimator, TheAccelerometerTakesAwaySomeOfATilt) {
 }
 
 TEST(Estimator, FollowsAConstantAcceleration) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   Estimator estimator({});
   SensedMotion motion = Hovering(2.0);
   estimator.Reset(Truth(motion), {});
@@ -313,7 +313,7 @@ struct Run {
   std::vector<SensorReadings> readings;
 };
 Run Fly(const Spoil& spoil, int steps = 400, double altitude_m = 1.5) {
-  Sensors sensors({}, kSeed);
+  Sensors sensors({}, kNoiseSeed);
   Estimator estimator({});
   const SensedMotion motion = Hovering(altitude_m);
   estimator.Reset(Truth(motion), ReadAtRest(sensors, motion, 400));
@@ -422,7 +422,7 @@ TEST(Estimator, DoesNotTakeReadingsThatAreNoNumbersOrBeyondTheRange) {
 }
 
 TEST(Estimator, CalibrationLeavesOutBadReadings) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   const SensedMotion motion = Hovering(1.0);
   auto readings = ReadAtRest(sensors, motion, 10);
   readings[3].accelerometer_m_per_s2[0] = kNaN;

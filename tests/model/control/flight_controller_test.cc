@@ -14,7 +14,7 @@ namespace {
 
 using test::kEpsilon;
 
-const Vehicle& Mambo() {
+const Vehicle& CoupledMambo() {
   static const Vehicle vehicle = LoadVehicle("mambo-coupled");
   return vehicle;
 }
@@ -33,9 +33,9 @@ MeasuredState AtHeight(double height_m, double battery_V = 4.2) {
 }
 
 FlightController Hovering(const ControllerOptions& options,
-                          double commanded_speed = test::HoverSpeed(Mambo())) {
-  FlightController controller(Mambo(), LoadGains("aware"), options);
-  controller.Reset(AtHeight(1.0), commanded_speed, HeldSpeed(Mambo(), 4.2));
+                          double commanded_speed = test::HoverSpeed(CoupledMambo())) {
+  FlightController controller(CoupledMambo(), LoadGains("aware"), options);
+  controller.Reset(AtHeight(1.0), commanded_speed, HeldSpeed(CoupledMambo(), 4.2));
   return controller;
 }
 
@@ -43,27 +43,28 @@ FlightController Hovering(const ControllerOptions& options,
 Wrench<double> WrenchOfFour(const FlightController& controller) {
   PerMotor<double> squares;
   std::copy_n(controller.speed_squared().begin(), squares.size(), squares.begin());
-  return WrenchOf(Mambo(), squares);
+  return WrenchOf(CoupledMambo(), squares);
 }
 
 TEST(FlightController, HoldsTheDutyOfItsTrim) {
   // At xi = 1, and where the battery gives so little that 2200 rad/s must be commanded to hover.
-  for (const double commanded : {test::HoverSpeed(Mambo()), 2200.0}) {
+  for (const double commanded : {test::HoverSpeed(CoupledMambo()), 2200.0}) {
     FlightController controller = Hovering(Continuous(), commanded);
     for (int k = 0; k < 100; ++k) {
       for (const double duty : controller.Step({.altitude_m = 1.0}, AtHeight(1.0))) {
-        ASSERT_NEAR(duty, HoldingVoltage(Mambo(), commanded) / 4.2, 16.0 * kEpsilon) << k;
+        ASSERT_NEAR(duty, HoldingVoltage(CoupledMambo(), commanded) / 4.2, 16.0 * kEpsilon) << k;
       }
       ASSERT_FALSE(controller.saturated());
     }
     // e_I0 = (g - u_0)/K_I, with u_0 the acceleration that the commanded speeds would give.
-    const double thrust = 4.0 * Mambo().thrust_coefficient_N_s2 * commanded * commanded;
-    EXPECT_NEAR(controller.integrals().down, (9.81 - thrust / Mambo().mass_kg) / 1.36, 1e-12);
+    const double thrust = 4.0 * CoupledMambo().thrust_coefficient_N_s2 * commanded * commanded;
+    EXPECT_NEAR(
+        controller.integrals().down, (9.81 - thrust / CoupledMambo().mass_kg) / 1.36, 1e-12);
   }
 }
 
 TEST(FlightController, CompensationCommandsWithTheMeasuredVoltage) {
-  const double volts = HoldingVoltage(Mambo(), test::HoverSpeed(Mambo()));
+  const double volts = HoldingVoltage(CoupledMambo(), test::HoverSpeed(CoupledMambo()));
   ControllerOptions options = Continuous();
   FlightController plain = Hovering(options);
   EXPECT_NEAR(plain.Step({.altitude_m = 1.0}, AtHeight(1.0, 3.5))[0], volts / 4.2, 1e-14);
@@ -101,12 +102,12 @@ TEST(FlightController, IntegralsDoNotWindUp) {
   (void)controller.Step({.altitude_m = 1.0}, AtHeight(30.0));  // shrinks even while saturated
   EXPECT_TRUE(controller.saturated());
   EXPECT_GT(controller.integrals().down, before);
-  FlightController free(Mambo(), LoadGains("aware"), [] {
+  FlightController free(CoupledMambo(), LoadGains("aware"), [] {
     ControllerOptions options = Continuous();
     options.saturate = false;
     return options;
   }());
-  free.Reset(AtHeight(1.0), test::HoverSpeed(Mambo()), 4000.0);
+  free.Reset(AtHeight(1.0), test::HoverSpeed(CoupledMambo()), 4000.0);
   for (int k = 0; k < 200; ++k) (void)free.Step({.altitude_m = 1.0}, AtHeight(-20.0));
   EXPECT_NEAR(free.integrals().down, -21.0 * 200 * kControlStep_s, 1e-10);
 }
@@ -114,7 +115,7 @@ TEST(FlightController, IntegralsDoNotWindUp) {
 // What is asked for in torque is given up last: thrust is lowered or raised until the squares fit
 // between 0 and those of D = 1.
 TEST(FlightController, KeepsItsTorqueWhereThrustSaturates) {
-  const double highest = std::pow(HeldSpeed(Mambo(), 4.2), 2);
+  const double highest = std::pow(HeldSpeed(CoupledMambo(), 4.2), 2);
   ControllerOptions clipped = Continuous();
   ControllerOptions free = Continuous();
   free.saturate = false;
@@ -156,7 +157,8 @@ TEST(FlightController, BoundsTheYawTorqueAndNoOther) {
   (void)free.Step(command, state);
   const auto given = WrenchOfFour(bounded);
   const auto wanted = WrenchOfFour(free);
-  const double limit = AngleReferenceLimits(Mambo(), HeldSpeed(Mambo(), 4.2))[2] * 1e-4;  // J_z
+  const double limit =
+      AngleReferenceLimits(CoupledMambo(), HeldSpeed(CoupledMambo(), 4.2))[2] * 1e-4;  // J_z
   EXPECT_LT(wanted.torque_N_m[2], -10.0 * limit);
   EXPECT_NEAR(given.torque_N_m[2], -limit, 1e-9 * limit);
   EXPECT_NEAR(given.thrust_N, wanted.thrust_N, 1e-12);
@@ -180,10 +182,11 @@ TEST(FlightController, ShrinksATorqueThatNoThrustMakesPossible) {
 }
 
 TEST(FlightController, ReferencesKeepWithinTheTorqueOfTheMotors) {
-  const double hover = std::pow(test::HoverSpeed(Mambo()), 2);
-  const double highest = std::pow(HeldSpeed(Mambo(), 4.2), 2);
-  const double roll_limit = 4.0 * Mambo().lever_m() * Mambo().thrust_coefficient_N_s2 *
-                            std::min(hover, highest - hover) / Mambo().inertia_kg_m2[0];
+  const double hover = std::pow(test::HoverSpeed(CoupledMambo()), 2);
+  const double highest = std::pow(HeldSpeed(CoupledMambo(), 4.2), 2);
+  const double roll_limit = 4.0 * CoupledMambo().lever_m() *
+                            CoupledMambo().thrust_coefficient_N_s2 *
+                            std::min(hover, highest - hover) / CoupledMambo().inertia_kg_m2[0];
   FlightCommand command{.altitude_m = 1.0, .hold_position = false};
   command.roll_rad = 0.3;
   double most = 0.0;

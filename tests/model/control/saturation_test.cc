@@ -8,13 +8,14 @@
 
 #include "model/vehicle/allocation.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 
 namespace lipoid {
 namespace {
 
-constexpr unsigned kSeed = 20261120;
+using test::kDrawSeed;
 constexpr double kLimit = 7e6;
-constexpr double kRounding = 1e-15 * kLimit;
+constexpr double kRoundingOfThrust = 1e-15 * kLimit;
 
 // How much a motor is above another: what makes torques.
 double Spread(const PerMotor<double>& s) {
@@ -33,7 +34,7 @@ TEST(Desaturate, LeavesAloneWhatMotorsCanDo) {
 // further than it must.
 TEST(Desaturate, GivesUpThrustBeforeTorque) {
   const Vehicle v = LoadVehicle("mambo-coupled");
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   std::uniform_real_distribution<double> uniform(-1.0, 2.0);
   int kept = 0;
   int shrunk = 0;
@@ -54,17 +55,17 @@ TEST(Desaturate, GivesUpThrustBeforeTorque) {
     (share < 1.0 ? shrunk : kept) += 1;
     const auto wanted = WrenchOf(v, before);
     const auto given = WrenchOf(v, squares);
-    const double rounding = 16.0 * kRounding * v.thrust_coefficient_N_s2 * v.arm_m;
+    const double rounding = 16.0 * kRoundingOfThrust * v.thrust_coefficient_N_s2 * v.arm_m;
     for (std::size_t k = 0; k < 3; ++k) {
       ASSERT_NEAR(given.torque_N_m[k], share * wanted.torque_N_m[k], rounding) << draw;
     }
     // One motor stands at an end of what it can: any nearer thrust would need less than 0 or more
     // than the limit.
     const auto [low, high] = std::minmax_element(squares.begin(), squares.end());
-    ASSERT_TRUE(*low <= kRounding || *high >= kLimit - kRounding) << draw;
+    ASSERT_TRUE(*low <= kRoundingOfThrust || *high >= kLimit - kRoundingOfThrust) << draw;
     if (share < 1.0) {
-      ASSERT_NEAR(*low, 0.0, kRounding);
-      ASSERT_NEAR(*high, kLimit, kRounding);
+      ASSERT_NEAR(*low, 0.0, kRoundingOfThrust);
+      ASSERT_NEAR(*high, kLimit, kRoundingOfThrust);
     }
   }
   EXPECT_GT(kept, 100);

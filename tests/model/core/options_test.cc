@@ -2,22 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 
 #include "model/core/errors.h"
 #include "model/core/json.h"
+#include "tests/support/colour.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
-enum class Colour { kRed, kBlue };
-constexpr std::array<std::pair<Colour, std::string_view>, 2> OptionNames(Colour) {
-  return {{{Colour::kRed, "red"}, {Colour::kBlue, "blue"}}};
-}
+using test::Colour;
 
 struct Sample {
   bool tail = true;

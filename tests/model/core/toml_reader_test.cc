@@ -6,15 +6,13 @@
 #include <functional>
 #include <string>
 
+#include "tests/support/colour.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
 namespace {
 
-enum class Colour { kRed, kBlue };
-constexpr std::array<std::pair<Colour, std::string_view>, 2> OptionNames(Colour) {
-  return {{{Colour::kRed, "red"}, {Colour::kBlue, "blue"}}};
-}
+using test::Colour;
 
 // What is wrong with the text, one line per mistake; empty where nothing is.
 std::string Refusal(const std::string& text, const std::function<void(const TomlReader&)>& read) {

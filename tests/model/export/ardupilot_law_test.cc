@@ -14,7 +14,7 @@ namespace {
 // share of 5 % in a step.
 constexpr double kFloat_V = 2e-5;
 
-std::vector<double> Drawn(const ExportMission& mission) {
+std::vector<double> DrawnSteadily(const ExportMission& mission) {
   std::vector<double> drawn_Ah;
   for (std::size_t k = 0; k < mission.time_s.size(); ++k)
     drawn_Ah.push_back(mission.time_s[k] * mission.current_A[k] / 3600.0);
@@ -23,7 +23,7 @@ std::vector<double> Drawn(const ExportMission& mission) {
 
 TEST(ArduPilotLaw, RestsAtItsFullVoltage) {
   const auto mission = test::Steady(0.0, 10.0, 0.1);
-  for (const double v : ArduPilotVoltage({12.6, 2.0, 0.05}, mission, Drawn(mission)))
+  for (const double v : ArduPilotVoltage({12.6, 2.0, 0.05}, mission, DrawnSteadily(mission)))
     EXPECT_NEAR(v, 12.6, kFloat_V);
 }
 
@@ -63,7 +63,7 @@ TEST(ArduPilotLaw, FloatCountsASmallCurrentWrongly) {
   // At 0.6 Ah a float is good to 6e-8 Ah, a step of 1.65 A takes 3.8e-7 Ah: the sum of the rounded
   // steps is off by up to 8 %, and the smooth law is not.
   const auto mission = test::Steady(1.65, 360.0, 0.1);
-  const auto drawn_Ah = Drawn(mission);
+  const auto drawn_Ah = DrawnSteadily(mission);
   const ArduPilotBattery battery{4.2, 0.6, 0.1};
   const double exact_V = ArduPilotVoltageSmooth(battery, mission, drawn_Ah).back();
   EXPECT_NEAR(exact_V,

@@ -15,7 +15,7 @@
 namespace lipoid {
 namespace {
 
-EnduranceRequest Mambo() {
+EnduranceRequest MamboOfCoarseSteps() {
   EnduranceRequest request;
   request.vehicle = LoadVehicle("mambo-physical");
   request.cell = LoadCell("gifi-600mAh-1");
@@ -52,7 +52,7 @@ TEST(EnduranceRequest, TimeIsCapacityLessReserveOverCurrent) {
 }
 
 TEST(EnduranceRequest, AnEnsembleIsTheSameOnAnyNumberOfThreadsAndOfAnySize) {
-  EnduranceRequest request = Mambo();
+  EnduranceRequest request = MamboOfCoarseSteps();
   request.cell.uncertainty =
       Cell::Uncertainty{.parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 20.0};
   request.payload_kg = {0.002, 0.001};
@@ -91,7 +91,7 @@ TEST(EnduranceRequest, TheIntervalIsThatOfTheUncertainValue) {
 }
 
 TEST(EnduranceRequest, EachCellDrawnFliesItsOwnFlight) {
-  EnduranceRequest request = Mambo();
+  EnduranceRequest request = MamboOfCoarseSteps();
   request.cell.uncertainty =
       Cell::Uncertainty{.parameters = {"r_s"}, .covariance = {{4e-4}}, .degrees_of_freedom = 1e7};
   request.ensemble = 4;
@@ -109,19 +109,19 @@ TEST(EnduranceRequest, EachCellDrawnFliesItsOwnFlight) {
 }
 
 TEST(EnduranceRequest, PayloadColdAndAgeShortenTheFlight) {
-  const double minutes = FindEndurance(Mambo()).estimate.time_s;
-  EnduranceRequest heavy = Mambo();
+  const double minutes = FindEndurance(MamboOfCoarseSteps()).estimate.time_s;
+  EnduranceRequest heavy = MamboOfCoarseSteps();
   heavy.payload_kg = {0.005, 0.0};
   const EnduranceAnswer loaded = FindEndurance(heavy);
   EXPECT_LT(loaded.estimate.time_s, 0.95 * minutes);
   EXPECT_NEAR(loaded.flight.thrust_N, (0.063 + 0.005) * 9.81, 1e-12);
-  EnduranceRequest worn = Mambo();
+  EnduranceRequest worn = MamboOfCoarseSteps();
   worn.resistance_factor = {1.5, 0.0};
   EXPECT_LT(FindEndurance(worn).estimate.time_s, 0.95 * minutes);
 }
 
 TEST(EnduranceRequest, CruiseAndWindAreFlownAtTheirSpeeds) {
-  EnduranceRequest request = Mambo();
+  EnduranceRequest request = MamboOfCoarseSteps();
   request.vehicle.propeller_diameter_m = 0.066;
   request.vehicle.torque_coefficient_N_m_s2 = 3e-10;
   request.cell.series = 2;
@@ -156,7 +156,7 @@ TEST(EnduranceRequest, CruiseAndWindAreFlownAtTheirSpeeds) {
 
 // Of a pack whose resistance decides when a flight ends the least energy per way is not the farthest way.
 TEST(EnduranceRequest, NoSpeedCarriesThisBatteryFartherThanTheBestOne) {
-  EnduranceRequest request = Mambo();
+  EnduranceRequest request = MamboOfCoarseSteps();
   request.vehicle.propeller_diameter_m = 0.066;
   request.vehicle.torque_coefficient_N_m_s2 = 3e-10;
   request.cell.series = 2;

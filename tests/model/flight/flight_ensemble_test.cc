@@ -16,7 +16,7 @@
 namespace lipoid {
 namespace {
 
-FlightSetup Coupled() {
+FlightSetup CoupledUncertain() {
   FlightSetup setup;
   setup.vehicle = LoadVehicle("mambo-coupled");
   setup.cell = LoadCell("gifi-600mAh-1");
@@ -35,7 +35,7 @@ FlightPlan Steps() {
 }
 
 TEST(FlightEnsemble, EachFlightIsThatOfItsCellOnAnyNumberOfThreads) {
-  const FlightSetup setup = Coupled();
+  const FlightSetup setup = CoupledUncertain();
   const auto cells = DrawCells(*setup.cell, 4, 1).cells;
   const std::vector<double> soc{1.0, 0.9, 0.8, 1.0};
   std::atomic<int> told = 0;
@@ -74,7 +74,7 @@ TEST(FlightEnsemble, OutcomesAreCountedAndNumbersHaveIntervals) {
 
 // More resistance, less voltage: the interval of the lowest voltage is that of r_s.
 TEST(FlightEnsemble, AnUncertainResistanceIsAnUncertainVoltage) {
-  const FlightSetup setup = Coupled();
+  const FlightSetup setup = CoupledUncertain();
   const auto ensemble = DrawCells(*setup.cell, 12, 1);
   const auto flights = FlyOnEach(setup, Steps(), ensemble.cells, std::vector<double>(12, 1.0));
   std::vector<std::pair<double, double>> by_resistance;

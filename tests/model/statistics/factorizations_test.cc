@@ -9,7 +9,7 @@ namespace lipoid {
 namespace {
 
 // Sums of a dozen products of numbers of size one, a few times rounded.
-constexpr double kRounding = 1e-13;
+constexpr double kRoundingOfFactors = 1e-13;
 
 Eigen::MatrixXd Random(Eigen::Index rows, Eigen::Index columns) {
   std::mt19937 generator(7);
@@ -21,10 +21,10 @@ TEST(Factorizations, EigenOfSymmetricIsThatOfARotatedDiagonal) {
   // [[2, 1], [1, 2]] has 1 and 3 along the diagonals of the plane; the upper triangle is not read.
   const Eigen::MatrixXd matrix{{2.0, 99.0}, {1.0, 2.0}};
   const SymmetricEigen eigen = EigenOfSymmetric(matrix);
-  EXPECT_NEAR(eigen.values[0], 1.0, kRounding);
-  EXPECT_NEAR(eigen.values[1], 3.0, kRounding);
-  EXPECT_NEAR(std::abs(eigen.vectors(0, 1)), std::sqrt(0.5), kRounding);
-  EXPECT_NEAR(eigen.vectors(0, 0), -eigen.vectors(1, 0), kRounding);
+  EXPECT_NEAR(eigen.values[0], 1.0, kRoundingOfFactors);
+  EXPECT_NEAR(eigen.values[1], 3.0, kRoundingOfFactors);
+  EXPECT_NEAR(std::abs(eigen.vectors(0, 1)), std::sqrt(0.5), kRoundingOfFactors);
+  EXPECT_NEAR(eigen.vectors(0, 0), -eigen.vectors(1, 0), kRoundingOfFactors);
 }
 
 TEST(Factorizations, TriangularFactorHasTheSquareOfTheRows) {
@@ -35,26 +35,27 @@ TEST(Factorizations, TriangularFactorHasTheSquareOfTheRows) {
     EXPECT_EQ(factor.cols(), 5);
     EXPECT_TRUE(factor.isUpperTriangular(0.0));
     EXPECT_LT((factor.transpose() * factor - all.transpose() * all).cwiseAbs().maxCoeff(),
-              kRounding);
+              kRoundingOfFactors);
   }
 }
 
 TEST(Factorizations, OrthogonalBasisSpansTheColumnsFirst) {
   const Eigen::MatrixXd columns = Random(6, 2);
   const Eigen::MatrixXd basis = OrthogonalBasis(columns);
-  EXPECT_TRUE(basis.isUnitary(kRounding));
-  EXPECT_LT((basis.rightCols(4).transpose() * columns).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_TRUE(basis.isUnitary(kRoundingOfFactors));
+  EXPECT_LT((basis.rightCols(4).transpose() * columns).cwiseAbs().maxCoeff(), kRoundingOfFactors);
 }
 
 TEST(Factorizations, SolvesWithAPositiveMatrix) {
   const Eigen::MatrixXd rows = Random(12, 4);
   const Eigen::MatrixXd square = rows.transpose() * rows;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(4, 4);
-  EXPECT_LT((InverseOfPositive(square) * square - one).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LT((InverseOfPositive(square) * square - one).cwiseAbs().maxCoeff(), kRoundingOfFactors);
   const Eigen::VectorXd x = Random(4, 1);
-  EXPECT_LT((SolvePositive(square, Eigen::VectorXd(square * x)) - x).norm(), kRounding);
+  EXPECT_LT((SolvePositive(square, Eigen::VectorXd(square * x)) - x).norm(), kRoundingOfFactors);
   const Eigen::MatrixXd both = Random(4, 2);
-  EXPECT_LT((SolvePositive(square, Eigen::MatrixXd(square * both)) - both).norm(), kRounding);
+  EXPECT_LT((SolvePositive(square, Eigen::MatrixXd(square * both)) - both).norm(),
+            kRoundingOfFactors);
   EXPECT_EQ(SolvePositive(square, Eigen::MatrixXd(4, 0)).cols(), 0);
 }
 
@@ -62,13 +63,13 @@ TEST(Factorizations, SolvesLeastSquares) {
   const Eigen::MatrixXd rows = Random(9, 3);
   const Eigen::VectorXd right = Random(9, 1);
   const Eigen::VectorXd x = LeastSquares(rows, right);
-  EXPECT_LT((rows.transpose() * (right - rows * x)).norm(), kRounding);
+  EXPECT_LT((rows.transpose() * (right - rows * x)).norm(), kRoundingOfFactors);
   // Twice the same column: of all that fit, the shortest shares between them.
   Eigen::MatrixXd twice(9, 4);
   twice << rows, rows.col(2);
   const Eigen::VectorXd shortest = ShortestLeastSquares(twice, right);
-  EXPECT_NEAR(shortest[2], 0.5 * x[2], kRounding);
-  EXPECT_NEAR(shortest[3], 0.5 * x[2], kRounding);
+  EXPECT_NEAR(shortest[2], 0.5 * x[2], kRoundingOfFactors);
+  EXPECT_NEAR(shortest[3], 0.5 * x[2], kRoundingOfFactors);
 }
 
 TEST(Factorizations, InvertsWhatCanBeInverted) {

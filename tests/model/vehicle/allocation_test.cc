@@ -16,9 +16,9 @@
 namespace lipoid {
 namespace {
 
-constexpr unsigned kSeed = 20261120;
-constexpr int kDraws = 200;
+using test::kDrawSeed;
 using test::kEpsilon;
+using test::kPoseDraws;
 
 PerMotor<double> RandomSquares(std::mt19937& engine, double hover_squared) {
   std::uniform_real_distribution<double> share(0.0, 2.0);
@@ -31,13 +31,13 @@ PerMotor<double> RandomSquares(std::mt19937& engine, double hover_squared) {
 // what geometry says. The motors' own moments about z follow the printed signs.
 TEST(Allocation, WrenchIsThatOfFourForcesAtTheirArms) {
   const Vehicle v = LoadVehicle("mambo-thesis");
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   const double side = v.arm_m * std::sin(std::numbers::pi / 4.0);
   // x forward, y to the right: front right, back right, back left, front left.
   const Eigen::Vector3d arms[4] = {
       {side, side, 0}, {-side, side, 0}, {-side, -side, 0}, {side, -side, 0}};
   const double spin[4] = {-1, 1, -1, 1};
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto squares = RandomSquares(engine, 3.9e6);
     Eigen::Vector3d torque = Eigen::Vector3d::Zero();
     double thrust = 0.0;
@@ -58,9 +58,9 @@ TEST(Allocation, WrenchIsThatOfFourForcesAtTheirArms) {
 
 TEST(Allocation, RoundTripGivesTheSpeedsBack) {
   const Vehicle v = LoadVehicle("mambo-physical");
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   const double hover_squared = std::pow(test::HoverSpeed(v), 2);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto squares = RandomSquares(engine, hover_squared);
     const auto back = SquaredSpeedsOf(v, WrenchOf(v, squares));
     for (std::size_t i = 0; i < 4; ++i) {
@@ -91,8 +91,8 @@ TEST(Allocation, EachMomentAloneNeedsNoThrustAndNoOtherMoment) {
 // pitch then, thrust stays, and yaw changes its sign because neighbours spin against each other.
 TEST(Allocation, AQuarterTurnMovesEveryMotorToItsNeighbour) {
   const Vehicle v = LoadVehicle("mambo-thesis");
-  std::mt19937 engine(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::mt19937 engine(kDrawSeed);
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto s = RandomSquares(engine, 1.0);
     const auto here = WrenchOf(v, s);
     const auto turned = WrenchOf(v, PerMotor<double>{s[3], s[0], s[1], s[2]});
@@ -109,7 +109,7 @@ TEST(Allocation, MotorsThatTurnTheOtherWayChangeTheSignOfYawAlone) {
   const Vehicle v = LoadVehicle("mambo-thesis");
   Vehicle other = v;
   other.front_right_turns = Turning::kCounterClockwise;
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   const auto squares = RandomSquares(engine, 3.9e6);
   const auto here = WrenchOf(v, squares);
   const auto there = WrenchOf(other, squares);
@@ -171,9 +171,9 @@ void CheckAllocation(const Vehicle& v) {
   const Eigen::MatrixXd inverse = b.completeOrthogonalDecomposition().pseudoInverse();
   const double weight_N = v.mass_kg * kGravity_m_per_s2;
   const double hover_squared = weight_N / v.total_thrust_coefficient_N_s2();
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     Eigen::Vector4d wanted(share(engine) * 0.1 * v.arm_m * weight_N,
                            share(engine) * 0.1 * v.arm_m * weight_N,
                            share(engine) * 1e-3 * v.arm_m * weight_N,

@@ -13,8 +13,8 @@
 namespace lipoid {
 namespace {
 
-constexpr double kStep_s = 0.005;
 using test::kEpsilon;
+using test::kFlightStep_s;
 // Sums of a dozen terms of up to 4.2 V.
 constexpr double kRounding_V = 64.0 * kEpsilon;
 
@@ -46,7 +46,7 @@ void ExpectTheVoltageOfTheCell(const Cell& cell, double tolerance_V) {
   BatterySupply battery(cell, 0.9);
   const CellModel<double> model(cell.Parameters());
   auto state = model.Relaxed(0.9);
-  const auto step = model.MakeStep(kStep_s);
+  const auto step = model.MakeStep(kFlightStep_s);
   double last_A = 0.0;
   for (int k = 0; k < 2000; ++k) {
     const auto supply = battery.Linearize();
@@ -55,7 +55,7 @@ void ExpectTheVoltageOfTheCell(const Cell& cell, double tolerance_V) {
           << "step " << k << ", " << current_A << " A";
     }
     last_A = Current_A(k);
-    battery.Advance(last_A * kStep_s, kStep_s);
+    battery.Advance(last_A * kFlightStep_s, kFlightStep_s);
     model.Advance(state, last_A, step);
     ASSERT_NEAR(battery.soc(), model.Soc(state, last_A), 1e-12);
   }
@@ -86,8 +86,8 @@ TEST(BatterySupply, HasItInTheCold) {
     const auto supply = battery.Linearize();
     for (const double current_A : {0.0, 3.0, -1.0})
       ASSERT_NEAR(At(supply, current_A), model.Voltage(state, current_A), 1e-8) << k;
-    battery.Advance(Current_A(k) * kStep_s, kStep_s);
-    model.Prepare(step, kStep_s, state);
+    battery.Advance(Current_A(k) * kFlightStep_s, kFlightStep_s);
+    model.Prepare(step, kFlightStep_s, state);
     model.Advance(state, Current_A(k), step);
     ASSERT_NEAR(battery.temperature_degC(), state.temperature_K - 273.15, 1e-9) << k;
   }
@@ -120,10 +120,10 @@ TEST(BatterySupply, HasItAtTheLastCurrentWithTablesOfResistance) {
   BatterySupply battery(cell, 0.9);
   const CellModel<double> model(cell.Parameters());
   auto state = model.Relaxed(0.9);
-  const auto step = model.MakeStep(kStep_s);
+  const auto step = model.MakeStep(kFlightStep_s);
   for (int k = 0; k < 2000; ++k) {
     const double current_A = Current_A(k);
-    battery.Advance(current_A * kStep_s, kStep_s);
+    battery.Advance(current_A * kFlightStep_s, kFlightStep_s);
     model.Advance(state, current_A, step);
     ASSERT_NEAR(At(battery.Linearize(), current_A), model.Voltage(state, current_A), kRounding_V)
         << k;
@@ -152,11 +152,11 @@ TEST(BatterySupply, TakesChargeTransferByItsTangent) {
   BatterySupply battery(cell, 0.9);
   const CellModel<double> model(cell.Parameters());
   auto state = model.Relaxed(0.9);
-  const auto step = model.MakeStep(kStep_s);
+  const auto step = model.MakeStep(kFlightStep_s);
   double farthest_V = 0.0;
   for (int k = 0; k < 2000; ++k) {
     const double current_A = Current_A(k);
-    battery.Advance(current_A * kStep_s, kStep_s);
+    battery.Advance(current_A * kFlightStep_s, kFlightStep_s);
     model.Advance(state, current_A, step);
     const auto supply = battery.Linearize();
     ASSERT_NEAR(At(supply, current_A), model.Voltage(state, current_A), kRounding_V) << k;
@@ -178,11 +178,11 @@ TEST(BatterySupply, HasItAtTheLastCurrentAcrossTheBendsOfACurve) {
   BatterySupply battery(cell, 0.9);
   const CellModel<double> model(cell.Parameters());
   auto state = model.Relaxed(0.9);
-  const auto step = model.MakeStep(kStep_s);
+  const auto step = model.MakeStep(kFlightStep_s);
   double lowest = 1.0;
   for (int k = 0; k < 4000; ++k) {
     const double current_A = Current_A(k);
-    battery.Advance(current_A * kStep_s, kStep_s);
+    battery.Advance(current_A * kFlightStep_s, kFlightStep_s);
     model.Advance(state, current_A, step);
     lowest = std::min(lowest, battery.soc());
     ASSERT_NEAR(At(battery.Linearize(), current_A), model.Voltage(state, current_A), kRounding_V)
@@ -202,8 +202,8 @@ TEST(BatterySupply, LeavesOutATailThatWouldBeANegativeResistance) {
   BatterySupply battery(cell, 0.9);
   const CellModel<double> model(cell.Parameters());
   auto state = model.Relaxed(0.9);
-  battery.Advance(3.0 * kStep_s, kStep_s);
-  model.Advance(state, 3.0, model.MakeStep(kStep_s));
+  battery.Advance(3.0 * kFlightStep_s, kFlightStep_s);
+  model.Advance(state, 3.0, model.MakeStep(kFlightStep_s));
   EXPECT_EQ(battery.Linearize().resistance_Ohm, 0.13);
   EXPECT_NEAR(At(battery.Linearize(), 3.0), model.Voltage(state, 3.0), kRounding_V);
 }
@@ -220,9 +220,9 @@ TEST(BatterySupply, TheLoopWithTheMotorsIsTheRootOfTheWholeCell) {
     BatterySupply battery(cell, 0.9);
     const CellModel<double> model(cell.Parameters());
     auto state = model.Relaxed(0.9);
-    const auto step = model.MakeStep(kStep_s);
+    const auto step = model.MakeStep(kFlightStep_s);
     for (int k = 0; k < 500; ++k) {
-      battery.Advance(parallel * Current_A(k) * kStep_s, kStep_s);
+      battery.Advance(parallel * Current_A(k) * kFlightStep_s, kFlightStep_s);
       model.Advance(state, Current_A(k), step);
     }
     const auto surplus = [&](double volts) {
@@ -252,9 +252,9 @@ TEST(BatterySupply, TangentsEndAtTheRootOfTheWholeCell) {
     BatterySupply battery(cell, 0.9);
     const CellModel<double> model(cell.Parameters());
     auto state = model.Relaxed(0.9);
-    const auto step = model.MakeStep(kStep_s);
+    const auto step = model.MakeStep(kFlightStep_s);
     for (int k = 0; k < 500; ++k) {
-      battery.Advance(parallel * Current_A(k) * kStep_s, kStep_s);
+      battery.Advance(parallel * Current_A(k) * kFlightStep_s, kFlightStep_s);
       model.Advance(state, Current_A(k), step);
     }
     double voltage_V = 0.0;
@@ -283,8 +283,8 @@ TEST(BatterySupply, APackIsItsCellsTimesSeriesAndOverParallel) {
   EXPECT_EQ(pack.parallel(), 2.0);
   for (int k = 0; k < 500; ++k) {
     const double current_A = Current_A(k);
-    pack.Advance(2.0 * current_A * kStep_s, kStep_s);
-    single.Advance(current_A * kStep_s, kStep_s);
+    pack.Advance(2.0 * current_A * kFlightStep_s, kFlightStep_s);
+    single.Advance(current_A * kFlightStep_s, kFlightStep_s);
     ASSERT_NEAR(pack.soc(), single.soc(), 1e-14);
     ASSERT_NEAR(
         At(pack.Linearize(), 2.0 * 1.7), 3.0 * At(single.Linearize(), 1.7), 3.0 * kRounding_V);
@@ -300,7 +300,7 @@ TEST(BatterySupply, WhatLeavesIsMissing) {
   BatterySupply battery(StraightCell(), 1.0);
   double charge_C = 0.0;
   for (int k = 0; k < 1000; ++k) {
-    const double dt_s = k % 3 == 0 ? 0.01 : kStep_s;
+    const double dt_s = k % 3 == 0 ? 0.01 : kFlightStep_s;
     battery.Advance(Current_A(k) * dt_s, dt_s);
     charge_C += Current_A(k) * dt_s;
   }

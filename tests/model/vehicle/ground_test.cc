@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
 
 namespace lipoid {
@@ -12,7 +13,7 @@ namespace {
 
 using State = PlantState<double>;
 
-constexpr double kStep_s = 0.005;  // the flight's own
+using test::kFlightStep_s;
 // At rest: m g = k depth, and k = m (50 rad/s)².
 constexpr double kRestDepth_m = kGravity_m_per_s2 / 2500.0;
 
@@ -45,7 +46,7 @@ TEST(Ground, AVehicleDroppedFromFiveCentimetresLandsAndLies) {
   State x = At(-0.05, {0.0, 0.0, 0.4});
   double deepest = 0.0;
   for (int k = 0; k < 600; ++k) {
-    test::Fly(Fallen(), {}, x, kStep_s, 1);
+    test::Fly(Fallen(), {}, x, kFlightStep_s, 1);
     deepest = std::max(deepest, x[plant::kPosition + 2]);
   }
   ExpectAtRest(x);
@@ -60,7 +61,7 @@ TEST(Ground, ATiltedVehicleRightsItself) {
   for (const Triple<double>& angles :
        {Triple<double>{0.3, -0.2, 0.0}, {-0.5, 0.0, 1.0}, {0.2, 0.6, -2.0}}) {
     State x = At(-0.05, angles);
-    test::Fly(Fallen(), {}, x, kStep_s, 600);
+    test::Fly(Fallen(), {}, x, kFlightStep_s, 600);
     ExpectAtRest(x);
   }
 }
@@ -71,7 +72,7 @@ TEST(Ground, AHardLandingEndsAtRestToo) {
   x[plant::kVelocity] = 2.0;
   x[plant::kVelocity + 1] = -1.0;
   x[plant::kRates + 2] = 5.0;
-  test::Fly(Fallen(), {}, x, kStep_s, 1200);
+  test::Fly(Fallen(), {}, x, kFlightStep_s, 1200);
   ExpectAtRest(x);
   EXPECT_GT(x[plant::kPosition], 0.5);
   EXPECT_LT(x[plant::kPosition], 5.0);

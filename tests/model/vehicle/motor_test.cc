@@ -14,7 +14,7 @@ namespace lipoid {
 namespace {
 
 using test::kEpsilon;
-constexpr double kRounding = 16.0 * kEpsilon;  // relative: a few products and one root
+constexpr double kRoundingOfRoot = 16.0 * kEpsilon;  // relative: a few products and one root
 
 class Motor : public testing::TestWithParam<std::string> {
  protected:
@@ -25,7 +25,7 @@ TEST_P(Motor, HeldSpeedIsThePrintedForm) {
   const double gamma =
       (std::pow(v_.motor_constant_N_m_per_A, 2) + v_.armature_resistance_Ohm * v_.friction_N_m_s) /
       (v_.armature_resistance_Ohm * v_.torque_coefficient_N_m_s2);
-  EXPECT_NEAR(v_.gamma_rad_per_s(), gamma, kRounding * gamma);
+  EXPECT_NEAR(v_.gamma_rad_per_s(), gamma, kRoundingOfRoot * gamma);
   for (const double xi : {0.5, 0.8, 0.9, 1.0, 1.2}) {
     for (const double commanded : {100.0, 1000.0, 2000.0, 3000.0}) {
       const double printed =
@@ -40,10 +40,11 @@ TEST_P(Motor, HeldSpeedIsThePrintedForm) {
 
 TEST_P(Motor, HeldSpeedAndHoldingVoltageAreInverse) {
   for (const double speed : {1e-6, 1.0, 500.0, 2000.0, 1e4}) {
-    EXPECT_NEAR(HeldSpeed(v_, HoldingVoltage(v_, speed)) / speed, 1.0, kRounding) << speed;
+    EXPECT_NEAR(HeldSpeed(v_, HoldingVoltage(v_, speed)) / speed, 1.0, kRoundingOfRoot) << speed;
   }
   for (const double voltage : {1e-9, 0.01, 1.0, 4.2}) {
-    EXPECT_NEAR(HoldingVoltage(v_, HeldSpeed(v_, voltage)) / voltage, 1.0, kRounding) << voltage;
+    EXPECT_NEAR(HoldingVoltage(v_, HeldSpeed(v_, voltage)) / voltage, 1.0, kRoundingOfRoot)
+        << voltage;
   }
   EXPECT_EQ(HeldSpeed(v_, 0.0), 0.0);
 }
@@ -54,7 +55,8 @@ TEST_P(Motor, AHeldSpeedDoesNotChange) {
     EXPECT_NEAR(current / HoldingCurrent(v_, speed), 1.0, 1e3 * kEpsilon) << speed;
     // Against the acceleration that the current alone would give.
     const double alone = v_.motor_constant_N_m_per_A * current / v_.rotor_inertia_kg_m2;
-    EXPECT_NEAR(RotorAcceleration(v_, HoldingCurrent(v_, speed), speed) / alone, 0.0, kRounding);
+    EXPECT_NEAR(
+        RotorAcceleration(v_, HoldingCurrent(v_, speed), speed) / alone, 0.0, kRoundingOfRoot);
   }
 }
 

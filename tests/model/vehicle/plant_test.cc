@@ -24,7 +24,7 @@ void Set(State& x, std::size_t first, const Triple<double>& values) {
 }
 
 // Hovering at the speed that carries the weight, with a supply and its duty.
-State Hover(const Vehicle& v) {
+State HoverState(const Vehicle& v) {
   State x{};
   for (std::size_t i = 0; i < 4; ++i) x[plant::kSpeeds + i] = test::HoverSpeed(v);
   return x;
@@ -118,7 +118,7 @@ TEST(Plant, HoverIsAnEquilibrium) {
     in.duty.fill(volts / 3.9);
     for (const bool lag : {true, false}) {
       const Plant plant(v, {.motor_lag = lag, .drag = true, .ground = true});
-      State x = Hover(v);
+      State x = HoverState(v);
       Set(x, plant::kPosition, {3.0, 4.0, -1.0});
       x[plant::kAngles + 2] = 2.0;
       State dx{};
@@ -143,7 +143,7 @@ TEST(Plant, NoHeadingIsSpecial) {
   const Plant plant(v, options);
   const auto flight = [&](double heading) {
     const Eigen::Matrix3d turn = test::Rotation({0.0, 0.0, heading});
-    State x = Hover(v);
+    State x = HoverState(v);
     Set(x, plant::kAngles, {0.1, -0.2, 0.3 + heading});
     const Eigen::Vector3d velocity = turn * Eigen::Vector3d(1.0, 2.0, -1.0);
     Set(x, plant::kVelocity, {velocity[0], velocity[1], velocity[2]});
@@ -175,8 +175,8 @@ TEST(Plant, NoHeadingIsSpecial) {
 TEST(Plant, TheMirrorImageFliesTheMirrorImage) {
   const Vehicle v = LoadVehicle("mambo-physical");
   const Plant plant(v, kAir);
-  State x = Hover(v);
-  State mirrored = Hover(v);
+  State x = HoverState(v);
+  State mirrored = HoverState(v);
   PlantInputs<double> in{.duty = {0.50, 0.47, 0.52, 0.46}, .supply = {4.0, 0.1}};
   PlantInputs<double> mirrored_in = in;
   // Front right with front left, back right with back left.
@@ -200,7 +200,7 @@ PlantInputs<double> LivelyInputs(double resistance_Ohm) {
           .wind_m_per_s = {1.0, -2.0, 0.5}};
 }
 State LivelyStart(const Vehicle& v) {
-  State x = Hover(v);
+  State x = HoverState(v);
   Set(x, plant::kAngles, {0.2, -0.3, 0.5});
   Set(x, plant::kRates, {1.0, 2.0, -1.5});
   Set(x, plant::kVelocity, {1.0, -1.0, 0.5});
@@ -347,7 +347,7 @@ TEST(Plant, EnergyIsBalanced) {
 TEST(Plant, MotorsWithoutLagAreThoseThatHaveSettled) {
   const Vehicle v = LoadVehicle("mambo-thesis");
   const PlantInputs<double> in{.duty = {0.5, 0.6, 0.7, 0.8}, .supply = {4.1, 0.0}};
-  State x = Hover(v);
+  State x = HoverState(v);
   test::Fly(Plant(v, kAir), in, x, 1e-3, 1500);
   const auto settled = Plant(v, kAir).ElectricalAt(x, in);
   const auto at_once =

@@ -10,12 +10,13 @@
 
 #include "model/battery/cell_file.h"
 #include "model/vehicle/vehicle_file.h"
+#include "tests/support/constants.h"
 #include "tests/support/ridders.h"
 
 namespace lipoid {
 namespace {
 
-constexpr unsigned kSeed = 20261120;
+using test::kDrawSeed;
 
 // v_b as a root: the voltage at which what the battery gives is what the motors take. Knows (3.9)
 // and (3.11), not their solution.
@@ -39,7 +40,7 @@ double RootOfTheLoop(const Vehicle& v,
 
 TEST(Powertrain, ClosedFormIsTheRootOfTheLoop) {
   const Vehicle v = LoadVehicle("mambo-coupled");
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::vector<double> resistances{0.0, 1e-3, 5.0};
   for (const auto& name : ShippedCellNames()) {
@@ -136,7 +137,7 @@ Draw RandomDraw(std::mt19937& engine) {
 TEST(Powertrain, WithLossesTheVoltageIsTheRootOfTheLoopToo) {
   for (const bool synchronous : {true, false}) {
     const Vehicle v = Lossy(synchronous);
-    std::mt19937 engine(kSeed);
+    std::mt19937 engine(kDrawSeed);
     for (int n = 0; n < 500; ++n) {
       const Draw draw = RandomDraw(engine);
       const auto surplus = [&](double voltage_V) {
@@ -158,7 +159,7 @@ TEST(Powertrain, WithLossesTheVoltageIsTheRootOfTheLoopToo) {
 TEST(Powertrain, LossesAreWhereThePowerGoes) {
   for (const bool synchronous : {true, false}) {
     const Vehicle v = Lossy(synchronous);
-    std::mt19937 engine(kSeed);
+    std::mt19937 engine(kDrawSeed);
     for (int n = 0; n < 200; ++n) {
       const Draw draw = RandomDraw(engine);
       const double battery_V = LoopVoltage(v, draw.supply, draw.duty, draw.speed);
@@ -194,7 +195,7 @@ TEST(Powertrain, ThroughDiodesNothingFlowsBack) {
 
 TEST(Powertrain, WithoutLossesTheyChangeNoBit) {
   const Vehicle v = LoadVehicle("mambo-coupled");
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   for (int n = 0; n < 50; ++n) {
     const Draw draw = RandomDraw(engine);
     const double share = draw.supply.resistance_Ohm * (1.0 / v.armature_resistance_Ohm);
@@ -219,7 +220,7 @@ TEST(Powertrain, WithLossesItCanBeDifferentiated) {
   using Jet = ceres::Jet<double, 10>;  // 4 duties, 4 speeds, voltage and resistance of the supply
   for (const bool synchronous : {true, false}) {
     const Vehicle v = Lossy(synchronous);
-    std::mt19937 engine(kSeed);
+    std::mt19937 engine(kDrawSeed);
     int checked = 0;
     for (int n = 0; n < 40; ++n) {
       Draw draw = RandomDraw(engine);

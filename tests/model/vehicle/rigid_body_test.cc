@@ -16,13 +16,13 @@ using test::AsEigen;
 using test::RandomAngles;
 using test::RandomTriple;
 
-constexpr unsigned kSeed = 20261120;
-constexpr int kDraws = 200;
+using test::kDrawSeed;
 using test::kEpsilon;
+using test::kPoseDraws;
 // A handful of sines, products and sums of numbers of order 1.
-constexpr double kRounding = 16.0 * kEpsilon;
+constexpr double kRoundingOfRotation = 16.0 * kEpsilon;
 // The same beside secants of up to 1/cos(1.4) = 6, squared.
-constexpr double kRoundingNearPole = 36.0 * kRounding;
+constexpr double kRoundingNearPole = 36.0 * kRoundingOfRotation;
 
 // Angles that move at these rates: the derivative of everything made from them is its change per
 // second.
@@ -36,8 +36,8 @@ Triple<Jet> Moving(const Triple<double>& angles, const Triple<double>& rates) {
 }
 
 TEST(RigidBody, RotationIsTheProductOfTheElementaryOnes) {
-  std::mt19937 engine(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::mt19937 engine(kDrawSeed);
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto angles = RandomAngles(engine);
     const auto vector = RandomTriple(engine, 1.0);
     // (3.2), as printed.
@@ -49,24 +49,24 @@ TEST(RigidBody, RotationIsTheProductOfTheElementaryOnes) {
     y << cy, 0, sy, 0, 1, 0, -sy, 0, cy;
     x << 1, 0, 0, 0, cx, -sx, 0, sx, cx;
     const Eigen::Matrix3d rotation = z * y * x;
-    ASSERT_LT((rotation - test::Rotation(angles)).norm(), kRounding);
+    ASSERT_LT((rotation - test::Rotation(angles)).norm(), kRoundingOfRotation);
 
     const Attitude<double> attitude(angles);
     const auto inertial = attitude.ToInertial(vector);
-    ASSERT_LT((AsEigen(inertial) - rotation * AsEigen(vector)).norm(), kRounding);
+    ASSERT_LT((AsEigen(inertial) - rotation * AsEigen(vector)).norm(), kRoundingOfRotation);
     ASSERT_LT((AsEigen(attitude.ToBody(vector)) - rotation.transpose() * AsEigen(vector)).norm(),
-              kRounding);
-    ASSERT_LT((AsEigen(attitude.Down()) - rotation.col(2)).norm(), kRounding);
+              kRoundingOfRotation);
+    ASSERT_LT((AsEigen(attitude.Down()) - rotation.col(2)).norm(), kRoundingOfRotation);
     // Orthonormal: there and back, and as long as before.
-    ASSERT_LT((AsEigen(attitude.ToBody(inertial)) - AsEigen(vector)).norm(), kRounding);
-    ASSERT_NEAR(AsEigen(inertial).norm(), AsEigen(vector).norm(), kRounding);
+    ASSERT_LT((AsEigen(attitude.ToBody(inertial)) - AsEigen(vector)).norm(), kRoundingOfRotation);
+    ASSERT_NEAR(AsEigen(inertial).norm(), AsEigen(vector).norm(), kRoundingOfRotation);
   }
 }
 
 // What makes Omega a rate of turn: R' = R [Omega]x, whatever S looks like.
 TEST(RigidBody, AngleRatesTurnTheRotationAtTheBodyRates) {
-  std::mt19937 engine(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::mt19937 engine(kDrawSeed);
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto angles = RandomAngles(engine);
     const auto rates = RandomTriple(engine, 1.0);
     const auto moving = Moving(angles, Attitude<double>(angles).AngleRates(rates));
@@ -83,8 +83,8 @@ TEST(RigidBody, AngleRatesTurnTheRotationAtTheBodyRates) {
 }
 
 TEST(RigidBody, AngleRatesAreTheMatrixOfTheThesis) {
-  std::mt19937 engine(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::mt19937 engine(kDrawSeed);
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto angles = RandomAngles(engine);
     const auto rates = RandomTriple(engine, 1.0);
     const double s = std::sin(angles[0]), c = std::cos(angles[0]);
@@ -100,8 +100,8 @@ TEST(RigidBody, AngleRatesAreTheMatrixOfTheThesis) {
 }
 
 TEST(RigidBody, DriftIsTheChangeOfTheMatrixAtConstantBodyRates) {
-  std::mt19937 engine(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::mt19937 engine(kDrawSeed);
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto angles = RandomAngles(engine);
     const auto rates = RandomTriple(engine, 3.0);
     const Attitude<double> attitude(angles);
@@ -117,17 +117,17 @@ TEST(RigidBody, DriftIsTheChangeOfTheMatrixAtConstantBodyRates) {
 }
 
 TEST(RigidBody, GyroscopicTorqueIsTheCrossProduct) {
-  std::mt19937 engine(kSeed);
+  std::mt19937 engine(kDrawSeed);
   const std::array<double, 3> inertia{1.0, 2.0, 2.5};
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kPoseDraws; ++draw) {
     const auto rates = RandomTriple(engine, 1.0);
     const auto other = RandomTriple(engine, 1.0);
     const Eigen::Vector3d w = AsEigen(rates);
-    ASSERT_LT((AsEigen(Cross(rates, other)) - w.cross(AsEigen(other))).norm(), kRounding);
+    ASSERT_LT((AsEigen(Cross(rates, other)) - w.cross(AsEigen(other))).norm(), kRoundingOfRotation);
     ASSERT_LT((AsEigen(GyroscopicTorque(inertia, rates)) -
                w.cross(AsEigen(inertia).cwiseProduct(w).eval()))
                   .norm(),
-              kRounding);
+              kRoundingOfRotation);
   }
 }
 

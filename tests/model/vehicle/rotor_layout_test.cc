@@ -18,22 +18,22 @@ std::string NameOf(const testing::TestParamInfo<RotorLayout>& info) {
   return name;
 }
 
-constexpr double kRounding = 8 * 2.3e-16;  // of eight cosines added up
+constexpr double kRoundingOfCosines = 8 * 2.3e-16;  // of eight cosines added up
 
 TEST_P(RotorLayouts, AreBalanced) {
   double ahead = 0.0;
   double right = 0.0;
   double turning = 0.0;
   for (const Rotor& rotor : RotorsOf(GetParam())) {
-    EXPECT_NEAR(std::hypot(rotor.ahead, rotor.right), 1.0, kRounding);
+    EXPECT_NEAR(std::hypot(rotor.ahead, rotor.right), 1.0, kRoundingOfCosines);
     EXPECT_EQ(std::abs(rotor.turning), 1.0);
     ahead += rotor.ahead;
     right += rotor.right;
     turning += rotor.turning;
   }
   // Equal thrust of all neither tilts nor turns the vehicle.
-  EXPECT_NEAR(ahead, 0.0, kRounding);
-  EXPECT_NEAR(right, 0.0, kRounding);
+  EXPECT_NEAR(ahead, 0.0, kRoundingOfCosines);
+  EXPECT_NEAR(right, 0.0, kRoundingOfCosines);
   EXPECT_EQ(turning, 0.0);
   EXPECT_EQ(RotorsOf(GetParam())[0].turning, 1.0);
 }

@@ -13,7 +13,7 @@
 namespace lipoid {
 namespace {
 
-constexpr std::uint64_t kSeed = 30;
+constexpr std::uint64_t kNoiseSeed = 30;
 constexpr std::size_t kChannels = 11;
 
 SensorOptions Faultless() {
@@ -59,7 +59,7 @@ TEST(Sensors, HaveTheBiasAndNoiseTheyShouldAndNoMemory) {
   const std::array<double, kChannels> rms{
       0.21, 0.19, 0.27, 1.5e-3, 1.5e-3, 1.5e-3, 0.05, 0.13, 0.02, 0.02, 0.01};
   constexpr int kCount = 200'000;
-  Sensors sensors(options, kSeed);
+  Sensors sensors(options, kNoiseSeed);
   std::array<double, kChannels> sum{};
   std::array<double, kChannels> last{};
   std::array<double, kChannels> lagged{};
@@ -90,7 +90,7 @@ TEST(Sensors, HaveTheBiasAndNoiseTheyShouldAndNoMemory) {
 }
 
 TEST(Sensors, WithoutFaultsReadTheMotion) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   SensedMotion motion = Hovering(2.0);
   motion.body_rates_rad_per_s = {0.1, -0.2, 0.3};
   motion.specific_force_m_per_s2 = {0.5, -0.4, -9.0};
@@ -103,7 +103,7 @@ TEST(Sensors, WithoutFaultsReadTheMotion) {
 }
 
 TEST(Sensors, SeeTheVelocityInBodyAxes) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   constexpr double kRounding = 1e-15;
   SensedMotion motion = Hovering(2.0);
   motion.angles_rad = {0.0, 0.0, 0.5 * std::numbers::pi};  // heading along Y
@@ -120,7 +120,7 @@ TEST(Sensors, SeeTheVelocityInBodyAxes) {
 }
 
 TEST(Sensors, ClipAtTheirRange) {
-  Sensors sensors({}, kSeed);
+  Sensors sensors({}, kNoiseSeed);
   SensedMotion motion = Hovering(2.0);
   motion.specific_force_m_per_s2 = {80.0, -80.0, 0.0};
   motion.body_rates_rad_per_s = {20.0, -20.0, 0.0};
@@ -135,11 +135,11 @@ TEST(Sensors, ClipAtTheirRange) {
 }
 
 TEST(Sensors, TheSonarHasAFloorAndThePressureHasNot) {
-  Sensors sensors(Faultless(), kSeed);
+  Sensors sensors(Faultless(), kNoiseSeed);
   EXPECT_EQ(sensors.Read(Hovering(0.2)).sonar_m, 0.44);
   EXPECT_EQ(sensors.Read(Hovering(0.2)).pressure_altitude_m, 0.2);
   EXPECT_EQ(sensors.Read(Hovering(0.45)).sonar_m, 0.45);
-  Sensors noisy({}, kSeed);
+  Sensors noisy({}, kNoiseSeed);
   for (int k = 0; k < 1000; ++k) EXPECT_GE(noisy.Read(Hovering(0.44)).sonar_m, 0.44);
 }
 
@@ -147,8 +147,8 @@ TEST(Sensors, TheVoltageIsRoundedToItsStep) {
   SensorOptions options;
   options.voltage_noise_V = 0.02;
   options.voltage_step_V = 0.125;  // binary, so that its multiples are exact
-  Sensors sensors(options, kSeed);
-  Sensors fine(SensorOptions{.voltage_noise_V = 0.02}, kSeed);
+  Sensors sensors(options, kNoiseSeed);
+  Sensors fine(SensorOptions{.voltage_noise_V = 0.02}, kNoiseSeed);
   for (int k = 0; k < 100; ++k) {
     const double read_V = sensors.Read(Hovering(1.0)).battery_V;
     EXPECT_EQ(std::fmod(read_V, 0.125), 0.0);
@@ -157,9 +157,9 @@ TEST(Sensors, TheVoltageIsRoundedToItsStep) {
 }
 
 TEST(Sensors, AreTheSameForTheSameSeedOnly) {
-  Sensors one({}, kSeed);
-  Sensors same({}, kSeed);
-  Sensors other({}, kSeed + 1);
+  Sensors one({}, kNoiseSeed);
+  Sensors same({}, kNoiseSeed);
+  Sensors other({}, kNoiseSeed + 1);
   for (int k = 0; k < 1000; ++k) {
     const auto now = Channels(one.Read(Hovering(1.5)));
     EXPECT_EQ(Channels(same.Read(Hovering(1.5))), now);
@@ -171,8 +171,8 @@ TEST(Sensors, OneNoiseSwitchedOffLeavesTheOthers) {
   SensorOptions quiet;
   quiet.accelerometer_noise = 0.0;
   quiet.sonar_noise_m = 0.0;
-  Sensors one({}, kSeed);
-  Sensors other(quiet, kSeed);
+  Sensors one({}, kNoiseSeed);
+  Sensors other(quiet, kNoiseSeed);
   for (int k = 0; k < 100; ++k) {
     const SensorReadings a = one.Read(Hovering(1.5));
     const SensorReadings b = other.Read(Hovering(1.5));

@@ -14,7 +14,7 @@
 namespace lipoid {
 namespace {
 
-constexpr std::uint64_t kSeed = 20;
+constexpr std::uint64_t kGustSeed = 20;
 using test::kPi;
 
 // The spectra of MIL-F-8785C for sigma = 1 and L/V = 1, over w > 0.
@@ -53,7 +53,7 @@ class DrydenSteps : public testing::TestWithParam<double> {};
 TEST_P(DrydenSteps, HaveTheAutocorrelationOfTheSpectra) {
   const double theta = GetParam();
   const std::size_t count = 2'000'000;
-  NormalNoise noise(kSeed, 1);
+  NormalNoise noise(kGustSeed, 1);
   DrydenAlong along;
   DrydenAcross across;
   along.Start(noise);
@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(OfAnyLength, DrydenSteps, testing::Values(0.005, 0.05, 
 // Steps of changing length are exact too: one of 1 after many of 0.01 is correlated as any other.
 TEST(Dryden, MayChangeItsStep) {
   constexpr int kPairs = 50'000;
-  NormalNoise noise(kSeed, 2);
+  NormalNoise noise(kGustSeed, 2);
   double product = 0.0;
   double square = 0.0;
   for (int k = 0; k < kPairs; ++k) {
@@ -98,7 +98,7 @@ TEST(Dryden, MayChangeItsStep) {
 
 TEST(Dryden, StartsAsItGoesOn) {
   constexpr int kStarts = 100'000;
-  NormalNoise noise(kSeed, 3);
+  NormalNoise noise(kGustSeed, 3);
   double square = 0.0;
   for (int k = 0; k < kStarts; ++k) {
     DrydenAcross across;
@@ -110,7 +110,7 @@ TEST(Dryden, StartsAsItGoesOn) {
 }
 
 TEST(Dryden, OverNoWayDoesNotChange) {
-  NormalNoise noise(kSeed, 4);
+  NormalNoise noise(kGustSeed, 4);
   DrydenAcross across;
   across.Start(noise);
   const double first = across.Step(0.0, noise);
@@ -123,7 +123,7 @@ TEST(Dryden, OverNoWayDoesNotChange) {
 
 TEST(Dryden, ForgetsOverALongWay) {
   constexpr int kCount = 100'000;
-  NormalNoise noise(kSeed, 5);
+  NormalNoise noise(kGustSeed, 5);
   DrydenAcross across;
   double square = 0.0;
   double product = 0.0;
@@ -161,7 +161,7 @@ TEST(Wind, WithoutGustsIsItsMean) {
   options.wind_x_m_per_s = 3.0;
   options.wind_y_m_per_s = -0.1;
   options.wind_z_m_per_s = 0.7;
-  Wind wind(options, kSeed);
+  Wind wind(options, kGustSeed);
   const Triple<double> mean{3.0, -0.1, 0.7};
   for (int k = 0; k < 10; ++k) EXPECT_EQ(wind.Step(1.0 * k, 3.0), mean);
   EXPECT_EQ(wind.mean_m_per_s(), mean);
@@ -177,7 +177,7 @@ TEST(Wind, GustsHaveTheStandardsStatisticsAlongAndAcrossTheWind) {
   constexpr double kAirspeed_m_per_s = 10.0;
   constexpr double kStep_s = 0.1;
   constexpr std::size_t kCount = 1'000'000;
-  Wind wind(options, kSeed, kStep_s);
+  Wind wind(options, kGustSeed, kStep_s);
   std::vector<double> u;
   std::vector<double> v;
   std::vector<double> w;
@@ -214,7 +214,7 @@ TEST(Wind, GustsHaveTheStandardsStatisticsAlongAndAcrossTheWind) {
 TEST(Wind, GustsGoOnAtAStandstill) {
   WindOptions options;
   options.gusts_m_per_s = 5.0;
-  Wind wind(options, kSeed);
+  Wind wind(options, kGustSeed);
   const auto first = wind.Step(1.0, 0.0);
   auto last = first;
   for (int k = 0; k < 20'000; ++k) last = wind.Step(1.0, 0.0);  // 100 s, four times L/sigma
@@ -226,9 +226,9 @@ TEST(Wind, GustsGoOnAtAStandstill) {
 TEST(Wind, IsTheSameForTheSameSeedOnly) {
   WindOptions options;
   options.gusts_m_per_s = 5.0;
-  Wind one(options, kSeed);
-  Wind same(options, kSeed);
-  Wind other(options, kSeed + 1);
+  Wind one(options, kGustSeed);
+  Wind same(options, kGustSeed);
+  Wind other(options, kGustSeed + 1);
   int equal = 0;
   for (int k = 0; k < 1000; ++k) {
     const double altitude_m = 1.0 + 0.01 * k;
