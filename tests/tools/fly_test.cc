@@ -242,6 +242,38 @@ TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
   EXPECT_GT(summary.at("waypoint_distance_m")[1], 150.0);
 }
 
+TEST(Fly, AFlightThatEndsBeforeItsWaypointsSaysSo) {
+  const auto folder = TestFolder();
+  WriteText(folder + "/near.toml",
+            "[[waypoint]]\naltitude_m = 1\n"
+            "[[waypoint]]\naltitude_m = 1\nx_m = 1\nstay_s = 5\n");
+  const auto run = RunLipoid(
+      folder,
+      {"fly", "waypoints", "--waypoints", "near.toml", "--duration", "3", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("before the stays at"), std::string::npos) << run.err;
+  EXPECT_FALSE(ReadJson(folder, "s.json").at("doubts").empty());
+}
+
+TEST(Fly, CornersThatAreNotReachedAreMissed) {
+  const auto folder = TestFolder();
+  const auto run =
+      RunLipoid(folder, {"fly", "square", "--set", "square.side_m=100", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(run.out.starts_with("Off course: it missed 9 of 10 waypoints")) << run.out;
+  EXPECT_NE(run.out.find("largest of 10 distances"), std::string::npos) << run.out;
+}
+
+TEST(Fly, ACurrentThatTheBatteryCannotGiveIsNone) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder,
+      {"fly", "hover", "--vehicle", "f450", "--cell", "gifi-600mAh-1", "--summary", "s.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("it never gives the power"), std::string::npos) << run.err;
+  EXPECT_EQ(ReadJson(folder, "s.json").at("trim").at("battery_A"), nullptr);
+}
+
 TEST(Fly, EnduranceEndsOnlyWithTheBattery) {
   // 33 Ah at 3 A are eleven hours.
   const auto folder = TestFolder();

@@ -154,6 +154,7 @@ TEST_F(CompareOptimizersTest, BoxesWhatHasNoBoundAndKeepsWhatTheUserBounds) {
   }
   // The truth, 0.03, lies beyond the bound.
   EXPECT_NEAR(comparison.results[0].parameters.sweep.resistance_Ohm[0], 0.025, 1e-6);
+  EXPECT_EQ(comparison.results[0].at_bound, std::vector<std::string>{"r_1"});
 }
 
 TEST_F(CompareOptimizersTest, MovesWhatTheScalingSays) {

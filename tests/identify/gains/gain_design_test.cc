@@ -78,6 +78,10 @@ TEST(GainDesign, OfARegulatorSearchesItsWeights) {
   const auto result = DesignGains(design, gains, FindOptimizer("levenberg-marquardt"), {});
   EXPECT_TRUE(result.stable);
   EXPECT_LT(result.cost, result.start_cost);
+  // Gains that no weights have: the search starts elsewhere, and what is said of them is their own cost.
+  const ErrorGains of_thesis{.proportional = 0.95, .integral = 0.25, .derivative = 0.54};
+  EXPECT_EQ(DesignGains(design, of_thesis, FindOptimizer("levenberg-marquardt"), {}).start_cost,
+            problem.CostOf(of_thesis));
   // Of a regulator: K_e² >= 2 K_edot K_eI and K_edot² >= 2 K_e.
   constexpr double kRounding = 1e-9;
   const ErrorGains& found = result.gains;

@@ -21,7 +21,7 @@ HealthReport Of(std::vector<FlightHealth> flights) {
   HealthReport report;
   report.reference = "g5";
   report.new_capacity_Ah = 5.0;
-  report.new_resistance_Ohm = 0.04;
+  for (FlightHealth& flight : flights) flight.new_resistance_Ohm = 0.04;
   report.flights = std::move(flights);
   return report;
 }

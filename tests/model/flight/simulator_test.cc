@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -281,10 +282,15 @@ TEST(Fly, CrashesAreOutcomesWithAReason) {
   EXPECT_EQ(weak.outcome, Outcome::kCrashed);
   EXPECT_FALSE(weak.trim.possible());
   EXPECT_NE(weak.reason.find("ground"), std::string::npos) << weak.reason;
-  // Without ground it falls on; nothing ends it.
+  // Without ground it falls on; nothing ends it, and it is not where it should be.
   FlightSetup bottomless = Ideal(0.6);
   bottomless.simulation.ground = false;
-  EXPECT_EQ(Fly(bottomless, For(Hover().plan({}), 5.0)).outcome, Outcome::kCompleted);
+  const FlightResult falling = Fly(bottomless, For(Hover().plan({}), 5.0));
+  EXPECT_EQ(falling.outcome, Outcome::kOffCourse);
+  EXPECT_NE(falling.reason.find("could not hold its altitude: over the last 5 s"),
+            std::string::npos)
+      << falling.reason;
+  EXPECT_NE(falling.reason.find("cannot hover on this battery"), std::string::npos);
   // References that no motor can follow, where nothing holds them back.
   FlightSetup wild = Ideal(1.0);
   wild.controller.limit_reference = false;
@@ -356,7 +362,11 @@ TEST(Fly, SquaresAreFlownOnEveryVehicle) {
   for (const char* vehicle : {"mambo-coupled", "mambo-physical"}) {
     for (const char* gains : {"aware", "unaware"}) {
       FlightSetup setup = Coupled(vehicle, gains);
-      EXPECT_EQ(Fly(setup, Square().plan({})).outcome, Outcome::kCompleted) << vehicle << gains;
+      const FlightResult flight = Fly(setup, Square().plan({}));
+      EXPECT_EQ(flight.outcome, Outcome::kCompleted) << vehicle << gains;
+      // Ten corners in 50 s, each reached before it leaves.
+      ASSERT_EQ(flight.waypoint_distance_m.size(), 10U);
+      EXPECT_LT(std::ranges::max(flight.waypoint_distance_m), 0.5);
     }
   }
 }
