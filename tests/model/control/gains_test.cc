@@ -116,9 +116,10 @@ TEST(Gains, AreReadStrictly) {
 
 TEST(Gains, AreLoadedByNameOrFromAFile) {
   EXPECT_EQ(LoadGains(test::WriteText("mine.json", kText)).altitude.derivative, 3.0);
-  EXPECT_EQ(test::MessageOf<LoadError>([] { (void)LoadGains("awar"); }),
-            "awar: error: expected a gains file or one of the shipped sets (aware, unaware), "
-            "found neither. Did you mean 'aware'?");
+  EXPECT_EQ(
+      test::MessageOf<LoadError>([] { (void)LoadGains("awar"); }),
+      "awar: error: expected a gains file, placed, or one of the shipped sets (aware, unaware), "
+      "found neither. Did you mean 'aware'?");
 }
 
 TEST(Gains, TheExampleInTheDocsIsOne) {
