@@ -33,7 +33,7 @@ std::uint64_t ParseSeed(const std::string& shown, const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
   if (error != std::errc{} || end != text.data() + text.size()) {
     throw OptionError(
-        fmt::format("option {}: expected a whole number from 0 to 18446744073709551615, found '{}'",
+        fmt::format("option {}: expected a whole number of at least 0, found '{}'",
                     shown,
                     text));
   }
