@@ -364,9 +364,9 @@ class SynthesizeOptions(TypedDict, total=False):
 
     series: int | None
     parallel: int | None
-    rates_C: str
+    rates_C: str | float | Sequence[float]
     low_rate_h: float
-    ambient_degC: str
+    ambient_degC: str | float | Sequence[float]
     pulse_rate_C: float
     pulse_s: float
     rest_s: float
