@@ -12,13 +12,14 @@
 #include "identify/joint/held_shape.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/draft.h"
+#include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
-#include "model/core/special_values.h"
 #include "model/core/parallel.h"
+#include "model/core/special_values.h"
 #include "model/statistics/quantiles.h"
 
 namespace lipoid {
@@ -196,6 +197,9 @@ void DoubtTheFit(FlightHealth& health) {
       kMeanErrorLimits_percent.fair);
   Withdraw("the reference does not describe this flight", health);
 }
+
+// What flowed in a gap is not known: cautions say so of less, beside intervals of some per cent.
+constexpr double kMostInGaps = 0.02;
 
 FlightHealth AssessFlight(const ReferenceCell& reference,
                           const Log& log,
@@ -417,6 +421,7 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   ParallelFor(logs.size(), [&](std::size_t k) {
     try {
       RefuseIdleFlight(logs[k].record, busy_Ah);
+      RefuseUnknownCharge(logs[k].record, logs[k].report.gaps, busy_Ah, kMostInGaps);
       flights[k] = AssessFlight(reference, logs[k], options);
     } catch (const LoadError& error) {
       problems[k] = error.diagnostics();
@@ -440,7 +445,6 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
     if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));
   }
   if (report.flights.empty()) throw LoadError(report.refused);
-  report.new_resistance_Ohm = report.flights.back().new_resistance_Ohm;
   report.capacity_trend = TrendOf(
       report.flights, &FlightHealth::counted_capacity_Ah, &FlightHealth::log_capacity_deviation);
   report.resistance_trend = TrendOf(report.flights,

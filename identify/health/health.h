@@ -88,11 +88,10 @@ struct FlightHealth {
 };
 
 struct HealthReport {
-  std::string reference;            ///< its name
-  bool typical = false;             ///< the curve of a chemistry
-  bool capacity_told = false;       ///< the capacity is what the autopilot was told
-  double new_capacity_Ah = 0.0;     ///< NaN: nobody says it, and the reference is a typical curve
-  double new_resistance_Ohm = 0.0;  ///< of the last flight
+  std::string reference;         ///< its name
+  bool typical = false;          ///< the curve of a chemistry
+  bool capacity_told = false;    ///< the capacity is what the autopilot was told
+  double new_capacity_Ah = 0.0;  ///< NaN: nobody says it, and the reference is a typical curve
   /// By which the resistance of a flight whose temperature is known becomes that at the reference temperature.
   double activation_energy_J_per_mol = 0.0;
   double reference_degC = 0.0;

@@ -119,7 +119,7 @@ Json HealthToJson(const HealthReport& report) {
            {{"name", report.reference},
             {"typical", report.typical},
             {"capacity_Ah", NumberOrNull(report.new_capacity_Ah)},
-            {"resistance_Ohm", NumberOrNull(report.new_resistance_Ohm)},
+            {"resistance_Ohm", NumberOrNull(report.flights.back().new_resistance_Ohm)},
             {"reference_degC", report.reference_degC},
             {"activation_energy_J_per_mol", report.activation_energy_J_per_mol},
             {"temperature_assumed", report.temperature_assumed}}},

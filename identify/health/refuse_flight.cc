@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "identify/logs/gaps.h"
+#include "identify/logs/flight/flight_log.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -42,18 +42,7 @@ void RefuseIdleFlight(const Record& record, double capacity_Ah) {
             largest_A,
             charge_Ah));
   }
-  // What flowed in a gap is as good as lost: the cautions say so of less, beside intervals of some per cent.
-  constexpr double kMostInGaps = 0.02;
-  RefuseUnknownCharge(record, FindGaps(record), capacity_Ah, kMostInGaps);
-  const auto [low, high] = std::minmax_element(record.voltage_V.begin(), record.voltage_V.end());
-  if (*low == *high) {
-    throw LoadError(
-        position,
-        fmt::format(
-            "expected a voltage that falls under load, found {:.4g} V in every row: a simulation, "
-            "or a sensor that is not connected",
-            *low));
-  }
+  RefuseFlatVoltage(position, record);
   const double rows_s = length_s / static_cast<double>(record.size());
   constexpr double kSlowest_s = 5.0;
   if (rows_s > kSlowest_s) {

@@ -159,8 +159,8 @@ std::vector<std::string> FlightDoubts(const FlightSetup& setup,
   const std::size_t reached = flight.waypoint_distance_m.size();
   if (flight.outcome == Outcome::kCompleted && reached < asked) {
     doubts.push_back(fmt::format(
-        "the flight ended after {:.4g} s, before the stays at {} of {} did, of which nothing is said: the last ends "
-        "after {:.4g} s (--duration)",
+        "the flight ended after {:.4g} s, before the stays at {} of {} ended: nothing is said of these. The last "
+        "stay ends after {:.4g} s; give a longer --duration",
         flight.simulated_s,
         asked - reached,
         Counted(asked, "waypoint"),

@@ -72,16 +72,24 @@ std::string TextOf(const std::string& name, nb::handle value) {
                   TypeName(value)));
 }
 
-// 1, "1,2,3", or any sequence of numbers.
-std::string NumbersOf(const std::string& name, nb::handle value) {
-  if (nb::isinstance<nb::str>(value) || !nb::hasattr(value, "__len__") ||
-      !nb::hasattr(value, "__iter__"))
-    return TextOf(name, value);
-  std::string text;
-  for (const nb::handle one : nb::borrow<nb::object>(value)) {
-    text += (text.empty() ? "" : ",") + options_internal::FormatDouble(NumberOf(name, one));
+// One number, or those of a sequence. What has a length and is none, bytes or a dict, is refused as one.
+std::vector<double> NumbersOf(const std::string& name, nb::handle value, const Range& valid) {
+  std::vector<double> numbers;
+  const auto add = [&](nb::handle one) {
+    numbers.push_back(options_internal::ParseDouble(name, TextOf(name, one), valid));
+  };
+  const bool one = nb::isinstance<nb::str>(value) || nb::isinstance<nb::bytes>(value) ||
+                   nb::isinstance<nb::dict>(value) || !nb::hasattr(value, "__len__") ||
+                   (nb::hasattr(value, "ndim") && nb::cast<int>(value.attr("ndim")) == 0);
+  if (one) {
+    add(value);
+    return numbers;
   }
-  return text;
+  for (const nb::handle each : nb::borrow<nb::object>(value)) add(each);
+  if (numbers.empty())
+    throw OptionError(
+        fmt::format("option {}: expected at least one number, found {}", name, ShownValue(value)));
+  return numbers;
 }
 
 std::optional<nb::object> Keywords::Given(const std::string& name) const {
@@ -105,7 +113,11 @@ void Keywords::Declare(std::string_view name,
   one["help"] = option.help;
   described_.append(one);
   const auto value = Given(shown);
-  if (value) set(shown, type == kNumbers ? NumbersOf(shown, *value) : TextOf(shown, *value));
+  if (!value) return;
+  const bool numbers = type == kNumbers && !nb::isinstance<nb::str>(*value);
+  set(shown,
+      numbers ? fmt::format("{}", fmt::join(NumbersOf(shown, *value, Range{}), ","))
+              : TextOf(shown, *value));
 }
 
 void Keywords::Text(std::string_view name,
@@ -218,18 +230,7 @@ void Keywords::OfKind(std::string_view name,
                           help,
                           options_internal::DescribeValid<double>(valid),
                           fmt::format("{}", fmt::join(values, ", ")));
-  if (!given) return;
-  values.clear();
-  const auto add = [&](nb::handle value) {
-    values.push_back(options_internal::ParseDouble(shown, TextOf(shown, value), valid));
-  };
-  const bool one = nb::isinstance<nb::str>(*given) || !nb::hasattr(*given, "__len__") ||
-                   (nb::hasattr(*given, "ndim") && nb::cast<int>(given->attr("ndim")) == 0);
-  if (one) return add(*given);
-  for (const nb::handle value : *given) add(value);
-  if (values.empty())
-    throw OptionError(fmt::format(
-        "option {}: expected at least one number, found {}", shown, ShownValue(*given)));
+  if (given) values = NumbersOf(shown, *given, valid);
 }
 
 void Keywords::OfKind(std::string_view name,

@@ -85,6 +85,11 @@ def test_rates_are_numbers_as_well_as_text() -> None:
     assert rates(2) == rates("2")
     with pytest.raises(lipoid.OptionError, match="rates_C: expected a number, found 'two'"):
         rates([1, "two"])
+    # Not the codes of the bytes, nor the keys, nor what is usual.
+    refused: list[Any] = [b"12", {1: 2}, []]
+    for wrong in refused:
+        with pytest.raises(lipoid.OptionError, match="option rates_C: expected"):
+            rates(wrong)
 
 
 def test_the_sums_are_of_the_bytes_that_were_read(lab: Path, tmp_path: Path) -> None:

@@ -138,7 +138,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   line.Describe(
       "Flies a maneuver: rigid body, motors, battery and flight controller, coupled through the "
       "battery's voltage. Starts hovering. Exit code 1 where the vehicle crashes, the battery runs "
-      "empty, or the vehicle loses its place or misses a waypoint.",
+      "empty, or the vehicle loses its place or its altitude or misses a waypoint.",
       "lipoid fly altitude-steps --cell gifi-600mAh-1 --vehicle mambo-coupled -o flight.csv");
   line.Example("lipoid fly altitude-steps --battery ideal --xi 0.8 --gains unaware");
   line.Example("lipoid fly hover --cell cell.json --ensemble 200");

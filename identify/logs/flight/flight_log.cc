@@ -204,27 +204,15 @@ void DropImpossible(const BatteryTrack& track, std::vector<std::size_t>& kept, L
 
 // Refuses what is no flight on a battery. Columns hold no NaN.
 void CheckFlown(const SourcePosition& position, const Record& record) {
-  const auto [low_V, high_V] =
-      std::minmax_element(record.voltage_V.begin(), record.voltage_V.end());
-  if (*high_V < kLeastVoltage_V) {
+  const double high_V = *std::max_element(record.voltage_V.begin(), record.voltage_V.end());
+  if (high_V < kLeastVoltage_V) {
     throw LoadError(
         position,
         fmt::format("expected the voltage of a battery, found at most {:.3g} V: none was "
                     "connected, or its voltage was not measured",
-                    *high_V));
+                    high_V));
   }
-  const auto [low_A, high_A] =
-      std::minmax_element(record.current_A.begin(), record.current_A.end());
-  if (*low_V == *high_V && *high_A - *low_A > kLoad_A) {
-    throw LoadError(
-        position,
-        fmt::format("expected a voltage that falls under load, found {:.4g} V throughout "
-                    "while the current goes from {:.3g} A to {:.3g} A, as in a "
-                    "simulation",
-                    *low_V,
-                    *low_A,
-                    *high_A));
-  }
+  RefuseFlatVoltage(position, record);
 }
 
 void NoteReading(const AutopilotLog& flight, LogReport& report) {
@@ -363,6 +351,23 @@ Log FlightLog(const std::string& file,
   NoteReading(flight, report);
   NoteUpdates(record, facts, report);
   return log;
+}
+
+void RefuseFlatVoltage(const SourcePosition& position, const Record& record) {
+  const auto [low_V, high_V] =
+      std::minmax_element(record.voltage_V.begin(), record.voltage_V.end());
+  const auto [low_A, high_A] =
+      std::minmax_element(record.current_A.begin(), record.current_A.end());
+  if (*low_V == *high_V && *high_A - *low_A > kLoad_A) {
+    throw LoadError(
+        position,
+        fmt::format("expected a voltage that falls under load, found {:.4g} V throughout "
+                    "while the current goes from {:.3g} A to {:.3g} A, as in a "
+                    "simulation",
+                    *low_V,
+                    *low_A,
+                    *high_A));
+  }
 }
 
 }  // namespace lipoid

@@ -21,4 +21,8 @@ namespace lipoid {
                             AutopilotLog flight,
                             const ReadOptions& options);
 
+/// LoadError where the voltage stands still while the current comes and goes: a simulation, or a sensor that
+/// is not connected. Columns hold no NaN.
+void RefuseFlatVoltage(const SourcePosition& position, const Record& record);
+
 }  // namespace lipoid
