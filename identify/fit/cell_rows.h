@@ -37,6 +37,14 @@ struct SocSlopes {
   double alpha = 0.0;   ///< from which a log that does not start full is counted
 };
 
+/// From the start of a stretch of one current to several times within it, all at once, at the reference
+/// temperature.
+struct SocSpan {
+  ModeSteps steps;
+  Eigen::VectorXd charge_s;        ///< what delivered charge and diffusion hold back of 1 A by then
+  Eigen::VectorXd charge_slope_s;  ///< its slope in beta
+};
+
 /// The charge that has left a cell and what diffusion holds back, with slopes in beta, in E_d and in
 /// the offset of the sensor.
 class SocState {
@@ -77,6 +85,31 @@ class SocState {
       const double beta = beta_per_sqrt_s_ / std::sqrt(at[c].Factor(energy_J_per_mol));
       steps.SetDiffusion(static_cast<Eigen::Index>(c), beta, lengths_s[c], slopes_);
     }
+  }
+  /// The same from the start of a stretch to these times, for Reach().
+  template <class Times>
+  void SetSpan(const Times& times_s, SocSpan& span) const {
+    SetSteps(times_s, span.steps);
+    span.charge_s = 2.0 * span.steps.gain.colwise().sum();
+    span.charge_slope_s = 2.0 * span.steps.gain_slope.colwise().sum();
+    for (std::size_t c = 0; c < times_s.size(); ++c)
+      span.charge_s[static_cast<Eigen::Index>(c)] += times_s[c] + tail_s_;
+    if (slopes_) span.charge_slope_s.array() -= 2.0 * tail_s_ / beta_per_sqrt_s_;
+  }
+  /// A at those times and, where slopes are asked for, its slopes in beta, while current_A flows: what
+  /// Step() to each of them leads to.
+  void Reach(const SocSpan& span,
+             double current_A,
+             Eigen::VectorXd& soc,
+             Eigen::VectorXd& slope) const {
+    const double per_C = -1.0 / alpha_C_;
+    soc.noalias() = span.steps.decay.matrix().transpose() * unavailable_C_.matrix();  // (4.46)
+    soc = 2.0 * soc + current_A * span.charge_s;                                      // (4.47)
+    soc = (1.0 + per_C * (delivered_C_ + soc.array())).matrix();                      // (4.48)
+    if (!slopes_) return;
+    slope.noalias() = span.steps.decay.matrix().transpose() * slope_C_.matrix();
+    slope.noalias() += span.steps.decay_slope.matrix().transpose() * unavailable_C_.matrix();
+    slope = per_C * (2.0 * slope + current_A * span.charge_slope_s);
   }
   /// From here on the cell has this temperature; E_d is its energy.
   void SetTemperature(const AtTemperature& at, double energy_J_per_mol) {
@@ -255,7 +288,17 @@ class CellRows {
     double soc = 0.0;
     SocSlopes slopes = {};
     double current_by_offset = 0.0;
+    /// At a point of a cell whose curve is given, that curve at `soc`.
+    OpenCircuitVoltage::ValueAndSlope v_oc = {};
   };
+
+  /// Whether rows may be made as `plain` ones, at half the cost: the curve is given, resistances are
+  /// constant, and there is no term beside branches and diffusion.
+  [[nodiscard]] static bool Plain(const JointStructure& s) {
+    return s.voltage_soc.empty() && s.nodes() == 1 && !s.self_heating && !s.charge_transfer &&
+           !s.temperature && s.entropy_soc.empty() && s.hysteresis_soc.empty() &&
+           !s.current_offset && !s.free_alpha;
+  }
 
   /// Linear unknowns count in volts at the typical current (JointLayout). Slopes are those at the
   /// unknowns x; none where it is null.
@@ -316,6 +359,7 @@ class CellRows {
   }
 
   /// A step of column `at` of the steps.
+  template <bool plain = false>
   void Step(const ModeSteps& steps, Eigen::Index at, const At& step) {
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
@@ -326,14 +370,16 @@ class CellRows {
     const auto decay_slope = steps.decay_slope.col(at);
     const auto gain_slope = steps.gain_slope.col(at);
     const double undisturbed = current_A * per_A_;
+    const bool tables = !plain && layout_.nodes() > 1;
     NodeShare where;
-    if (layout_.nodes() > 1) {
+    if (tables) {
       where = of_start_(step.soc);
       where.share = std::clamp(where.share, 0.0, 1.0);
     }
     for (int j = 0; j < structure_.branches; ++j) {
       BranchState& b = branches_[static_cast<std::size_t>(j)];
-      const double drive = undisturbed * branch_factor_[static_cast<std::size_t>(j)];
+      const double drive =
+          plain ? undisturbed : undisturbed * branch_factor_[static_cast<std::size_t>(j)];
       if (x_ != nullptr) {
         const double* x = x_ + layout_.branch(j);
         const TableAt r = ValueAt(x, where, structure_.resistance_soc);
@@ -344,27 +390,28 @@ class CellRows {
           const double moved = r.slope * by_soc;
           return decay[j] * slope + (gain[j] * drive * moved + kAlive);
         };
-        if (setup_.diffusion) b.slope.beta = follow(b.slope.beta, step.slopes.beta);
-        if (structure_.temperature) {
+        if (!plain && setup_.diffusion) b.slope.beta = follow(b.slope.beta, step.slopes.beta);
+        if (!plain && structure_.temperature) {
           if (setup_.diffusion) b.slope.energy = follow(b.slope.energy, step.slopes.energy);
           b.slope_energy = decay[j] * b.slope_energy +
                            (gain[j] * drive * r.value * at_.inverse_mol_per_J + kAlive);
         }
-        if (structure_.current_offset) {
+        if (!plain && structure_.current_offset) {
           const double direct =
               step.current_by_offset * per_A_ * branch_factor_[static_cast<std::size_t>(j)];
           b.slope.offset = follow(b.slope.offset, step.slopes.offset) + gain[j] * direct * r.value;
         }
-        if (structure_.free_alpha) b.slope.alpha = follow(b.slope.alpha, step.slopes.alpha);
+        if (!plain && structure_.free_alpha)
+          b.slope.alpha = follow(b.slope.alpha, step.slopes.alpha);
       }
-      if (layout_.nodes() == 1) {
+      if (!tables) {
         b.Follow(decay[j], gain[j] * drive);  // (4.50)
       } else {
         b.Decay(decay[j]);
         if (drive != 0.0) b.Drive(where, gain[j] * drive);  // (4.50)
       }
     }
-    if (structure_.self_heating) {
+    if (!plain && structure_.self_heating) {
       const int h = structure_.branches;
       const double square_A2 = current_A * current_A;
       thermal_slope_ = decay[h] * thermal_slope_ + decay_slope[h] * thermal_state_A2_ +
@@ -373,10 +420,11 @@ class CellRows {
       thermal_by_offset_A_ =
           decay[h] * thermal_by_offset_A_ + gain[h] * 2.0 * current_A * step.current_by_offset;
     }
-    if (layout_.hystereses() > 0 && current_A != 0.0) StepHysteresis(step);
+    if (!plain && layout_.hystereses() > 0 && current_A != 0.0) StepHysteresis(step);
   }
 
   /// The point at which voltage_V was measured.
+  template <bool plain = false>
   CellRow MakeRow(const At& point, double voltage_V) {
     using cell_rows_internal::BranchState;
     using cell_rows_internal::TableAt;
@@ -390,7 +438,7 @@ class CellRows {
     };
     double reference_V = 0.0;
     double slope_V = 0.0;  // of v_oc at this A
-    if (layout_.voltages() > 0) {
+    if (!plain && layout_.voltages() > 0) {
       const NodeShare v = of_voltage_(soc);
       const double low_V = reference_V_[v.lower];
       const double high_V = reference_V_[v.lower + 1];
@@ -402,19 +450,19 @@ class CellRows {
       put(v.lower, 1.0 - v.share);
       put(v.lower + 1, v.share);
     } else {
-      const auto curve = setup_.open_circuit_voltage.Evaluate(soc);  // (4.49)
-      reference_V = curve.value_V;
-      slope_V = curve.slope_V;
+      reference_V = point.v_oc.value_V;  // (4.49)
+      slope_V = point.v_oc.slope_V;
     }
     const double i = current_A * per_A_;
+    const bool tables = !plain && layout_.nodes() > 1;
     NodeShare r;
-    if (i != 0.0 && layout_.nodes() > 1) {
+    if (i != 0.0 && tables) {
       r = of_resistance_(soc);
       r.share = std::clamp(r.share, 0.0, 1.0);
     }
     const auto put_table = [&](int table, double drop) {
       put(table + r.lower, -(1.0 - r.share) * drop);
-      if (layout_.nodes() > 1) put(table + r.lower + 1, -r.share * drop);
+      if (tables) put(table + r.lower + 1, -r.share * drop);
       if (x_ == nullptr) return TableAt{0.0, 0.0};
       const TableAt at = ValueAt(x_ + table, r, structure_.resistance_soc);
       slope_V -= at.slope * drop;
@@ -430,13 +478,15 @@ class CellRows {
     for (int j = 0; j < structure_.branches; ++j) {
       const BranchState& b = branches_[static_cast<std::size_t>(j)];
       for (int m = b.first; m <= b.last; ++m) put(layout_.branch(j) + m, -b.share[m]);
-      of_branches.beta -= b.slope.beta;
-      of_branches.energy -= b.slope.energy;
-      of_branches.offset -= b.slope.offset;
-      of_branches.alpha -= b.slope.alpha;
+      if (!plain) {
+        of_branches.beta -= b.slope.beta;
+        of_branches.energy -= b.slope.energy;
+        of_branches.offset -= b.slope.offset;
+        of_branches.alpha -= b.slope.alpha;
+      }
       slope_[slots_.tau(j)] = -b.slope_tau;
     }
-    if (structure_.charge_transfer) {
+    if (!plain && structure_.charge_transfer) {
       slope_[slots_.transfer()] = 0.0;
       if (i != 0.0) {
         const double i_0 = rates_.charge_transfer_A;
@@ -452,7 +502,7 @@ class CellRows {
         }
       }
     }
-    if (structure_.self_heating) {
+    if (!plain && structure_.self_heating) {
       const double per_A3 = per_A_ * per_A_ * per_A_ * current_A;
       put(layout_.heating(), thermal_state_A2_ * per_A3);
       if (x_ != nullptr) {
@@ -462,7 +512,7 @@ class CellRows {
         by_offset_V += rho * thermal_by_offset_A_ * per_A3;
       }
     }
-    if (layout_.entropies() > 0) {
+    if (!plain && layout_.entropies() > 0) {
       NodeShare e = of_entropy_(soc);
       e.share = std::clamp(e.share, 0.0, 1.0);
       const double above = at_.above_K / kEntropyScale_K;
@@ -471,7 +521,7 @@ class CellRows {
       if (x_ != nullptr)
         slope_V += ValueAt(x_ + layout_.entropy(), e, structure_.entropy_soc).slope * above;
     }
-    if (layout_.hystereses() > 0) {
+    if (!plain && layout_.hystereses() > 0) {
       NodeShare m = of_hysteresis_(soc);
       m.share = std::clamp(m.share, 0.0, 1.0);
       const int table = layout_.hysteresis();
@@ -487,7 +537,7 @@ class CellRows {
           by_alpha_V = -half.value * hysteresis_by_folds_ * folds_per_C_;
       }
     }
-    if (structure_.temperature && x_ != nullptr) {
+    if (!plain && structure_.temperature && x_ != nullptr) {
       // Energies that are one add up.
       for (int k = slots_.diffusion_energy(); k < slots_.hysteresis(); ++k) slope_[k] = 0.0;
       slope_[slots_.series_energy()] -= series.value * series_factor_ * i * at_.inverse_mol_per_J;
@@ -501,11 +551,11 @@ class CellRows {
       slope_[slots_.beta()] =
           setup_.diffusion ? of_branches.beta + slope_V * point.slopes.beta : 0.0;  // (4.51)
     }
-    if (structure_.current_offset && x_ != nullptr) {
+    if (!plain && structure_.current_offset && x_ != nullptr) {
       slope_[slots_.offset()] = of_branches.offset + slope_V * point.slopes.offset -
                                 by_current_V * point.current_by_offset + by_offset_V;
     }
-    if (structure_.free_alpha && x_ != nullptr)
+    if (!plain && structure_.free_alpha && x_ != nullptr)
       slope_[slots_.alpha()] = of_branches.alpha + slope_V * point.slopes.alpha + by_alpha_V;
     return {entries, index_.data(), value_.data(), voltage_V - reference_V, slope_.data()};
   }

@@ -67,12 +67,11 @@ std::vector<std::string> AtBound(const std::vector<JointRate>& searched, JointRa
   return names;
 }
 
-// The best of the solutions on a grid of rates, the best first. Where they are to lie apart each is
-// the bottom of a valley: none is cheaper that is one step of the grid away, at most, in each of the
-// rates. What starts on the side of a valley ends where its bottom does.
+// The best of the solutions on a grid of rates, the best first, each the bottom of a valley: none is
+// cheaper that is one step of the grid away, at most, in each of the rates. What starts on the side of
+// a valley ends where its bottom does.
 std::vector<JointSolution> BestOf(std::vector<JointSolution> grid,
                                   std::size_t most,
-                                  bool apart,
                                   const std::vector<JointRate>& rates) {
   std::stable_sort(
       grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
@@ -95,7 +94,7 @@ std::vector<JointSolution> BestOf(std::vector<JointSolution> grid,
   std::vector<JointSolution> best;
   for (std::size_t k = 0; k < grid.size() && best.size() < most; ++k) {
     bool bottom = true;
-    for (std::size_t cheaper = 0; apart && bottom && cheaper < k; ++cheaper)
+    for (std::size_t cheaper = 0; bottom && cheaper < k; ++cheaper)
       bottom = !neighbours(cheaper, k);
     if (bottom) best.push_back(grid[k]);
   }
@@ -525,8 +524,10 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   // Not at the ends: there a branch is one with r_s, or with v_oc.
   const auto count = static_cast<int>(branches.size());
   const double margin = std::pow(upper_tau_s / lower_tau_s, 0.08);
+  // With v_oc given a point costs little, and valleys that lie close show.
+  const int fewest = structure.voltage_soc.empty() ? 8 : 6;
   const auto taus =
-      GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(6, count + 3));
+      GeometricGrid(lower_tau_s * margin, upper_tau_s / margin, std::max(fewest, count + 3));
   // The neighbour's branches stay where they are, and one more is looked for beside them.
   const std::size_t known = near == nullptr ? 0 : near->time_constant_s.size();
   if (known > 0 && known + 1 >= branches.size() && known <= branches.size()) {
@@ -581,17 +582,15 @@ JointSolution JointFit::Search(const JointStructure& structure,
   });
   std::vector<JointSolution> grid;
   for (auto& of_beta : lines) std::move(of_beta.begin(), of_beta.end(), std::back_inserter(grid));
-  // With v_oc given an approach costs little, and the best may be neighbours.
-  const bool curve_given = structure.voltage_soc.empty();
   std::vector<JointSolution> best =
-      BestOf(std::move(grid), static_cast<std::size_t>(followed), !curve_given, Rates(structure));
+      BestOf(std::move(grid), static_cast<std::size_t>(followed), Rates(structure));
   ParallelFor(best.size(), [&](std::size_t k) { best[k] = Approach(std::move(best[k])); });
   JointSolution found = std::move(*std::min_element(
       best.begin(), best.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; }));
   if (coarse != structure && found.x.size() > 0)
     found = Approach(Solve(structure, found.rates, smoothness));
   constexpr double kRoughStep = 6e-3;  // of the logarithms of the rates
-  return curve_given ? found : Polish(std::move(found), kRoughStep);
+  return structure.voltage_soc.empty() ? found : Polish(std::move(found), kRoughStep);
 }
 
 // The cost has a kink wherever a row crosses a node of v_oc, and rows of short logs are few: with the

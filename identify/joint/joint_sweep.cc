@@ -64,8 +64,9 @@ void WalkLog(const JointLogs& logs,
     if (warm && (k == 0 || log.temperature_K[k] != log.temperature_K[k - 1]))
       rows.SetTemperature({log.temperature_K[k], setup.reference_K});
     if (!(log.weight[k] > 0.0)) continue;
-    sink(k,
-         rows.MakeRow(at(log.current_A[k], 0.0, trace.at, trace.at_slopes, k), log.voltage_V[k]));
+    CellRows::At point = at(log.current_A[k], 0.0, trace.at, trace.at_slopes, k);
+    if (structure.voltage_soc.empty()) point.v_oc = setup.open_circuit_voltage.Evaluate(point.soc);
+    sink(k, rows.MakeRow(point, log.voltage_V[k]));
   }
 }
 

@@ -58,6 +58,7 @@ BlockShape MakeBlockShape(std::vector<double> offset_s, int nodes) {
     const double q0 = eigen.vectors(0, j);
     shape.at_nodes.col(j) = eigen.vectors.col(j) / (q0 * std::sqrt(static_cast<double>(rows)));
   }
+  shape.to_rows = shape.basis * (shape.at_nodes * shape.weight.asDiagonal());
   shape.offset_s = std::move(offset_s);
   return shape;
 }

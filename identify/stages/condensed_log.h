@@ -15,8 +15,8 @@
 ///
 /// A block is short beside the time since the current changed. With growth 0.16 and 8 nodes the
 /// remainder of any mode e^{-lambda t} is below 2e-12 of its amplitude (docs/theory.md, "Fewer
-/// rows"). Curves v_oc(A) of pieces are polynomials only within a piece: the sweep looks, and takes
-/// the rows themselves where a block crosses a knot. Tests:
+/// rows"). Curves v_oc(A) of pieces are polynomials only within a piece: where a block crosses a knot
+/// the sweep takes its rows one by one, with A and the branches from their polynomials. Tests:
 /// tests/identify/stages/condensed_log_test.cc.
 
 #include <Eigen/Core>
@@ -34,6 +34,7 @@ struct BlockShape {
   Eigen::VectorXd weight;        ///< w_j; their sum is N
   Eigen::MatrixXd basis;         ///< N x n: orthonormal polynomials on the rows
   Eigen::MatrixXd at_nodes;      ///< n x n: the same polynomials at the nodes
+  Eigen::MatrixXd to_rows;       ///< N x n: a polynomial on the rows from its values at the nodes
 
   [[nodiscard]] std::size_t rows() const { return offset_s.size(); }
   [[nodiscard]] Eigen::Index nodes() const { return node_s.size(); }
@@ -49,7 +50,7 @@ struct Condensation {
   /// Length of a block over the time since the current changed.
   double growth = 0.16;
   /// The same for blocks of more rows than late_block, so that few blocks cross a knot of v_oc(A).
-  double late_growth = 0.025;
+  double late_growth = 0.05;
   std::size_t late_block = 64;
   std::size_t least_rows = 32;  ///< shorter blocks gain nothing
   std::size_t most_rows = 4096;

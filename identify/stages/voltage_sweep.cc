@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "identify/joint/joint_fit.h"
 #include "identify/logs/columns.h"
@@ -15,10 +16,11 @@
 namespace lipoid {
 namespace {
 
-// One log swept with one set of parameters. What becomes of its points is the visitor's:
+// One log of a plain cell (CellRows::Plain) swept with one set of parameters. What becomes of its points is the visitor's:
 //   Row(k, soc, row)                      row k of the log
 //   Begin(piece, shape), Node(piece, shape, j, soc, row) for every node, End(piece, shape)
 //                                         a block whose sums its nodes carry exactly
+// A block that crosses a knot of v_oc(A) comes as its rows.
 class LogSweep {
  public:
   /// Slopes are those at the linear unknowns x; none where it is null. All must outlive this.
@@ -32,14 +34,17 @@ class LogSweep {
       : log_(log),
         curve_(setup.open_circuit_voltage),
         knots_matter_(knots_matter),
-        soc_(setup, rates.beta_per_sqrt_s, setup.alpha_C * (1.0 - initial_soc), x != nullptr),
-        ahead_(soc_),
+        branches_(structure.branches),
+        slopes_(x != nullptr),
+        soc_(setup, rates.beta_per_sqrt_s, setup.alpha_C * (1.0 - initial_soc), slopes_),
         rows_(setup,
               structure,
               rates,
               1.0,
               x == nullptr ? nullptr : x->data(),
-              CurveSlope::kOfSegments) {}
+              CurveSlope::kOfSegments) {
+    Require(CellRows::Plain(structure), "a structure of constant resistances and a given curve");
+  }
   LogSweep(const LogSweep&) = delete;
   LogSweep& operator=(const LogSweep&) = delete;
 
@@ -48,14 +53,17 @@ class LogSweep {
     std::vector<BlockSteps> blocks(log_.shapes().size());
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const BlockShape& shape = log_.shapes()[k];
-      std::vector<double>& gap_s = blocks[k].gap_s;
-      for (Eigen::Index j = 0; j < shape.nodes(); ++j)
-        gap_s.push_back(j == 0 ? shape.node_s[0] : shape.node_s[j] - shape.node_s[j - 1]);
-      gap_s.push_back(shape.duration_s() - shape.node_s[shape.nodes() - 1]);
-      SetSteps(gap_s, blocks[k].steps);
+      std::vector<double> times_s(shape.node_s.begin(), shape.node_s.end());
+      times_s.push_back(shape.duration_s());
+      soc_.SetSpan(times_s, blocks[k].soc);
+      std::adjacent_difference(times_s.begin(), times_s.end(), times_s.begin());
+      rows_.SetSteps(times_s, blocks[k].rows);
     }
     for (const CondensedPiece& piece : log_.pieces()) {
-      if (!piece.plain() && TakeBlock(piece, blocks[piece.shape], visitor)) continue;
+      if (!piece.plain()) {
+        TakeBlock(piece, blocks[piece.shape], visitor);
+        continue;
+      }
       for (std::size_t k = piece.first; k < piece.first + piece.rows; ++k) TakeRow(k, visitor);
     }
   }
@@ -65,15 +73,9 @@ class LogSweep {
     ModeSteps soc, rows;
   };
   struct BlockSteps {
-    std::vector<double> gap_s;  // to each node from the one before, then to the end
-    Steps steps;
+    SocSpan soc;     // to the nodes and the end from the start
+    ModeSteps rows;  // to each from the one before
   };
-
-  template <class Lengths>
-  void SetSteps(const Lengths& lengths_s, Steps& steps) const {
-    soc_.SetSteps(lengths_s, steps.soc);
-    rows_.SetSteps(lengths_s, steps.rows);
-  }
 
   template <class Visitor>
   void TakeRow(std::size_t k, Visitor& visitor) {
@@ -82,66 +84,112 @@ class LogSweep {
     if (k > 0) {
       const double dt_s = record.time_s[k] - record.time_s[k - 1];
       const double step_A = record.hold == Hold::kBackward ? current_A : record.current_A[k - 1];
-      const Steps& steps = cache_.Get(
-          dt_s, record.time_s[k], [&](double dt, Steps& made) { SetSteps(std::array{dt}, made); });
-      rows_.Step(steps.rows, 0, {.current_A = step_A});  // constant resistances look at no A
+      const Steps& steps = cache_.Get(dt_s, record.time_s[k], [&](double dt, Steps& made) {
+        soc_.SetSteps(std::array{dt}, made.soc);
+        rows_.SetSteps(std::array{dt}, made.rows);
+      });
+      rows_.Step<true>(steps.rows, 0, {.current_A = step_A});  // constant resistances look at no A
       soc_.Step(steps.soc, 0, step_A, dt_s);
     }
     const double soc = soc_.Soc(current_A);
-    const CellRows::At point{
-        .current_A = current_A, .soc = soc, .slopes = {.beta = soc_.Slope(current_A)}};
-    visitor.Row(k, soc, rows_.MakeRow(point, record.voltage_V[k]));
+    const CellRows::At point{.current_A = current_A,
+                             .soc = soc,
+                             .slopes = {.beta = soc_.Slope(current_A)},
+                             .v_oc = curve_.Evaluate(soc)};
+    visitor.Row(k, soc, rows_.MakeRow<true>(point, record.voltage_V[k]));
   }
 
-  // false: v_oc(A) has more than one formula where the block lies, and its rows are wanted.
   template <class Visitor>
-  bool TakeBlock(const CondensedPiece& piece, const BlockSteps& block, Visitor& visitor) {
+  void TakeBlock(const CondensedPiece& piece, const BlockSteps& block, Visitor& visitor) {
     const BlockShape& shape = log_.shapes()[piece.shape];
     const double current_A = piece.current_A;
-    const auto nodes = static_cast<std::size_t>(shape.nodes());
-    SocState& ahead = ahead_;
-    ahead = soc_;
-    at_.resize(nodes);
-    slope_.resize(nodes);
-    for (std::size_t j = 0; j < nodes; ++j) {
-      ahead.Step(block.steps.soc, static_cast<Eigen::Index>(j), current_A, block.gap_s[j]);
-      at_[j] = ahead.Soc(current_A);
-      slope_[j] = ahead.Slope(current_A);
-    }
+    const Eigen::Index nodes = shape.nodes();
+    soc_.Reach(block.soc, current_A, at_, slope_);
+    std::size_t formula = 0;
+    bool crosses = false;
     if (knots_matter_) {
       // Its ends reach a little beyond the nodes.
-      const auto [low, high] = std::minmax_element(at_.begin(), at_.end());
+      const auto [low, high] = std::minmax_element(at_.begin(), at_.begin() + nodes);
       const double reach = 0.1 * (*high - *low);
-      if (curve_.Formula(*low - reach) != curve_.Formula(*high + reach)) return false;
+      formula = curve_.Formula(*low - reach);
+      crosses = curve_.Formula(*high + reach) != formula;
     }
-    const double* voltage_V = log_.node_voltage_V(piece);
-    visitor.Begin(piece, shape);
-    for (std::size_t j = 0; j < nodes; ++j) {
-      const auto at = static_cast<Eigen::Index>(j);
-      rows_.Step(block.steps.rows, at, {.current_A = current_A});
-      const CellRows::At point{
-          .current_A = current_A, .soc = at_[j], .slopes = {.beta = slope_[j]}};
-      visitor.Node(piece, shape, at, at_[j], rows_.MakeRow(point, voltage_V[j]));
+    const auto node = [&](Eigen::Index j,
+                          OpenCircuitVoltage::ValueAndSlope v_oc,
+                          double measured_V) {
+      rows_.Step<true>(block.rows, j, {.current_A = current_A});
+      return rows_.MakeRow<true>({.current_A = current_A,
+                                  .soc = at_[j],
+                                  .slopes = {.beta = slopes_ && soc_.slopes() ? slope_[j] : 0.0},
+                                  .v_oc = v_oc},
+                                 measured_V);
+    };
+    if (crosses) {
+      for (Eigen::Index j = 0; j < nodes; ++j) KeepNode(j, nodes, node(j, {}, 0.0));
+      TakeRowsOf(piece, shape, visitor);
+    } else {
+      const double* voltage_V = log_.node_voltage_V(piece);
+      visitor.Begin(piece, shape);
+      for (Eigen::Index j = 0; j < nodes; ++j) {
+        const auto v_oc = curve_.EvaluateIn(formula, at_[j]);
+        visitor.Node(piece, shape, j, at_[j], node(j, v_oc, voltage_V[j]));
+      }
+      visitor.End(piece, shape);
     }
-    visitor.End(piece, shape);
-    const auto end = static_cast<Eigen::Index>(nodes);
-    rows_.Step(block.steps.rows, end, {.current_A = current_A});
-    // By the stamps themselves, whatever the gaps sum up to.
-    double gaps_s = 0.0;
-    for (std::size_t j = 0; j < nodes; ++j) gaps_s += block.gap_s[j];
-    ahead.Step(block.steps.soc, end, current_A, piece.duration_s - gaps_s);
-    std::swap(soc_, ahead);
-    return true;
+    rows_.Step<true>(block.rows, nodes, {.current_A = current_A});
+    soc_.Step(block.soc.steps, nodes, current_A, piece.duration_s);  // by the stamps themselves
+  }
+
+  // Of a block that crosses a knot: A, its slope in beta, and what the row of a node holds beside v_oc.
+  void KeepNode(Eigen::Index j, Eigen::Index nodes, const CellRow& row) {
+    entries_.assign(row.index, row.index + row.entries);
+    at_nodes_.resize(nodes, 1 + row.entries + (slopes_ ? 1 + branches_ : 0));
+    Eigen::Index column = 0;
+    at_nodes_(j, column++) = at_[j];
+    for (int e = 0; e < row.entries; ++e) at_nodes_(j, column++) = row.value[e];
+    if (!slopes_) return;
+    at_nodes_(j, column++) = soc_.slopes() ? slope_[j] : 0.0;
+    for (int b = 0; b < branches_; ++b) at_nodes_(j, column++) = row.slope[1 + b];
+  }
+
+  // All of these are polynomials, known by their values at the nodes.
+  template <class Visitor>
+  void TakeRowsOf(const CondensedPiece& piece, const BlockShape& shape, Visitor& visitor) {
+    const auto entries = static_cast<Eigen::Index>(entries_.size());
+    at_rows_.resize(shape.to_rows.rows(), at_nodes_.cols());
+    for (Eigen::Index c = 0; c < at_nodes_.cols(); ++c)
+      at_rows_.col(c).noalias() = shape.to_rows * at_nodes_.col(c);
+    at_row_.resize(static_cast<std::size_t>(at_rows_.cols()));
+    for (std::size_t r = 0; r < piece.rows; ++r) {
+      for (Eigen::Index c = 0; c < at_rows_.cols(); ++c)
+        at_row_[static_cast<std::size_t>(c)] = at_rows_(static_cast<Eigen::Index>(r), c);
+      const double soc = at_row_[0];
+      const auto v_oc = curve_.Evaluate(soc);  // (4.49)
+      double* slope = at_row_.data() + 1 + entries;
+      if (slopes_) slope[0] *= v_oc.slope_V;
+      const std::size_t k = piece.first + r;
+      visitor.Row(k,
+                  soc,
+                  {static_cast<int>(entries),
+                   entries_.data(),
+                   at_row_.data() + 1,
+                   log_.record().voltage_V[k] - v_oc.value_V,
+                   slope});
+    }
   }
 
   const CondensedLog& log_;
   const OpenCircuitVoltage& curve_;
   bool knots_matter_;
+  int branches_;
+  bool slopes_;
   SocState soc_;
-  SocState ahead_;  // at the end of a block
   CellRows rows_;
   IntervalCache<Steps> cache_;
-  std::vector<double> at_, slope_;  // of the nodes of a block
+  Eigen::VectorXd at_, slope_;  // of the nodes of a block and its end
+  std::vector<int> entries_;    // of a row
+  Eigen::MatrixXd at_nodes_, at_rows_;
+  std::vector<double> at_row_;
 };
 
 // Adds up the rows of [J r].
@@ -257,8 +305,7 @@ class ErrorVisitor {
   }
   // The voltage is a polynomial, known by its values at the nodes.
   void End(const CondensedPiece& piece, const BlockShape& shape) {
-    rows_V_.noalias() =
-        shape.basis * (shape.at_nodes * shape.weight.asDiagonal() * nodes_V_).eval();
+    rows_V_.noalias() = shape.to_rows * nodes_V_;
     const double* measured_V = record_.voltage_V.data() + piece.first;
     for (std::size_t k = 0; k < piece.rows; ++k)
       errors_.Add(measured_V[k], rows_V_[static_cast<Eigen::Index>(k)]);

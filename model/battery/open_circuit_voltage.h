@@ -77,10 +77,7 @@ class OpenCircuitVoltage {
     if (pieces_.empty()) return EvaluateSeries(soc);
     if (!(soc >= lo_)) return {first_.value_V + first_.slope_V * (soc - lo_), first_.slope_V};
     if (soc >= hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
-    const std::size_t k = FindPiece(soc);
-    const Piece& p = pieces_[k];
-    const double x = soc - soc_[k];
-    return {p.c0 + x * (p.c1 + x * (p.c2 + x * p.c3)), p.c1 + x * (2.0 * p.c2 + x * 3.0 * p.c3)};
+    return EvaluatePiece(FindPiece(soc), soc);
   }
 
   /// Between two states of charge of one formula f is smooth: knots divide the formulas.
@@ -88,6 +85,12 @@ class OpenCircuitVoltage {
     if (!(soc >= lo_)) return 0;
     if (soc >= hi_) return pieces_.size() + 2;
     return pieces_.empty() ? 1 : 1 + FindPiece(soc);
+  }
+
+  /// Evaluate() of an A whose formula is known: along a log many have the same.
+  [[nodiscard]] ValueAndSlope EvaluateIn(std::size_t formula, double soc) const {
+    if (formula == 0 || formula > pieces_.size()) return Evaluate(soc);
+    return EvaluatePiece(formula - 1, soc);
   }
 
   /// f(A) for any scalar type, (4.49).
@@ -108,6 +111,11 @@ class OpenCircuitVoltage {
   };
 
   void SetPieces(std::vector<Piece> pieces);
+  [[nodiscard]] ValueAndSlope EvaluatePiece(std::size_t k, double soc) const {
+    const Piece& p = pieces_[k];
+    const double x = soc - soc_[k];
+    return {p.c0 + x * (p.c1 + x * (p.c2 + x * p.c3)), p.c1 + x * (2.0 * p.c2 + x * 3.0 * p.c3)};
+  }
   // Evaluate() without the slope.
   [[nodiscard]] double Value(double soc) const {
     if (pieces_.empty()) return EvaluateSeries(soc).value_V;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 
+#include "identify/logs/log.h"
 #include "identify/stages/open_circuit_voltage_fit.h"
 #include "model/battery/prediction.h"
 #include "model/core/errors.h"
@@ -535,6 +536,35 @@ TEST(PulseFit, OfRealCellsIsAtLeastAsGoodAsAnotherImplementation) {
     EXPECT_NEAR(held.errors.rmse, 9.146e-3, 0.01e-3);
     EXPECT_NEAR(held.parameters.series_resistance_Ohm, 2.384e-2, 4e-5);
     EXPECT_NEAR(held.parameters.time_constant_s[0], 71.7, 0.3);
+  }
+}
+
+// Two branches fitted to a cell that relaxes over five decades of time: each pair of time constants that
+// takes a part of it is a valley, and the deepest one is not that of the best points of a grid.
+TEST(PulseFit, EndsInTheDeepestValley) {
+  ReadOptions read;
+  read.units = {"s", "A", "V"};
+  for (const Hold hold : {Hold::kForward, Hold::kBackward}) {
+    read.hold = hold;
+    const Record record =
+        ReadLog(test::SourcePath("fixtures/lab/samsung_30t_hppc/multipulse.csv"), read).record;
+    const auto curve = OpenCircuitVoltage::Linear(
+        {0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.94, 0.96, 0.98, 1.0},
+        {3.2, 3.5755, 3.6546, 3.7681, 3.9369, 4.0457, 4.0914, 4.1179, 4.1502, 4.187});
+    const VoltageSweep sweep(
+        {.alpha_C = 10800.0, .diffusion = false, .open_circuit_voltage = curve},
+        {{.record = &record}});
+    for (const int branches : {1, 2, 3}) {
+      const auto rmse_V = [&](int starts) {
+        return FitPulses(sweep,
+                         {.beta_per_sqrt_s = 0.2, .data = FindStartValues({&record})},
+                         {.branches = branches, .starts = starts})
+            .errors.rmse;
+      };
+      const double with_many_V = rmse_V(64);
+      // Other valleys are 5 to 24 % higher.
+      EXPECT_LT(rmse_V(PulseFitOptions().starts), (1.0 + 1e-6) * with_many_V) << branches;
+    }
   }
 }
 
