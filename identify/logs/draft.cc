@@ -70,7 +70,9 @@ double FindCutoff(const std::vector<Candidate>& discharges) {
 }
 
 constexpr double kSameCharge = 0.02;  // of two slow discharges of one cell
-constexpr double kSameEdge = 0.01;    // what three digits show for certain
+// A slow discharge gives more than a fast one, unless it is colder or did not start full.
+constexpr double kLessThanFull = 0.1;
+constexpr double kSameEdge = 0.01;  // what three digits show for certain
 
 // Whether `a` tells more about the open-circuit voltage than `b`.
 bool BetterLowRate(const Candidate& a, const Candidate& b) {
@@ -150,6 +152,7 @@ void MakeOneCell(Inspection& test, int series, int parallel) {
   test.start_voltage_V /= series;
   test.edge_resistance_Ohm *= static_cast<double>(parallel) / series;
   for (auto& [share, voltage_V] : test.discharge_curve) voltage_V /= series;
+  if (test.voltage_V) test.voltage_V->largest /= series;
   if (!test.discharge) return;
   test.discharge->end_voltage_V /= series;
   test.discharge->voltage_noise_V /= series;
@@ -168,7 +171,9 @@ class Drafting {
     FindPack();
     draft_.entries.reserve(tests_.size());  // candidates point into it
     for (Test& test : tests_) AddEntry(test);
-    FindCapacityAndCutoff();
+    FindCapacity();
+    LeaveOutWhatIsNotFromFull();
+    FindCutoffAndEnds();
     ChooseLowRate();
     FindStarts();
     CompareDischarges();
@@ -291,29 +296,76 @@ class Drafting {
     if (draft_.entries.back().log.kind == LogKind::kLowRate) slow_.push_back(candidate);
   }
 
-  void FindCapacityAndCutoff() {
-    const Inspection* slowest = nullptr;
+  // The charge of the slowest discharge that ends empty, of those that give as much as any: a slower one
+  // that gives less did not start full.
+  void FindCapacity() {
+    const Candidate* slowest = nullptr;
+    const double most_C = MostCharge(0.0);
     for (const Candidate& each : all_) {
-      if (!each.inspection->discharge || each.inspection->discharge->end_voltage_V > kNotEmpty_V)
-        continue;
-      if (slowest == nullptr ||
-          each.inspection->discharge->current_A < slowest->discharge->current_A)
-        slowest = each.inspection;
+      if (!EndsEmpty(each)) continue;
+      const Discharge& discharge = *each.inspection->discharge;
+      if (discharge.charge_C < (1.0 - kSameCharge) * most_C) continue;
+      if (slowest == nullptr || discharge.current_A < slowest->inspection->discharge->current_A)
+        slowest = &each;
     }
-    if (slowest != nullptr)
-      draft_.campaign.capacity_Ah = RoundToDigits(slowest->discharge->charge_C / 3600.0, 3);
-    else if (!all_.empty())
+    if (slowest != nullptr) {
+      draft_.campaign.capacity_Ah =
+          RoundToDigits(slowest->inspection->discharge->charge_C / 3600.0, 3);
+    } else if (!all_.empty()) {
       draft_.remarks.emplace_back(
           "No log discharges the cell from full to empty: look its capacity up and give it as "
           "capacity_Ah.");
+    }
+  }
+
+  static bool EndsEmpty(const Candidate& each) {
+    return each.inspection->discharge && each.inspection->discharge->end_voltage_V <= kNotEmpty_V;
+  }
+
+  // Of the discharges that end empty at more than this current.
+  [[nodiscard]] double MostCharge(double above_A) const {
+    double most_C = 0.0;
+    for (const Candidate& each : all_) {
+      if (EndsEmpty(each) && each.inspection->discharge->current_A > above_A)
+        most_C = std::max(most_C, each.inspection->discharge->charge_C);
+    }
+    return most_C;
+  }
+
+  // v_oc(A) is read from a slow discharge as one from full to empty.
+  void LeaveOutWhatIsNotFromFull() {
+    for (const Candidate& each : slow_) {
+      const Discharge& discharge = *each.inspection->discharge;
+      const double most_C = MostCharge((1.0 + kSameRate) * discharge.current_A);
+      if (discharge.charge_C > (1.0 - kLessThanFull) * most_C) continue;
+      each.entry->left_out = fmt::format(
+          "gives {:.4g} Ah, where a faster discharge gives {:.4g} Ah: it does not go from full to "
+          "empty",
+          discharge.charge_C / 3600.0,
+          most_C / 3600.0);
+    }
+    std::erase_if(slow_, [](const Candidate& each) { return !each.entry->left_out.empty(); });
+  }
+
+  void FindCutoffAndEnds() {
     const std::vector<Candidate>& discharges = fast_.empty() ? slow_ : fast_;
     if (discharges.empty()) return;
     double cutoff_V = FindCutoff(discharges);
     if (!(cutoff_V >= kLowestCutoff_V)) {
+      double highest_V = 0.0;
+      for (const Candidate& each : discharges)
+        highest_V = std::max(highest_V, each.inspection->voltage_V->largest);
+      if (!(highest_V > kTypicalCutoff_V)) {
+        draft_.remarks.push_back(fmt::format(
+            "The discharges go from {:.3g} V to {:.3g} V, where a lithium-ion cell is empty: this is "
+            "another kind of cell, or half of one, and no cut-off is drafted.",
+            highest_V,
+            std::max(cutoff_V, 0.0)));
+        return;
+      }
       draft_.remarks.push_back(fmt::format(
           "The discharges end at {:.3g} V, below what any cell may be used to; {} V is typical, "
-          "look "
-          "it up.",
+          "look it up.",
           std::max(cutoff_V, 0.0),
           kTypicalCutoff_V));
       cutoff_V = kTypicalCutoff_V;

@@ -1,4 +1,5 @@
 // lipoid inspect, end to end. What it finds: tests/identify/logs/.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -124,10 +125,20 @@ TEST(Inspect, DraftsACampaignThatReads) {
 
 TEST(Inspect, RefusesToDraftFromNothing) {
   const auto folder = TestFolder();
-  std::ofstream(folder + "/rest.csv") << "time_s,current_A,voltage_V\n0,0,4.2\n1,0,4.2\n";
-  const auto run = RunLipoid(folder, {"inspect", "rest.csv", "--write-campaign", "c.toml"});
-  EXPECT_NE(run.exit_code, 0);
-  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"rest.csv"});
+  std::string charge = "time_s,current_A,voltage_V\n";
+  for (int k = 0; k < 600; ++k)
+    charge += fmt::format("{},{},{:.4f}\n", k, k < 20 ? 0.0 : -2.0, k < 20 ? 3.5 : 3.6 + 0.001 * k);
+  std::ofstream(folder + "/charge.csv") << charge;
+  const auto run = RunLipoid(folder, {"inspect", "charge.csv", "--write-campaign", "c.toml"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.out.find("only charging"), std::string::npos)
+      << "what is in the log is said all the same: " << run.out;
+  EXPECT_NE(
+      run.err.find("lipoid inspect: error: option --write-campaign: none of the logs is of a kind "
+                   "that a campaign takes, and none is written\n"),
+      std::string::npos)
+      << run.err;
+  EXPECT_EQ(FilesIn(folder), std::vector<std::string>{"charge.csv"});
 }
 
 TEST(Inspect, OfEveryRealLogSucceeds) {

@@ -298,14 +298,25 @@ std::string FolderName(const std::string& word) {
   return path.filename().string();
 }
 
+// What is to be done with logs of which no campaign can be drafted.
+std::string NoDraft(const std::vector<InspectedFile>& files) {
+  std::string text =
+      "option --write-campaign: none of the logs is of a kind that a campaign takes, and none is "
+      "written";
+  const bool flights = std::all_of(files.begin(), files.end(), [](const InspectedFile& file) {
+    return !file.inspection || file.inspection->report.flight;
+  });
+  if (flights)
+    text +=
+        "; flights are read by lipoid health --cell REFERENCE FLIGHT..., or by lipoid identify "
+        "--flight FLIGHT";
+  return text;
+}
+
 void WriteDraft(cli::CommandLine& line,
                 const CampaignDraft& draft,
                 const std::string& campaign_file) {
   const bool a_file = campaign_file != "/dev/stdout";
-  if (draft.entries.empty()) {
-    throw OptionError(
-        "option --write-campaign: none of the logs is of a kind that a campaign takes");
-  }
   const std::string text = DraftToToml(draft);
   if (!draft.campaign.logs.empty()) {
     try {
@@ -338,7 +349,9 @@ void WriteDraft(cli::CommandLine& line,
     Campaign campaign = draft.campaign;
     campaign.file.clear();  // the message is about the logs, not about a place in the file
     CheckCampaign(campaign, false);
-    line.Message("Next: read it over, then lipoid identify {} -o cell.json", campaign_file);
+    line.Message("Next: read it over{}, then lipoid identify {} -o cell.json",
+                 campaign.capacity_Ah > 0.0 ? "" : " and give capacity_Ah, which no log shows",
+                 campaign_file);
   } catch (const OptionError& missing) {
     line.Message("These logs are not enough to identify the cell: {}", missing.what());
   }
@@ -407,10 +420,15 @@ cli::ExitCode InspectCommand(cli::CommandLine& line) {
                     FolderName(words.front()),
                     a_file ? campaign_file : "campaign.toml",
                     {.read = read, .series = pack.series, .parallel = pack.parallel.value_or(1)});
-  if (!campaign_file.empty()) WriteDraft(line, draft, campaign_file);
+  const bool no_draft = !campaign_file.empty() && draft.entries.empty();
+  if (no_draft) {
+    line.Problem(LoadError(NoFile("lipoid inspect"), NoDraft(files)));
+  } else if (!campaign_file.empty()) {
+    WriteDraft(line, draft, campaign_file);
+  }
   line.summary()["files"] = std::move(rows);
   line.summary()["draft"] = ToJson(draft);
-  if (problems.empty()) return cli::ExitCode::kDone;
+  if (problems.empty()) return no_draft ? cli::ExitCode::kUsage : cli::ExitCode::kDone;
   line.Problem(LoadError(std::move(problems)));
   return cli::ExitCode::kBadInput;
 }

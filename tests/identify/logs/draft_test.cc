@@ -32,6 +32,16 @@ InspectedFile Ending(const std::string& file,
   return Inspected(file, std::move(record));
 }
 
+// A record at rest at the given voltage, then a discharge whose voltage falls in a straight line.
+Record Falling(double rest_V, double current_A, double duration_s, double end_V) {
+  auto record = RecordOfSteps({{60.0, 0.0}, {duration_s, current_A, duration_s / 1000.0}});
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const double share = k <= 60 ? 0.0 : static_cast<double>(k - 60) / 1000.0;
+    record.voltage_V[k] = rest_V + share * (end_V - rest_V);
+  }
+  return record;
+}
+
 TEST(Draft, TakesCapacityFromTheSlowestAndCutOffFromTheEnds) {
   const auto draft = DraftCampaign({Ending("lab/1c.csv", 2.0, 3550.0, 2.9985),
                                     Ending("lab/2c.csv", 4.0, 1750.0, 3.0),
@@ -56,6 +66,40 @@ TEST(Draft, OfSlowDischargesTheOneThatMovesMostIsTaken) {
   ASSERT_EQ(draft.campaign.logs.size(), 2U);
   EXPECT_EQ(draft.campaign.logs[1].file, "slow.csv");
   EXPECT_NE(DraftToToml(draft).find("slow.csv, which moves 2.028 Ah and not 1.917"),
+            std::string::npos)
+      << DraftToToml(draft);
+}
+
+// A slow discharge gives at least what a fast one does: this one began at half charge.
+TEST(Draft, ASlowDischargeThatGivesLessThanAFastOneIsNoLowRate) {
+  const auto draft = DraftCampaign({Ending("lab/1c.csv", 2.0, 3550.0, 3.0),
+                                    Ending("lab/2c.csv", 4.0, 1750.0, 3.0),
+                                    Ending("lab/slow_half.csv", 0.1, 36500.0, 3.0)},
+                                   "lab",
+                                   "lab/campaign.toml");
+  EXPECT_EQ(draft.campaign.capacity_Ah, 1.97);
+  ASSERT_EQ(draft.entries.size(), 3U);
+  EXPECT_EQ(draft.entries[2].left_out,
+            "gives 1.014 Ah, where a faster discharge gives 1.972 Ah: it does not go from full to "
+            "empty");
+  EXPECT_EQ(draft.campaign.logs.size(), 2U);
+  // Beside one that does, it is not the reference either.
+  const auto both = DraftCampaign({Ending("lab/1c.csv", 2.0, 3550.0, 3.0),
+                                   Ending("lab/slow.csv", 0.15, 48666.0, 3.0),
+                                   Ending("lab/slow_half.csv", 0.1, 36500.0, 3.0)},
+                                  "lab",
+                                  "lab/campaign.toml");
+  EXPECT_EQ(both.campaign.capacity_Ah, 2.03);
+  ASSERT_EQ(both.campaign.logs.size(), 2U);
+  EXPECT_EQ(both.campaign.logs[1].file, "slow.csv");
+}
+
+// A half cell against lithium lies below what any cell may be used to, full and empty.
+TEST(Draft, OfWhatIsNoCellHasNoCutOff) {
+  const auto draft =
+      DraftCampaign({Inspected("half.csv", Falling(2.9, 2.0, 3600.0, 0.05))}, "lab", "c.toml");
+  EXPECT_FALSE(draft.campaign.cutoff_V);
+  EXPECT_NE(DraftToToml(draft).find("from 2.9 V to 0.05 V, where a lithium-ion cell is empty"),
             std::string::npos)
       << DraftToToml(draft);
 }
@@ -146,16 +190,6 @@ file = "../lab/slow.csv"
   const auto campaign = ParseCampaign(text, "other/c.toml");
   EXPECT_EQ(campaign.logs.size(), 3U);
   EXPECT_EQ(campaign.logs[0].path, "lab/1c.csv");
-}
-
-// A record at rest at the given voltage, then a discharge whose voltage falls in a straight line.
-Record Falling(double rest_V, double current_A, double duration_s, double end_V) {
-  auto record = RecordOfSteps({{60.0, 0.0}, {duration_s, current_A, duration_s / 1000.0}});
-  for (std::size_t k = 0; k < record.size(); ++k) {
-    const double share = k <= 60 ? 0.0 : static_cast<double>(k - 60) / 1000.0;
-    record.voltage_V[k] = rest_V + share * (end_V - rest_V);
-  }
-  return record;
 }
 
 TEST(Draft, ReadsTheStartOfALogFromTheLowRateOne) {
