@@ -315,7 +315,8 @@ void SettleTable(Log& log,
                  const SignOfOthers& others,
                  const ColumnPositions& positions,
                  bool discharge_is_positive) {
-  CheckReadable(log.record, positions);
+  if (auto doubt = CheckReadable(log.record, positions); !doubt.empty())
+    log.report.warnings.push_back(std::move(doubt));
   // Where only the current is wanted, a wrong voltage is no reason to lose its row.
   if (!options.voltage_optional) DropSpikes(log, directions);
   SettleSign(log, directions, options, others, positions.current, discharge_is_positive);

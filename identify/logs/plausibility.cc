@@ -16,6 +16,8 @@ namespace {
 
 // As kMostPack_V.
 constexpr double kMostPack_A = 1e5;
+// The largest cells and packs are charged and discharged at some hundred amperes.
+constexpr double kUsualPack_A = 1e3;
 constexpr double kLongest_s = 20 * 365.25 * 86400.0;
 
 constexpr double kLeastCell_V = 0.02;
@@ -79,7 +81,7 @@ std::string DoubtAboutTime(const Record& record) {
   return "";
 }
 
-void CheckReadable(const Record& record, const ColumnPositions& positions) {
+std::string CheckReadable(const Record& record, const ColumnPositions& positions) {
   const Extent current = FindExtent(record.current_A);
   const Extent voltage = FindExtent(record.voltage_V);
   if (LooksExchanged(record, current, voltage)) {
@@ -101,14 +103,20 @@ void CheckReadable(const Record& record, const ColumnPositions& positions) {
         fmt::format(
             "expected a current in A, found {:.6g} A; are these mA? {}", most_A, positions.remedy));
   }
-  if (record.size() < 2) return;
-  if (const double length_s = record.time_s.back() - record.time_s.front(); length_s > kLongest_s) {
+  if (const double length_s =
+          record.size() < 2 ? 0.0 : record.time_s.back() - record.time_s.front();
+      length_s > kLongest_s) {
     throw LoadError(
         positions.time,
         fmt::format("expected times in s, found a log of {:.3g} years; are these ms? {}",
                     length_s / (365.25 * 86400.0),
                     positions.remedy));
   }
+  if (!(current.Magnitude() > kUsualPack_A)) return "";
+  return fmt::format(
+      "the current goes up to {:.4g} A, more than nearly any cell or pack carries; if it is in mA, "
+      "say `units` (--units s,mA,V)",
+      current.Magnitude());
 }
 
 ChargeMoved CheckPlausible(const Record& record, double capacity_Ah, int series, int parallel) {

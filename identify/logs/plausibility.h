@@ -30,8 +30,10 @@ struct ColumnPositions {
   std::string_view remedy = "Say so in the header or with `units`";
 };
 
-/// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice.
-void CheckReadable(const Record& record, const ColumnPositions& positions);
+/// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice;
+/// returns what makes its currents doubtful, in one sentence: more than 1000 A, which may be mA under
+/// a header without a unit. "" where nothing does.
+[[nodiscard]] std::string CheckReadable(const Record& record, const ColumnPositions& positions);
 
 /// LoadError for a current alone, which a simulation takes and which says nothing about a cell.
 void RefuseWithoutVoltage(const Record& record);

@@ -5,8 +5,8 @@
 ///
 /// Where nothing happens neighbouring rows become one row, as a slower logger would have written it:
 /// its time, voltage and temperature are those of one of them, and its current is their mean over
-/// the time for which it flowed, so that every charge stays as it was. For backward hold that is the
-/// last of the rows, for forward hold the first.
+/// the time for which it flowed, so that the charge between two rows that are left stays as it was. For
+/// backward hold that is the last of the rows, for forward hold the first.
 ///
 /// Rows at which something happens stay as they are, with kBeside rows on either side: the current
 /// steps by more than tolerance_A, the voltage jumps, the time between rows grows tenfold, or the

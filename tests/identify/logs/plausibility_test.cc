@@ -99,7 +99,7 @@ TEST(Plausibility, ExchangedColumnsAreNamed) {
   Record record = OneHour(1, 1, 1);
   const ColumnPositions at{{"F", 1, 1}, {"F", 1, 8}, {"F", 1, 18}};
   const auto complaint = [&] {
-    return test::LoadErrorOf([&] { CheckReadable(record, at); });
+    return test::LoadErrorOf([&] { (void)CheckReadable(record, at); });
   };
   for (std::size_t k = 0; k < record.size(); ++k)
     record.voltage_V[k] = 4.2 - 0.02 * static_cast<double>(k);
@@ -121,12 +121,28 @@ TEST(Plausibility, ExchangedColumnsAreNamed) {
   EXPECT_EQ(complaint(), "no error");
 }
 
+TEST(Plausibility, ACurrentThatFewPacksCarryIsDoubted) {
+  Record record;
+  for (int k = 0; k < 30; ++k) {
+    record.time_s.push_back(k);
+    record.current_A.push_back(-900.0);
+    record.voltage_V.push_back(4.0 - 0.01 * k);
+  }
+  EXPECT_EQ(CheckReadable(record, {}), "");
+  record.current_A.back() = -1300.0;
+  EXPECT_EQ(
+      CheckReadable(record, {}),
+      "the current goes up to 1300 A, more than nearly any cell or pack carries; if it is in mA, "
+      "say `units` (--units s,mA,V)");
+}
+
 TEST(Plausibility, SecondsOfAClockInMinutesAreSeen) {
   Record record;
   for (int k = 0; k < 30; ++k) record.time_s.push_back(k / 60.0);
-  EXPECT_EQ(DoubtAboutTime(record),
-            "rows are 1/60 s apart, as whole seconds are on a clock in min; if the times are in min, "
-            "say `units` (--units min,A,V)");
+  EXPECT_EQ(
+      DoubtAboutTime(record),
+      "rows are 1/60 s apart, as whole seconds are on a clock in min; if the times are in min, "
+      "say `units` (--units min,A,V)");
   for (double& t : record.time_s) t = std::round(t * 60.0) / 10.0;
   EXPECT_EQ(DoubtAboutTime(record), "");
   for (int k = 0; k < 30; ++k) record.time_s[static_cast<std::size_t>(k)] = k / 64.0;  // 64 Hz
