@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/fit_quality.h"
 #include "model/battery/arrhenius.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
@@ -116,14 +117,14 @@ AgedValue Against(const Estimate& first, const Estimate& now, bool is_first) {
   return aged;
 }
 
-AgedValue Alone(const Estimate& now) {
+AgedValue Alone(const Estimate& now, ChangeVerdict because) {
   return {.value = now.value,
           .low = now.low,
           .high = now.high,
           .change_percent = kNaN,
           .change_low_percent = kNaN,
           .change_high_percent = kNaN,
-          .verdict = ChangeVerdict::kOtherTemperature};
+          .verdict = because};
 }
 
 // Of what a capacity may have become.
@@ -166,6 +167,12 @@ std::string DoubtAboutTemperatures(const std::vector<Cell>& cells) {
          "a change of beta and of the resistances may be one of the temperature, 6 K of which are a sixth of a resistance";
 }
 
+bool IsOfPoorFit(const Cell& cell) {
+  const Json& verdict = Metric(cell, "verdict");
+  return verdict.is_object() &&
+         verdict.value("grade", Json()) == options_internal::ToText(FitGrade::kPoor);
+}
+
 std::string AgeOf(const Cell& cell) {
   const Json& age = Metric(cell, "age");
   return age.is_string() ? age.get<std::string>() : "";
@@ -185,7 +192,10 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const bool both_unknown =
           std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
       const bool apart = !both_unknown && !(off_K <= std::fmax(first.same_K, now.same_K));
-      quantity.at.push_back(apart ? Alone(now) : Against(first, now, k == 0));
+      const bool poor = IsOfPoorFit(cells.front()) || IsOfPoorFit(cells[k]);
+      quantity.at.push_back(poor    ? Alone(now, ChangeVerdict::kPoorFit)
+                            : apart ? Alone(now, ChangeVerdict::kOtherTemperature)
+                                    : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
     if (known) quantities.push_back(std::move(quantity));

@@ -8,7 +8,8 @@
 /// of their ratio is the root of the squared sum of the sides that make it. A change whose interval
 /// holds zero is not shown by these logs, which does not mean that there was none. Resistances of
 /// another temperature than that of the first are shown and not compared, nor those of a cell that
-/// knows its temperature with those of one that does not. Tests: tests/identify/ageing_test.cc.
+/// knows its temperature with those of one that does not. Nothing is compared with a cell that does not
+/// describe its own logs. Tests: tests/identify/ageing_test.cc.
 
 #include <string>
 #include <utility>
@@ -18,13 +19,14 @@
 
 namespace lipoid {
 
-enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval, kOtherTemperature };
-constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 5> OptionNames(ChangeVerdict) {
+enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval, kOtherTemperature, kPoorFit };
+constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 6> OptionNames(ChangeVerdict) {
   return {{{ChangeVerdict::kFirst, "first"},
            {ChangeVerdict::kChanged, "changed"},
            {ChangeVerdict::kNotShown, "not shown by these logs"},
            {ChangeVerdict::kNoInterval, "no interval"},
-           {ChangeVerdict::kOtherTemperature, "of another temperature"}}};
+           {ChangeVerdict::kOtherTemperature, "of another temperature"},
+           {ChangeVerdict::kPoorFit, "of a poor fit"}}};
 }
 
 /// A quantity at one age. NaN: not known.
@@ -53,6 +55,9 @@ struct AgedQuantity {
 
 /// Why changes may be those of a temperature that no cell file knows. "" where one of them does.
 [[nodiscard]] std::string DoubtAboutTemperatures(const std::vector<Cell>& cells);
+
+/// Whether `identify` found that the cell does not describe its own logs.
+[[nodiscard]] bool IsOfPoorFit(const Cell& cell);
 
 /// The age that the campaign of a cell gave it; "" where it gave none.
 [[nodiscard]] std::string AgeOf(const Cell& cell);

@@ -50,6 +50,30 @@ TEST(Ageing, TellsAChangeFromNone) {
   EXPECT_EQ(found[2].at[1].verdict, ChangeVerdict::kNotShown) << "10 % with 14 % each way";
 }
 
+// A fit that does not describe its own logs has numbers, too.
+TEST(Ageing, ComparesNothingWithAPoorFit) {
+  std::vector<Cell> cells{Aged("new", 2000.0, 30.0, 0.10, 0.01),
+                          Aged("old", 1500.0, 40.0, 0.11, 0.01),
+                          Aged("older", 1900.0, 40.0, 0.11, 0.01)};
+  const auto grade = [](Cell& cell, const char* name) {
+    Json run = *cell.run;
+    run["metrics"]["verdict"] = {{"grade", name}};
+    cell.run = std::make_shared<const Json>(std::move(run));
+  };
+  grade(cells[0], "good");
+  grade(cells[1], "poor");
+  EXPECT_FALSE(IsOfPoorFit(cells[0]));
+  EXPECT_TRUE(IsOfPoorFit(cells[1]));
+  auto found = CompareAges(cells);
+  EXPECT_EQ(found[0].at[1].verdict, ChangeVerdict::kPoorFit);
+  EXPECT_TRUE(std::isnan(found[0].at[1].change_percent));
+  EXPECT_EQ(found[0].at[2].verdict, ChangeVerdict::kChanged);
+  grade(cells[0], "poor");
+  found = CompareAges(cells);
+  EXPECT_EQ(found[0].at[0].verdict, ChangeVerdict::kPoorFit);
+  EXPECT_EQ(found[0].at[2].verdict, ChangeVerdict::kPoorFit);
+}
+
 // A cell loses capacity, and not most of it.
 TEST(Ageing, DoubtsWhatAreNoAgesOfOneCell) {
   const auto doubts = [](double alpha_C) {

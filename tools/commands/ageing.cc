@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
@@ -39,7 +40,13 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
   Json ages = Json::array();
   for (const std::string& file : files) {
     cells.push_back(LoadCell(file));
-    ages.push_back({{"file", file}, {"age", AgeOf(cells.back())}});
+    const bool poor = IsOfPoorFit(cells.back());
+    ages.push_back({{"file", file}, {"age", AgeOf(cells.back())}, {"poor_fit", poor}});
+    if (poor) {
+      line.Message(
+          "{} does not describe its own logs, as lipoid identify said of it: nothing is compared with it",
+          file);
+    }
   }
   const auto quantities = CompareAges(cells);
   cli::TextTable table({{"quantity", cli::Align::kLeft},
@@ -78,7 +85,8 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
     line.Print(
         "Resistances are those at half charge: the drop of the voltage that long after 1C is switched on, "
         "over the current.\n");
-  return cli::ExitCode::kDone;
+  return std::any_of(cells.begin(), cells.end(), &IsOfPoorFit) ? cli::ExitCode::kIncomplete
+                                                               : cli::ExitCode::kDone;
 }
 
 }  // namespace lipoid
