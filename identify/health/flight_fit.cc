@@ -291,7 +291,7 @@ FlightFit FlightSearch::Fit(const SearchEnd& end) {
   fit.converged = end.converged;
   fit.duration_s = record.time_s.back() - record.time_s.front();
   fit.charge_C = DeliveredCharge(record).back();
-  fit.starts_at_rest = StartsAtRest(record);
+  fit.start = StartOfFlight(record);
   fit.lag_s = end.lag_s;
   Prepare(end);
   fit.noise = problem_.noise;

@@ -36,7 +36,7 @@ struct FlightFit {
   double lag_s = 0.0;
   double lag_deviation_s = 0.0;
   ColouredNoise noise;
-  bool starts_at_rest = false;
+  FlightStart start = FlightStart::kLoaded;
   double mean_error_percent = 0.0;  ///< of the rows whose voltage is new
   double max_error_percent = 0.0;
   double charge_C = 0.0;  ///< from the first row to the last, as shown

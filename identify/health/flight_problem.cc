@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "model/battery/uncertain_cell.h"
 #include "model/statistics/factorizations.h"
@@ -16,22 +17,21 @@ using U = FlightUnknowns;
 
 }  // namespace
 
-bool StartsAtRest(const Record& record) {
+FlightStart StartOfFlight(const Record& record) {
   constexpr double kRested_s = 3.0;
   const double rest_A = std::max(RestThreshold(record), 0.0);
-  double largest_A = 0.0;
-  for (const double i : record.current_A) largest_A = std::max(largest_A, std::abs(i));
-  const double idle_A = std::max(rest_A, 0.05 * largest_A);
+  const double idle_A = std::max(rest_A, 0.05 * LargestMagnitude(record.current_A));
   for (std::size_t k = 0; k < record.size(); ++k) {
-    if (record.time_s[k] - record.time_s.front() > kRested_s) return true;
-    if (std::abs(record.current_A[k]) > idle_A) return false;
+    if (record.time_s[k] - record.time_s.front() > kRested_s) return FlightStart::kRested;
+    if (std::abs(record.current_A[k]) > idle_A)
+      return k > 0 ? FlightStart::kIdle : FlightStart::kLoaded;
   }
-  return false;
+  return FlightStart::kIdle;
 }
 
 std::optional<double> RestVoltage(const Record& record) {
   constexpr double kRest_s = 2.0;
-  if (!StartsAtRest(record)) return std::nullopt;
+  if (StartOfFlight(record) != FlightStart::kRested) return std::nullopt;
   double sum_V = 0.0;
   double rows = 0.0;
   for (std::size_t k = 0; k < record.size(); ++k) {
@@ -92,11 +92,16 @@ FlightProblem::FlightProblem(const FlightSamples& flight,
       std::max(sensors.least_offset_A, sensors.offset_share * flight.largest_A),
       -0.1 * flight.largest_A - 1.0,
       0.1 * flight.largest_A + 1.0);
-  if (StartsAtRest(flight.record)) {
-    // Relaxed: nothing is left of an earlier current.
-    set(U::kBefore, 0.0, kHeldSpread, -kHeldSpread, kHeldSpread);
-  } else {
-    set(U::kBefore, 0.6, 0.4, 0.0, 1.5);
+  switch (StartOfFlight(flight.record)) {
+    case FlightStart::kRested:  // nothing is left of an earlier current
+      set(U::kBefore, 0.0, kHeldSpread, -kHeldSpread, kHeldSpread);
+      break;
+    case FlightStart::kIdle:  // most often nothing, unless it landed just before
+      set(U::kBefore, 0.0, 0.4, 0.0, 1.5);
+      break;
+    case FlightStart::kLoaded:
+      set(U::kBefore, 0.6, 0.4, 0.0, 1.5);
+      break;
   }
 }
 

@@ -35,10 +35,12 @@ inline constexpr double kHighestLogCapacity = 1.5;
 /// estimated, from few independent slow errors.
 inline constexpr double kFlightFreedom = 12.0;
 
-/// Whether a flight begins with a rest that is long enough to leave nothing of an earlier current.
-[[nodiscard]] bool StartsAtRest(const Record& record);
+/// What a flight begins with: a rest that is long enough to leave nothing of an earlier current, a shorter
+/// one, or a load.
+enum class FlightStart { kRested, kIdle, kLoaded };
+[[nodiscard]] FlightStart StartOfFlight(const Record& record);
 
-/// Mean voltage of that rest; none where the flight begins under load.
+/// Mean voltage of the rest; none where the flight does not begin rested.
 [[nodiscard]] std::optional<double> RestVoltage(const Record& record);
 
 /// How the voltage at every row moves with each column of `moves`, which are steps of the vectors of

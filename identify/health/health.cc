@@ -44,6 +44,9 @@ bool AtLimit(double log_capacity) {
   return log_capacity < kLowestLogCapacity + kClose || log_capacity > kHighestLogCapacity - kClose;
 }
 
+// Where a search for the start ended at its limit of 1.05, the capacity went with it.
+constexpr double kFullestStart = 1.045;
+
 WithInterval Symmetric(double value, double deviation) {
   const double reach = Reach95(kFlightFreedom) * deviation;
   return {value, value - reach, value + reach, {}};
@@ -67,14 +70,20 @@ Eigen::MatrixXd GivenScale(const Eigen::MatrixXd& covariance) {
   return covariance - with * with.transpose() / covariance(U::kScale, U::kScale);
 }
 
+const char* UnrestedStart(FlightStart start) {
+  return start == FlightStart::kIdle ? "the log rests for less than 3 s before its load"
+                                     : "the log starts under load";
+}
+
 void AddCautions(const FlightSamples& samples,
                  const FlightFit& fit,
                  const ReferenceCell& reference,
                  FlightHealth& health) {
   auto& cautions = health.cautions;
-  if (!fit.starts_at_rest) {
-    cautions.emplace_back(
-        "the log starts under load: what was left of the load before it is estimated, not known");
+  if (fit.start != FlightStart::kRested) {
+    cautions.push_back(
+        fmt::format("{}: what was left of the load before it is estimated, not known",
+                    UnrestedStart(fit.start)));
   }
   if (samples.gap_C > 0.0) {
     cautions.push_back(
@@ -120,9 +129,6 @@ void AddCautions(const FlightSamples& samples,
         "the voltage over the state of charge differs from the reference's by more than such cells "
         "do: the reference may be of another chemistry");
   }
-  if (std::abs(fit.unknowns[U::kStart]) > 1.045)
-    cautions.emplace_back(
-        "the start is at its upper limit: the pack was fuller than the reference's full");
 }
 
 // Another cell, or one of another size, can be bent until it fits.
@@ -198,6 +204,22 @@ void DoubtTheFit(FlightHealth& health) {
   Withdraw("the reference does not describe this flight", health);
 }
 
+// A sensor that is far from what any is stands for something else that is wrong.
+void DoubtTheSensor(const SensorSpread& sensors, FlightHealth& health) {
+  constexpr double kFarthest = 4.0;  // standard deviations of what was believed
+  const double scale = health.current_scale.value;
+  if (!health.doubted_because.empty() || !health.capacity_Ah.known() ||
+      std::abs(scale - 1.0) <= kFarthest * sensors.current_scale)
+    return;
+  health.doubted_because = fmt::format(
+      "the current sensor would have to show {:.2g} times what flows, and such sensors are right to {:.0f} %: "
+      "is the pack charged to another voltage than the reference, or are the current, its unit or the "
+      "reference wrong?",
+      1.0 / scale,
+      100.0 * sensors.current_scale);
+  Withdraw("the current sensor would be impossible", health);
+}
+
 // What flowed in a gap is not known: cautions say so of less, beside intervals of some per cent.
 constexpr double kMostInGaps = 0.02;
 
@@ -258,11 +280,20 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
         "Give a flight that begins at rest and takes half of the charge",
         std::exp(x[U::kCapacity]),
         reference.cell.alpha_C() / 3600.0,
-        fit.starts_at_rest ? "at a voltage that the reference does not have there"
-                           : "it starts under load, so that its start is not known");
+        fit.start == FlightStart::kRested
+            ? std::string("at a voltage that the reference does not have there")
+            : fmt::format("{}, so that its start is not known", UnrestedStart(fit.start)));
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
     health.soc_start = health.soc_end =
         Unknown("the search for the capacity ended at its limit, and the state of charge with it");
+  } else if (x[U::kStart] > kFullestStart) {
+    const std::string because = fmt::format(
+        "the search for the state of charge at the start ended at its limit, {:.0f} % of the reference's "
+        "full: the pack is charged higher than the reference was, or its temperature, its current or "
+        "the reference is wrong",
+        100.0 * x[U::kStart]);
+    health.capacity_Ah = health.counted_capacity_Ah = Unknown(because);
+    health.soc_start = health.soc_end = Unknown(because);
   } else if (std::abs(x[U::kCapacity]) > kFarFromReference * reference.spread.log_capacity) {
     // What was believed of the capacity and what the flight says exclude one another.
     health.capacity_Ah = health.counted_capacity_Ah = Unknown(fmt::format(
@@ -310,6 +341,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtTheFit(health);
+  DoubtTheSensor(options.sensors, health);
   DoubtTheResistance(health);
   AddCautions(samples, fit, reference, health);
   if (log.report.flight) {

@@ -78,6 +78,63 @@ TEST(Health, AnUnchangedCellHasTheResistanceOfNew) {
   EXPECT_GT(flight.at("resistance_interval_95").at(1), new_Ohm);
 }
 
+// A pack that is charged 0.15 V higher than the reference begins beyond its full.
+TEST(Health, TakesNoLimitOfTheStartForACapacity) {
+  const std::string folder = TestFolder();
+  std::string current = "time_s,current_A\n";
+  for (int k = 0; k <= 900; ++k)
+    current += fmt::format("{},{}\n", k, k < 2 ? 0.0 : 30.0 + 60.0 * ((k / 20) % 2));
+  WriteText(folder + "/i.csv", current);
+  const std::string cell = "grepow-32Ah-1";
+  const auto made = RunLipoid(
+      folder, {"simulate", cell, "--current", "i.csv", "--ambient-degC", "25", "-o", "flight.csv"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Record flown = ReadPlainCsv(folder + "/flight.csv");
+  const auto health_of = [&](double higher_V, double noise_V) {
+    NormalNoise normal(1, 0);
+    std::string log = "time_s,current_A,voltage_V\n";
+    for (std::size_t k = 0; k < flown.size(); ++k) {
+      log += fmt::format("{},{},{:.6f}\n",
+                         flown.time_s[k],
+                         flown.current_A[k],
+                         flown.voltage_V[k] + higher_V + noise_V * normal());
+    }
+    WriteText(folder + "/log.csv", log);
+    return RunLipoid(folder,
+                     {"health",
+                      "--cell",
+                      cell,
+                      "--capacity-Ah",
+                      "32",
+                      "--series",
+                      "1",
+                      "--ambient-degC",
+                      "25",
+                      "log.csv",
+                      "--summary",
+                      "s.json"});
+  };
+  const auto flight = [&] { return ReadJson(folder, "s.json").at("flights").at(0); };
+  constexpr double kNoise_V = 0.002;
+  const auto as_it_is = health_of(0.0, kNoise_V);
+  EXPECT_EQ(as_it_is.exit_code, 0) << as_it_is.out;
+  EXPECT_NEAR(flight().at("soc_start").get<double>(), 1.0, 0.02);
+  EXPECT_NE(flight().dump().find("the log rests for less than 3 s before its load"),
+            std::string::npos);
+  const auto higher = health_of(0.15, kNoise_V);
+  EXPECT_EQ(flight().at("capacity_Ah"), nullptr) << higher.out;
+  EXPECT_NE(flight().dump().find("the pack is charged higher than the reference was"),
+            std::string::npos)
+      << flight().dump();
+  // Without noise a sensor that shows twice of what flows makes up for the last tenth of a millivolt: it
+  // was half of the capacity, with an interval that missed the truth.
+  const auto exact = health_of(0.0, 0.0);
+  EXPECT_EQ(exact.exit_code, 1);
+  EXPECT_NE(OnOneLine(exact.out).find("the current sensor would have to show 2 times what flows"),
+            std::string::npos)
+      << exact.out;
+}
+
 // A second battery five minutes later on one clock, and a voltage that never moves.
 TEST(Health, RefusesGapsAndFlatVoltages) {
   const std::string folder = TestFolder();
