@@ -164,7 +164,7 @@ class LogSweep {
       for (Eigen::Index c = 0; c < at_rows_.cols(); ++c)
         at_row_[static_cast<std::size_t>(c)] = at_rows_(static_cast<Eigen::Index>(r), c);
       const double soc = at_row_[0];
-      const auto v_oc = curve_.Evaluate(soc);  // (4.49)
+      const auto v_oc = curve_.Evaluate(soc);
       double* slope = at_row_.data() + 1 + entries;
       if (slopes_) slope[0] *= v_oc.slope_V;
       const std::size_t k = piece.first + r;
