@@ -99,8 +99,9 @@ bool Complete(const JointSolution& solution, const JointLogs& logs, double alpha
 JointStructure WithoutGoneTerms(const JointSolution& solution, const JointLogs& logs) {
   const JointLayout layout(solution.structure);
   JointStructure structure = solution.structure;
-  structure.charge_transfer &= !IsGone(solution, layout.tables() - 1, logs);
-  structure.self_heating &= solution.x[layout.heating()] > 0.0;
+  structure.charge_transfer =
+      structure.charge_transfer && !IsGone(solution, layout.tables() - 1, logs);
+  structure.self_heating = structure.self_heating && solution.x[layout.heating()] > 0.0;
   return structure;
 }
 

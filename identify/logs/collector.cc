@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "model/core/counted.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -135,6 +136,7 @@ Log Collector::Finish() {
   if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
     const double start_s = log_.record.time_s.front();
     for (double& t : log_.record.time_s) t -= start_s;
+    if (log_.before) log_.before->time_s -= start_s;
   }
   log_.report.rows = log_.report.thinned ? log_.report.thinned->rows_of_log : log_.record.size();
   log_.report.dropped_cut_last_line = reader_.cut_last_lines();
@@ -230,6 +232,11 @@ void Collector::TakeRowByRow(TableBlock& block) {
     if (plan_.clock_restarts_with_step) t_s = JoinedTime(k, t_s, step, cycle);
     if (!IsSelected(t_s, step ? step[k] : 0.0, cycle ? cycle[k] : 0.0)) {
       ++log_.report.dropped_unselected;
+      if (record.size() == 0)
+        log_.before = {t_s,
+                       current_A[k],
+                       voltage_V ? voltage_V[k] : kNaN,
+                       temperature_degC ? temperature_degC[k] : kNaN};
       continue;
     }
     if (!(t_s > last_s_)) {

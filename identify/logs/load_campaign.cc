@@ -192,6 +192,50 @@ void SmoothTemperature(Log& log) {
       step_K));
 }
 
+// A log begins at its first row, from rest. Of one that begins under load, what flowed before that row is not
+// counted, and the drops that it left are not there: beta follows the first rows of a discharge. Where a part was
+// cut out of a log at its first loaded row, the row before it is there.
+std::string BeginAtRest(Log& log) {
+  constexpr double kMostLonger = 1.5;    // the interval before the first row over the one after it
+  constexpr double kWorthSaying = 3e-4;  // of the charge of the log
+  Record& record = log.record;
+  if (record.size() < 2 || log.report.thinned) return "";
+  const double rest_A = RestThreshold(record);
+  const double first_A = std::as_const(record).current_A[0];
+  if (std::abs(first_A) <= rest_A) return "";
+  const double interval_s = std::as_const(record).time_s[1];
+  const bool rested = log.before && std::abs(log.before->current_A) <= rest_A;
+  if (rested && -log.before->time_s <= kMostLonger * interval_s && log.before->voltage_V > 0.0) {
+    const auto put_before = [](Column& column, double value) {
+      if (column.empty()) return;
+      std::vector<double> rows{std::isnan(value) ? column.front() : value};
+      rows.insert(rows.end(), std::as_const(column).begin(), std::as_const(column).end());
+      column = std::move(rows);
+    };
+    const double before_s = -log.before->time_s;
+    for (double& t : record.time_s) t += before_s;
+    put_before(record.time_s, 0.0);
+    put_before(record.current_A, 0.0);
+    put_before(record.voltage_V, log.before->voltage_V);
+    put_before(record.temperature_degC, log.before->temperature_degC);
+    for (Gap& gap : log.report.gaps) {
+      ++gap.row;
+      gap.start_s += before_s;
+    }
+    return "";
+  }
+  const double share = std::abs(first_A) * interval_s / CountCharge(record).range_C();
+  if (!(share > kWorthSaying) || std::isinf(share)) return "";
+  return fmt::format(
+      "it begins under load ({:.3g} A), and the cell is taken as rested until its first row: one row more under "
+      "load is {:.2g} % of its charge{}",
+      first_A,
+      100.0 * share,
+      !log.before ? std::string("; begin it with a row of the rest")
+      : rested    ? fmt::format("; the rest before it ends {:.3g} s earlier", -log.before->time_s)
+                  : std::string("; the row before it is under load, too"));
+}
+
 // A log of the pack becomes one of a cell. `moved` becomes the charge that it moves.
 LoadedLog OneOfCell(const Campaign& campaign,
                     const CampaignLog& entry,
@@ -208,6 +252,10 @@ LoadedLog OneOfCell(const Campaign& campaign,
     log.report.warnings.push_back(fmt::format(
         "the voltage is divided by the {} cells in series that the autopilot was told; `series` says otherwise",
         told));
+  }
+  if (entry.kind != LogKind::kFlight) {
+    if (auto doubt = BeginAtRest(log); !doubt.empty())
+      log.report.warnings.push_back(std::move(doubt));
   }
   DivideByPack(log.record, series, campaign.parallel);
   moved = CheckPlausible(log.record, campaign.capacity_Ah, series, campaign.parallel);

@@ -25,6 +25,7 @@
 #include "model/battery/arrhenius.h"
 #include "model/battery/ranges.h"
 #include "model/core/counted.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -371,6 +372,8 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
   if (plan.volts_or_millivolts)
     SettleMillivolts(
         log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
+  if (log.before && plan.volts_or_millivolts && log.before->voltage_V >= kLeast_mV)
+    log.before->voltage_V /= 1000.0;
   SettleTable(
       log,
       collector.directions(),
@@ -439,6 +442,7 @@ void TakeRows(Log& log, const ReadOptions& options) {
   Record& record = log.record;
   const Column& time_s = std::as_const(record).time_s;
   std::vector<std::size_t> kept;
+  std::optional<std::size_t> last_before;
   bool all = true;
   const bool unix_clock = time_s.front() > kUnixClock_s;
   const double clock_s = unix_clock ? time_s.front() : 0.0;
@@ -453,6 +457,7 @@ void TakeRows(Log& log, const ReadOptions& options) {
                                   time_s[k - 1]));
     }
     if (!selected) ++log.report.dropped_unselected;
+    if (time_s[k] - clock_s < options.start_s) last_before = k;
     if (selected && !after) ++log.report.dropped_repeated_times;
     if (selected && after) {
       if (!all) kept.push_back(k);
@@ -466,6 +471,15 @@ void TakeRows(Log& log, const ReadOptions& options) {
   if (!all) {
     if (kept.empty())
       throw LoadError({record.file}, "expected rows within start_s and end_s, found none");
+    if (last_before) {
+      const auto value = [&](const Column& column) {
+        return column.empty() ? kNaN : column[*last_before];
+      };
+      log.before = {time_s[*last_before] - time_s[kept.front()],
+                    value(record.current_A),
+                    value(record.voltage_V),
+                    value(record.temperature_degC)};
+    }
     const auto keep = [&](Column& column) {
       if (column.empty()) return;
       std::vector<double> some;

@@ -142,9 +142,18 @@ struct LogReport {
   }
 };
 
+/// The row of a log before the part that was chosen.
+struct RowBefore {
+  double time_s = 0.0;            ///< below 0: the part begins at 0
+  double current_A = 0.0;         ///< of either sign
+  double voltage_V = 0.0;         ///< NaN where the log has none
+  double temperature_degC = 0.0;  ///< the same
+};
+
 struct Log {
   Record record;
   LogReport report;
+  std::optional<RowBefore> before = {};  ///< where steps, cycles or start_s left it out
 };
 
 /// What other logs of the same format say of the sign. It settles a log that says too little

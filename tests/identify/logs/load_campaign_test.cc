@@ -118,7 +118,7 @@ TEST(LoadCampaign, NotesWhoSettledWhomAndWhoDisagrees) {
   std::string turned = "time_s,current_A,voltage_V\n";
   std::string rest = turned;
   for (int k = 0; k < 60; ++k) {
-    turned += fmt::format("{},-1,{}\n", 60 * k, 4.1 - 0.01 * k);
+    turned += fmt::format("{},{},{}\n", 60 * k, k == 0 ? 0 : -1, 4.1 - 0.01 * k);
     rest += fmt::format("{},0,4.1\n", 60 * k);
   }
   Write(folder + "/turned.csv", turned);
@@ -307,7 +307,9 @@ TEST(LoadCampaign, ARestedCellFarFromItsSurroundingsIsDoubted) {
                                 "Fahrenheit (25 degC), say degF in the header"}));
   EXPECT_EQ(warnings("55", ""), none);
   EXPECT_EQ(warnings("77", "ambient_degC = 25\ninitial_degC = 77\n"), none);
-  EXPECT_EQ(warnings("77", "ambient_degC = 25\n", 1), none) << "a cell under load may be warm";
+  const auto under_load = warnings("77", "ambient_degC = 25\n", 1);
+  ASSERT_EQ(under_load.size(), 1U) << "a cell under load may be warm";
+  EXPECT_EQ(under_load[0].find("it begins under load"), 0U);
 }
 
 // Of a thermometer of whole degrees, and of one that shows hundredths.
@@ -346,6 +348,82 @@ TEST(LoadCampaign, PulsesMayMoveLittle) {
         "[cell]\ncapacity_Ah = 3\n[[log]]\nkind = 'pulses'\nunits = ['s', 'A', 'V']\nfile = '" +
             test::LabDataPath("samsung_30t_hppc/multipulse.csv") + "'\n");
   EXPECT_EQ(LoadCampaign(ReadCampaign(folder + "/c.toml")).size(), 1U);
+}
+
+// A part that is cut out of a log at its first loaded row takes the row of the rest before it along; ReadLog() gives
+// the rows that were asked for.
+TEST(LoadCampaign, BeginsAtTheRestBeforeThePart) {
+  const auto folder = test::FreshFolder("load_campaign/rest_before");
+  Write(
+      folder + "/a.csv",
+      "time_s,current_A,voltage_V,temperature_degC\n0,0,4.2,20\n10,0,4.2,21\n20,4,4.0,22\n30,4,3.5,23\n"
+      "40,4,3.0,24\n");
+  Write(
+      folder + "/m.csv",
+      "Rec#,Cyc#,Step,TestTime (Sec),Amps,Volts,State\n1,1,5,0,0,4.2,R\n2,1,5,10,0,4.2,R\n3,1,6,20,4,4.0,D\n"
+      "4,1,6,30,4,3.5,D\n5,1,6,40,4,3.0,D\n");
+  const auto read = [&](const std::string& which) {
+    Write(folder + "/c.toml", "[cell]\n[[log]]\nkind = 'constant-current'\n" + which);
+    return LoadCampaign(ReadCampaign(folder + "/c.toml")).front();
+  };
+  for (const std::string which :
+       {"file = 'a.csv'\nstart_s = 20\n", "file = 'm.csv'\nsteps = [6]\n"}) {
+    SCOPED_TRACE(which);
+    const LoadedLog loaded = read(which);
+    const Record& record = loaded.log.record;
+    EXPECT_EQ(record.time_s, (std::vector{0.0, 10.0, 20.0, 30.0}));
+    EXPECT_EQ(record.current_A, (std::vector{0.0, 4.0, 4.0, 4.0}));
+    EXPECT_EQ(record.voltage_V, (std::vector{4.2, 4.0, 3.5, 3.0}));
+    if (!record.temperature_degC.empty()) {
+      EXPECT_EQ(record.temperature_degC, (std::vector{21.0, 22.0, 23.0, 24.0}));
+    }
+    EXPECT_TRUE(loaded.log.report.warnings.empty());
+  }
+  const Log alone = ReadLog(folder + "/m.csv", {.steps = {6}});
+  EXPECT_EQ(alone.record.time_s, (std::vector{0.0, 10.0, 20.0}));
+  // The rest is where the part begins: nothing is put before it.
+  EXPECT_EQ(read("file = 'a.csv'\nstart_s = 10\n").log.record.time_s,
+            (std::vector{0.0, 10.0, 20.0, 30.0}));
+  Record columns;
+  columns.file = "frame";
+  columns.time_s = {0, 10, 20, 30, 40};
+  columns.current_A = {0, 0, 4, 4, 4};
+  columns.voltage_V = {4.2, 4.2, 4.0, 3.5, 3.0};
+  const Log frame = TakeLog(columns, {.start_s = 15.0});
+  ASSERT_TRUE(frame.before.has_value());
+  EXPECT_EQ(frame.before->time_s, -10.0);
+  EXPECT_EQ(frame.before->voltage_V, 4.2);
+  EXPECT_FALSE(TakeLog(columns, {.end_s = 30.0}).before.has_value());
+}
+
+// Beta follows the first rows of a discharge: 10 s at 4C that are not there move it by ten standard errors.
+TEST(LoadCampaign, ALogThatBeginsUnderLoadIsDoubted) {
+  const auto folder = test::FreshFolder("load_campaign/under_load");
+  const auto doubts = [&](const std::string& rows, const std::string& part = "") {
+    Write(folder + "/a.csv", "time_s,current_A,voltage_V\n" + rows);
+    Write(folder + "/c.toml",
+          "[cell]\n[[log]]\nkind = 'constant-current'\nfile = 'a.csv'\n" + part);
+    return LoadCampaign(ReadCampaign(folder + "/c.toml")).front().log.report.warnings;
+  };
+  EXPECT_EQ(
+      doubts("0,4,4.1\n10,4,4.0\n20,4,3.5\n30,4,3.0\n"),
+      std::vector<std::string>{
+          "it begins under load (4 A), and the cell is taken as rested until its first row: one "
+          "row more under load is 33 % of its charge; begin it with a row of the rest"});
+  EXPECT_EQ(
+      doubts("-60,0,4.2\n0,4,4.1\n10,4,4.0\n20,4,3.5\n30,4,3.0\n", "start_s = 0\n"),
+      std::vector<std::string>{
+          "it begins under load (4 A), and the cell is taken as rested until its first row: one "
+          "row more under load is 33 % of its charge; the rest before it ends 60 s earlier"});
+  EXPECT_EQ(
+      doubts("0,4,4.1\n10,4,4.0\n20,4,3.5\n30,4,3.0\n", "start_s = 10\n"),
+      std::vector<std::string>{
+          "it begins under load (4 A), and the cell is taken as rested until its first row: one "
+          "row more under load is 50 % of its charge; the row before it is under load, too"});
+  // A hundredth of a second is nothing.
+  std::string fine;
+  for (int k = 0; k < 4000; ++k) fine += fmt::format("{},4,{}\n", 0.01 * k, 4.1 - 2e-4 * k);
+  EXPECT_TRUE(doubts(fine).empty());
 }
 
 TEST(LoadCampaign, WarningsOfALogAreNotes) {
