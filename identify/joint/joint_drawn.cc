@@ -80,9 +80,11 @@ class Nodes {
       Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
       of[rates_ + table + static_cast<Eigen::Index>(first + k)] = per_unknown;
       const std::string at = fmt::format("{}({})", name, nodes[first + k]);
-      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
-                      return ValueIn(in, at, result_.logs.typical_A, result_.choice.best);
-                    })});
+      to.push_back(
+          {fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
+             return ValueIn(
+                 in, at, result_.logs.typical_A, result_.choice.best, {}, BranchMatch::kEachOnce);
+           })});
     }
   }
 
@@ -116,6 +118,16 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
   if (!SocFollowsAlpha(result) && !best.structure.free_alpha)
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
+  // What is said of one branch alone has in it what stands for its neighbour too: cells drawn with that would
+  // have the resistance of both.
+  for (NamedCombination& one : drawn) {
+    const auto parameter = FindCellParameter(one.name);
+    if (!parameter || !parameter->kind->of_branch) continue;
+    one.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& in) {
+      return ValueIn(
+          in, one.name, result.logs.typical_A, best, result.Axis(), BranchMatch::kEachOnce);
+    });
+  }
   int t = 0;  // tables stand in the order in which a cell names its resistances
   for (const std::string& name : CellResistanceNames(result.cell))
     nodes.AddResistance(name, *CellResistance(result.cell, name), layout.table(t++), drawn);

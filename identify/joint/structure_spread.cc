@@ -33,9 +33,16 @@ int BranchNear(const std::vector<double>& taus_s, double tau_s) {
 // The halves into which a branch was split are one again. Empty: there is none.
 std::vector<double> SharesIn(const JointSolution& solution,
                              const JointSolution& taken,
-                             std::size_t branch) {
+                             std::size_t branch,
+                             BranchMatch match) {
   const auto& taus_s = solution.rates.time_constant_s;
   const auto& of_taken_s = taken.rates.time_constant_s;
+  if (match == BranchMatch::kEachOnce) {
+    std::vector<double> shares;
+    for (const double tau_s : taus_s)
+      shares.push_back(BranchNear(of_taken_s, tau_s) == static_cast<int>(branch) ? 1.0 : 0.0);
+    return shares;
+  }
   const int nearest = BranchNear(taus_s, of_taken_s[branch]);
   if (nearest < 0) return {};
   const double tau_s = taus_s[static_cast<std::size_t>(nearest)];
@@ -54,7 +61,8 @@ double ValueIn(const JointSolution& solution,
                const std::string& name,
                double typical_A,
                const JointSolution& taken,
-               const FitAxis& axis) {
+               const FitAxis& axis,
+               BranchMatch match) {
   if (solution.x.size() == 0) return kNaN;
   Cell cell;
   cell.diffusion = Cell::Diffusion{};
@@ -83,7 +91,10 @@ double ValueIn(const JointSolution& solution,
   }
   if (const auto known = FindCellParameter(what); known && known->kind->of_branch) {
     if (known->branch >= taken.rates.time_constant_s.size()) return kNaN;
-    const std::vector<double> shares = SharesIn(solution, taken, known->branch);
+    const std::vector<double> shares = SharesIn(solution, taken, known->branch, match);
+    if (match == BranchMatch::kEachOnce &&
+        std::count(shares.begin(), shares.end(), 0.0) == static_cast<std::ptrdiff_t>(shares.size()))
+      return what.starts_with("r_") ? 0.0 : kNaN;
     if (shares.empty()) return kNaN;
     const auto nearest =
         static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());

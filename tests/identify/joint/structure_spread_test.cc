@@ -87,5 +87,26 @@ TEST(StructureSpread, IsTheWeightedSquareAndThatOfHalvedTables) {
   EXPECT_TRUE(SpreadOverStructures(choice, i_0).isZero(0.0));
 }
 
+// Cells are drawn with the resistances of all branches: each branch of another structure stands for one, and their
+// sum is that of the structure. By the nearest alone one branch of 0.05 Ohm would be two.
+TEST(StructureSpread, OfDrawnCellsKeepsTheSumOfResistances) {
+  const JointSolution taken = Solution({0.5}, {21.0, 46.0}, {0.1, 0.001, 0.03}, 0.2);
+  const JointSolution one = Solution({0.5}, {44.0}, {0.1, 0.031}, 0.2);
+  const JointSolution three = Solution({0.5}, {10.0, 15.0, 50.0}, {0.1, 0.002, 0.003, 0.03}, 0.2);
+  const JointSolution none = Solution({0.5}, {}, {0.12}, 0.2);
+  const auto in = [&](const JointSolution& s, const char* name) {
+    return ValueIn(s, name, kTypical_A, taken, {}, BranchMatch::kEachOnce);
+  };
+  EXPECT_EQ(in(one, "r_1"), 0.0);
+  EXPECT_TRUE(std::isnan(in(one, "tau_1")));
+  EXPECT_NEAR(in(one, "r_2"), 0.031, kRoundingOfValues);
+  EXPECT_EQ(in(one, "tau_2"), 44.0);
+  EXPECT_NEAR(in(three, "r_1"), 0.005, kRoundingOfValues);
+  EXPECT_NEAR(in(three, "r_2"), 0.03, kRoundingOfValues);
+  EXPECT_EQ(in(none, "r_1"), 0.0);
+  EXPECT_EQ(in(none, "r_2"), 0.0);
+  EXPECT_NEAR(ValueIn(one, "r_1", kTypical_A, taken), 0.031, kRoundingOfValues);
+}
+
 }  // namespace
 }  // namespace lipoid
