@@ -12,6 +12,7 @@
 #include "identify/fit/cell_of_solution.h"
 #include "identify/joint/joint_request.h"
 #include "identify/joint/predicted_temperature.h"
+#include "identify/joint/structure_spread.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
 #include "model/core/errors.h"
@@ -224,9 +225,33 @@ class JointRun {
     }
     Weigh(result_.logs,
           alpha_C,
-          setup.open_circuit_voltage,
+          CurveOfWeights(alpha_C),
           {.charge_uncertainty = options_.charge_uncertainty,
            .voltage_uncertainty_V = options_.voltage_uncertainty_V});
+  }
+
+  // A row counts by the slope of the curve at its charge. Below what the low-rate log saw the curve of the staged
+  // run goes on straight, and that of the rough fit knows the slope: full weight on a steep curve between few
+  // nodes bends resistances and beta by many of their errors. Of a short end the rough slopes are mostly noise,
+  // and logs of several temperatures need more than a rough fit.
+  [[nodiscard]] OpenCircuitVoltage CurveOfWeights(double alpha_C) const {
+    const OpenCircuitVoltage& curve = result_.setup.open_circuit_voltage;
+    const auto& slow = result_.staged.open_circuit_voltage;
+    constexpr double kMuchUnseen = 0.1;
+    if (curve_given_ || !slow || !rough_curve_) return curve;
+    if (result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K) return curve;
+    const double seen = 1.0 - (1.0 - slow->soc_lo) * result_.staged.alpha_C / alpha_C;
+    const std::vector<double>& soc = curve.soc();
+    if (seen - soc.front() < kMuchUnseen) return curve;
+    std::vector<double> voltage_V = curve.voltage_V();
+    const auto rough = [&](double a) {
+      return (*rough_curve_)(1.0 - (1.0 - a) * alpha_C / rough_alpha_C_);
+    };
+    for (std::size_t k = soc.size() - 1; k-- > 0;) {
+      if (soc[k] < seen)
+        voltage_V[k] = voltage_V[k + 1] - std::max(0.0, rough(soc[k + 1]) - rough(soc[k]));
+    }
+    return OpenCircuitVoltage::Linear(soc, std::move(voltage_V));
   }
 
   // Where the charge of the logs ends.
@@ -275,6 +300,16 @@ class JointRun {
     const JointObservations seen(result_.logs, result_.setup);
     return JointFit(seen, known_)
         .Search(RoughStructure(alpha_C), 1e-3, near.x.size() > 0 ? &near : nullptr);
+  }
+
+  void KeepRoughCurve(double alpha_C) {
+    const std::vector<double>& soc = rough_.structure.voltage_soc;
+    if (rough_.x.size() == 0 || soc.empty()) return;
+    std::vector<double> voltage_V;
+    for (const double a : soc)
+      voltage_V.push_back(OpenCircuitVoltageIn(rough_, result_.setup.open_circuit_voltage, a));
+    rough_curve_ = OpenCircuitVoltage::Linear(soc, std::move(voltage_V));
+    rough_alpha_C_ = alpha_C;
   }
 
   // v_oc(A) is given over the whole charge, or held: alpha is an unknown of the fit itself, what
@@ -329,6 +364,7 @@ class JointRun {
     const double charge_C = alpha_C;
     const auto search = [&] {
       rough_ = RoughFit(alpha_C, rough_);
+      KeepRoughCurve(alpha_C);
       return std::sqrt(std::max(rough_.square, 0.0) / result_.logs.weight_sum);
     };
     for (int pass = 0; pass < 2; ++pass) {
@@ -971,6 +1007,8 @@ class JointRun {
   std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most
   JointSolution rough_;            // of the search for alpha
+  std::optional<OpenCircuitVoltage> rough_curve_;  // its v_oc(A), by an alpha of
+  double rough_alpha_C_ = 0.0;
   JointResult result_;
 };
 
