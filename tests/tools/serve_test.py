@@ -477,13 +477,42 @@ class Bench(unittest.TestCase):
                               "initial-voltage-V", "open-circuit-voltage", "reference", "residuals", "truth",
                               "verbose"},
                  "fly": {"cell", "xi", "waypoints"},
-                 "validate": set()}
+                 "validate": {"set"}}  # it has no settings
         offered = self.serve.json("api/program")["commands"]
         for command, without in other.items():
             text = subprocess.run([LIPOID, command, "--help"], capture_output=True, text=True, check=True).stdout
             options = set(re.findall(r"^  (?:-\w, )?--([\w-]+)", text, re.MULTILINE)) - elsewhere - without
-            names = {option["name"] for option in offered[command]["options"]} - {"set"}
-            self.assertEqual(names, options - {"set"}, command)
+            self.assertEqual({option["name"] for option in offered[command]["options"]}, options, command)
+
+    def test_sets_what_it_shows_and_no_option_that_may_name_a_file(self):
+        offered = self.serve.json("api/program")["commands"]
+        for asked in ({"command": "fly", "maneuver": "hover", "cell": "gifi-600mAh-1"}, {"command": "identify"}):
+            command = asked["command"]
+            settings = [setting["name"] for setting in offered[command]["settings"]]
+            # What the parser knows, by its own words, in the spellings that it takes or once took.
+            said = subprocess.run([LIPOID, command, *(["hover"] if command == "fly" else []), "--set", "?=1"],
+                                  capture_output=True, text=True, check=False).stderr
+            known = re.search(r"Known: (.*)", said)[1].split(", ")
+            self.assertLess(set(settings), set(known), command)
+            others = [name for name in known if name not in settings]
+            self.assertIn("vehicle" if command == "fly" else "reference", others)
+            for name in [*others, *(name.replace("_", "-") for name in others), *(name.upper() for name in others),
+                         *(name[:-1] for name in others), *(f"--{name}" for name in others),
+                         *(f" {name}" for name in others), *(f"{name} " for name in others),
+                         *(f"{settings[0]}.{name}" for name in others), settings[0].upper(), settings[0][:-1], ""]:
+                for value in (f"{name}=/etc/passwd", name):
+                    status, said = self.serve.post("api/jobs", {**asked, "options": [["set", value]]})
+                    self.assertEqual(status, 400, (command, value, said))
+                    self.assertIn("option --set: ", said)
+        self.assertEqual(self.serve.json("api/state")["jobs"], [])
+        status, said = self.serve.post("api/jobs", {
+            "command": "fly", "maneuver": "hover", "cell": "gifi-600mAh-1",
+            "options": [["duration", "1"], *(["set", f"{setting['name']}={setting['default']}"]
+                                             for setting in offered["fly"]["settings"]
+                                             if setting["name"].startswith(("hover.", "simulation.")))]})
+        self.assertEqual(status, 201, said)
+        job = self.serve.done(said["id"])
+        self.assertEqual(job["status"], "done", job)
 
     def test_reads_logs_as_it_is_told(self):
         odd = SCRATCH / "odd.csv"

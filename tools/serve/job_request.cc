@@ -11,6 +11,7 @@
 #include "model/control/gains.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
+#include "model/core/nearest_name.h"
 #include "model/flight/maneuvers/maneuvers.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tools/serve/http_server.h"
@@ -26,7 +27,7 @@ struct Offered {
   std::string_view option;
 };
 
-// None takes a file.
+// None takes a file; of --set that is for CheckSetting() to see to.
 constexpr Offered kOffered[] = {
     {"identify", "method"},
     {"identify", "branches"},
@@ -93,6 +94,20 @@ std::string OneOf(const std::string& what,
         "{}: expected one of {}, found '{}'", what, fmt::join(known, ", "), ForeignText(value)));
   }
   return value;
+}
+
+// By --set the command takes its options as well, files among them: here only what it lists as settings,
+// letter by letter.
+void CheckSetting(const cli::CommandDescription& command, const std::string& assignment) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string::npos) {
+    Refuse(fmt::format("option --set: expected OPTION=VALUE, found '{}'", ForeignText(assignment)));
+  }
+  const std::string name = assignment.substr(0, equals);
+  std::vector<std::string> known;
+  for (const auto& setting : command.settings) known.push_back(setting.name);
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    Refuse("option --set: " + UnknownName("option", ForeignText(name), known));
 }
 
 std::string Text(const Json& value, const std::string& what) {
@@ -176,6 +191,7 @@ JobRequest JobOptions::Read(const Json& asked) const {
     std::string value = Text(pair[1], "--" + name);
     if (const auto shipped = ShippedFor(name); !shipped.empty())
       value = OneOf("option --" + name, value, shipped);
+    if (name == "set") CheckSetting(*command, value);
     request.options.push_back(fmt::format("--{}={}", name, value));
   }
   if (request.command == "fly")

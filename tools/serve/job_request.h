@@ -7,9 +7,9 @@
 ///   {"command": "fly", "maneuver": "square", "cell_of": 3, "options": [["compensate"]]}
 ///   {"command": "validate", "cell_of": 3, "logs": [1, 2], "options": []}
 ///
-/// Only options of a list are taken, and none of these names a file: whoever has the address can make
-/// lipoid read what was dropped on the page, and nothing else. Whether a value is right is for the
-/// command itself to say. Tests: tests/tools/serve_test.py.
+/// Only options of a list are taken, and none of these names a file, nor does what --set may set:
+/// whoever has the address can make lipoid read what was dropped on the page, and nothing else.
+/// Whether a value is right is for the command itself to say. Tests: tests/tools/serve_test.py.
 
 #include <nlohmann/json.hpp>
 #include <optional>
