@@ -468,6 +468,21 @@ class Bench(unittest.TestCase):
                     {"cell": {"name": "x" * 300}}, {"cell": {"name": "\0"}}):
             self.assertIn(self.serve.post("api/change", bad)[0], (400, 404), bad)
 
+    def test_a_change_that_is_refused_changes_nothing(self):
+        (row,) = self.serve.drop(LAB / "cc_1c.csv")["rows"]
+        before = self.serve.json("api/state")
+        good = {"cell": {"series": 3, "capacity_Ah": 9.5}, "reading": {"hold": "forward"},
+                "tests": {row["key"]: {"kind": "pulses"}}}
+        for bad in ({"tests": {"9": {"kind": "pulses"}}}, {"tests": []}, {"tests": {row["key"]: {"kind": "x"}}},
+                    {"tests": {row["key"]: {"kind": "pulses"}, "9": {}}}, {"reading": {"columns": "x"}},
+                    {"reading": {"hold": "forward", "units": 3}}, {"cell": {"series": 3, "parallel": "x"}}):
+            self.assertIn(self.serve.post("api/change", {**good, **bad})[0], (400, 404), bad)
+            self.assertEqual(self.serve.json("api/state"), before, bad)
+        self.assertEqual(self.serve.post("api/change", good)[0], 200)
+        state = self.serve.inspected()
+        self.assertEqual((state["cell"]["series"], state["cell"]["capacity_Ah"]), (3, 9.5))
+        self.assertEqual((state["reading"]["hold"], state["rows"][0]["kind"]), ("forward", "pulses"))
+
     def test_offers_every_option_that_names_no_file(self):
         # What names a file, what the page says elsewhere or gives by itself, and an ideal battery, which is no cell.
         elsewhere = {"help", "output", "report", "latex", "summary", "threads", "quiet", "columns", "units",

@@ -252,27 +252,26 @@ void Workbench::Change(const Json& change) {
   OnlyKeys(change, {"cell", "reading", "tests"});
   {
     const std::lock_guard lock(mutex_);
-    if (change.contains("cell")) {
-      const CellSettings before = cell_;
-      cell_.Change(change["cell"]);
-      // The draft divides by the pack.
-      if (cell_.series != before.series || cell_.parallel != before.parallel) InspectAgain();
-    }
-    if (change.contains("reading")) {
-      reading_.Change(change["reading"]);
-      InspectAgain();
-    }
+    CellSettings cell = cell_;
+    ReadingSettings reading = reading_;
+    auto said = said_;
+    if (change.contains("cell")) cell.Change(change["cell"]);
+    if (change.contains("reading")) reading.Change(change["reading"]);
     if (change.contains("tests")) {
       if (!change["tests"].is_object()) throw HttpError(400, "tests: expected an object");
-      auto changed = said_;
       for (const auto& [key, value] : change["tests"].items()) {
         const bool known = std::any_of(
             rows_.begin(), rows_.end(), [&, k = key](const Row& row) { return row.key == k; });
         if (!known) throw HttpError(404, "tests: there is no such log");
-        changed[key].Change(value);
+        said[key].Change(value);
       }
-      said_ = std::move(changed);
     }
+    // All of it is right; from here on nothing is refused. The draft divides by the pack.
+    const bool other_pack = cell.series != cell_.series || cell.parallel != cell_.parallel;
+    if (other_pack || change.contains("reading")) InspectAgain();
+    cell_ = std::move(cell);
+    reading_ = std::move(reading);
+    said_ = std::move(said);
   }
   wake_.notify_all();
   Changed();

@@ -59,7 +59,7 @@ class Workbench {
   /// What a person changes: {"cell": {"name": ..., "capacity_Ah": ..., "cutoff_V": ..., "series": ...,
   /// "parallel": ...}, "reading": {"columns": ..., "units": ..., "current_sign": ..., "hold": ...},
   /// "tests": {"3": {"kind": "pulses", "initial_soc": 0.9, "ambient_degC": 5}}}; each key may be missing, and
-  /// null is as lipoid finds it.
+  /// null is as lipoid finds it. HttpError where any of it is wrong; then nothing is changed.
   void Change(const Json& change);
 
   /// Starts what JobOptions reads; its number.
