@@ -331,7 +331,10 @@ void Workbench::Inspect(const std::stop_token& stop) {
       inspecting_ = false;
       Changed();
       // Files that come together are looked at together.
-      if (!wake_.wait(lock, stop, [this] { return inspect_again_ && uploads_ == 0; })) return;
+      const bool files_wait =
+          wake_.wait(lock, stop, [this] { return inspect_again_ && uploads_ == 0; });
+      // Files may wait and the server end: what is begun here would be stopped by nobody.
+      if (!files_wait || stop.stop_requested()) return;
       inspect_again_ = false;
       for (const auto& [id, file] : files_) ids.push_back(id);
       if (ids.empty()) {
@@ -358,6 +361,7 @@ void Workbench::Inspect(const std::stop_token& stop) {
       std::vector<int> good;
       for (const int id : ids) {
         const Outcome alone = run(arguments_of({id}), stop_this);
+        if (stop_this.stop_requested()) break;  // it says nothing of the file
         if (alone.ended) {
           good.push_back(id);
           continue;
@@ -369,7 +373,7 @@ void Workbench::Inspect(const std::stop_token& stop) {
         }
       }
       ids = std::move(good);
-      if (!ids.empty()) outcome = run(arguments_of(ids), stop_this);
+      if (!ids.empty() && !stop_this.stop_requested()) outcome = run(arguments_of(ids), stop_this);
     }
     if (stop_this.stop_requested()) continue;
     const std::lock_guard lock(mutex_);

@@ -4,7 +4,7 @@
 /// What lies on the table of a session: the logs that were dropped and what `lipoid inspect` says of
 /// each, the campaign that they make with what a person changed of it, and the jobs. All that the page
 /// shows is here, so that a reload or a second tab shows the same. From any thread. Tests:
-/// tests/tools/serve_test.py.
+/// tests/tools/serve/workbench_test.cc, tests/tools/serve_test.py.
 
 #include <atomic>
 #include <condition_variable>
