@@ -7,6 +7,8 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/file.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
@@ -56,6 +58,15 @@ std::optional<std::map<std::string, std::string, std::less<>>> ParsedQuery(std::
   }
   return query;
 }
+
+// An answer that is being written: its head, and then a text or a file piece by piece.
+struct Outgoing {
+  http::response<http::empty_body> head;
+  std::string text;
+  beast::file file;
+  std::uint64_t left = 0;  // bytes of either
+  bool keep_alive = false;
+};
 
 // One connection: header, body, answer, and again.
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -181,50 +192,68 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Respond(std::move(response), parser_->is_done() && parser_->keep_alive());
   }
 
-  template <class Message>
-  void Send(std::shared_ptr<Message> message, HttpResponse&& response, bool keep_alive) {
-    message->version(11);
-    message->result(static_cast<unsigned>(response.status));
-    message->set(http::field::content_type, response.type);
+  void Respond(HttpResponse&& response, bool keep_alive) {
+    Outgoing& out = outgoing_.emplace();
+    out.keep_alive = keep_alive;
+    if (response.file.empty()) {
+      out.text = std::move(response.body);
+      out.left = out.text.size();
+    } else {
+      Error error;
+      out.file.open(response.file.c_str(), beast::file_mode::scan, error);
+      if (!error) out.left = out.file.size(error);
+      if (error) throw HttpError(404, "this file is not there any more");
+    }
+    auto& head = out.head;
+    head.version(11);
+    head.result(static_cast<unsigned>(response.status));
+    head.set(http::field::content_type, response.type);
     // Whatever is answered: it is not kept, not sniffed, not embedded elsewhere and tells nobody
     // where it came from.
-    message->set(http::field::cache_control, "no-store");
-    message->set("X-Content-Type-Options", "nosniff");
-    message->set("Referrer-Policy", "no-referrer");
-    message->set("Cross-Origin-Opener-Policy", "same-origin");
-    message->set("Cross-Origin-Resource-Policy", "same-origin");
+    head.set(http::field::cache_control, "no-store");
+    head.set("X-Content-Type-Options", "nosniff");
+    head.set("Referrer-Policy", "no-referrer");
+    head.set("Cross-Origin-Opener-Policy", "same-origin");
+    head.set("Cross-Origin-Resource-Policy", "same-origin");
     if (response.type.starts_with("text/plain"))
-      message->set("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
-    for (const auto& [name, value] : response.headers) message->set(name, value);
-    message->keep_alive(keep_alive);
-    message->prepare_payload();
+      head.set("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+    for (const auto& [name, value] : response.headers) head.set(name, value);
+    head.keep_alive(keep_alive);
+    head.content_length(out.left);
     stream_.expires_after(Seconds(limits_.write_s));
-    http::async_write(stream_,
-                      *message,
-                      [self = shared_from_this(), message, keep_alive](Error error, std::size_t) {
-                        if (error) return;
-                        if (keep_alive) {
-                          self->ReadHeader();
-                        } else {
-                          self->Close();
-                        }
-                      });
+    http::async_write(stream_, head, [self = shared_from_this()](Error error, std::size_t) {
+      if (!error) self->WritePiece();
+    });
   }
 
-  void Respond(HttpResponse&& response, bool keep_alive) {
-    if (response.file.empty()) {
-      auto message = std::make_shared<http::response<http::string_body>>();
-      message->body() = std::move(response.body);
-      Send(message, std::move(response), keep_alive);
-      return;
+  // Each piece has a time of its own: how long all of a file takes is for the network to say.
+  void WritePiece() {
+    Outgoing& out = *outgoing_;
+    if (out.left == 0) return Answered();
+    const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(out.left, kPieceBytes));
+    asio::const_buffer piece(out.text.data() + (out.text.size() - out.left), bytes);
+    if (out.file.is_open()) {
+      piece_.resize(bytes);
+      Error error;
+      // Where a file became shorter than was said, closing is all that tells the client.
+      if (out.file.read(piece_.data(), bytes, error) != bytes || error) return;
+      piece = asio::const_buffer(piece_.data(), bytes);
     }
-    Error error;
-    http::file_body::value_type file;
-    file.open(response.file.c_str(), beast::file_mode::scan, error);
-    if (error) throw HttpError(404, "this file is not there any more");
-    auto message = std::make_shared<http::response<http::file_body>>();
-    message->body() = std::move(file);
-    Send(message, std::move(response), keep_alive);
+    out.left -= bytes;
+    stream_.expires_after(Seconds(limits_.write_s));
+    asio::async_write(stream_, piece, [self = shared_from_this()](Error error, std::size_t) {
+      if (!error) self->WritePiece();
+    });
+  }
+
+  void Answered() {
+    const bool keep_alive = outgoing_->keep_alive;
+    outgoing_.reset();
+    if (keep_alive) {
+      ReadHeader();
+    } else {
+      Close();
+    }
   }
 
   void Close() {
@@ -248,6 +277,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::buffer_body>> parser_;
   std::unique_ptr<BodySink> sink_;
+  std::optional<Outgoing> outgoing_;
   std::string piece_;
   std::size_t forgotten_bytes_ = 0;
   const HttpServer::Handler& handler_;

@@ -2,8 +2,9 @@
 
 /// @file
 /// A small HTTP/1.1 server over Boost.Beast, which parses and writes messages. What a client may take
-/// is bounded: bytes of a header, seconds for a header and for each piece of a body, connections. A
-/// body is never held in memory by the server: it is handed on piece by piece. Tests:
+/// is bounded: bytes of a header, seconds for a header and for each piece of a body that it sends or
+/// reads, connections. Neither what it sends nor a file that it reads is ever held in memory by the
+/// server: it is handed on piece by piece. Tests: tests/tools/serve/http_server_test.cc,
 /// tests/tools/serve_test.py.
 
 #include <cstddef>
@@ -66,9 +67,9 @@ class HttpServer {
   struct Limits {
     std::size_t header_bytes = 16 << 10;
     std::size_t connections = 64;
-    double idle_s = 20.0;  ///< from the last answer until the next header is there
-    double body_s = 20.0;  ///< for each piece of a body
-    double write_s = 120.0;
+    double idle_s = 20.0;    ///< from the last answer until the next header is there
+    double body_s = 20.0;    ///< for each piece of a body
+    double write_s = 120.0;  ///< for each piece of an answer
   };
   /// An answer at once, or who takes the body and answers then. May throw HttpError.
   using Answer = std::variant<HttpResponse, std::unique_ptr<BodySink>>;
