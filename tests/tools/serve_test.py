@@ -224,6 +224,15 @@ class Guarded(unittest.TestCase):
         self.assertEqual(self.status("DELETE", "api/jobs/7", headers=CHANGES), 404)
         self.assertEqual(self.status("POST", "api/jobs/7/cancel", headers=CHANGES), 404)
 
+    def test_answers_head_without_a_body(self):
+        for path in (f"/{self.serve.key}/api/state", "/", f"/{self.serve.key}/nothing"):
+            first = f"HEAD {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"
+            second = f"GET /{self.serve.key}/api/program HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
+            head, _, rest = self.serve.raw((first + second).encode()).partition(b"\r\n\r\n")
+            self.assertRegex(head, rb"^HTTP/1\.1 40[35] ")
+            self.assertTrue(rest.startswith(b"HTTP/1.1 200 OK\r\n"), rest[:200])
+            json.loads(rest.partition(b"\r\n\r\n")[2])
+
     def test_refuses_what_is_no_http(self):
         line = f"GET /{self.serve.key}/api/state HTTP/1.1\r\nHost: localhost\r\n".encode()
         for sent in (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(200), b"GET\r\n\r\n", b"nonsense\r\n\r\n",

@@ -220,6 +220,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     for (const auto& [name, value] : response.headers) head.set(name, value);
     head.keep_alive(keep_alive);
     head.content_length(out.left);
+    // A client that asks for the head takes whatever follows it for the next answer.
+    if (parser_->get().method() == http::verb::head) out.left = 0;
     stream_.expires_after(Seconds(limits_.write_s));
     http::async_write(stream_, head, [self = shared_from_this()](Error error, std::size_t) {
       if (!error) self->WritePiece();

@@ -115,6 +115,25 @@ TEST(HttpServer, ClosesOnAClientThatReadsNothing) {
   EXPECT_LT(client.Read().size(), kFileBytes);
 }
 
+TEST(HttpServer, AnswersHeadByTheHeaderAlone) {
+  const Served served(20.0);
+  for (const std::string path : {"/", "/file", "/nothing"}) {
+    Client alone(served);
+    alone.Ask("GET", path, true);
+    const std::string head = Parts(alone.Read()).first;
+    // What is asked next on the same connection is answered next.
+    Client client(served);
+    client.Ask("HEAD", path);
+    client.Ask("GET", "/", true);
+    const auto [first, rest] = Parts(client.Read());
+    const auto closing = head.find("Connection: close\r\n");
+    ASSERT_NE(closing, std::string::npos) << head;
+    EXPECT_EQ(first, std::string(head).erase(closing, 19)) << path;
+    EXPECT_TRUE(rest.starts_with("HTTP/1.1 200 OK\r\n")) << path << rest.substr(0, 100);
+    EXPECT_EQ(Parts(rest).second, "answer") << path;
+  }
+}
+
 TEST(HttpServer, AnswersSeveralRequestsOfAConnection) {
   const Served served(20.0);
   Client client(served);
