@@ -4,13 +4,6 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kSignature[] = {"~time", "u", "i", "line|command|dataset"};
-constexpr std::string_view kTime[] = {"~time"};
-constexpr std::string_view kCurrent[] = {"i"};
-constexpr std::string_view kVoltage[] = {"u"};
-constexpr std::string_view kTemperature[] = {"t1"};
-constexpr std::string_view kStep[] = {"line"};
-constexpr std::string_view kCycle[] = {"cyc_count"};
-constexpr std::string_view kState[] = {"command"};
 
 }  // namespace
 
@@ -18,13 +11,13 @@ constinit const Layout kBasytec{
     .name = "basytec",
     .summary = "Basytec text: lines that start with ~, then ~Time[s] or [h], Command, U[V], I[A]",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep},
-                 ColumnNames{.names = kCycle},
-                 ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = "~time", .in_order = true},
+                 ColumnNames{.names = "i", .in_order = true},
+                 ColumnNames{.names = "u", .in_order = true},
+                 ColumnNames{.names = "t1", .in_order = true},
+                 ColumnNames{.names = "line"},
+                 ColumnNames{.names = "cyc_count"},
+                 ColumnNames{.names = "command"}}},
 };
 
 }  // namespace lipoid

@@ -8,13 +8,6 @@ constexpr std::string_view kSignature[] = {
     "_s|test_time_/_min|test_time_/_h|test_time_/_ms",
     "current_ampere|current_milliampere|current_/_a|current_/_ma",
     "voltage_volt|voltage_millivolt|voltage_/_v|voltage_/_mv"};
-constexpr std::string_view kTime[] = {"test_time"};
-constexpr std::string_view kCurrent[] = {"current"};
-constexpr std::string_view kVoltage[] = {"voltage"};
-constexpr std::string_view kTemperature[] = {"temperature_t1", "surface_temperature_t1"};
-constexpr std::string_view kStep[] = {"step_id", "step_index", "step_count"};
-constexpr std::string_view kCycle[] = {"cycle_count"};
-constexpr std::string_view kState[] = {"step_type"};
 
 }  // namespace
 
@@ -24,13 +17,13 @@ constinit const Layout kBdf{
         "Battery Data Format: Test Time / s, Current / A, Voltage / V or test_time_second, "
         "current_ampere, ...",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep, .in_order = true},
-                 ColumnNames{.names = kCycle},
-                 ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = "test_time", .in_order = true},
+                 ColumnNames{.names = "current", .in_order = true},
+                 ColumnNames{.names = "voltage", .in_order = true},
+                 ColumnNames{.names = "temperature_t1|surface_temperature_t1", .in_order = true},
+                 ColumnNames{.names = "step_id|step_index|step_count", .in_order = true},
+                 ColumnNames{.names = "cycle_count"},
+                 ColumnNames{.names = "step_type"}}},
 };
 
 }  // namespace lipoid

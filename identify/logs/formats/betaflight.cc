@@ -4,9 +4,6 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kSignature[] = {"loopiteration", "time", "vbatlatest"};
-constexpr std::string_view kTime[] = {"time"};
-constexpr std::string_view kCurrent[] = {"amperagelatest"};
-constexpr std::string_view kVoltage[] = {"vbatlatest"};
 
 }  // namespace
 
@@ -14,9 +11,9 @@ constinit const Layout kBetaflight{
     .name = "betaflight",
     .summary = "Betaflight blackbox, decoded to CSV: time (us), vbatLatest (V), amperageLatest (A)",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime},
-                 ColumnNames{.names = kCurrent},
-                 ColumnNames{.names = kVoltage},
+    .columns = {{ColumnNames{.names = "time"},
+                 ColumnNames{.names = "amperagelatest"},
+                 ColumnNames{.names = "vbatlatest"},
                  ColumnNames{},
                  ColumnNames{},
                  ColumnNames{},

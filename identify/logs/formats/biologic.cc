@@ -4,12 +4,6 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kSignature[] = {"time/s", "ecell/v|ewe/v|<ewe>/v|<ecell>/v|ewe-ece/v"};
-constexpr std::string_view kTime[] = {"time"};
-constexpr std::string_view kCurrent[] = {"i", "<i>"};
-constexpr std::string_view kVoltage[] = {"ecell", "ewe-ece", "ewe", "<ecell>", "<ewe>"};
-constexpr std::string_view kTemperature[] = {"temperature"};
-constexpr std::string_view kStep[] = {"ns"};
-constexpr std::string_view kCycle[] = {"cycle_number"};
 
 }  // namespace
 
@@ -17,12 +11,12 @@ constinit const Layout kBiologic{
     .name = "biologic",
     .summary = "BioLogic EC-Lab and BT-Lab text export: time/s, Ecell/V or Ewe/V, I/mA",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep},
-                 ColumnNames{.names = kCycle},
+    .columns = {{ColumnNames{.names = "time", .in_order = true},
+                 ColumnNames{.names = "i|<i>", .in_order = true},
+                 ColumnNames{.names = "ecell|ewe-ece|ewe|<ecell>|<ewe>", .in_order = true},
+                 ColumnNames{.names = "temperature", .in_order = true},
+                 ColumnNames{.names = "ns"},
+                 ColumnNames{.names = "cycle_number"},
                  ColumnNames{}}},
     .date_order = DateOrder::kMonthFirst,
 };

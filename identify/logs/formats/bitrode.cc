@@ -25,12 +25,6 @@ bool IsRow(std::span<const TextCell> cells) {
 
 constexpr std::string_view kSignature[] = {
     "loop", "step", "steptime", "current", "voltage", "mode"};
-constexpr std::string_view kTime[] = {"time"};
-constexpr std::string_view kCurrent[] = {"current"};
-constexpr std::string_view kVoltage[] = {"voltage"};
-constexpr std::string_view kStep[] = {"step"};
-constexpr std::string_view kCycle[] = {"cycle"};
-constexpr std::string_view kState[] = {"mode"};
 
 }  // namespace
 
@@ -40,13 +34,13 @@ constinit const Layout kBitrode{
         "Bitrode CSV: Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,...,Mode,Data, or the same without "
         "a header",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
+    .columns = {{ColumnNames{.names = "time", .in_order = true},
+                 ColumnNames{.names = "current", .in_order = true},
+                 ColumnNames{.names = "voltage", .in_order = true},
                  ColumnNames{},
-                 ColumnNames{.names = kStep},
-                 ColumnNames{.names = kCycle},
-                 ColumnNames{.names = kState}}},
+                 ColumnNames{.names = "step"},
+                 ColumnNames{.names = "cycle"},
+                 ColumnNames{.names = "mode"}}},
     .implied_header = kHeader,
     .is_row = &IsRow,
 };

@@ -7,13 +7,6 @@ constexpr std::string_view kSignature[] = {"prog_time|program_duration|progtime"
                                            "status",
                                            "step_time|step_duration|steptime",
                                            "procedure|cycle_level"};
-constexpr std::string_view kTime[] = {"prog_time", "program_duration", "progtime"};
-constexpr std::string_view kCurrent[] = {"current"};
-constexpr std::string_view kVoltage[] = {"voltage"};
-constexpr std::string_view kTemperature[] = {"temperature", "t1", "logtemp001"};
-constexpr std::string_view kStep[] = {"step"};
-constexpr std::string_view kCycle[] = {"cycle"};
-constexpr std::string_view kState[] = {"status"};
 
 }  // namespace
 
@@ -23,13 +16,13 @@ constinit const Layout kDigatron{
         "Digatron CSV: Prog Time, Step, Status, Voltage, Current over a line of units, or "
         "Current#A and Voltage#V",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep},
-                 ColumnNames{.names = kCycle},
-                 ColumnNames{.names = kState}}},
+    .columns = {{ColumnNames{.names = "prog_time|program_duration|progtime", .in_order = true},
+                 ColumnNames{.names = "current", .in_order = true},
+                 ColumnNames{.names = "voltage", .in_order = true},
+                 ColumnNames{.names = "temperature|t1|logtemp001", .in_order = true},
+                 ColumnNames{.names = "step"},
+                 ColumnNames{.names = "cycle"},
+                 ColumnNames{.names = "status"}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

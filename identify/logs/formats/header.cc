@@ -86,28 +86,35 @@ HeaderName ParseHeaderName(const TextCell& cell) {
   return header;
 }
 
+std::size_t RankIn(std::string_view alternatives, std::string_view name) {
+  if (name.empty()) return alternatives.npos;
+  for (std::size_t rank = 0; !alternatives.empty(); ++rank) {
+    const auto bar = std::min(alternatives.find('|'), alternatives.size());
+    if (alternatives.substr(0, bar) == name) return rank;
+    alternatives.remove_prefix(std::min(bar + 1, alternatives.size()));
+  }
+  return alternatives.npos;
+}
+
 namespace {
 
 std::vector<HeaderMatch> FindNamed(std::span<const HeaderName> header,
                                    Quantity quantity,
-                                   std::span<const std::string_view> names) {
+                                   std::string_view names) {
   std::vector<HeaderMatch> right;
   std::vector<HeaderMatch> wrong;
   const bool has_unit = !UsualUnits(quantity).empty();
   for (std::size_t field = 0; field < header.size(); ++field) {
     const HeaderName& column = header[field];
-    const auto rank_of = [&](const std::string& name) {
-      return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    };
-    HeaderMatch match{.field = field, .rank = rank_of(column.name), .unit = column.unit};
-    if (match.rank < names.size()) {
+    HeaderMatch match{.field = field, .rank = RankIn(names, column.name), .unit = column.unit};
+    if (match.rank != names.npos) {
       if (match.unit.empty() && has_unit && FindUnit(quantity, column.name))
         match.unit = column.name;  // Amps
     } else if (has_unit && !column.stem.empty()) {
-      match.rank = rank_of(column.stem);
+      match.rank = RankIn(names, column.stem);
       match.unit = column.suffix;
     }
-    if (match.rank == names.size()) continue;
+    if (match.rank == names.npos) continue;
     match.unit_is_wrong = has_unit && !match.unit.empty() && !FindUnit(quantity, match.unit);
     (match.unit_is_wrong ? wrong : right).push_back(std::move(match));
   }
@@ -125,17 +132,12 @@ std::vector<HeaderMatch> FindColumns(std::span<const HeaderName> header,
 
 bool Matches(std::span<const HeaderName> header, std::span<const std::string_view> signature) {
   return std::all_of(signature.begin(), signature.end(), [&](std::string_view alternatives) {
-    while (true) {
-      const auto bar = alternatives.find('|');
-      const std::string_view wanted = alternatives.substr(0, bar);
-      const bool found = std::any_of(header.begin(), header.end(), [&](const HeaderName& column) {
-        return column.name == wanted || column.whole == wanted ||
-               (!column.stem.empty() && column.stem == wanted);
-      });
-      if (found) return true;
-      if (bar == std::string_view::npos) return false;
-      alternatives.remove_prefix(bar + 1);
-    }
+    const auto holds = [&](std::string_view name) {
+      return RankIn(alternatives, name) != alternatives.npos;
+    };
+    return std::any_of(header.begin(), header.end(), [&](const HeaderName& column) {
+      return holds(column.name) || holds(column.whole) || holds(column.stem);
+    });
   });
 }
 

@@ -32,6 +32,9 @@ struct HeaderName {
 
 [[nodiscard]] HeaderName ParseHeaderName(const TextCell& cell);
 
+/// Place of a name among alternatives, "a|b"; npos where it is none of them, or "".
+[[nodiscard]] std::size_t RankIn(std::string_view alternatives, std::string_view name);
+
 /// One column that goes by one of the names of a quantity.
 struct HeaderMatch {
   std::size_t field = 0;

@@ -20,9 +20,9 @@ namespace lipoid {
 
 /// Names of one column in lower case, blanks as '_', without the unit.
 struct ColumnNames {
-  std::span<const std::string_view> names = {};
+  std::string_view names = {};  ///< "a|b"
   /// Taken only where none of `names` is found: a column "Strom" beside "I / mA" is none of ours.
-  std::span<const std::string_view> otherwise = {};
+  std::string_view otherwise = {};
   /// The first name found in the order of the list is taken; otherwise two matches are an error.
   bool in_order = false;
   /// The unit that the format is known to mean where its header states none; "" where the header

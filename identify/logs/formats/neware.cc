@@ -3,18 +3,10 @@
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kStepClock[] = {"time", "step_time"};
 constexpr std::string_view kCycleLevel[] = {"cycle_index|cycle_id"};
 constexpr std::string_view kStepLevel[] = {"step_index|step_id|step_number", "step_type"};
 constexpr std::span<const std::string_view> kLevels[] = {kCycleLevel, kStepLevel};
 constexpr std::string_view kSignature[] = {"datapoint|record_number", "current", "voltage"};
-constexpr std::string_view kTime[] = {"total_time", "cumulative_time"};
-constexpr std::string_view kCurrent[] = {"current"};
-constexpr std::string_view kVoltage[] = {"voltage"};
-constexpr std::string_view kTemperature[] = {"t1"};
-constexpr std::string_view kStep[] = {"step_index", "step_number", "step_id"};
-constexpr std::string_view kCycle[] = {"cycle_index", "cycle_id"};
-constexpr std::string_view kState[] = {"step_type"};
 
 }  // namespace
 
@@ -24,14 +16,14 @@ constinit const Layout kNeware{
         "Neware BTSDA CSV, flat or in three levels: DataPoint, Step Type, Time, Total Time, "
         "Current(A), Voltage(V)",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep, .in_order = true},
-                 ColumnNames{.names = kCycle, .in_order = true},
-                 ColumnNames{.names = kState}}},
-    .step_clock = {.names = kStepClock, .in_order = true},
+    .columns = {{ColumnNames{.names = "total_time|cumulative_time", .in_order = true},
+                 ColumnNames{.names = "current", .in_order = true},
+                 ColumnNames{.names = "voltage", .in_order = true},
+                 ColumnNames{.names = "t1", .in_order = true},
+                 ColumnNames{.names = "step_index|step_number|step_id", .in_order = true},
+                 ColumnNames{.names = "cycle_index|cycle_id", .in_order = true},
+                 ColumnNames{.names = "step_type"}}},
+    .step_clock = {.names = "time|step_time", .in_order = true},
     .level_signatures = kLevels,
 };
 

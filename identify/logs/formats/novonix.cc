@@ -5,12 +5,6 @@ namespace {
 
 constexpr std::string_view kSignature[] = {
     "run_time", "step_time", "potential", "circuit_temperature|step_position"};
-constexpr std::string_view kTime[] = {"run_time"};
-constexpr std::string_view kCurrent[] = {"current"};
-constexpr std::string_view kVoltage[] = {"potential"};
-constexpr std::string_view kTemperature[] = {"temperature"};
-constexpr std::string_view kStep[] = {"step_number"};
-constexpr std::string_view kCycle[] = {"cycle_number"};
 
 }  // namespace
 
@@ -19,12 +13,12 @@ constinit const Layout kNovonix{
     .summary =
         "Novonix UHPC CSV: [Summary] ... [Data], then Run Time (h), Current (A), Potential (V)",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime, .in_order = true},
-                 ColumnNames{.names = kCurrent, .in_order = true},
-                 ColumnNames{.names = kVoltage, .in_order = true},
-                 ColumnNames{.names = kTemperature, .in_order = true},
-                 ColumnNames{.names = kStep},
-                 ColumnNames{.names = kCycle},
+    .columns = {{ColumnNames{.names = "run_time", .in_order = true},
+                 ColumnNames{.names = "current", .in_order = true},
+                 ColumnNames{.names = "potential", .in_order = true},
+                 ColumnNames{.names = "temperature", .in_order = true},
+                 ColumnNames{.names = "step_number"},
+                 ColumnNames{.names = "cycle_number"},
                  ColumnNames{}}},
 };
 

@@ -1,153 +1,52 @@
 #include "identify/logs/formats/plain_csv.h"
 
 namespace lipoid {
-namespace {
 
-constexpr std::string_view kDate[] = {
-    "timestamp", "time_stamp", "datetime", "date_time", "date", "unix_time", "epoch"};
-// The Chinese ones are of the whole test: the plain word for time beside them is that of the step.
-constexpr std::string_view kTime[] = {"time",          "t",
-                                      "test_time",     "testtime",
-                                      "elapsed",       "elapsed_time",
-                                      "time_elapsed",  "total_time",
-                                      "run_time",      "runtime",
-                                      "prog_time",     "cumulative_time",
-                                      "relative_time", "experiment_time",
-                                      "seconds",       "minutes",
-                                      "hours",         "总时间",
-                                      "测试时间",      "运行时间",
-                                      "累计时间"};
-constexpr std::string_view kCurrent[] = {"current",
-                                         "i",
-                                         "amps",
-                                         "amp",
-                                         "ampere",
-                                         "amperes",
-                                         "mamps",
-                                         "milliamps",
-                                         "curr",
-                                         "cell_current",
-                                         "battery_current",
-                                         "pack_current",
-                                         "measured_current",
-                                         "current_measured",
-                                         "i_cell",
-                                         "i_b",
-                                         "i_bat",
-                                         "i_batt",
-                                         "ibat",
-                                         "i_battery"};
-constexpr std::string_view kVoltage[] = {"voltage",
-                                         "v",
-                                         "u",
-                                         "e",
-                                         "volt",
-                                         "volts",
-                                         "potential",
-                                         "cell_voltage",
-                                         "battery_voltage",
-                                         "pack_voltage",
-                                         "terminal_voltage",
-                                         "measured_voltage",
-                                         "voltage_measured",
-                                         "ecell",
-                                         "ewe",
-                                         "v_cell",
-                                         "u_cell",
-                                         "v_b",
-                                         "v_bat",
-                                         "v_batt",
-                                         "vbat",
-                                         "v_battery",
-                                         "u_bat"};
-constexpr std::string_view kTemperature[] = {"temperature",
-                                             "temp",
-                                             "cell_temperature",
-                                             "temperature_cell",
-                                             "t_cell",
-                                             "battery_temperature",
-                                             "battery_temp"};
-constexpr std::string_view kStep[] = {"step", "step_index", "step_number", "step_id"};
-constexpr std::string_view kCycle[] = {"cycle", "cycle_index", "cycle_number", "cycle_count"};
-constexpr std::string_view kState[] = {"state", "status", "mode", "md", "step_type", "step_name"};
-
-// German, French, Spanish, Italian and Chinese; accents are folded before names are compared.
-constexpr std::string_view kDateElsewhere[] = {
-    "datum", "zeitstempel", "fecha", "horodatage", "日期", "系统时间", "绝对时间"};
-constexpr std::string_view kTimeElsewhere[] = {"zeit",
-                                               "testzeit",
-                                               "pruefzeit",
-                                               "prufzeit",
-                                               "laufzeit",
-                                               "messzeit",
-                                               "gesamtzeit",
-                                               "temps",
-                                               "temps_ecoule",
-                                               "duree",
-                                               "tiempo",
-                                               "tiempo_total",
-                                               "tempo",
-                                               "时间"};
-constexpr std::string_view kCurrentElsewhere[] = {"strom",
-                                                  "zellstrom",
-                                                  "batteriestrom",
-                                                  "akkustrom",
-                                                  "stromstarke",
-                                                  "stromstaerke",
-                                                  "courant",
-                                                  "courant_batterie",
-                                                  "intensite",
-                                                  "corriente",
-                                                  "corriente_bateria",
-                                                  "intensidad",
-                                                  "corrente",
-                                                  "电流",
-                                                  "电池电流",
-                                                  "充放电电流"};
-constexpr std::string_view kVoltageElsewhere[] = {"spannung",
-                                                  "zellspannung",
-                                                  "batteriespannung",
-                                                  "akkuspannung",
-                                                  "klemmenspannung",
-                                                  "tension",
-                                                  "tension_cellule",
-                                                  "tension_batterie",
-                                                  "tension_bateria",
-                                                  "voltaje",
-                                                  "voltaje_bateria",
-                                                  "voltaje_celda",
-                                                  "tensione",
-                                                  "电压",
-                                                  "电池电压",
-                                                  "单体电压"};
-constexpr std::string_view kTemperatureElsewhere[] = {"temperatur",
-                                                      "zelltemperatur",
-                                                      "temperatura",
-                                                      "temperatura_celda",
-                                                      "temperature_cellule",
-                                                      "温度",
-                                                      "电池温度"};
-constexpr std::string_view kStepElsewhere[] = {
-    "schritt", "schrittnummer", "etape", "paso", "工步", "工步号", "工步序号"};
-constexpr std::string_view kCycleElsewhere[] = {
-    "zyklus", "zyklusnummer", "ciclo", "循环", "循环号", "循环序号"};
-constexpr std::string_view kStateElsewhere[] = {
-    "zustand", "etat", "estado", "状态", "工步类型", "工步名称"};
-
-}  // namespace
-
+// `otherwise`: German, French, Spanish, Italian and Chinese; accents are folded before names are
+// compared.
 constinit const Layout kPlainCsv{
     .name = "plain-csv",
     .summary =
         "time_s,current_A,voltage_V under any usual names and units, any of , ; TAB between them",
-    .columns = {{ColumnNames{.names = kTime, .otherwise = kTimeElsewhere},
-                 ColumnNames{.names = kCurrent, .otherwise = kCurrentElsewhere},
-                 ColumnNames{.names = kVoltage, .otherwise = kVoltageElsewhere},
-                 ColumnNames{.names = kTemperature, .otherwise = kTemperatureElsewhere},
-                 ColumnNames{.names = kStep, .otherwise = kStepElsewhere},
-                 ColumnNames{.names = kCycle, .otherwise = kCycleElsewhere},
-                 ColumnNames{.names = kState, .otherwise = kStateElsewhere}}},
-    .date = {.names = kDate, .otherwise = kDateElsewhere, .in_order = true},
+    .columns =
+        {{ColumnNames{
+              .names = "time|t|test_time|testtime|elapsed|elapsed_time|time_elapsed|total_time|"
+                       "run_time|runtime|prog_time|cumulative_time|relative_time|experiment_time|"
+                       "seconds|minutes|hours|总时间|测试时间|运行时间|累计时间",
+              // Chinese ones above are of the whole test: the plain word below is that of the step.
+              .otherwise = "zeit|testzeit|pruefzeit|prufzeit|laufzeit|messzeit|gesamtzeit|temps|"
+                           "temps_ecoule|duree|tiempo|tiempo_total|tempo|时间"},
+          ColumnNames{
+              .names = "current|i|amps|amp|ampere|amperes|mamps|milliamps|curr|cell_current|"
+                       "battery_current|pack_current|measured_current|current_measured|i_cell|i_b|"
+                       "i_bat|i_batt|ibat|i_battery",
+              .otherwise =
+                  "strom|zellstrom|batteriestrom|akkustrom|stromstarke|stromstaerke|courant|"
+                  "courant_batterie|intensite|corriente|corriente_bateria|intensidad|corrente|"
+                  "电流|电池电流|充放电电流"},
+          ColumnNames{
+              .names = "voltage|v|u|e|volt|volts|potential|cell_voltage|battery_voltage|"
+                       "pack_voltage|terminal_voltage|measured_voltage|voltage_measured|ecell|ewe|"
+                       "v_cell|u_cell|v_b|v_bat|v_batt|vbat|v_battery|u_bat",
+              .otherwise =
+                  "spannung|zellspannung|batteriespannung|akkuspannung|klemmenspannung|tension|"
+                  "tension_cellule|tension_batterie|tension_bateria|voltaje|voltaje_bateria|"
+                  "voltaje_celda|tensione|电压|电池电压|单体电压"},
+          ColumnNames{
+              .names = "temperature|temp|cell_temperature|temperature_cell|t_cell|"
+                       "battery_temperature|battery_temp",
+              .otherwise =
+                  "temperatur|zelltemperatur|temperatura|temperatura_celda|temperature_cellule|"
+                  "温度|电池温度"},
+          ColumnNames{.names = "step|step_index|step_number|step_id",
+                      .otherwise = "schritt|schrittnummer|etape|paso|工步|工步号|工步序号"},
+          ColumnNames{.names = "cycle|cycle_index|cycle_number|cycle_count",
+                      .otherwise = "zyklus|zyklusnummer|ciclo|循环|循环号|循环序号"},
+          ColumnNames{.names = "state|status|mode|md|step_type|step_name",
+                      .otherwise = "zustand|etat|estado|状态|工步类型|工步名称"}}},
+    .date = {.names = "timestamp|time_stamp|datetime|date_time|date|unix_time|epoch",
+             .otherwise = "datum|zeitstempel|fecha|horodatage|日期|系统时间|绝对时间",
+             .in_order = true},
     .date_order = DateOrder::kYearFirst,
     .comments = true,
 };

@@ -4,9 +4,6 @@ namespace lipoid {
 namespace {
 
 constexpr std::string_view kSignature[] = {"time_s", "x_m", "battery_v", "battery_a"};
-constexpr std::string_view kTime[] = {"time"};
-// The unit tells the current from the voltage.
-constexpr std::string_view kBattery[] = {"battery"};
 
 }  // namespace
 
@@ -14,9 +11,9 @@ constinit const Layout kSimulatedFlight{
     .name = "simulated-flight",
     .summary = "a flight of `lipoid fly`: time_s, x_m, ..., battery_V, battery_A",
     .signature = kSignature,
-    .columns = {{ColumnNames{.names = kTime},
-                 ColumnNames{.names = kBattery},
-                 ColumnNames{.names = kBattery},
+    .columns = {{ColumnNames{.names = "time"},
+                 ColumnNames{.names = "battery"},  // the unit tells it from the voltage
+                 ColumnNames{.names = "battery"},
                  ColumnNames{},
                  ColumnNames{},
                  ColumnNames{},
