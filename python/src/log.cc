@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "identify/logs/formats/header.h"
-#include "identify/logs/formats/plain_csv.h"
+#include "identify/logs/formats/layout.h"
 #include "identify/logs/formats/quantity.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"

@@ -1,9 +1,12 @@
-#include "identify/logs/formats/arbin.h"
+// Arbin MITS Pro and its databases, as CSV: Data_Point, Test_Time(s), ..., Current(A), Voltage(V),
+// with blanks or underscores, with or without units (then s, A and V). Charging is positive.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {
+constexpr std::string_view kArbinSignature[] = {
     "data_point", "test_time", "step_index|step_id", "current", "voltage"};
 
 }  // namespace
@@ -11,7 +14,7 @@ constexpr std::string_view kSignature[] = {
 constinit const Layout kArbin{
     .name = "arbin",
     .summary = "Arbin MITS Pro CSV: Data_Point, Test_Time(s), Step_Index, Current(A), Voltage(V)",
-    .signature = kSignature,
+    .signature = kArbinSignature,
     .columns = {{ColumnNames{.names = "test_time", .in_order = true, .known_unit = "s"},
                  ColumnNames{.names = "current", .in_order = true, .known_unit = "A"},
                  ColumnNames{.names = "voltage", .in_order = true, .known_unit = "V"},

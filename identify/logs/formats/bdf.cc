@@ -1,9 +1,13 @@
-#include "identify/logs/formats/bdf.h"
+// Battery Data Format, a CSV with the names Test Time / s, Voltage / V, Current / A, or their
+// machine-readable twins test_time_second, voltage_volt, current_ampere. Its rule is that charging
+// is positive; the sign is found from the data all the same, because real files break it.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {
+constexpr std::string_view kBatteryDataFormatSignature[] = {
     "test_time_second|test_time_minute|test_time_hour|test_time_millisecond|test_time_/"
     "_s|test_time_/_min|test_time_/_h|test_time_/_ms",
     "current_ampere|current_milliampere|current_/_a|current_/_ma",
@@ -11,12 +15,12 @@ constexpr std::string_view kSignature[] = {
 
 }  // namespace
 
-constinit const Layout kBdf{
+constinit const Layout kBatteryDataFormat{
     .name = "bdf",
     .summary =
         "Battery Data Format: Test Time / s, Current / A, Voltage / V or test_time_second, "
         "current_ampere, ...",
-    .signature = kSignature,
+    .signature = kBatteryDataFormatSignature,
     .columns = {{ColumnNames{.names = "test_time", .in_order = true},
                  ColumnNames{.names = "current", .in_order = true},
                  ColumnNames{.names = "voltage", .in_order = true},

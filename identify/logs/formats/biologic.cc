@@ -1,16 +1,21 @@
-#include "identify/logs/formats/biologic.h"
+// BioLogic EC-Lab and BT-Lab text (.mpt, .txt): "Nb header lines : N", then time/s, Ecell/V, I/mA
+// and many more; or without that preamble; or as derived CSV with semicolons. time/s may hold
+// dates.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {"time/s", "ecell/v|ewe/v|<ewe>/v|<ecell>/v|ewe-ece/v"};
+constexpr std::string_view kBiologicSignature[] = {"time/s",
+                                                   "ecell/v|ewe/v|<ewe>/v|<ecell>/v|ewe-ece/v"};
 
 }  // namespace
 
 constinit const Layout kBiologic{
     .name = "biologic",
     .summary = "BioLogic EC-Lab and BT-Lab text export: time/s, Ecell/V or Ewe/V, I/mA",
-    .signature = kSignature,
+    .signature = kBiologicSignature,
     .columns = {{ColumnNames{.names = "time", .in_order = true},
                  ColumnNames{.names = "i|<i>", .in_order = true},
                  ColumnNames{.names = "ecell|ewe-ece|ewe|<ecell>|<ewe>", .in_order = true},

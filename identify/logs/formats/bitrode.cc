@@ -1,15 +1,18 @@
-#include "identify/logs/formats/bitrode.h"
+// Bitrode CSV: Exclude, Time(s), Cycle, Loop (three times), Step, ..., Current(A), Voltage(V),
+// ..., Mode, Data; some programs leave the header out. Discharging is negative.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kHeader =
+constexpr std::string_view kBitrodeHeader =
     "Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,StepTime(s),Current(A),Voltage(V),Power(W),Capacity("
     "Ah),"
     "Energy(Wh),Mode,Data,";
 
 // No,1.0,1,1,1,1,3,1.0,0.00,3.147,0.0,0.00,0.00,REST, ,
-bool IsRow(std::span<const TextCell> cells) {
+bool IsBitrodeRow(std::span<const TextCell> cells) {
   constexpr std::size_t kFields = 15;
   if (cells.size() != kFields && !(cells.size() == kFields + 1 && cells.back().text.empty()))
     return false;
@@ -23,7 +26,7 @@ bool IsRow(std::span<const TextCell> cells) {
   return mode == "REST" || mode == "CHRG" || mode == "DCHG" || mode == "PAUS" || mode == "STOP";
 }
 
-constexpr std::string_view kSignature[] = {
+constexpr std::string_view kBitrodeSignature[] = {
     "loop", "step", "steptime", "current", "voltage", "mode"};
 
 }  // namespace
@@ -33,7 +36,7 @@ constinit const Layout kBitrode{
     .summary =
         "Bitrode CSV: Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,...,Mode,Data, or the same without "
         "a header",
-    .signature = kSignature,
+    .signature = kBitrodeSignature,
     .columns = {{ColumnNames{.names = "time", .in_order = true},
                  ColumnNames{.names = "current", .in_order = true},
                  ColumnNames{.names = "voltage", .in_order = true},
@@ -41,8 +44,8 @@ constinit const Layout kBitrode{
                  ColumnNames{.names = "step"},
                  ColumnNames{.names = "cycle"},
                  ColumnNames{.names = "mode"}}},
-    .implied_header = kHeader,
-    .is_row = &IsRow,
+    .implied_header = kBitrodeHeader,
+    .is_row = &IsBitrodeRow,
 };
 
 }  // namespace lipoid

@@ -1,12 +1,16 @@
-#include "identify/logs/formats/digatron.h"
+// Digatron CSV: a preamble, a header, a line of units ([V], [A], ...) and Prog Time in hhh:mm:ss;
+// or headers that carry the unit after '#': Program Duration#s, Current#A. Discharging is
+// negative.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {"prog_time|program_duration|progtime",
-                                           "status",
-                                           "step_time|step_duration|steptime",
-                                           "procedure|cycle_level"};
+constexpr std::string_view kDigatronSignature[] = {"prog_time|program_duration|progtime",
+                                                   "status",
+                                                   "step_time|step_duration|steptime",
+                                                   "procedure|cycle_level"};
 
 }  // namespace
 
@@ -15,7 +19,7 @@ constinit const Layout kDigatron{
     .summary =
         "Digatron CSV: Prog Time, Step, Status, Voltage, Current over a line of units, or "
         "Current#A and Voltage#V",
-    .signature = kSignature,
+    .signature = kDigatronSignature,
     .columns = {{ColumnNames{.names = "prog_time|program_duration|progtime", .in_order = true},
                  ColumnNames{.names = "current", .in_order = true},
                  ColumnNames{.names = "voltage", .in_order = true},

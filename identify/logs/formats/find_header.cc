@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "identify/logs/formats/plain_csv.h"
 #include "model/core/foreign_text.h"
 
 namespace lipoid {

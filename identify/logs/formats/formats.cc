@@ -1,19 +1,7 @@
 #include "identify/logs/formats/formats.h"
 
-#include "identify/logs/formats/arbin.h"
-#include "identify/logs/formats/basytec.h"
-#include "identify/logs/formats/bdf.h"
-#include "identify/logs/formats/betaflight.h"
-#include "identify/logs/formats/biologic.h"
-#include "identify/logs/formats/bitrode.h"
-#include "identify/logs/formats/digatron.h"
 #include "identify/logs/formats/find_header.h"
-#include "identify/logs/formats/maccor.h"
-#include "identify/logs/formats/neware.h"
-#include "identify/logs/formats/novonix.h"
 #include "identify/logs/formats/packed.h"
-#include "identify/logs/formats/plain_csv.h"
-#include "identify/logs/formats/simulated_flight.h"
 
 namespace lipoid {
 namespace {
@@ -21,7 +9,7 @@ namespace {
 // The only list of log formats.
 constexpr const Layout* kFormats[] = {&kArbin,
                                       &kBasytec,
-                                      &kBdf,
+                                      &kBatteryDataFormat,
                                       &kBetaflight,
                                       &kBiologic,
                                       &kBitrode,

@@ -70,4 +70,18 @@ struct Layout {
 /// ...
 [[nodiscard]] double DirectionOfWord(std::string_view word);
 
+/// Every format is described in its file.
+extern const Layout kArbin;
+extern const Layout kBasytec;
+extern const Layout kBatteryDataFormat;
+extern const Layout kBetaflight;
+extern const Layout kBiologic;
+extern const Layout kBitrode;
+extern const Layout kDigatron;
+extern const Layout kMaccor;
+extern const Layout kNeware;
+extern const Layout kNovonix;
+extern const Layout kPlainCsv;
+extern const Layout kSimulatedFlight;
+
 }  // namespace lipoid

@@ -1,9 +1,14 @@
-#include "identify/logs/formats/maccor.h"
+// Maccor text and CSV: a few lines about the test, then Rec# (or Rec), Step, TestTime or Test
+// (Sec), Amps or Current, Volts or Voltage, State or Md. Amps are often unsigned: the state says
+// which way. A TestTime that is a plain number has no unit, and one program writes minutes: the
+// dates beside it decide.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {
+constexpr std::string_view kMaccorSignature[] = {
     "rec#|rec", "step", "testtime|test_time|test", "es|dpt_time|state|md|step_time|steptime"};
 
 }  // namespace
@@ -13,7 +18,7 @@ constinit const Layout kMaccor{
     .summary =
         "Maccor text and CSV: Rec#, Cyc#, Step, TestTime or Test (Sec), Amps, Volts, State; also "
         "Current [A], Md",
-    .signature = kSignature,
+    .signature = kMaccorSignature,
     .columns = {{ColumnNames{.names = "testtime|test_time|test", .in_order = true},
                  ColumnNames{.names = "amps|mamps|current", .in_order = true, .known_unit = "A"},
                  ColumnNames{.names = "volts|voltage", .in_order = true, .known_unit = "V"},

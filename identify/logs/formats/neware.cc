@@ -1,12 +1,16 @@
-#include "identify/logs/formats/neware.h"
+// Neware BTSDA CSV: flat, or with three levels of header (cycle, step, record) told apart by
+// leading empty fields. Time restarts with each step; Total Time or Cumulative Time is taken where
+// the file has it. Charging is positive.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kCycleLevel[] = {"cycle_index|cycle_id"};
-constexpr std::string_view kStepLevel[] = {"step_index|step_id|step_number", "step_type"};
-constexpr std::span<const std::string_view> kLevels[] = {kCycleLevel, kStepLevel};
-constexpr std::string_view kSignature[] = {"datapoint|record_number", "current", "voltage"};
+constexpr std::string_view kNewareCycleLevel[] = {"cycle_index|cycle_id"};
+constexpr std::string_view kNewareStepLevel[] = {"step_index|step_id|step_number", "step_type"};
+constexpr std::span<const std::string_view> kNewareLevels[] = {kNewareCycleLevel, kNewareStepLevel};
+constexpr std::string_view kNewareSignature[] = {"datapoint|record_number", "current", "voltage"};
 
 }  // namespace
 
@@ -15,7 +19,7 @@ constinit const Layout kNeware{
     .summary =
         "Neware BTSDA CSV, flat or in three levels: DataPoint, Step Type, Time, Total Time, "
         "Current(A), Voltage(V)",
-    .signature = kSignature,
+    .signature = kNewareSignature,
     .columns = {{ColumnNames{.names = "total_time|cumulative_time", .in_order = true},
                  ColumnNames{.names = "current", .in_order = true},
                  ColumnNames{.names = "voltage", .in_order = true},
@@ -24,7 +28,7 @@ constinit const Layout kNeware{
                  ColumnNames{.names = "cycle_index|cycle_id", .in_order = true},
                  ColumnNames{.names = "step_type"}}},
     .step_clock = {.names = "time|step_time", .in_order = true},
-    .level_signatures = kLevels,
+    .level_signatures = kNewareLevels,
 };
 
 }  // namespace lipoid

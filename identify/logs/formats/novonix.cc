@@ -1,9 +1,12 @@
-#include "identify/logs/formats/novonix.h"
+// Novonix UHPC: [Summary] ... [Data], then Run Time (h), Current (A), Potential (V); older
+// programs wrap each row, header included, in one pair of quotes. Charging is positive.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 namespace {
 
-constexpr std::string_view kSignature[] = {
+constexpr std::string_view kNovonixSignature[] = {
     "run_time", "step_time", "potential", "circuit_temperature|step_position"};
 
 }  // namespace
@@ -12,7 +15,7 @@ constinit const Layout kNovonix{
     .name = "novonix",
     .summary =
         "Novonix UHPC CSV: [Summary] ... [Data], then Run Time (h), Current (A), Potential (V)",
-    .signature = kSignature,
+    .signature = kNovonixSignature,
     .columns = {{ColumnNames{.names = "run_time", .in_order = true},
                  ColumnNames{.names = "current", .in_order = true},
                  ColumnNames{.names = "potential", .in_order = true},

@@ -1,4 +1,7 @@
-#include "identify/logs/formats/plain_csv.h"
+// Any delimited text with a header that names time, current and voltage in one of the usual ways;
+// Landt and PEC exports are read by it as they are.
+
+#include "identify/logs/formats/layout.h"
 
 namespace lipoid {
 
