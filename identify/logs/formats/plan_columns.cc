@@ -235,7 +235,7 @@ class Planner {
     const HeaderMatch time = Needed(Quantity::kTime, match);
     const CellKind kind = KindOfTime(time.field);
     if (kind != CellKind::kNumber) {
-      Add(Quantity::kTime, time, kind, Unit{.name = "s"});
+      Add(Quantity::kTime, time, kind, Unit{});
       return;
     }
     auto unit = UnitOf(Quantity::kTime, time);

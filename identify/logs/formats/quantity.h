@@ -25,7 +25,6 @@ inline constexpr std::size_t kQuantityCount = static_cast<std::size_t>(Quantity:
 /// value in SI = value * multiply / divide + offset. Two factors, because dividing by 1000 is exact
 /// where multiplying by 0.001 is not.
 struct Unit {
-  std::string_view name;
   double multiply = 1.0;
   double divide = 1.0;
   double offset = 0.0;
