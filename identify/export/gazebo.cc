@@ -1,9 +1,8 @@
-#include "identify/export/gazebo.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "identify/export/fitted_targets.h"
 #include "identify/export/law_limits.h"
 #include "identify/export/projected.h"
 #include "model/export/gazebo_law.h"

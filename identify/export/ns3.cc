@@ -1,9 +1,8 @@
-#include "identify/export/ns3.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "identify/export/fitted_targets.h"
 #include "identify/export/law_limits.h"
 #include "identify/export/projected.h"
 #include "model/battery/prediction.h"
@@ -11,6 +10,8 @@
 
 namespace lipoid {
 namespace {
+
+constexpr int kNs3Terms = 10;  // its default: the cost grows with terms times rows squared
 
 // mA min of a coulomb, and 1/sqrt(min) of 1/sqrt(s).
 constexpr double kMilliampMinutes_per_C = 1000.0 / 60.0;

@@ -1,10 +1,9 @@
-#include "identify/export/px4.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "identify/export/fitted_targets.h"
 #include "identify/export/law_limits.h"
 #include "identify/export/projected.h"
 #include "model/export/provenance.h"

@@ -1,10 +1,9 @@
-#include "identify/export/simscape.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "identify/export/circuit_report.h"
+#include "identify/export/fitted_targets.h"
 #include "model/export/provenance.h"
 
 namespace lipoid {

@@ -6,12 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "identify/export/ardupilot.h"
-#include "identify/export/gazebo.h"
-#include "identify/export/ns3.h"
-#include "identify/export/px4.h"
-#include "identify/export/simscape.h"
-#include "identify/export/thevenin.h"
+#include "identify/export/fitted_targets.h"
 #include "model/battery/curve_range.h"
 #include "model/core/errors.h"
 #include "model/core/nearest_name.h"

@@ -1,8 +1,7 @@
-#include "identify/export/thevenin.h"
-
 #include <fmt/format.h>
 
 #include "identify/export/circuit_report.h"
+#include "identify/export/fitted_targets.h"
 #include "model/export/provenance.h"
 
 namespace lipoid {
