@@ -13,15 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "identify/optimizers/cma_es.h"
-#include "identify/optimizers/differential_evolution.h"
-#include "identify/optimizers/genetic.h"
 #include "identify/optimizers/global_search.h"
 #include "identify/optimizers/interior_point.h"
 #include "identify/optimizers/local_search.h"
-#include "identify/optimizers/particle_swarm.h"
+#include "identify/optimizers/pagmo_methods.h"
 #include "identify/optimizers/problem.h"
-#include "identify/optimizers/simulated_annealing.h"
 #include "identify/optimizers/summary.h"
 #include "model/core/options.h"
 

@@ -22,12 +22,8 @@
 #include <utility>
 #include <vector>
 
-#include "identify/optimizers/cma_es.h"
-#include "identify/optimizers/differential_evolution.h"
-#include "identify/optimizers/genetic.h"
 #include "identify/optimizers/monitor.h"
-#include "identify/optimizers/particle_swarm.h"
-#include "identify/optimizers/simulated_annealing.h"
+#include "identify/optimizers/pagmo_methods.h"
 
 namespace lipoid {
 namespace {
