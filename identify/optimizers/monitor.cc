@@ -12,7 +12,6 @@
 #include "model/core/stop.h"
 
 namespace lipoid {
-namespace {}  // namespace
 
 Monitor::Monitor(const OptimizationProblem& problem, const Eigen::VectorXd& start)
     : problem_(problem),
@@ -26,13 +25,6 @@ Monitor::Monitor(const OptimizationProblem& problem, const Eigen::VectorXd& star
   lower_ = lower(free_);
   upper_ = upper(free_);
   start_ = whole_start_(free_);
-}
-
-bool Monitor::bounded() const {
-  for (Eigen::Index k = 0; k < lower_.size(); ++k) {
-    if (!IsBound(lower_[k]) || !IsBound(upper_[k])) return false;
-  }
-  return true;
 }
 
 std::optional<OptimizationSummary> Monitor::Begin(bool gradient, int max_iterations) {

@@ -35,7 +35,6 @@ class Monitor {
   [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
   [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
   [[nodiscard]] const Eigen::VectorXd& start() const { return start_; }
-  [[nodiscard]] bool bounded() const;  ///< every free parameter has two bounds
   [[nodiscard]] bool least_squares() const { return least_squares_ != nullptr; }
 
   /// Evaluates the start. A summary where there is nothing to search: no free parameter, no finite

@@ -152,7 +152,6 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
   DischargeTimesResult result;
   result.alpha_C = estimate.alpha_C;
   result.beta_per_sqrt_s = std::min(BetaOfSteadyLag(estimate.lag_s), kLargestBeta);
-  result.beta_at_bound = !(estimate.unconstrained_lag_s > SteadyLag(kLargestBeta));
   result.alpha_standard_error_C = estimate.alpha_standard_error_C;
   // beta = pi/sqrt(3 c), so |d beta/d c| = beta/(2 c).
   result.beta_standard_error_per_sqrt_s =

@@ -85,7 +85,6 @@ struct DischargeTimesResult {
   double beta_lower_bound_per_sqrt_s = 0.0;
   /// From where stage 3 starts: beta, or a value at or above the bound.
   double beta_start_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
-  bool beta_at_bound = false;  ///< the unconstrained optimum lies above 1
   std::vector<Row> rows;
   double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
   double max_error_percent = std::numeric_limits<double>::quiet_NaN();

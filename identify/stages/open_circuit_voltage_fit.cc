@@ -167,8 +167,6 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
     if (record.current_A[k] > rest_A) loads.push_back(record.current_A[k]);
   }
   result.current_A = UpperMedian(std::move(loads));
-  result.soc_lo = result.curve.soc_lo();
-  result.soc_hi = result.curve.soc_hi();
   return result;
 }
 

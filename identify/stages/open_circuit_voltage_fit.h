@@ -60,8 +60,6 @@ struct OcvFitResult {
   std::size_t rows = 0;    ///< shown to the final fit
   double charge_C = 0.0;   ///< that the log delivered
   double current_A = 0.0;  ///< its median under load
-  double soc_lo = 0.0;     ///< reached by the log
-  double soc_hi = 1.0;
 };
 
 /// The record is a discharge that starts at initial_soc; alpha_C > 0. LoadError where it has too

@@ -54,7 +54,6 @@ struct PulseFitOptions {
 
 struct PulseFitResult {
   SweepParameters parameters;
-  std::string optimizer = "levenberg-marquardt";
   JointSolution solution;                          ///< the same, as the fit found it
   Termination termination = Termination::kNotRun;  ///< of the final fit on all rows
   std::string message;                             ///< why that ended

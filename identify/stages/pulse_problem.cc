@@ -66,19 +66,13 @@ PulseScales FindPulseScales(const StartValues& data, double alpha_C) {
   return scales;
 }
 
-bool PulseUnknowns::Free(std::string_view name) const {
-  return std::any_of(
-      variables.begin(), variables.end(), [&](const PulseVariable& v) { return v.name == name; });
-}
-
 PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
                                 const StartValues& data,
                                 const PulseProblemOptions& options,
                                 const GivenParameters& known) {
   CheckGiven(known, FitParameterNames(setup.diffusion, options.branches));
   PulseUnknowns unknowns;
-  unknowns.scales = FindPulseScales(data, setup.alpha_C);
-  const PulseScales& scales = unknowns.scales;
+  const PulseScales scales = FindPulseScales(data, setup.alpha_C);
   const double series = scales.series_resistance_Ohm;
   const auto n = static_cast<std::size_t>(options.branches);
   const double share_Ohm = n > 0 ? 0.5 * scales.recovery_Ohm / static_cast<double>(n) : 0.0;
@@ -103,7 +97,6 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
     double& entry = Entry(start, v);
     if (const auto fixed = known.Fixed(v.name)) {
       entry = *fixed;
-      unknowns.fixed.push_back(v.name);
       return;
     }
     if (const auto begin = known.Start(v.name)) entry = *begin;
@@ -123,17 +116,13 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
     unknowns.variables.push_back(std::move(v));
   };
   if (setup.diffusion) {
-    if (options.hold_beta && !known.Fixed("beta")) {
-      unknowns.fixed.emplace_back("beta");
-    } else {
-      add({"beta",
-           Kind::kBeta,
-           0,
-           false,
-           options.scale == ParameterScale::kMixed ? 1.0 : options.beta_start_per_sqrt_s,
-           kLeastBeta,
-           kLargestBeta});
-    }
+    add({"beta",
+         Kind::kBeta,
+         0,
+         false,
+         options.scale == ParameterScale::kMixed ? 1.0 : options.beta_start_per_sqrt_s,
+         kLeastBeta,
+         kLargestBeta});
   }
   add({"r_s", Kind::kSeriesResistance, 0, false, series});
   for (std::size_t j = 0; j < n; ++j) {
@@ -166,21 +155,6 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
   }
   FollowCapacitances(start);
   return unknowns;
-}
-
-void MakeReady(PulseParameters& p, const PulseUnknowns& unknowns) {
-  for (const PulseVariable& v : unknowns.variables) {
-    if (!v.resistive()) continue;
-    double& r = Entry(p, v);
-    r = std::clamp(std::max(r, 0.01 * unknowns.scales.series_resistance_Ohm), v.lower, v.upper);
-  }
-  for (const PulseVariable& v : unknowns.variables) {
-    if (v.kind != PulseVariable::Kind::kCapacitance) continue;
-    const double r =
-        std::max(p.sweep.resistance_Ohm[v.branch], 1e-6 * unknowns.scales.series_resistance_Ohm);
-    Entry(p, v) = std::clamp(p.sweep.time_constant_s[v.branch] / r, v.lower, v.upper);
-  }
-  FollowCapacitances(p);
 }
 
 PulseParameters PulseProblem::Parameters(const Eigen::VectorXd& x) const {

@@ -89,7 +89,6 @@ struct PulseScales {
 
 struct PulseProblemOptions {
   int branches = 1;
-  bool hold_beta = false;
   double beta_start_per_sqrt_s = 0.2;
   BranchUnknown unknown = BranchUnknown::kTimeConstant;
   ParameterScale scale = ParameterScale::kMixed;
@@ -99,10 +98,6 @@ struct PulseProblemOptions {
 struct PulseUnknowns {
   std::vector<PulseVariable> variables;
   PulseParameters start;
-  std::vector<std::string> fixed;  ///< names that are held
-  PulseScales scales;
-
-  [[nodiscard]] bool Free(std::string_view name) const;
 };
 
 /// Throws OptionError where `known` names a parameter that is not there or contradicts itself.
@@ -110,10 +105,6 @@ struct PulseUnknowns {
                                               const StartValues& data,
                                               const PulseProblemOptions& options,
                                               const GivenParameters& known);
-
-/// Makes parameters a start. A resistance of zero would leave its time constant without a gradient.
-/// Where capacitances are the unknowns they take over the time constants.
-void MakeReady(PulseParameters& p, const PulseUnknowns& unknowns);
 
 /// The sweep must outlive the problem.
 class PulseProblem : public LeastSquaresProblem {

@@ -45,8 +45,8 @@ Json OcvToJson(const OcvFitResult& stage) {
           {"rows", stage.rows},
           {"charge_C", stage.charge_C},
           {"current_A", stage.current_A},
-          {"soc_lo", stage.soc_lo},
-          {"soc_hi", stage.soc_hi}};
+          {"soc_lo", stage.curve.soc_lo()},
+          {"soc_hi", stage.curve.soc_hi()}};
 }
 
 Json FromRestsToJson(const OcvFromRests& stage) {
@@ -72,7 +72,7 @@ Json FromRestsToJson(const OcvFromRests& stage) {
 }
 
 Json PulsesToJson(const PulseFitResult& stage, bool diffusion) {
-  return {{"optimizer", stage.optimizer},
+  return {{"optimizer", "levenberg-marquardt"},
           {"mean_error_percent", NumberOrNull(stage.errors.mean_error_percent)},
           {"max_error_percent", NumberOrNull(stage.errors.max_error_percent)},
           {"rmse_V", NumberOrNull(stage.errors.rmse)},

@@ -72,8 +72,6 @@ StartValues FindStartValues(const std::vector<const Record*>& records,
     if (edge.interval_s <= 1.5 * intervals[intervals.size() / 4])
       resistances.push_back(edge.resistance_Ohm);
   }
-  start.edges = static_cast<int>(resistances.size());
-  start.relaxations = static_cast<int>(times.size());
   start.series_resistance_Ohm = UpperMedian(std::move(resistances));
   start.relaxation_s = UpperMedian(std::move(times));
   start.relaxation_Ohm = UpperMedian(std::move(recoveries));

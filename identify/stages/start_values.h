@@ -25,8 +25,6 @@ struct StartValues {
   /// the log can show lie between them.
   double shortest_s = 1.0;
   double longest_s = 4.0;
-  int edges = 0;
-  int relaxations = 0;
 };
 
 /// `segments`: those of FindSegments() for each record where they are known, or none.

@@ -106,15 +106,11 @@ void TellWhetherConverged(const std::vector<NamedFit>& fits, StudyResult& result
       names.size() == fits.size()
           ? "all fits"
           : fmt::format("the fit{} with {}", names.size() == 1 ? "" : "s", fmt::join(names, ", "));
-  result.remarks.push_back(fmt::format(
-      "not converged: {}. {} Such a row is not the best that this cell can do: raise "
-      "solver.max_iterations before the table is believed",
-      which,
-      first->message));
-}
-
-std::string Joined(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, " "));
+  result.remarks.push_back(
+      fmt::format("not converged: {}. {} Such a row is not the best that this cell can do: raise "
+                  "solver.max_iterations before the table is believed",
+                  which,
+                  first->message));
 }
 
 }  // namespace lipoid

@@ -33,7 +33,6 @@ class PulseStudy {
   [[nodiscard]] Json Parameters(const SweepParameters& p) const;
 
   [[nodiscard]] const StagedResult& before() const { return before_; }
-  [[nodiscard]] const StagedOptions& options() const { return input_.options; }
   [[nodiscard]] bool diffusion() const { return input_.options.pulses.diffusion; }
 
  private:
@@ -49,8 +48,5 @@ struct NamedFit {
 
 /// The fact `converged`, of all fits together, and a remark with those that did not.
 void TellWhetherConverged(const std::vector<NamedFit>& fits, StudyResult& result);
-
-/// "r_2 tau_2", or "" where there is none.
-[[nodiscard]] std::string Joined(const std::vector<std::string>& names);
 
 }  // namespace lipoid

@@ -199,11 +199,9 @@ class CommandLine {
 
   // After Parse().
 
-  [[nodiscard]] const Command& command() const { return command_; }
   /// The command as typed, for run records.
   [[nodiscard]] std::string CommandText() const;
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
-  [[nodiscard]] bool quiet() const { return quiet_; }
   /// Whether the option was given ("initial-soc").
   [[nodiscard]] bool Given(std::string_view name) const;
   /// Whether --set names an option that begins so: "sensors.".

@@ -98,8 +98,8 @@ TEST(OcvFit, JoinsTheRowsOfAShortLog) {
         FitOpenCircuitVoltage(DischargeAlong(truth, 500, 1.0, 0.0, hold), kCurveAlpha_C, 1.0);
     EXPECT_LT(WorstDifference(fit.curve, truth, 0.0, 1.0), 1e-12);
     EXPECT_GE(fit.curve.soc().size(), 500U);
-    EXPECT_DOUBLE_EQ(fit.soc_hi, 1.0);
-    EXPECT_NEAR(fit.soc_lo, 0.0, 1e-12);
+    EXPECT_DOUBLE_EQ(fit.curve.soc_hi(), 1.0);
+    EXPECT_NEAR(fit.curve.soc_lo(), 0.0, 1e-12);
     // Rows left out lie on the lines between the others but beside a kink.
     EXPECT_LT(fit.rmse_V, 1e-4);
     EXPECT_EQ(fit.current_A, 0.5);
@@ -232,8 +232,8 @@ TEST(OcvFit, CountsChargeThatComesBack) {
 TEST(OcvFit, StartsWhereTheLogStarts) {
   const auto fit =
       FitOpenCircuitVoltage(DischargeAlong(Smooth, 3000, 0.8, 0.1), kCurveAlpha_C, 0.8);
-  EXPECT_NEAR(fit.soc_hi, 0.8, 1e-12);
-  EXPECT_NEAR(fit.soc_lo, 0.1, 1e-9);
+  EXPECT_NEAR(fit.curve.soc_hi(), 0.8, 1e-12);
+  EXPECT_NEAR(fit.curve.soc_lo(), 0.1, 1e-9);
   EXPECT_NEAR(fit.charge_C, 0.7 * kCurveAlpha_C, 1e-6);
   EXPECT_LT(WorstDifference(fit.curve, Smooth, 0.1, 0.8), 1e-3);
 }
@@ -284,7 +284,7 @@ TEST(OcvFit, CopesWithRowsThatStandTogether) {
                             OcvMethod::kFourier}) {
     const auto fit =
         FitOpenCircuitVoltage(record, kCurveAlpha_C, 1.0, {.method = method, .harmonics = 1});
-    EXPECT_NEAR(fit.curve(fit.soc_lo), 3.7 - 0.003, 0.002);
+    EXPECT_NEAR(fit.curve(fit.curve.soc_lo()), 3.7 - 0.003, 0.002);
     EXPECT_TRUE(std::isfinite(fit.curve(1.0)));
   }
 }
@@ -350,8 +350,9 @@ TEST(OcvFit, OfRealLogsIsAsSharpAsTheInstrument) {
   EXPECT_LT(cell.rmse_V, 1e-4);
   EXPECT_LT(cell.mean_error_percent, 0.002);
   EXPECT_NEAR(cell.charge_C, 9909.25, 0.1);
-  EXPECT_NEAR(
-      cell.soc_lo, -0.0594, 1e-4);  // the times of the discharges say less than the slow one gave
+  EXPECT_NEAR(cell.curve.soc_lo(),
+              -0.0594,
+              1e-4);  // the times of the discharges say less than the slow one gave
 }
 
 }  // namespace

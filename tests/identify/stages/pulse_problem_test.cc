@@ -208,15 +208,14 @@ TEST(PulseProblem, ABranchThatTheUserNamesByItsCapacitanceGoesByIt) {
                                           FindStartValues({&record}),
                                           {.branches = 2, .unknown = BranchUnknown::kTimeConstant},
                                           {.bounds = {{"c_2", {10.0, 1e5}}}});
-  EXPECT_TRUE(unknowns.Free("tau_1"));
-  EXPECT_FALSE(unknowns.Free("tau_2"));
-  EXPECT_TRUE(unknowns.Free("c_2"));
+  EXPECT_EQ(unknowns.variables[4].name, "tau_1");  // after beta, r_s, r_1 and r_2
+  EXPECT_EQ(unknowns.variables[5].name, "c_2");
   const auto other = FindPulseUnknowns(SmallSetup(),
                                        FindStartValues({&record}),
                                        {.branches = 1, .unknown = BranchUnknown::kCapacitance},
                                        {.fixed = {{"tau_1", 20.0}}});
-  EXPECT_EQ(other.fixed, std::vector<std::string>{"tau_1"});
-  EXPECT_FALSE(other.Free("c_1"));
+  EXPECT_EQ(other.variables.back().name, "r_1");  // tau_1 is held, and no c_1 stands in its place
+  EXPECT_EQ(other.start.sweep.time_constant_s[0], 20.0);
 }
 
 }  // namespace

@@ -61,8 +61,6 @@ TEST(StartValues, ShowTheParametersOfAResistorCapacitorCell) {
     EXPECT_NEAR(start.relaxation_Ohm, 0.03 * (1.0 - std::exp(-30.0 / kTau_s)), 2e-4);
     EXPECT_NEAR(start.shortest_s, kSampling_s, 1e-9);
     EXPECT_NEAR(start.longest_s, 600.0, 1.0);
-    EXPECT_EQ(start.edges, 12);
-    EXPECT_EQ(start.relaxations, 6);
   }
 }
 
@@ -80,15 +78,14 @@ TEST(StartValues, PreferTheStepsThatAreSampledQuickly) {
 }
 
 TEST(StartValues, OfSeveralRecordsCountAll) {
-  Record a = Pulses(1.0);
-  Record b = Pulses(1.0, Hold::kBackward, 3);
-  Measure(ThesisCell(), a);
-  Measure(ThesisCell(), b);
-  const auto both = FindStartValues({&a, &b});
-  EXPECT_EQ(both.edges, 18);
-  EXPECT_EQ(both.relaxations, 9);
-  EXPECT_GT(both.series_resistance_Ohm, 0.13);  // diffusion in a second comes on top
-  EXPECT_LT(both.series_resistance_Ohm, 0.20);
+  Record most = Pulses(1.0);
+  Record few = Pulses(1.0, Hold::kBackward, 3);
+  Measure(ThesisCell(), most);
+  Measure(RcCell(0.5, 0.03, 45.0), few);
+  for (const auto& both : {FindStartValues({&most, &few}), FindStartValues({&few, &most})}) {
+    EXPECT_GT(both.series_resistance_Ohm, 0.13);  // diffusion in a second comes on top
+    EXPECT_LT(both.series_resistance_Ohm, 0.20);
+  }
 }
 
 TEST(StartValues, AreNotNumbersWhereNothingShowsThem) {
@@ -97,8 +94,6 @@ TEST(StartValues, AreNotNumbersWhereNothingShowsThem) {
     EXPECT_TRUE(std::isnan(start.series_resistance_Ohm));
     EXPECT_TRUE(std::isnan(start.relaxation_s));
     EXPECT_TRUE(std::isnan(start.relaxation_Ohm));
-    EXPECT_EQ(start.edges, 0);
-    EXPECT_EQ(start.relaxations, 0);
     EXPECT_GT(start.shortest_s, 0.0);
     EXPECT_GE(start.longest_s, 4.0 * start.shortest_s);
   }
