@@ -1,4 +1,14 @@
-#include "identify/studies/branches_study.h"
+// How many resistor-capacitor branches do the pulses ask for? Figs 4.19-4.21, with a criterion.
+//
+// (4.61) is fitted with n = 0 .. 5 branches, each fit starting from the answer of the one before
+// too, so that the cost never rises with n. Among them
+//
+//   BIC_n = N_e ln(S_n/N) + p_n ln N_e
+//
+// is least for the number recommended: S_n the sum of squares over N rows, p_n the free
+// parameters, N_e the number of independent rows that the residuals of the richest fit are worth
+// (effective_rows.h). With N instead of N_e correlated residuals would vote for branches as if
+// every row were news.
 
 #include <fmt/format.h>
 
@@ -7,6 +17,7 @@
 
 #include "identify/studies/effective_rows.h"
 #include "identify/studies/pulse_study.h"
+#include "identify/studies/study.h"
 #include "model/core/errors.h"
 
 namespace lipoid {

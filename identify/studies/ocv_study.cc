@@ -1,10 +1,14 @@
-#include "identify/studies/ocv_study.h"
+// How should v_oc(A) be written? The forms of Tables 4.1-4.3 and their kin, (4.59) fitted to the
+// low-rate log: errors (4.57), (4.58) on the rows that the fit saw, as in the thesis, and on rows
+// that were left out. A is counted with the charge of the log itself: alpha would only stretch the
+// axis.
 
 #include <fmt/format.h>
 
 #include <chrono>
 
 #include "identify/logs/discharge.h"
+#include "identify/studies/study.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
 

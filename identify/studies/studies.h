@@ -6,9 +6,7 @@
 
 #include <algorithm>
 
-#include "identify/studies/branches_study.h"
-#include "identify/studies/ocv_study.h"
-#include "identify/studies/terms_study.h"
+#include "identify/studies/study.h"
 
 namespace lipoid {
 

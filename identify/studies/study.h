@@ -2,7 +2,7 @@
 
 /// @file
 /// A study does one stage in several ways and puts the answers into a table. Studies are listed in
-/// studies.h; each is a file of its own. Tests: tests/identify/studies/.
+/// studies.h; each is defined in a file of its own. Tests: tests/identify/studies/.
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -47,5 +47,22 @@ struct Study {
   std::string_view summary;
   StudyResult (*run)(const StudyInput& input, const StudyProgress& progress);
 };
+
+/// How many resistor-capacitor branches do the pulses ask for? Figs 4.19-4.21, with a criterion.
+/// rows[]: branches, wall_s, mean_error_percent, max_error_percent, rmse_V, free_parameters,
+/// information_criterion (above the least), recommended, at_bound, parameters. Facts:
+/// recommended_branches, rows, effective_rows.
+[[nodiscard]] StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress);
+
+/// How should v_oc(A) be written? The forms of Tables 4.1-4.3 and their kin.
+/// rows[]: form, parameters, wall_s, mean_error_percent, max_error_percent, rmse_V (rows fitted),
+/// left_out_mean_error_percent, left_out_max_error_percent, left_out_rmse_V. LoadError without a
+/// low-rate log.
+[[nodiscard]] StudyResult StudyOcv(const StudyInput& input, const StudyProgress& progress);
+
+/// How many diffusion modes are enough?
+/// rows[]: terms, tail, wall_s, rmse_V, beta_per_sqrt_s, beta_bias_percent, series_resistance_Ohm,
+/// series_resistance_bias_Ohm, lost_share_percent. OptionError where the diffusion is switched off.
+[[nodiscard]] StudyResult StudyTerms(const StudyInput& input, const StudyProgress& progress);
 
 }  // namespace lipoid

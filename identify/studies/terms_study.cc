@@ -1,10 +1,14 @@
-#include "identify/studies/terms_study.h"
+// How many diffusion modes are enough? (4.61) fitted with M modes of (4.46), with and without the
+// quasi-static tail. Without it the sum loses the share (pi²/6 - sum_{m<=M} 1/m²)/(pi²/6) of the
+// steady unavailable charge (4.41), which beta and r_s then make up for. What they should be is
+// taken from the most modes with the tail.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "identify/studies/pulse_study.h"
+#include "identify/studies/study.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 

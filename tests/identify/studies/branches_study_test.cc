@@ -1,11 +1,10 @@
-#include "identify/studies/branches_study.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "identify/logs/campaign.h"
+#include "identify/studies/study.h"
 #include "model/core/errors.h"
 #include "tests/identify/studies/study_logs.h"
 #include "tests/support/paths.h"

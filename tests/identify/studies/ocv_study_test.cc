@@ -1,11 +1,10 @@
-#include "identify/studies/ocv_study.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/studies/study.h"
 #include "model/core/errors.h"
 #include "tests/identify/studies/study_logs.h"
 

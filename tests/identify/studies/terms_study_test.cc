@@ -1,10 +1,9 @@
-#include "identify/studies/terms_study.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "identify/studies/study.h"
 #include "model/core/errors.h"
 #include "tests/identify/studies/study_logs.h"
 
