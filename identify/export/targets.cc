@@ -93,12 +93,7 @@ std::string_view KindName(TargetKind kind) {
 std::span<const ExportTarget> ExportTargets() { return kTargets; }
 
 const ExportTarget& FindExportTarget(std::string_view name) {
-  std::vector<std::string> known;
-  for (const auto& target : kTargets) {
-    if (target.name == name) return target;
-    known.emplace_back(target.name);
-  }
-  throw OptionError(UnknownName("target", name, known));
+  return FindNamed("target", name, kTargets);
 }
 
 Exported Export(const ExportTarget& target, ExportRequest request) {

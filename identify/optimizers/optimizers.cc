@@ -9,7 +9,6 @@
 #include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/levenberg_marquardt.h"
 #include "identify/optimizers/nlopt_methods.h"
-#include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 
 namespace lipoid {
@@ -164,12 +163,7 @@ OptimizationSummary OptimizerEntry::Minimize(const OptimizationProblem& problem,
 }
 
 const OptimizerEntry& FindOptimizer(std::string_view name) {
-  std::vector<std::string> known;
-  for (const auto& entry : Optimizers()) {
-    if (entry.name == name) return entry;
-    known.emplace_back(entry.name);
-  }
-  throw OptionError(UnknownName("optimizer", name, known));
+  return FindNamed("optimizer", name, Optimizers());
 }
 
 }  // namespace lipoid

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "model/core/errors.h"
+
 namespace lipoid {
 
 /// The known name with the fewest edits (insert, delete, replace, swap neighbours) from `typed`;
@@ -20,5 +22,18 @@ namespace lipoid {
 [[nodiscard]] std::string UnknownName(std::string_view what,
                                       std::string_view typed,
                                       const std::vector<std::string>& known);
+
+/// The row of that name; OptionError that names the nearest where there is none.
+template <class Rows>
+[[nodiscard]] const auto& FindNamed(std::string_view what,
+                                    std::string_view name,
+                                    const Rows& rows) {
+  std::vector<std::string> known;
+  for (const auto& row : rows) {
+    if (row.name == name) return row;
+    known.emplace_back(row.name);
+  }
+  throw OptionError(UnknownName(what, name, known));
+}
 
 }  // namespace lipoid

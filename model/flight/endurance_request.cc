@@ -247,12 +247,7 @@ std::optional<BestSpeeds> SpeedsOnBattery(const EnduranceRequest& request, const
 std::span<const EnduranceVariable> EnduranceVariables() { return kVariables; }
 
 const EnduranceVariable& FindEnduranceVariable(std::string_view name) {
-  std::vector<std::string> known;
-  for (const EnduranceVariable& variable : kVariables) {
-    if (variable.name == name) return variable;
-    known.emplace_back(variable.name);
-  }
-  throw OptionError(UnknownName("quantity", name, known));
+  return FindNamed("quantity", name, kVariables);
 }
 
 void EnduranceChoices::ApplyTo(EnduranceRequest& request) const {

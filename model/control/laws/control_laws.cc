@@ -1,7 +1,6 @@
 #include "model/control/laws/control_laws.h"
 
 #include "model/control/laws/pid.h"
-#include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 
 namespace lipoid {
@@ -29,12 +28,7 @@ const std::vector<ControlLaw>& ControlLaws() {
 }
 
 const ControlLaw& FindControlLaw(std::string_view name) {
-  std::vector<std::string> known;
-  for (const ControlLaw& law : ControlLaws()) {
-    if (law.name == name) return law;
-    known.emplace_back(law.name);
-  }
-  throw OptionError(UnknownName("controller", name, known));
+  return FindNamed("controller", name, ControlLaws());
 }
 
 }  // namespace lipoid

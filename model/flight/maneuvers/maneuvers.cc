@@ -1,6 +1,5 @@
 #include "model/flight/maneuvers/maneuvers.h"
 
-#include "model/core/errors.h"
 #include "model/core/nearest_name.h"
 
 namespace lipoid {
@@ -12,12 +11,7 @@ const std::vector<Maneuver>& Maneuvers() {
 }
 
 const Maneuver& FindManeuver(std::string_view name) {
-  std::vector<std::string> known;
-  for (const Maneuver& maneuver : Maneuvers()) {
-    if (maneuver.name == name) return maneuver;
-    known.emplace_back(maneuver.name);
-  }
-  throw OptionError(UnknownName("maneuver", name, known));
+  return FindNamed("maneuver", name, Maneuvers());
 }
 
 }  // namespace lipoid
