@@ -29,7 +29,6 @@
 #include "tools/commands/profile_text.h"
 #include "tools/commands/staged_options.h"
 #include "tools/commands/trust_text.h"
-#include "tools/commands/truth_table.h"
 #include "tools/report/identify_series.h"
 
 namespace lipoid {

@@ -211,6 +211,25 @@ std::string IdentifyReport(const StagedResult& result, bool verbose) {
   return text;
 }
 
+std::string TruthTable(const CellComparison& comparison) {
+  TextTable table(
+      {{"parameter", Align::kLeft}, {"unit", Align::kLeft}, {"truth"}, {"estimate"}, {"error / %"}},
+      "The cell that was identified, beside the one that made the logs.");
+  const auto text = [](const std::optional<double>& value, int digits) {
+    return value ? Significant(*value, digits) : std::string("-");
+  };
+  for (const auto& one : comparison.parameters) {
+    table.Row({one.name,
+               one.unit,
+               text(one.truth, 5),
+               text(one.estimate, 5),
+               one.error_percent ? fmt::format("{:+.2g}", *one.error_percent) : "-"});
+  }
+  return table.Text() + fmt::format("v_oc after equal charge: {} mV rms, {} mV at most\n",
+                                    Significant(1e3 * comparison.open_circuit_rms_V, 3),
+                                    Significant(1e3 * comparison.open_circuit_max_V, 3));
+}
+
 TextAndJson SpreadOfCells(const std::vector<Cell>& cells,
                           const std::string& error_name,
                           const std::vector<double>& errors_percent) {

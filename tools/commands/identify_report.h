@@ -10,6 +10,7 @@
 #include "identify/identification.h"
 #include "identify/logs/load_campaign.h"
 #include "identify/stages/staged_run.h"
+#include "model/battery/cell_comparison.h"
 #include "model/core/json.h"
 
 namespace lipoid {
@@ -20,6 +21,9 @@ namespace lipoid {
 /// How the cell predicts logs: one table each, nothing where there are none.
 [[nodiscard]] std::string ValidationText(const std::vector<LogErrors>& logs);
 [[nodiscard]] std::string ConstantCurrentText(const std::vector<ConstantCurrentErrors>& logs);
+
+/// Truth against estimate.
+[[nodiscard]] std::string TruthTable(const CellComparison& comparison);
 
 struct TextAndJson {
   std::string text;
