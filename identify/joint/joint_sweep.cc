@@ -27,17 +27,14 @@ constexpr double kSlowestTau = 10.0;
 // Walks one log and calls sink(point, row) for every point that has a weight. Slopes are those at
 // the unknowns x; none where it is null, and then the trace needs none either.
 template <class Sink>
-void WalkLog(const JointLogs& logs,
-             std::size_t l,
-             const JointSetup& setup,
-             const JointStructure& structure,
-             const SocTrace& soc,
-             const JointRates& rates,
-             const Eigen::VectorXd* x,
-             CurveSlope curve,
-             Sink&& sink) {
+void WalkLog(
+    const AtRates& sweep, std::size_t l, const Eigen::VectorXd* x, CurveSlope curve, Sink&& sink) {
+  const JointLogs& logs = sweep.logs;
+  const JointSetup& setup = sweep.setup;
+  const JointStructure& structure = sweep.structure;
+  const JointRates& rates = sweep.rates;
   const JointLog& log = logs.logs[l];
-  const LogTrace& trace = soc.logs[l];
+  const LogTrace& trace = sweep.soc.logs[l];
   CellRows rows(setup, structure, rates, logs.typical_A, x == nullptr ? nullptr : x->data(), curve);
   ModeSteps steps;
   rows.SetSteps(log.interval_s, steps);
@@ -72,48 +69,25 @@ void WalkLog(const JointLogs& logs,
 
 // Calls sink(log, point, row) for every point of every log, in their order.
 template <class Sink>
-void VisitRows(const JointLogs& logs,
-               const JointSetup& setup,
-               const JointStructure& structure,
-               const SocTrace& soc,
-               const JointRates& rates,
-               Sink&& sink) {
-  for (std::size_t l = 0; l < logs.logs.size(); ++l) {
-    WalkLog(logs,
-            l,
-            setup,
-            structure,
-            soc,
-            rates,
-            nullptr,
-            CurveSlope::kOfSegments,
-            [&](std::size_t k, const CellRow& row) { sink(l, k, row); });
+void VisitRows(const AtRates& sweep, Sink&& sink) {
+  for (std::size_t l = 0; l < sweep.logs.logs.size(); ++l) {
+    WalkLog(sweep, l, nullptr, CurveSlope::kOfSegments, [&](std::size_t k, const CellRow& row) {
+      sink(l, k, row);
+    });
   }
 }
 
 // One sum per log, side by side, then all of them in the order of the logs: the same bits with any
 // number of threads.
 template <class Sum, class AddRow>
-Sum SumOverLogs(const JointLogs& logs,
-                const JointSetup& setup,
-                const JointStructure& structure,
-                const SocTrace& soc,
-                const JointRates& rates,
-                const Eigen::VectorXd* x,
-                const Sum& zero,
-                AddRow&& add) {
-  std::vector<Sum> sums(logs.logs.size(), zero);
+Sum SumOverLogs(const AtRates& sweep, const Eigen::VectorXd* x, const Sum& zero, AddRow&& add) {
+  const std::vector<JointLog>& logs = sweep.logs.logs;
+  std::vector<Sum> sums(logs.size(), zero);
   StopIfAsked();
   ParallelFor(sums.size(), [&](std::size_t l) {
-    WalkLog(logs,
-            l,
-            setup,
-            structure,
-            soc,
-            rates,
-            x,
-            CurveSlope::kSmooth,
-            [&](std::size_t k, const CellRow& row) { add(sums[l], logs.logs[l].weight[k], row); });
+    WalkLog(sweep, l, x, CurveSlope::kSmooth, [&](std::size_t k, const CellRow& row) {
+      add(sums[l], logs[l].weight[k], row);
+    });
   });
   for (std::size_t l = 1; l < sums.size(); ++l) sums[0].Add(sums[l]);
   return sums.empty() ? zero : std::move(sums[0]);
@@ -197,19 +171,15 @@ SocTrace TraceSoc(const JointLogs& logs,
   return trace;
 }
 
-std::vector<NormalEquations> SumGroups(const JointLogs& logs,
-                                       const JointSetup& setup,
-                                       const JointStructure& structure,
-                                       const SocTrace& soc,
-                                       const JointRates& rates) {
-  const int n = JointLayout(structure).size();
+std::vector<NormalEquations> SumGroups(const AtRates& sweep) {
+  const JointLogs& logs = sweep.logs;
+  const int n = JointLayout(sweep.structure).size();
   std::vector<NormalEquations> sums(static_cast<std::size_t>(logs.groups) + 1, NormalEquations(n));
-  VisitRows(
-      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
-        const JointLog& log = logs.logs[l];
-        const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
-        sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
-      });
+  VisitRows(sweep, [&](std::size_t l, std::size_t k, const CellRow& row) {
+    const JointLog& log = logs.logs[l];
+    const int group = log.group[k] == JointLog::kAlways ? logs.groups : log.group[k];
+    sums[static_cast<std::size_t>(group)].Add(log.weight[k], row);
+  });
   return sums;
 }
 
@@ -228,33 +198,29 @@ double MeanSize(double mean, double scatter) {
 }  // namespace
 
 std::vector<std::vector<double>> SumErrors(
-    const JointLogs& logs,
-    const JointSetup& setup,
-    const JointStructure& structure,
-    const SocTrace& soc,
-    const JointRates& rates,
+    const AtRates& sweep,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
     ErrorSize size,
     std::vector<double>* always) {
+  const JointLogs& logs = sweep.logs;
   std::vector<std::vector<double>> sums(unknowns.empty() ? 0 : unknowns.front().size(),
                                         std::vector<double>(logs.unit_weight.size(), 0.0));
-  VisitRows(
-      logs, setup, structure, soc, rates, [&](std::size_t l, std::size_t k, const CellRow& row) {
-        const JointLog& log = logs.logs[l];
-        const bool stays = log.group[k] == JointLog::kAlways;
-        if (stays && always == nullptr) return;
-        const auto& candidates = unknowns[stays ? 0 : static_cast<std::size_t>(log.group[k])];
-        const bool of_rows = size == ErrorSize::kPercentOfRows;
-        const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
-        const double scatter_V =
-            of_rows && log.count[k] > 1.0 ? log.noise_V * std::sqrt(1.0 - 1.0 / log.count[k]) : 0.0;
-        for (std::size_t s = 0; s < sums.size(); ++s) {
-          const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
-                                                         : row.Residual(candidates[s].data());
-          (stays ? (*always)[l] : sums[s][static_cast<std::size_t>(log.unit[k])]) +=
-              factor * MeanSize(error, scatter_V);
-        }
-      });
+  VisitRows(sweep, [&](std::size_t l, std::size_t k, const CellRow& row) {
+    const JointLog& log = logs.logs[l];
+    const bool stays = log.group[k] == JointLog::kAlways;
+    if (stays && always == nullptr) return;
+    const auto& candidates = unknowns[stays ? 0 : static_cast<std::size_t>(log.group[k])];
+    const bool of_rows = size == ErrorSize::kPercentOfRows;
+    const double factor = of_rows ? 100.0 * log.count[k] / log.voltage_V[k] : log.weight[k];
+    const double scatter_V =
+        of_rows && log.count[k] > 1.0 ? log.noise_V * std::sqrt(1.0 - 1.0 / log.count[k]) : 0.0;
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+      const double error = candidates[s].size() == 0 ? std::numeric_limits<double>::infinity()
+                                                     : row.Residual(candidates[s].data());
+      (stays ? (*always)[l] : sums[s][static_cast<std::size_t>(log.unit[k])]) +=
+          factor * MeanSize(error, scatter_V);
+    }
+  });
   return sums;
 }
 
@@ -269,7 +235,7 @@ class PointsAtBeta : public Observations::AtBeta {
                                     const JointRates& rates) const override {
     const NormalEquations zero(JointLayout(structure).size());
     return SumOverLogs(
-        logs_, setup_, structure, soc_, rates, nullptr, zero, [](auto& sum, double w, auto& row) {
+        {logs_, setup_, structure, soc_, rates}, nullptr, zero, [](auto& sum, double w, auto& row) {
           sum.Add(w, row);
         });
   }
@@ -278,7 +244,7 @@ class PointsAtBeta : public Observations::AtBeta {
                                  const Eigen::VectorXd& x) const override {
     const SlopeSums zero(RateSlots(structure).size(), x.size());
     return SumOverLogs(
-        logs_, setup_, structure, soc_, rates, &x, zero, [&](auto& sum, double w, auto& row) {
+        {logs_, setup_, structure, soc_, rates}, &x, zero, [&](auto& sum, double w, auto& row) {
           sum.Add(w, row, x.data());
         });
   }
@@ -339,17 +305,20 @@ std::vector<FittedRows> JointObservations::Rows(const JointStructure& structure,
     rows.weight.resize(count);
     rows.averaged.resize(count);
     rows.sensitivity = Eigen::MatrixXd::Zero(count, p + x.size());
-    WalkLog(
-        logs_, l, setup_, structure, soc, rates, &x, curve, [&](std::size_t k, const CellRow& row) {
-          const auto r = static_cast<Eigen::Index>(rows.time_s.size());
-          rows.time_s.push_back(log.time_s[k]);
-          rows.residual_V[r] = row.Residual(x.data());
-          rows.weight[r] = log.weight[k];
-          rows.averaged[r] = log.count[k];
-          for (int e = 0; e < row.entries; ++e)
-            rows.sensitivity(r, p + row.index[e]) = row.value[e];
-          for (int j = 0; j < p; ++j) rows.sensitivity(r, j) = row.slope[j];
-        });
+    WalkLog({logs_, setup_, structure, soc, rates},
+            l,
+            &x,
+            curve,
+            [&](std::size_t k, const CellRow& row) {
+              const auto r = static_cast<Eigen::Index>(rows.time_s.size());
+              rows.time_s.push_back(log.time_s[k]);
+              rows.residual_V[r] = row.Residual(x.data());
+              rows.weight[r] = log.weight[k];
+              rows.averaged[r] = log.count[k];
+              for (int e = 0; e < row.entries; ++e)
+                rows.sensitivity(r, p + row.index[e]) = row.value[e];
+              for (int j = 0; j < p; ++j) rows.sensitivity(r, j) = row.slope[j];
+            });
   });
   return all;
 }

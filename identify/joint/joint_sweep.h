@@ -36,13 +36,19 @@ struct SocTrace {
                                 const JointRates& rates,
                                 bool slopes = false);
 
+/// What is swept, and where; all of it must outlive this.
+struct AtRates {
+  const JointLogs& logs;
+  const JointSetup& setup;
+  const JointStructure& structure;
+  const SocTrace& soc;  ///< of the same rates
+  const JointRates& rates;
+};
+
 /// Of each group 0 .. logs.groups - 1, then of the rows that are never left out. Unknowns as in
 /// JointLayout; voltages are those of the nodes above the reference's at the nodes.
-[[nodiscard]] std::vector<NormalEquations> SumGroups(const JointLogs& logs,
-                                                     const JointSetup& setup,
-                                                     const JointStructure& structure,
-                                                     const SocTrace& soc,
-                                                     const JointRates& rates);
+[[nodiscard]] std::vector<NormalEquations> SumGroups(const AtRates& sweep);
+
 /// What of an error counts: its size times the weight of its row, or its size in percent of the
 /// voltage, of every row the same.
 enum class ErrorSize { kWeighted_V, kPercentOfRows };
@@ -51,11 +57,7 @@ enum class ErrorSize { kWeighted_V, kPercentOfRows };
 /// group predicted with unknowns of its own: unknowns[group][s]. An empty vector counts as
 /// infinitely wrong. To `always`, one sum per log, what is in no group is added, by the first group's unknowns.
 [[nodiscard]] std::vector<std::vector<double>> SumErrors(
-    const JointLogs& logs,
-    const JointSetup& setup,
-    const JointStructure& structure,
-    const SocTrace& soc,
-    const JointRates& rates,
+    const AtRates& sweep,
     const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
     ErrorSize size = ErrorSize::kWeighted_V,
     std::vector<double>* always = nullptr);

@@ -22,15 +22,14 @@ struct Held {
 };
 
 Held SolveWithoutEach(const JointFit& fit,
-                      const JointLogs& logs,
-                      const SocTrace& soc,
-                      const JointStructure& structure,
-                      const JointRates& rates,
+                      const AtRates& sweep,
                       const std::vector<double>& ladder) {
-  const auto sums = SumGroups(logs, fit.seen().setup(), structure, soc, rates);
+  const auto sums = SumGroups(sweep);
+  const JointStructure& structure = sweep.structure;
+  const JointRates& rates = sweep.rates;
   Held held;
   NormalEquations total = sums.back();
-  for (int g = 0; g < logs.groups; ++g) {
+  for (int g = 0; g < sweep.logs.groups; ++g) {
     total.Add(sums[g]);
     held.weight += sums[g].weight;
   }
@@ -41,7 +40,7 @@ Held SolveWithoutEach(const JointFit& fit,
     held.whole.push_back(std::move(solution.x));
     guess.push_back(std::move(solution.active));
   }
-  held.without.resize(static_cast<std::size_t>(logs.groups));
+  held.without.resize(static_cast<std::size_t>(sweep.logs.groups));
   ParallelFor(held.without.size(), [&](std::size_t g) {
     NormalEquations rest = total;
     rest.Add(sums[g], -1.0);
@@ -63,14 +62,14 @@ LeftOutErrors LeaveOut(const JointFit& fit,
   if (logs.groups < 2) return best;
   const JointSetup& setup = fit.seen().setup();
   const SocTrace soc = TraceSoc(logs, setup, rates);
-  const Held held = SolveWithoutEach(fit, logs, soc, structure, rates, ladder);
+  const AtRates sweep{logs, setup, structure, soc, rates};
+  const Held held = SolveWithoutEach(fit, sweep, ladder);
   const double weight = held.weight;
   const auto total_of = [&](const std::vector<double>& units) {
     return std::accumulate(units.begin(), units.end(), 0.0) / weight;
   };
-  const auto fitted =
-      SumErrors(logs, setup, structure, soc, rates, std::vector(held.without.size(), held.whole));
-  const auto errors = SumErrors(logs, setup, structure, soc, rates, held.without);
+  const auto fitted = SumErrors(sweep, std::vector(held.without.size(), held.whole));
+  const auto errors = SumErrors(sweep, held.without);
   std::vector<LeftOutErrors> all;
   for (std::size_t s = 0; s < ladder.size(); ++s) {
     LeftOutErrors& one = all.emplace_back();
@@ -94,19 +93,13 @@ ExpectedError ExpectError(const JointFit& fit,
                           const JointSolution& solution) {
   ExpectedError expected;
   if (logs.groups < 2 || solution.x.size() == 0) return expected;
-  const SocTrace soc = TraceSoc(logs, fit.seen().setup(), solution.rates);
-  const Held held =
-      SolveWithoutEach(fit, logs, soc, solution.structure, solution.rates, {solution.smoothness});
+  const JointSetup& setup = fit.seen().setup();
+  const SocTrace soc = TraceSoc(logs, setup, solution.rates);
+  const AtRates sweep{logs, setup, solution.structure, soc, solution.rates};
+  const Held held = SolveWithoutEach(fit, sweep, {solution.smoothness});
   const auto percent = [&](const std::vector<std::vector<Eigen::VectorXd>>& unknowns,
                            std::vector<double>* always = nullptr) {
-    return SumErrors(logs,
-                     fit.seen().setup(),
-                     solution.structure,
-                     soc,
-                     solution.rates,
-                     unknowns,
-                     ErrorSize::kPercentOfRows,
-                     always)[0];
+    return SumErrors(sweep, unknowns, ErrorSize::kPercentOfRows, always)[0];
   };
   // Ends of discharges and slow ones are in no group: of them the fitted errors count.
   std::vector<double> always(logs.logs.size(), 0.0);

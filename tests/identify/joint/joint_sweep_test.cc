@@ -136,7 +136,8 @@ TEST(JointSweep, NormalEquationsAreTheRowsSquared) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(JointLayout(e.structure).size());
   const JointObservations seen(joint, setup);
   const auto rows = seen.Rows(e.structure, e.rates, zero);
-  auto sums = SumGroups(joint, setup, e.structure, TraceSoc(joint, setup, e.rates), e.rates);
+  const SocTrace soc = TraceSoc(joint, setup, e.rates);
+  auto sums = SumGroups({joint, setup, e.structure, soc, e.rates});
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(joint.groups) + 1);
   for (std::size_t g = 0; g + 1 < sums.size(); ++g) sums.back().Add(sums[g]);
 
@@ -181,8 +182,8 @@ TEST(JointSweep, ErrorsOfRowsLeftOutUseTheirOwnUnknowns) {
   for (const JointLog& log : joint.logs) {
     for (std::size_t k = 0; k < log.size(); ++k) weight += log.group[k] == 0 ? log.weight[k] : 0.0;
   }
-  const auto sums =
-      SumErrors(joint, setup, e.structure, TraceSoc(joint, setup, e.rates), e.rates, unknowns);
+  const SocTrace soc = TraceSoc(joint, setup, e.rates);
+  const auto sums = SumErrors({joint, setup, e.structure, soc, e.rates}, unknowns);
   ASSERT_EQ(sums.size(), 2U);
   // The model's own error of long logs said in few points is far below a microvolt.
   const double total = std::accumulate(sums[0].begin(), sums[0].end(), 0.0);
