@@ -113,10 +113,6 @@ double Jackknife(const std::vector<double>& one, const std::vector<double>& two)
   return (n - 1.0) / n * products;
 }
 
-}  // namespace
-
-namespace {
-
 // The logs that tell of heat, and by how much the warmest of them rises.
 struct AllWarming {
   std::vector<Warming> logs;

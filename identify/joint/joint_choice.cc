@@ -48,6 +48,20 @@ std::vector<double> Bent(int count) {
   return nodes;
 }
 
+// Whether a time constant came so near to its limit that this may have kept it there.
+bool NearSlowest(const JointRates& rates, double longest_tau_s) {
+  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
+    return tau_s > 0.5 * longest_tau_s;
+  });
+}
+
+bool NearFastest(const JointRates& rates, double shortest_tau_s) {
+  constexpr double kNear = 1.05;
+  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
+    return tau_s < kNear * shortest_tau_s;
+  });
+}
+
 // What no row of the voltage shows.
 constexpr double kNothing_V = 1e-6;
 
@@ -734,19 +748,6 @@ class Choosing {
 };
 
 }  // namespace
-
-bool NearSlowest(const JointRates& rates, double longest_tau_s) {
-  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
-    return tau_s > 0.5 * longest_tau_s;
-  });
-}
-
-bool NearFastest(const JointRates& rates, double shortest_tau_s) {
-  constexpr double kNear = 1.05;
-  return std::any_of(rates.time_constant_s.begin(), rates.time_constant_s.end(), [&](double tau_s) {
-    return tau_s < kNear * shortest_tau_s;
-  });
-}
 
 JointChoice ChooseStructure(const ChoiceTask& task, const JointChoice* before) {
   return Choosing(task, {}, before).Run();

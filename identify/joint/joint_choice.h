@@ -132,7 +132,7 @@ struct JointChoice {
   JointSolution best;
   LeftOutErrors errors;
   std::vector<TriedStructure> tried;
-  std::size_t taken = 0;       ///< of these
+  std::size_t taken = 0;        ///< of these
   double shortest_tau_s = 0.0;  ///< from which on time constants were searched
   double longest_tau_s = 0.0;   ///< and up to which
   /// The best structure with a node more between any two of every table, refitted: what straight
@@ -155,10 +155,6 @@ struct ChoiceTask {
   const JointSolution* near = nullptr;
   std::function<void(double)> progress = {};  ///< gets the share done
 };
-
-/// Whether a time constant came so near to its limit that this may have kept it there.
-[[nodiscard]] bool NearSlowest(const JointRates& rates, double longest_tau_s);
-[[nodiscard]] bool NearFastest(const JointRates& rates, double shortest_tau_s);
 
 /// Whether a richer structure predicts left-out rows so much better that it is taken (docs/joint.md, 4).
 [[nodiscard]] bool IsAskedFor(const LeftOutErrors& rich,

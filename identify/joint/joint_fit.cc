@@ -110,16 +110,8 @@ class RatesProblem : public LeastSquaresProblem {
       : fit_(fit), best_(from), last_(from), rates_(fit.Rates(from.structure)) {}
 
   [[nodiscard]] int size() const override { return static_cast<int>(rates_.size()); }
-  [[nodiscard]] Eigen::VectorXd lower() const override {
-    Eigen::VectorXd x(size());
-    for (int k = 0; k < size(); ++k) x[k] = rates_[k].Coordinate(rates_[k].lower);
-    return x;
-  }
-  [[nodiscard]] Eigen::VectorXd upper() const override {
-    Eigen::VectorXd x(size());
-    for (int k = 0; k < size(); ++k) x[k] = rates_[k].Coordinate(rates_[k].upper);
-    return x;
-  }
+  [[nodiscard]] Eigen::VectorXd lower() const override { return Bound(&JointRate::lower); }
+  [[nodiscard]] Eigen::VectorXd upper() const override { return Bound(&JointRate::upper); }
   [[nodiscard]] Eigen::VectorXd Point(JointRates rates) const {
     Eigen::VectorXd x(size());
     for (int k = 0; k < size(); ++k) {
@@ -170,6 +162,12 @@ class RatesProblem : public LeastSquaresProblem {
   [[nodiscard]] const JointSolution& best() const { return best_; }
 
  private:
+  [[nodiscard]] Eigen::VectorXd Bound(double JointRate::*which) const {
+    Eigen::VectorXd x(size());
+    for (int k = 0; k < size(); ++k) x[k] = rates_[k].Coordinate(rates_[k].*which);
+    return x;
+  }
+
   const JointFit& fit_;
   mutable JointSolution best_;  // one thread asks
   mutable JointSolution last_;  // its active bounds are the guess for the next
@@ -432,18 +430,18 @@ JointSolution JointFit::Solve(const JointStructure& structure,
     sums.with_residual[t] += rise * sums.right[r];
     sums.with_linear.row(t) += rise * row.transpose();
   }
-  if (smoothness == 0.0 && layout.voltages() == 0) Refine(layout, information, sums, solution);
-  std::vector<int> slot;
-  for (const Rate& rate : searched) slot.push_back(rate.slot);
-  Eigen::MatrixXd with_linear = sums.with_linear(slot, Eigen::all);
-  ToRises(with_linear, layout.voltages());
   std::vector<int> free;
   for (std::size_t k = 0; k < solution.active.size(); ++k) {
     if (!solution.active[k]) free.push_back(static_cast<int>(k));
   }
-  const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
   const Eigen::MatrixXd part =
       information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
+  if (smoothness == 0.0 && layout.voltages() == 0) Refine(free, part, sums, solution);
+  std::vector<int> slot;
+  for (const Rate& rate : searched) slot.push_back(rate.slot);
+  Eigen::MatrixXd with_linear = sums.with_linear(slot, Eigen::all);
+  ToRises(with_linear, layout.voltages());
+  const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
   slopes->square = sums.of_rates(slot, slot);
   slopes->square -= across.transpose() * SolvePositive(part, across);
   slopes->with_residual = -sums.with_residual(slot);
@@ -453,17 +451,11 @@ JointSolution JointFit::Solve(const JointStructure& structure,
 // Where nothing smooths and v_oc is given the sums of the residuals themselves have the digits that
 // the normal equations lose: a step of iterative refinement, and the cost by those sums. None that
 // leads to a negative resistance: of a branch as fast as the rows only the sum with r_s is known.
-void JointFit::Refine(const JointLayout& layout,
-                      const Eigen::MatrixXd& information,
+void JointFit::Refine(const std::vector<int>& free,
+                      const Eigen::MatrixXd& part,
                       SlopeSums& sums,
-                      JointSolution& solution) const {
-  std::vector<int> free;
-  for (int k = 0; k < layout.size(); ++k) {
-    if (!solution.active[static_cast<std::size_t>(k)]) free.push_back(k);
-  }
-  const Eigen::MatrixXd part =
-      information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(layout.size());
+                      JointSolution& solution) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(solution.x.size());
   const Eigen::VectorXd right = sums.right(free);
   step(free) = SolvePositive(part, right);
   const double gain = step.dot(sums.right);

@@ -116,10 +116,10 @@ class JointFit {
                                              const JointRates* near) const;
   [[nodiscard]] std::vector<JointRates> RatesGrid(const JointStructure& structure,
                                                   const JointRates* near) const;
-  void Refine(const JointLayout& layout,
-              const Eigen::MatrixXd& information,
-              SlopeSums& sums,
-              JointSolution& solution) const;
+  static void Refine(const std::vector<int>& free,
+                     const Eigen::MatrixXd& part,
+                     SlopeSums& sums,
+                     JointSolution& solution);
 
   const Observations& seen_;
   const JointSetup& setup_;

@@ -30,8 +30,8 @@ struct JointRate {
   std::string name;
   double lower, upper;
   double* (*entry)(JointRates&, int);
-  int index;
-  int slot;  ///< in RateSlots
+  int index = 0;  ///< among those of its kind
+  int slot = 0;   ///< in RateSlots
   double start;
   bool logarithm = true;
   double unit = 1.0;

@@ -114,16 +114,15 @@ class LogSweep {
       formula = curve_.Formula(*low - reach);
       crosses = curve_.Formula(*high + reach) != formula;
     }
-    const auto node = [&](Eigen::Index j,
-                          OpenCircuitVoltage::ValueAndSlope v_oc,
-                          double measured_V) {
-      rows_.Step<true>(block.rows, j, {.current_A = current_A});
-      return rows_.MakeRow<true>({.current_A = current_A,
-                                  .soc = at_[j],
-                                  .slopes = {.beta = slopes_ && soc_.slopes() ? slope_[j] : 0.0},
-                                  .v_oc = v_oc},
-                                 measured_V);
-    };
+    const auto node =
+        [&](Eigen::Index j, OpenCircuitVoltage::ValueAndSlope v_oc, double measured_V) {
+          rows_.Step<true>(block.rows, j, {.current_A = current_A});
+          return rows_.MakeRow<true>({.current_A = current_A,
+                                      .soc = at_[j],
+                                      .slopes = {.beta = soc_.slopes() ? slope_[j] : 0.0},
+                                      .v_oc = v_oc},
+                                     measured_V);
+        };
     if (crosses) {
       for (Eigen::Index j = 0; j < nodes; ++j) KeepNode(j, nodes, node(j, {}, 0.0));
       TakeRowsOf(piece, shape, visitor);
