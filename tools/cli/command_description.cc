@@ -7,9 +7,32 @@
 #include <string_view>
 
 namespace lipoid::cli {
+namespace {
+
+bool IsShortWord(const std::string& value) { return value.find(' ') == std::string::npos; }
+
+}  // namespace
 
 std::string DescribedOption::Shown() const {
   return letter == '\0' ? "--" + name : fmt::format("-{}, --{}", letter, name);
+}
+
+std::string DescribedOption::ShownWithValue() const {
+  std::string text = Shown();
+  if (!value.empty()) text += " " + (IsShortWord(value) ? value : "VALUE");
+  return several ? text + " ..." : text;
+}
+
+std::string DescribedOption::Help(bool say_required) const {
+  std::string text = help;
+  if (!IsShortWord(value)) text += "; " + value;
+  if (say_required && required) text += " (required)";
+  if (!default_text.empty()) text += fmt::format(" (default {})", default_text);
+  return text;
+}
+
+std::string CommandDescription::Setting::Help() const {
+  return fmt::format("{}; {} (default {})", help, valid, default_text);
 }
 
 bool DescribedOption::TakesFile() const {

@@ -21,6 +21,10 @@ struct DescribedOption {
 
   /// "-o, --output".
   [[nodiscard]] std::string Shown() const;
+  /// "-o, --output CSV": a short word stands beside the name, a list of choices or a range in Help().
+  [[nodiscard]] std::string ShownWithValue() const;
+  /// "log; 0 .. 5 (default 3)".
+  [[nodiscard]] std::string Help(bool say_required = false) const;
   [[nodiscard]] bool TakesFile() const;
   /// "staged", "joint" of "staged | joint"; none where the value is no choice.
   [[nodiscard]] std::vector<std::string> Choices() const;
@@ -38,6 +42,8 @@ struct CommandDescription {
     std::string help;
     std::string valid;
     std::string default_text;
+
+    [[nodiscard]] std::string Help() const;
   };
 
   std::string name;

@@ -15,15 +15,18 @@ std::string Quoted(std::string_view text) {
   return quoted + "'";
 }
 
-// Fish knows \' and \\ between single quotes.
-std::string QuotedForFish(std::string_view text) {
-  std::string quoted = "'";
+// With a backslash before each of the characters.
+std::string Escaped(std::string_view text, std::string_view characters) {
+  std::string safe;
   for (const char c : text) {
-    if (c == '\'' || c == '\\') quoted += '\\';
-    quoted += c;
+    if (characters.find(c) != characters.npos) safe += '\\';
+    safe += c;
   }
-  return quoted + "'";
+  return safe;
 }
+
+// Fish knows \' and \\ between single quotes.
+std::string QuotedForFish(std::string_view text) { return "'" + Escaped(text, "'\\") + "'"; }
 
 std::vector<std::string> Spellings(const DescribedOption& option) {
   std::vector<std::string> all{"--" + option.name};
@@ -91,14 +94,7 @@ std::string BashScript(std::span<const CommandDescription> commands) {
 }
 
 // Text inside a specification of _arguments or _describe.
-std::string ForZsh(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '[' || c == ']' || c == ':' || c == '\\') safe += '\\';
-    safe += c;
-  }
-  return safe;
-}
+std::string ForZsh(std::string_view text) { return Escaped(text, "[]:\\"); }
 
 std::string ZshScript(std::span<const CommandDescription> commands) {
   std::string text =

@@ -67,26 +67,13 @@ std::string HelpText(const CommandDescription& command) {
       if (option.common != common) continue;
       if (first) text += fmt::format("\n{}:\n", title);
       first = false;
-      // A short word stands beside the name; a list of choices or a range beside the help.
-      const bool short_word = option.value.find(' ') == std::string::npos;
-      std::string left = option.Shown();
-      std::string help = option.help;
-      if (!option.value.empty()) left += " " + (short_word ? option.value : "VALUE");
-      if (option.several) left += " ...";
-      if (!short_word) help += "; " + option.value;
-      if (!option.default_text.empty()) help += fmt::format(" (default {})", option.default_text);
-      AddHelpLine(text, left, help);
+      AddHelpLine(text, option.ShownWithValue(), option.Help());
     }
   };
   add_options("Options", false);
   add_options("Common options", true);
   if (!command.settings.empty()) text += "\nOptions for --set OPTION=VALUE:\n";
-  for (const auto& setting : command.settings) {
-    AddHelpLine(
-        text,
-        setting.name,
-        fmt::format("{}; {} (default {})", setting.help, setting.valid, setting.default_text));
-  }
+  for (const auto& setting : command.settings) AddHelpLine(text, setting.name, setting.Help());
   return text;
 }
 

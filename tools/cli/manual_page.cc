@@ -44,16 +44,7 @@ void AddItem(std::string& text, const std::string& left, const std::string& help
 }
 
 void AddOption(std::string& text, const DescribedOption& option) {
-  const bool short_word = option.value.find(' ') == std::string::npos;
-  std::string left = option.letter == '\0' ? "" : fmt::format("-{}, ", option.letter);
-  left += "--" + option.name;
-  if (!option.value.empty()) left += " " + (short_word ? option.value : "VALUE");
-  if (option.several) left += " ...";
-  std::string help = option.help;
-  if (!short_word) help += "; " + option.value;
-  if (option.required) help += " (required)";
-  if (!option.default_text.empty()) help += fmt::format(" (default {})", option.default_text);
-  AddItem(text, left, help);
+  AddItem(text, option.ShownWithValue(), option.Help(true));
 }
 
 }  // namespace
@@ -95,12 +86,7 @@ std::string ManualPage(std::span<const CommandDescription> commands) {
       if (!option.common) AddOption(text, option);
     }
     if (!command.settings.empty()) text += ".PP\nFor \\-\\-set OPTION=VALUE:\n";
-    for (const auto& setting : command.settings) {
-      AddItem(
-          text,
-          setting.name,
-          fmt::format("{}; {} (default {})", setting.help, setting.valid, setting.default_text));
-    }
+    for (const auto& setting : command.settings) AddItem(text, setting.name, setting.Help());
     text += ".PP\nExamples:\n";
     for (const auto& example : command.examples) {
       text += fmt::format(".PP\n.nf\n.RS\n{}\n.RE\n.fi\n", Roff(example));
