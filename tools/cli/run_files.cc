@@ -46,18 +46,14 @@ bool IsSpecial(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 
-bool IsFile(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
-}
-
 }  // namespace
 
 void RunFiles::CheckNothingIsLost() const {
   std::vector<std::pair<Place, const Output*>> outputs;
   // What the shell made of standard output is an output as well.
   const Output standard_output{"standard output", "/dev/stdout"};
-  if (IsFile(standard_output.path)) {
+  std::error_code none;
+  if (std::filesystem::is_regular_file(standard_output.path, none)) {
     outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
   }
   for (const Output& output : outputs_) {
@@ -76,7 +72,7 @@ void RunFiles::CheckNothingIsLost() const {
   }
   if (outputs.empty()) return;
   for (const std::string& input : inputs_) {
-    if (!IsFile(input)) continue;
+    if (!std::filesystem::is_regular_file(input, none)) continue;
     const Place read = PlaceOf(input);
     for (const auto& [place, output] : outputs) {
       if (!(place == read)) continue;

@@ -14,6 +14,7 @@
 #include "identify/logs/thinning.h"
 #include "identify/pack_request.h"
 #include "model/core/atomic_file.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 #include "tools/cli/text_table.h"
@@ -48,10 +49,6 @@ std::string Duration(double s) {
   return fmt::format("{:.1f} days", s / (24.0 * kSecondsPerHour));
 }
 
-std::string Count(std::size_t count, std::string_view thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
-
 std::string FromTo(const Spread& spread, std::string_view unit) {
   if (spread.least == spread.largest) return fmt::format("{:.5g} {}", spread.least, unit);
   return fmt::format("{:.5g} {} to {:.5g} {}", spread.least, unit, spread.largest, unit);
@@ -70,7 +67,7 @@ std::string Sampling(const Spread& s) {
 std::string BatteryText(const FlightFacts& flight) {
   std::string text = fmt::format("{} of {}", flight.battery, flight.batteries.size());
   std::vector<std::string> told;
-  if (flight.cells > 0) told.push_back(fmt::format("{} in series", Count(flight.cells, "cell")));
+  if (flight.cells > 0) told.push_back(fmt::format("{} in series", Counted(flight.cells, "cell")));
   if (std::isfinite(flight.capacity_Ah))
     told.push_back(fmt::format("{:.4g} Ah", flight.capacity_Ah));
   if (!told.empty()) text += fmt::format("; {} as the autopilot was told", fmt::join(told, ", "));
@@ -188,9 +185,9 @@ void PrintInspection(cli::CommandLine& line, const Inspection& log, bool all) {
   } else {
     item("kind",
          fmt::format("{}, between recharges or gaps; a draft reads each by its start_s and end_s",
-                     Count(log.parts.size(), "test")));
+                     Counted(log.parts.size(), "test")));
   }
-  item("format", fmt::format("{}, {}", log.report.format, Count(log.report.rows, "row")));
+  item("format", fmt::format("{}, {}", log.report.format, Counted(log.report.rows, "row")));
   if (log.report.flight) {
     const FlightFacts& flight = *log.report.flight;
     item("vehicle", flight.vehicle);
@@ -240,7 +237,7 @@ void PrintOverview(cli::CommandLine& line, const std::vector<InspectedFile>& fil
                fmt::format("{}", log.report.rows),
                Duration(log.duration_s),
                fmt::format("{:.4f}", log.charge_out_C / kSecondsPerHour),
-               log.parts.empty() ? KindName(log.suggestion) : Count(log.parts.size(), "test")});
+               log.parts.empty() ? KindName(log.suggestion) : Counted(log.parts.size(), "test")});
   }
   line.Print("{}", table.Text());
 }
@@ -342,7 +339,7 @@ void WriteDraft(cli::CommandLine& line,
   }
   line.Message("{}: {}, {} left out, {} not used",
                campaign_file,
-               Count(draft.campaign.logs.size(), "log"),
+               Counted(draft.campaign.logs.size(), "log"),
                draft.entries.size() - draft.campaign.logs.size(),
                draft.unused.size());
   try {
