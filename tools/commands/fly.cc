@@ -123,7 +123,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::string maneuver_name;
   std::string cell_name;
   std::string output;
-  std::string wind;
+  WindOption wind;
   ManeuverRequest request;
   std::map<std::string_view, ManeuverRequest> values;  // of each maneuver
   FlyRequest asked;
@@ -154,12 +154,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   std::string law = setup.controller.law;
   line.Text("controller", law, "NAME", "inversion, or another of `lipoid list controllers`");
   line.Each(asked);
-  line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air along x, y and down, m/s");
-  line.Option(
-      "gusts",
-      setup.wind.gusts_m_per_s,
-      Range{0.0, 60.0},
-      "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
+  wind.AddTo(line, setup.wind, "along x, y and down");
   line.Each(start);
   line.Each(pack);
   ensemble.AddTo(line, "how far the flight on each of them differs; the log is of the estimate");
@@ -242,7 +237,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   CheckFlight(setup, maneuver, request, asked.duration_s.has_value());
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
-  ReadWind("wind", wind, setup.wind);
+  wind.ReadInto(setup.wind);
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;

@@ -53,43 +53,42 @@ Json ListCells(cli::CommandLine& line) {
   return rows;
 }
 
-Json ListFormats(cli::CommandLine& line) {
-  cli::TextTable table({{"format", Align::kLeft}, {"what it is", Align::kLeft}});
-  Json rows = Json::array();
-  const auto add = [&](const auto& format) {
-    table.Row({std::string(format.name), std::string(format.summary)});
-    rows.push_back({{"name", format.name}, {"summary", format.summary}});
-  };
-  for (const Layout* format : LogFormats()) add(*format);
-  for (const AutopilotFormat& format : AutopilotFormats()) add(format);
+// Rows of a name, a summary and, where there is one, a source.
+using Words = std::vector<std::vector<std::string_view>>;
+
+Json ListWords(cli::CommandLine& line, const std::vector<std::string>& headers, const Words& rows) {
+  constexpr const char* kKeys[] = {"name", "summary", "source"};
+  std::vector<cli::TextTable::Column> columns;
+  for (const std::string& header : headers) columns.push_back({header, Align::kLeft});
+  cli::TextTable table(columns);
+  Json json = Json::array();
+  for (const auto& words : rows) {
+    table.Row({words.begin(), words.end()});
+    Json& row = json.emplace_back(Json::object());
+    for (std::size_t k = 0; k < words.size(); ++k) row[kKeys[k]] = words[k];
+  }
   line.Print("{}", table.Text());
-  return rows;
+  return json;
+}
+
+Json ListFormats(cli::CommandLine& line) {
+  Words rows;
+  for (const Layout* format : LogFormats()) rows.push_back({format->name, format->summary});
+  for (const AutopilotFormat& format : AutopilotFormats())
+    rows.push_back({format.name, format.summary});
+  return ListWords(line, {"format", "what it is"}, rows);
 }
 
 Json ListControllers(cli::CommandLine& line) {
-  cli::TextTable table(
-      {{"controller", Align::kLeft}, {"what it does", Align::kLeft}, {"from", Align::kLeft}});
-  Json rows = Json::array();
-  for (const ControlLaw& law : ControlLaws()) {
-    table.Row({std::string(law.name), std::string(law.summary), std::string(law.source)});
-    rows.push_back({{"name", law.name}, {"summary", law.summary}, {"source", law.source}});
-  }
-  line.Print("{}", table.Text());
-  return rows;
+  Words rows;
+  for (const ControlLaw& law : ControlLaws()) rows.push_back({law.name, law.summary, law.source});
+  return ListWords(line, {"controller", "what it does", "from"}, rows);
 }
 
 Json ListManeuvers(cli::CommandLine& line) {
-  cli::TextTable table(
-      {{"maneuver", Align::kLeft}, {"what it flies", Align::kLeft}, {"from", Align::kLeft}});
-  Json rows = Json::array();
-  for (const Maneuver& maneuver : Maneuvers()) {
-    table.Row(
-        {std::string(maneuver.name), std::string(maneuver.summary), std::string(maneuver.source)});
-    rows.push_back(
-        {{"name", maneuver.name}, {"summary", maneuver.summary}, {"source", maneuver.source}});
-  }
-  line.Print("{}", table.Text());
-  return rows;
+  Words rows;
+  for (const Maneuver& one : Maneuvers()) rows.push_back({one.name, one.summary, one.source});
+  return ListWords(line, {"maneuver", "what it flies", "from"}, rows);
 }
 
 Json ListOptimizers(cli::CommandLine& line) {
@@ -127,14 +126,9 @@ Json ListOptimizers(cli::CommandLine& line) {
 }
 
 Json ListProtocols(cli::CommandLine& line) {
-  cli::TextTable table({{"protocol", Align::kLeft}, {"what the lab does", Align::kLeft}});
-  Json rows = Json::array();
-  for (const auto& protocol : kProtocols) {
-    table.Row({std::string(protocol.name), std::string(protocol.summary)});
-    rows.push_back({{"name", protocol.name}, {"summary", protocol.summary}});
-  }
-  line.Print("{}", table.Text());
-  return rows;
+  Words rows;
+  for (const Protocol& protocol : kProtocols) rows.push_back({protocol.name, protocol.summary});
+  return ListWords(line, {"protocol", "what the lab does"}, rows);
 }
 
 Json ListGains(cli::CommandLine& line) {

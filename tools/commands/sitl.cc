@@ -105,7 +105,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   std::string cell_name = "gifi-600mAh-1";
   std::string vehicle_name = "mambo-coupled";
   std::string address = "127.0.0.1";
-  std::string wind;
+  WindOption wind;
   int port = kArduPilotPort;
   PackRequest pack;
   std::optional<double> duration_s;
@@ -131,12 +131,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   line.Option(
       "port", port, Range{0, 65535}, "port to listen at; 0: any free one, which is printed");
   line.Text("address", address, "ADDRESS", "address to listen at; 0.0.0.0 lets other machines in");
-  line.Text("wind", wind, "X[,Y[,Z]]", "velocity of the air to the north, east and down, m/s");
-  line.Option(
-      "gusts",
-      setup.wind.gusts_m_per_s,
-      Range{0.0, 60.0},
-      "Dryden gusts, given by the wind speed at 20 ft in m/s: 7.7 light, 15.4 moderate, 23.2 severe");
+  wind.AddTo(line, setup.wind, "to the north, east and down");
   line.Option("duration", duration_s, Range{1e-6, 1e9}, "end after so many simulated seconds");
   line.Option("packets", packets, Range{1, 2'000'000'000}, "end after so many packets");
   line.Option("idle-s", idle_s, Range{0.001, 1e6}, "end when no packet came for so many seconds");
@@ -148,7 +143,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   setup.initial_soc = start.Soc(setup.cell);
   setup.vehicle = ForArduCopter(LoadVehicle(vehicle_name));
   setup.seed = line.seed();
-  ReadWind("wind", wind, setup.wind);
+  wind.ReadInto(setup.wind);
   const auto plant = MakeLivePlant(setup);
   ArduPilotPhysics physics(*plant, Blows(setup.wind));
   UdpServer server(address, static_cast<std::uint16_t>(port));
