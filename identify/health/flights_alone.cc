@@ -275,7 +275,8 @@ class Starts {
   static constexpr double kSame_V = 0.005;  // of two cells that rest at the same state of charge
 
   [[nodiscard]] bool Told(std::size_t k) const {
-    return logs_[k].entry.initial_soc != CampaignLog().initial_soc;
+    return logs_[k].entry.initial_soc_told ||
+           logs_[k].entry.initial_soc != CampaignLog().initial_soc;
   }
   [[nodiscard]] LoadError Missing(std::size_t k, const std::string& why) const {
     const CampaignLog& entry = logs_[k].entry;

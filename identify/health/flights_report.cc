@@ -41,7 +41,8 @@ class Moved {
     // Of a standard error. The covariance may say more than the variance that is known of the quantity, which
     // was found in another way; not all of that goes then.
     [[nodiscard]] double Share(double known) const {
-      return std::sqrt(std::clamp(1.0 - variance / std::max(known, of), 0.0, 1.0));
+      const double all = std::max(known, of);
+      return all > 0.0 ? std::sqrt(std::clamp(1.0 - variance / all, 0.0, 1.0)) : 1.0;
     }
   };
   template <class Quantity>

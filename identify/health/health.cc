@@ -415,11 +415,10 @@ std::optional<HealthTrend> TrendOf(std::span<const FlightHealth> flights,
                                    WithInterval FlightHealth::*counted,
                                    double FlightHealth::*deviation) {
   std::vector<TrendPoint> points;
-  for (std::size_t k = 0; k < flights.size(); ++k) {
-    const FlightHealth& flight = flights[k];
+  for (const FlightHealth& flight : flights) {
     const WithInterval& quantity = flight.*counted;
     if (quantity.known() && flight.converged && flight.same_rows_as.empty())
-      points.push_back({static_cast<double>(k), quantity.value, flight.*deviation});
+      points.push_back({static_cast<double>(flight.place), quantity.value, flight.*deviation});
   }
   return FitTrend(points);
 }
@@ -474,7 +473,9 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   }
   for (std::size_t k = 0; k < logs.size(); ++k) {
     report.refused.insert(report.refused.end(), problems[k].begin(), problems[k].end());
-    if (problems[k].empty()) report.flights.push_back(std::move(flights[k]));
+    if (!problems[k].empty()) continue;
+    flights[k].place = k;
+    report.flights.push_back(std::move(flights[k]));
   }
   if (report.flights.empty()) throw LoadError(report.refused);
   report.capacity_trend = TrendOf(

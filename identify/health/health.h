@@ -53,6 +53,7 @@ struct HealthOptions {
 
 struct FlightHealth {
   std::string file;
+  std::size_t place = 0;  ///< among all flights, refused ones too
   double duration_s = 0.0;
   double charge_Ah = 0.0;  ///< as the log shows it
   WithInterval soc_start;

@@ -13,11 +13,16 @@ void Scale(Resistance<double>& resistance, double factor) {
   for (double& value_Ohm : resistance.resistance_Ohm) value_Ohm *= factor;
 }
 
+// The thermal resistance goes with the surface.
+double OfSurface(double factor) { return std::pow(factor, -2.0 / 3.0); }
+
 // How a parameter of that name goes with the capacity.
 double FactorOf(std::string_view name, double factor) {
   if (name.starts_with("r_")) return 1.0 / factor;
   if (name.starts_with("c_") || name == "i_0" || name == "alpha") return factor;
   if (name == "rho_h") return 1.0 / (factor * factor * factor);
+  if (name == "C_th") return factor;
+  if (name == "R_th") return OfSurface(factor);
   return 1.0;
 }
 
@@ -46,8 +51,7 @@ void Enlarge(Cell& cell, double factor) {
   }
   if (cell.temperature && cell.temperature->heat) {
     cell.temperature->heat->heat_capacity_J_per_K *= factor;
-    // By the surface.
-    cell.temperature->heat->thermal_resistance_K_per_W /= std::pow(factor, 2.0 / 3.0);
+    cell.temperature->heat->thermal_resistance_K_per_W *= OfSurface(factor);
   }
 }
 

@@ -240,7 +240,7 @@ class JointRun {
     constexpr double kMuchUnseen = 0.1;
     if (curve_given_ || !slow || !rough_curve_) return curve;
     if (result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K) return curve;
-    const double seen = 1.0 - (1.0 - slow->soc_lo) * result_.staged.alpha_C / alpha_C;
+    const double seen = 1.0 - (1.0 - slow->curve.soc_lo()) * result_.staged.alpha_C / alpha_C;
     const std::vector<double>& soc = curve.soc();
     if (seen - soc.front() < kMuchUnseen) return curve;
     std::vector<double> voltage_V = curve.voltage_V();

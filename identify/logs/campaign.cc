@@ -128,11 +128,11 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
     reader.Expected(
         *reader.Find("end_s"), "end_s", fmt::format("a time after start_s = {}", log.read.start_s));
   }
-  reader.Number("initial_soc",
-                kInitialSocs.lo,
-                kInitialSocs.hi,
-                "a state of charge from -0.5 to 1.5 (1 is full)",
-                log.initial_soc);
+  log.initial_soc_told = reader.Number("initial_soc",
+                                       kInitialSocs.lo,
+                                       kInitialSocs.hi,
+                                       "a state of charge from -0.5 to 1.5 (1 is full)",
+                                       log.initial_soc);
   reader.Number("lead_resistance_Ohm",
                 0.0,
                 1000.0,
@@ -267,7 +267,8 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (read.start_s != defaults.start_s) add("start_s", TomlFloat(read.start_s));
   if (read.end_s != defaults.end_s) add("end_s", TomlFloat(read.end_s));
   if (read.battery != defaults.battery) add("battery", fmt::format("{}", read.battery));
-  if (log.initial_soc != CampaignLog().initial_soc) add("initial_soc", TomlFloat(log.initial_soc));
+  if (log.initial_soc_told || log.initial_soc != CampaignLog().initial_soc)
+    add("initial_soc", TomlFloat(log.initial_soc));
   if (read.lead_resistance_Ohm != 0.0)
     add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
   if (log.weight != CampaignLog().weight) add("weight", TomlFloat(log.weight));

@@ -36,6 +36,7 @@ struct CampaignLog {
   SourcePosition position;  ///< where it is named; file empty on the command line
   ReadOptions read;
   double initial_soc = 1.0;
+  bool initial_soc_told = false;  ///< said, and be it 1
   double weight = 1.0;
   std::optional<double> ambient_degC;  ///< of the surroundings; none: not told
   std::optional<double> initial_degC;  ///< of the cell at the first row; none: that of the ambient

@@ -169,5 +169,30 @@ TEST(HealthTrend, CoversTheTruthOfAnAgeingPack) {
   EXPECT_NEAR(resistance.value, 60.0, 5.0 * 1.6);  // 5 % of the last resistance
 }
 
+// A flight that says nothing was flown all the same: the change per flight counts it.
+TEST(HealthTrend, ARefusedFlightKeepsItsPlace) {
+  std::vector<Log> logs;
+  for (const double capacity : {1.0, 0.9, 0.0, 0.0, 0.8}) {
+    Cell cell = WithTypicalTemperature(NewFlightCell());
+    cell.diffusion->alpha_C *= capacity > 0.0 ? capacity : 1.0;
+    FlightPlan plan;
+    plan.seed = logs.size();
+    logs.push_back(
+        FlyAndLog(cell, kSeries, plan, LikePx4(), "flight_" + std::to_string(logs.size())).log);
+    if (capacity == 0.0) logs.back().record.current_A.assign(logs.back().record.size(), 0.0);
+  }
+  HealthOptions options;
+  options.series = kSeries;
+  const HealthReport report = AssessHealth(NewFlightCell(), logs, options);
+  ASSERT_EQ(report.flights.size(), 3U);
+  EXPECT_EQ(report.refused.size(), 2U);
+  EXPECT_EQ(report.flights[2].place, 4U);
+  ASSERT_TRUE(report.capacity_trend.has_value());
+  const HealthTrend& trend = *report.capacity_trend;
+  EXPECT_NEAR(trend.change_percent.value,
+              4.0 * trend.per_flight_percent.value,
+              0.05 * std::abs(trend.change_percent.value));
+}
+
 }  // namespace
 }  // namespace lipoid::test

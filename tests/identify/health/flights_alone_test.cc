@@ -124,6 +124,25 @@ TEST(FlightsAlone, SayWhichStartIsMissing) {
   EXPECT_NE(message.find("give initial_soc"), std::string::npos) << message;
 }
 
+// A flight that is said to start full is told, though full is where logs start that say nothing.
+TEST(FlightsAlone, TakeAStartThatIsSaidToBeFull) {
+  const Cell truth = Simple();
+  FlightPlan plan;
+  plan.start_soc = 1.0;
+  plan.charge_share = 0.4;
+  plan.rest_before_s = 0.0;
+  std::vector<LoadedLog> logs{FlightOfKnownStart(truth, plan, Fine())};
+  plan.start_soc = 0.9;
+  plan.seed = 2;
+  logs.push_back(FlightOfKnownStart(truth, plan, Fine()));
+  logs[0].entry.initial_soc_told = true;
+  const FlightsAlone found = IdentifyFlightsAlone(CampaignOf(logs, 5.0), logs);
+  EXPECT_FALSE(found.flights.at(0).start_found);
+  EXPECT_EQ(found.flights.at(0).initial_soc, 1.0);
+  logs[0].entry.initial_soc_told = false;
+  EXPECT_THROW((void)IdentifyFlightsAlone(CampaignOf(logs, 5.0), logs), LoadError);
+}
+
 // Beside lab logs a flight is fitted with them, and held against what they say alone.
 TEST(FlightsAlone, AreFittedWithLabLogs) {
   const Cell truth = NewFlightCell();

@@ -29,6 +29,33 @@ TEST(ReferenceCell, OfParallelCellsIsTheirSum) {
   EXPECT_NEAR(MakeReference(NewFlightCell(), 3, {}).cell.alpha_C(), 3.0 * 18000.0, 1e-9);
 }
 
+// Relative errors stay: four cells beside one another are no better known than one.
+TEST(ReferenceCell, TheUncertaintyGrowsWithTheCell) {
+  Cell cell = WithTypicalTemperature(NewFlightCell());
+  cell.capacity_Ah = cell.alpha_C() / 3600.0;
+  const auto& heat = *cell.temperature->heat;
+  const std::vector<double> values{
+      cell.alpha_C(), heat.heat_capacity_J_per_K, heat.thermal_resistance_K_per_W};
+  cell.uncertainty = Cell::Uncertainty{.parameters = {"alpha", "C_th", "R_th"},
+                                       .covariance = {},
+                                       .degrees_of_freedom = 20.0,
+                                       .soc_follows_alpha = false};
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    cell.uncertainty->covariance.emplace_back(values.size(), 0.0);
+    cell.uncertainty->covariance[a][a] = 0.01 * values[a] * values[a];
+  }
+  const Cell large = MakeReference(cell, 4, {}).cell;
+  const auto& of_large = *large.temperature->heat;
+  const std::vector<double> grown{
+      large.alpha_C(), of_large.heat_capacity_J_per_K, of_large.thermal_resistance_K_per_W};
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    EXPECT_NEAR(large.uncertainty->covariance[a][a],
+                0.01 * grown[a] * grown[a],
+                1e-12 * grown[a] * grown[a])
+        << cell.uncertainty->parameters[a];
+  }
+}
+
 TEST(ReferenceCell, AssumedCurvesAreMarkedAndSpreadWider) {
   const ReferenceCell lab = MakeReference(NewFlightCell(), 1, {});
   const ReferenceCell shipped = MakeReference(LoadCell("gifi-600mAh-1"), 1, {});

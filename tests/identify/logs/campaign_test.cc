@@ -76,6 +76,8 @@ void ExpectEveryKey(const Campaign& campaign) {
   EXPECT_EQ(slow.read.start_s, 100.0);
   EXPECT_EQ(slow.read.end_s, 1e6);
   EXPECT_EQ(slow.initial_soc, 0.98);
+  EXPECT_TRUE(slow.initial_soc_told);
+  EXPECT_FALSE(campaign.logs[0].initial_soc_told);
   EXPECT_EQ(slow.read.lead_resistance_Ohm, 0.109);
   EXPECT_EQ(slow.weight, 2.5);
   EXPECT_EQ(slow.ambient_degC, -10.0);
