@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/control/saturation.h"
+#include "model/vehicle/powertrain.h"
 
 namespace lipoid {
 namespace {
@@ -35,8 +36,9 @@ LoopReference<double> Reference(const ReferenceModel::Output& out) {
 double MotorLag_s(const Vehicle& vehicle) {
   const double speed =
       std::sqrt(vehicle.mass_kg * kGravity_m_per_s2 / vehicle.total_thrust_coefficient_N_s2());
-  return vehicle.rotor_inertia_kg_m2 / (vehicle.speed_slope() / vehicle.armature_resistance_Ohm +
-                                        2.0 * vehicle.torque_coefficient_N_m_s2 * speed);
+  const Vehicle driven = WithControllers(vehicle);
+  return driven.rotor_inertia_kg_m2 / (driven.speed_slope() / driven.armature_resistance_Ohm +
+                                       2.0 * driven.torque_coefficient_N_m_s2 * speed);
 }
 
 References ReferencesOf(const References& of_gains, const ControllerOptions& options) {

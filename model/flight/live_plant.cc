@@ -25,7 +25,8 @@ constexpr double kTakenOff_m = 0.01;
 // The longest step that follows motors with an inductance, as in the simulator.
 double LongestStep(const Vehicle& vehicle) {
   if (!(vehicle.armature_inductance_H > 0.0)) return kLongestStep_s;
-  const double constant_s = vehicle.armature_inductance_H / vehicle.armature_resistance_Ohm;
+  const double constant_s =
+      vehicle.armature_inductance_H / WithControllers(vehicle).armature_resistance_Ohm;
   if (1.4 * constant_s < kShortestStep_s) {
     throw OptionError(fmt::format(
         "the armature current of {} has a time constant of {:.3g} s, which needs steps below "

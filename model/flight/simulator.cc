@@ -94,7 +94,7 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
   // Runge-Kutta of fourth order is stable up to 2.78 time constants; half of it is accurate.
   const double dt_s = kControlStep_s / setup.simulation.substeps;
   const double constant_s =
-      setup.vehicle.armature_inductance_H / setup.vehicle.armature_resistance_Ohm;
+      setup.vehicle.armature_inductance_H / WithControllers(setup.vehicle).armature_resistance_Ohm;
   if (constant_s > 0.0 && setup.simulation.integrator == Integrator::kRk4 &&
       dt_s > 1.4 * constant_s) {
     throw OptionError(fmt::format(

@@ -193,12 +193,6 @@ class RotorPlant {
   static constexpr std::size_t kCurrents = plant::Currents(R);
   static constexpr std::size_t kStates = plant::States(R);
 
-  // A motor in series with the transistors of its controller.
-  static Vehicle WithControllers(Vehicle vehicle) {
-    vehicle.armature_resistance_Ohm += vehicle.esc.resistance_Ohm;
-    return vehicle;
-  }
-
   // The current of motors and avionics.
   template <class T>
   [[nodiscard]] T BatteryShare(const PlantInputs<T, R>& in, const Electrical<T, R>& e) const {

@@ -51,6 +51,12 @@ T BatteryCurrent(const PerMotor<T, R>& duty, const PerMotor<T, R>& current_A) {
   return SumOfProducts(duty, current_A);  // (3.11)
 }
 
+/// Motors in series with the transistors of their controllers: what voltages across both drive.
+inline Vehicle WithControllers(Vehicle vehicle) {
+  vehicle.armature_resistance_Ohm += vehicle.esc.resistance_Ohm;
+  return vehicle;
+}
+
 /// What a speed controller puts across winding and transistors, without the motor's own voltage.
 template <class T>
 T DriveVoltage(const SpeedController& esc, const T& duty, const T& battery_V) {

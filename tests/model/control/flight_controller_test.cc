@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/analysis/poles.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/constants.h"
 #include "tests/support/plant_flight.h"
@@ -44,6 +45,16 @@ Wrench<double> WrenchOfFour(const FlightController& controller) {
   PerMotor<double> squares;
   std::copy_n(controller.speed_squared().begin(), squares.size(), squares.begin());
   return WrenchOf(CoupledMambo(), squares);
+}
+
+// By the eigenvalue of the motors of the linearized vehicle, which knows of transistors in series.
+TEST(FlightController, TheLagIsThatOfMotorsWithTheirSpeedControllers) {
+  for (const double transistors_Ohm : {0.0, 0.1}) {
+    Vehicle vehicle = LoadVehicle("mambo-thesis");
+    vehicle.esc.resistance_Ohm = transistors_Ohm;
+    const double lag_s = ResponseAtHover(vehicle, HoverAt(vehicle, 1.0)).altitude.lag_s;
+    EXPECT_NEAR(MotorLag_s(vehicle), lag_s, 1e-12 * lag_s) << transistors_Ohm;
+  }
 }
 
 TEST(FlightController, HoldsTheDutyOfItsTrim) {
