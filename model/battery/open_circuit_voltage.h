@@ -44,6 +44,10 @@ class OpenCircuitVoltage {
     double value_V;
     double slope_V;  ///< per unit of state of charge
   };
+  /// c0 + c1 x + c2 x² + c3 x³ with x = A less the node at which it begins.
+  struct Piece {
+    double c0, c1, c2, c3;
+  };
 
   /// Nodes at strictly increasing soc, at least two. PreconditionError otherwise.
   static OpenCircuitVoltage Linear(std::vector<double> soc, std::vector<double> voltage_V);
@@ -67,6 +71,12 @@ class OpenCircuitVoltage {
   /// Nodes of linear and monotone-cubic curves; empty for the others.
   [[nodiscard]] const std::vector<double>& soc() const { return soc_; }
   [[nodiscard]] const std::vector<double>& voltage_V() const { return voltage_V_; }
+  /// One per interval between nodes.
+  [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
+  /// The lines with which the curve continues below soc_lo() and above soc_hi(): from the value there,
+  /// with a slope that is another one than that of the piece where the end is flat.
+  [[nodiscard]] const ValueAndSlope& below() const { return first_; }
+  [[nodiscard]] const ValueAndSlope& above() const { return last_; }
   /// Coefficients of polynomial curves, cosine coefficients of Fourier curves.
   [[nodiscard]] const std::vector<double>& coefficients_V() const { return coefficients_V_; }
   [[nodiscard]] const std::vector<double>& sine_V() const { return sine_V_; }
@@ -106,10 +116,6 @@ class OpenCircuitVoltage {
   [[nodiscard]] double SocAtVoltage(double voltage_V) const;
 
  private:
-  struct Piece {
-    double c0, c1, c2, c3;
-  };
-
   void SetPieces(std::vector<Piece> pieces);
   [[nodiscard]] ValueAndSlope EvaluatePiece(std::size_t k, double soc) const {
     const Piece& p = pieces_[k];

@@ -49,27 +49,10 @@ void RequireFinite(std::string_view what, const Resistance<double>& resistance) 
   RequireFinite(what, resistance.resistance_Ohm);
 }
 
-// The pieces of a curve through nodes as powers of A less the beginning of each: Hermite's cubic of
-// the values and slopes at its ends.
 std::vector<double> Pieces(const OpenCircuitVoltage& curve) {
-  const auto& soc = curve.soc();
-  const auto& voltage_V = curve.voltage_V();
   std::vector<double> pieces;
-  for (std::size_t k = 0; k + 1 < soc.size(); ++k) {
-    const double h = soc[k + 1] - soc[k];
-    const double chord = (voltage_V[k + 1] - voltage_V[k]) / h;
-    double c1 = chord;
-    double c2 = 0.0;
-    double c3 = 0.0;
-    if (curve.method() == OcvMethod::kMonotoneCubic) {
-      const double s0 = curve.Evaluate(soc[k]).slope_V;
-      const double s1 = curve.Evaluate(soc[k + 1]).slope_V;
-      c1 = s0;
-      c2 = (3.0 * chord - 2.0 * s0 - s1) / h;
-      c3 = (s0 + s1 - 2.0 * chord) / (h * h);
-    }
-    pieces.insert(pieces.end(), {voltage_V[k], c1, c2, c3});
-  }
+  for (const auto& piece : curve.pieces())
+    pieces.insert(pieces.end(), {piece.c0, piece.c1, piece.c2, piece.c3});
   return pieces;
 }
 
@@ -257,10 +240,8 @@ CellNumbers NumbersOf(const Cell& cell) {
     RequireFinite("charge_transfer resistance_Ohm", n.charge_transfer->resistance_Ohm);
   }
   const OpenCircuitVoltage& curve = p.open_circuit_voltage;
-  const auto lo = curve.Evaluate(curve.soc_lo());
-  const auto hi = curve.Evaluate(curve.soc_hi());
-  n.end_V = {lo.value_V, hi.value_V};
-  n.end_slope_V = {lo.slope_V, hi.slope_V};
+  n.end_V = {curve.below().value_V, curve.above().value_V};
+  n.end_slope_V = {curve.below().slope_V, curve.above().slope_V};
   switch (curve.method()) {
     case OcvMethod::kLinear:
     case OcvMethod::kMonotoneCubic:

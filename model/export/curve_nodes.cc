@@ -49,8 +49,8 @@ OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve) {
   CurveNodes nodes = NodesOf(curve);
   // The curve goes on with its own end slopes: a last line of that slope, too short to matter.
   constexpr double kShort = 1e-6;
-  const auto low = curve.Evaluate(curve.soc_lo());
-  const auto high = curve.Evaluate(curve.soc_hi());
+  const auto& low = curve.below();
+  const auto& high = curve.above();
   nodes.soc.insert(nodes.soc.begin(), curve.soc_lo() - kShort);
   nodes.voltage_V.insert(nodes.voltage_V.begin(), low.value_V - kShort * low.slope_V);
   nodes.soc.push_back(curve.soc_hi() + kShort);

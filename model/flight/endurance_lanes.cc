@@ -28,36 +28,30 @@ struct Pieces {
   [[nodiscard]] bool Holds(const Lanes& soc) const { return (soc >= lo).all() && (soc < hi).all(); }
 };
 
-// The formula of a curve of pieces at this A: from its values and slopes at the nodes beside it.
+// The formula of a curve of pieces at this A.
 void SetPiece(Pieces& pieces, Eigen::Index l, const OpenCircuitVoltage& curve, double soc) {
   const auto& nodes = curve.soc();
   const auto above =
       static_cast<std::size_t>(std::upper_bound(nodes.begin(), nodes.end(), soc) - nodes.begin());
-  pieces.c2[l] = 0.0;
-  pieces.c3[l] = 0.0;
   if (above == 0 || above == nodes.size()) {
     const double end = above == 0 ? nodes.front() : nodes.back();
+    const auto& line = above == 0 ? curve.below() : curve.above();
     pieces.lo[l] = above == 0 ? -kInfinity : end;
     pieces.hi[l] = above == 0 ? end : kInfinity;
     pieces.from[l] = end;
-    pieces.c0[l] = curve.Evaluate(end).value_V;
-    pieces.c1[l] = curve.Evaluate(above == 0 ? end - 1.0 : end + 1.0).slope_V;
+    pieces.c0[l] = line.value_V;
+    pieces.c1[l] = line.slope_V;
+    pieces.c2[l] = 0.0;
+    pieces.c3[l] = 0.0;
     return;
   }
-  const double lo = nodes[above - 1];
-  const double hi = nodes[above];
-  const auto first = curve.Evaluate(lo);
-  const auto last = curve.Evaluate(hi);
-  const double width = hi - lo;
-  const double rise_V = (last.value_V - first.value_V) / width;
-  pieces.lo[l] = pieces.from[l] = lo;
-  pieces.hi[l] = hi;
-  pieces.c0[l] = first.value_V;
-  pieces.c1[l] = rise_V;
-  if (curve.method() == OcvMethod::kLinear) return;
-  pieces.c1[l] = first.slope_V;
-  pieces.c2[l] = (3.0 * rise_V - 2.0 * first.slope_V - last.slope_V) / width;
-  pieces.c3[l] = (first.slope_V + last.slope_V - 2.0 * rise_V) / (width * width);
+  const OpenCircuitVoltage::Piece& piece = curve.pieces()[above - 1];
+  pieces.lo[l] = pieces.from[l] = nodes[above - 1];
+  pieces.hi[l] = nodes[above];
+  pieces.c0[l] = piece.c0;
+  pieces.c1[l] = piece.c1;
+  pieces.c2[l] = piece.c2;
+  pieces.c3[l] = piece.c3;
 }
 
 // A straight line between two nodes, or a constant beyond them.

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "model/battery/prediction.h"
+#include "model/export/curve_nodes.h"
 #include "tests/support/export_cases.h"
 
 namespace lipoid {
@@ -46,6 +47,36 @@ TEST(CellLaw, CurveContinuesBeyondItsEndsAsTheCellsDoes) {
                   cell.series * cell.open_circuit_voltage(soc),
                   kRounding_V)
           << cell.name << " at " << soc;
+    }
+  }
+}
+
+// A cell with a flat end of the curve empties all the same, with the next chord that rises, and its last
+// piece stays flat.
+TEST(CellLaw, FlatEndsAreThoseOfTheCell) {
+  Cell cell = test::CellWithEveryTerm();
+  const std::vector<double> soc{0.05, 0.1, 0.3, 0.9, 1.0};
+  const std::vector<double> voltage_V{3.2, 3.2, 3.6, 4.15, 4.15};
+  for (const bool lines : {true, false}) {
+    cell.open_circuit_voltage = lines ? OpenCircuitVoltage::Linear(soc, voltage_V)
+                                      : OpenCircuitVoltage::MonotoneCubic(soc, voltage_V);
+    const Cell in_lines = [&] {
+      Cell made = cell;
+      made.open_circuit_voltage = StraightLines(cell.open_circuit_voltage);
+      return made;
+    }();
+    for (const double at : {-0.01, 0.02, 0.07, 0.95, 0.99, 1.05}) {
+      ExportMission mission;
+      mission.time_s = {0.0};
+      mission.current_A = {0.0};
+      mission.initial_soc = at;
+      const double expected_V = cell.series * cell.open_circuit_voltage(at);
+      EXPECT_NEAR(RunCellLaw(cell, mission, LawNumbers::kDouble)[0], expected_V, kRounding_V)
+          << lines << " at " << at;
+      EXPECT_NEAR(RunCellLaw(in_lines, mission, LawNumbers::kDouble)[0],
+                  expected_V,
+                  cell.series * kCurveTolerance_V)
+          << lines << " at " << at;
     }
   }
 }

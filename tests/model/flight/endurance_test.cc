@@ -309,6 +309,25 @@ TEST(Endurance, FlightsSideBySideAreThoseOneAfterTheOther) {
   EXPECT_GE(ends.size(), 5U);
 }
 
+// Flown until the cell has gone below its table, whose lowest piece is flat; the top is flat too.
+TEST(Endurance, FlatEndsOfTheCurveAreTheSameSideBySide) {
+  const std::vector<double> soc{0.05, 0.1, 0.3, 0.9, 1.0};
+  const std::vector<double> voltage_V{3.4, 3.4, 3.6, 4.15, 4.15};
+  for (const bool lines : {true, false}) {
+    EnduranceSetup setup = At(LoadCell("gifi-600mAh-1"), 1.0);
+    setup.cell.open_circuit_voltage = lines ? OpenCircuitVoltage::Linear(soc, voltage_V)
+                                            : OpenCircuitVoltage::MonotoneCubic(soc, voltage_V);
+    setup.reserve = 0.01;
+    setup.options.step_s = 0.1;
+    const EnduranceResult alone = FlyMission(setup);
+    const auto beside = FlyMissions(std::vector<EnduranceSetup>{setup, setup});
+    EXPECT_LT(alone.soc, 0.02);
+    EXPECT_NEAR(beside[0].energy_J, alone.energy_J, 1e-6 * alone.energy_J) << lines;
+    EXPECT_NEAR(beside[0].landing_voltage_V, alone.landing_voltage_V, 1e-6) << lines;
+    EXPECT_NEAR(beside[0].time_s, alone.time_s, 1e-6 * alone.time_s) << lines;
+  }
+}
+
 // A flight is the same bits whatever flies beside it.
 TEST(Endurance, WhatFliesBesideDoesNotMatter) {
   std::vector<EnduranceSetup> setups;
