@@ -34,10 +34,23 @@ class RestVoltage {
       const double middle = 0.5 * (low + high);
       ((*this)(middle) < voltage_V ? low : high) = middle;
     }
+    // Where a full cell rests higher than one that is not quite full: of the two the nearer.
+    const double below_V = (*this)(low);
+    const double above_V = (*this)(high);
+    if (above_V - below_V > kTolerance_V)
+      return voltage_V - below_V < above_V - voltage_V ? low : high;
     return 0.5 * (low + high);
+  }
+  /// Whether the cell at the state of charge found has this voltage, up to that jump.
+  [[nodiscard]] bool Has(double soc, double voltage_V) const {
+    if (std::abs((*this)(soc)-voltage_V) <= kTolerance_V) return true;
+    return model_ && voltage_V > (*this)(curve_.soc_lo()) && voltage_V < (*this)(curve_.soc_hi());
   }
 
  private:
+  // A voltage beyond the ends is none of this cell's.
+  static constexpr double kTolerance_V = 1e-3;
+
   const OpenCircuitVoltage& curve_;
   const Surroundings& surroundings_;
   std::optional<CellModel<double>> model_;
@@ -53,9 +66,7 @@ double SocAtRestVoltage(const Cell& cell, double voltage_V, const Surroundings& 
   const double of_one_V = voltage_V / cell.series;
   const RestVoltage rest_V(cell, surroundings);
   const double soc = rest_V.Soc(of_one_V);
-  // A voltage beyond the ends is none of this cell's.
-  constexpr double kTolerance_V = 1e-3;
-  if (!(std::abs(rest_V(soc) - of_one_V) <= kTolerance_V)) {
+  if (!rest_V.Has(soc, of_one_V)) {
     throw OptionError(
         fmt::format("initial voltage: expected one that v_oc(A) of the cell has, {:.4g} .. {:.4g} "
                     "V, found {} V",

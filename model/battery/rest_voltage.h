@@ -11,7 +11,8 @@ namespace lipoid {
 
 /// The state of charge at which the pack rests with this voltage, as a prediction among these
 /// surroundings begins: with hysteresis a rest is not on v_oc(A), with dv_oc/dT it is another one in
-/// the cold. OptionError where it never has it.
+/// the cold. A full cell was charged and rests higher by 2 M than one that is not quite full: a voltage
+/// in between is that of a full one, on the side that is nearer. OptionError where it never has it.
 [[nodiscard]] double SocAtRestVoltage(const Cell& cell,
                                       double voltage_V,
                                       const Surroundings& surroundings = {});

@@ -35,6 +35,23 @@ TEST(RestVoltage, OfHysteresisIsThatWithWhichAPredictionBegins) {
   EXPECT_EQ(NearestSocAtRest(pack, 7.5), soc);
 }
 
+// Full it rests on the branch of charge, 4.02 V, and just below on that of discharge, 3.98 V.
+TEST(RestVoltage, OfHysteresisReachesAFullPack) {
+  Cell pack = ChargeCounter();
+  pack.series = 2;
+  pack.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.02}};
+  EXPECT_EQ(SocAtRestVoltage(pack, 8.04), 1.0);
+  EXPECT_EQ(SocAtRestVoltage(pack, 8.02), 1.0);
+  const double discharged = SocAtRestVoltage(pack, 7.97);
+  EXPECT_LT(discharged, 1.0);
+  EXPECT_NEAR(discharged, 1.0, 1e-12);
+  EXPECT_NEAR(SocAtRestVoltage(pack, 7.94), 0.99, 1e-12);
+  EXPECT_EQ(NearestSocAtRest(pack, 8.5), 1.0);
+  EXPECT_EQ(
+      test::MessageOf<OptionError>([&] { (void)SocAtRestVoltage(pack, 8.05); }),
+      "initial voltage: expected one that v_oc(A) of the cell has, 5.96 .. 8.04 V, found 8.05 V");
+}
+
 // v_oc is 3 V + A volts at 25 degC, and 1 mV/K less in the cold: 2.98 V + A volts at 5 degC.
 TEST(RestVoltage, IsThatAtTheTemperatureOfTheCell) {
   Cell pack = ChargeCounter();
