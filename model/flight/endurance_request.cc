@@ -132,14 +132,6 @@ void Check(const EnduranceRequest& request) {
   }
 }
 
-double StartOf(const EnduranceRequest& request,
-               const Cell& cell,
-               const Surroundings& surroundings) {
-  return request.initial_voltage_V
-             ? NearestSocAtRest(cell, *request.initial_voltage_V, surroundings)
-             : request.initial_soc;
-}
-
 Vehicle Loaded(const EnduranceRequest& request, double payload_kg) {
   Vehicle loaded = request.vehicle;
   loaded.mass_kg += payload_kg;
@@ -243,6 +235,14 @@ std::optional<BestSpeeds> SpeedsOnBattery(const EnduranceRequest& request, const
 }
 
 }  // namespace
+
+double StartOf(const EnduranceRequest& request,
+               const Cell& cell,
+               const Surroundings& surroundings) {
+  return request.initial_voltage_V
+             ? NearestSocAtRest(cell, *request.initial_voltage_V, surroundings)
+             : request.initial_soc;
+}
 
 std::span<const EnduranceVariable> EnduranceVariables() { return kVariables; }
 

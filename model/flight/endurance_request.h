@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/battery/prediction.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
 #include "model/flight/endurance.h"
@@ -120,6 +121,11 @@ struct EnduranceVariable {
 
 /// OptionError naming all of them.
 [[nodiscard]] const EnduranceVariable& FindEnduranceVariable(std::string_view name);
+
+/// The state of charge at which it starts, on this cell.
+[[nodiscard]] double StartOf(const EnduranceRequest& request,
+                             const Cell& cell,
+                             const Surroundings& surroundings);
 
 struct EnduranceAnswer {
   EnduranceResult estimate;

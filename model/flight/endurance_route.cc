@@ -29,11 +29,8 @@ PowerMission FlyRoute(const EnduranceRequest& request,
   setup.vehicle.mass_kg += request.payload_kg.value;
   setup.cell = Resized(Aged(request.cell, request.health.value, request.resistance_factor.value),
                        request.size_factor);
-  setup.initial_soc = request.initial_voltage_V
-                          ? request.cell.open_circuit_voltage.SocAtVoltage(
-                                *request.initial_voltage_V / request.cell.series)
-                          : request.initial_soc;
   if (request.ambient_degC) setup.ambient_degC = request.ambient_degC->value;
+  setup.initial_soc = StartOf(request, request.cell, {.ambient_degC = setup.ambient_degC});
   setup.gains = gains;
   setup.controller.compensate = true;
   const FlightPlan plan = FindManeuver("waypoints").plan({.waypoints_file = waypoints_file});

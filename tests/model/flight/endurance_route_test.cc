@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/rest_voltage.h"
 #include "model/core/errors.h"
 #include "model/vehicle/vehicle_file.h"
 #include "tests/support/text_files.h"
@@ -35,6 +36,23 @@ TEST(EnduranceRoute, StayingWhereItIsTakesThePowerOfHover) {
     ASSERT_NEAR(leg.least_V, hover.battery_V, 0.05 * hover.battery_V);
     ASSERT_NEAR(leg.ground_speed_m_per_s, 0.0, 1e-9);
   }
+}
+
+// Discharged the cell rests 50 mV below v_oc(A). What a controller loses by switching tells the voltage.
+TEST(EnduranceRoute, StartsWhereTheEnduranceStarts) {
+  const auto file = test::WriteText("endurance_route_start.toml",
+                                    "[[waypoint]]\naltitude_m = 2.0\nstay_s = 0.1\n");
+  EnduranceRequest request = Mambo();
+  request.cell.hysteresis = Cell::Hysteresis{.folds = 30.0, .soc = {}, .half_V = {0.05}};
+  request.vehicle.esc.switching_time_s = 1e-6;
+  request.vehicle.esc.switching_frequency_Hz = 5e4;
+  request.initial_voltage_V = 3.9;
+  const double by_voltage_W = FlyRoute(request, LoadGains("aware"), file).legs[0].power_W;
+  request.initial_voltage_V.reset();
+  request.initial_soc = NearestSocAtRest(request.cell, 3.9);
+  EXPECT_EQ(FlyRoute(request, LoadGains("aware"), file).legs[0].power_W, by_voltage_W);
+  request.initial_soc = request.cell.open_circuit_voltage.SocAtVoltage(3.9);
+  EXPECT_NE(FlyRoute(request, LoadGains("aware"), file).legs[0].power_W, by_voltage_W);
 }
 
 // A speed that the tilt does not hold against the drag is flown without it.
