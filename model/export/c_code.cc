@@ -76,6 +76,19 @@ std::string ReferenceRows(const Cell& cell, const std::vector<TestRow>& rows) {
   return text;
 }
 
+std::string Upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
+    return static_cast<char>(std::toupper(c));
+  });
+  return text;
+}
+
+// What the file's identifiers begin with: those of its law begin with cell and CELL.
+std::string Prefix(const ExportRequest& request) {
+  const std::string name = Identifier(request.name);
+  return Upper(name) == "CELL" ? "lipoid_" + name : name;
+}
+
 // As it stands between the quotation marks of an #include.
 std::string FileStem(const ExportRequest& request, const std::string& name) {
   const std::string& stem = request.stem.empty() ? name : request.stem;
@@ -95,8 +108,8 @@ std::string FileStem(const ExportRequest& request, const std::string& name) {
 
 Exported ExportC(const ExportRequest& request) {
   const std::string version = request.precision == ExportPrecision::kSingle ? "float"
-                              : request.target_version.empty()        ? "double"
-                                                                      : request.target_version;
+                              : request.target_version.empty()              ? "double"
+                                                               : request.target_version;
   if (version != "double" && version != "float") {
     throw OptionError(fmt::format("the target c has the versions double and float, found '{}'",
                                   ForeignText(version)));
@@ -105,12 +118,10 @@ Exported ExportC(const ExportRequest& request) {
   const FoldedCell folded = FoldFastBranches(request.cell);
   const Cell& cell = folded.cell;
   const CellNumbers numbers = NumbersOf(cell);
-  const std::string name = Identifier(request.name);
-  const std::string file = FileStem(request, name);
-  std::string upper = name;
-  std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) {
-    return static_cast<char>(std::toupper(c));
-  });
+  const std::string identifier = Identifier(request.name);
+  const std::string name = Prefix(request);
+  const std::string file = FileStem(request, identifier);
+  const std::string upper = Upper(name);
 
   Exported exported;
   exported.error = MissionError(
@@ -128,6 +139,11 @@ Exported ExportC(const ExportRequest& request) {
       : request.whole ? "float"
                       : "float, whose rounding is the error",
       WithoutWhatNoTargetHolds(request)));
+
+  if (name != identifier) {
+    exported.notes.push_back(
+        fmt::format("Its names begin with {}: those of its law begin with cell.", name));
+  }
 
   // What float costs in the file's own test, wherever it may be compiled.
   const auto rows = TestRows(cell);

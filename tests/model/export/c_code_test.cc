@@ -60,6 +60,30 @@ TEST(CCode, CompilesWithoutAWarningAndPassesItsOwnTestUnderSanitizers) {
   }
 }
 
+// Before, its cell_soc was the law's.
+TEST(CCode, ACellOfTheNameCellCompiles) {
+  LIPOID_SKIP_WITHOUT_C();
+  for (const std::string name : {"cell", "Cell"}) {
+    const auto folder = test::FreshFolder("c_code_" + name);
+    auto request = test::RequestOf(LoadCell("gifi-600mAh-1"));
+    request.name = name;
+    const auto exported = ExportC(request);
+    EXPECT_EQ(exported.notes.back(),
+              "Its names begin with lipoid_" + name + ": those of its law begin with cell.");
+    test::WriteExported(exported, folder, name);
+    for (const char* language : {"c", "c++"}) {
+      std::string output;
+      const auto command =
+          fmt::format("cd {} && {} {} -DLIPOID_CELL_TEST {}.c -lm -o test && ./test",
+                      folder,
+                      Compile(language, "-O1"),
+                      kWarnings,
+                      name);
+      EXPECT_EQ(test::RunCommand(command, output), 0) << command << "\n" << output;
+    }
+  }
+}
+
 TEST(CCode, ItsOwnTestFailsWhereANumberIsWrong) {
   LIPOID_SKIP_WITHOUT_C();
   const auto folder = test::FreshFolder("c_code_wrong");
