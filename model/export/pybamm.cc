@@ -44,6 +44,26 @@ Resistance<double> Extended(Resistance<double> table) {
   return table;
 }
 
+// How the module is called that -o names, and how a program imports it.
+struct ModuleName {
+  std::string file;  // without .py
+  std::string module;
+  std::string import;
+};
+ModuleName NameOf(const ExportRequest& request, const std::string& name) {
+  const std::string& stem = request.stem.empty() ? name : request.stem;
+  if (stem == Identifier(stem)) return {stem, stem, "import pybamm, " + stem};
+  // Between quotation marks, within a text of three of them.
+  const bool quotable = std::none_of(stem.begin(), stem.end(), [](unsigned char c) {
+    return c < 0x20 || c == 0x7f || c == '"' || c == '\\' || c == '@';
+  });
+  if (!quotable) return {name, name, "import pybamm, " + name};
+  return {stem,
+          name,
+          fmt::format(
+              "import importlib, pybamm\n    {} = importlib.import_module(\"{}\")", name, stem)};
+}
+
 class Module {
  public:
   // The name of a constant table in the module and the expression of its value at `soc`.
@@ -350,13 +370,16 @@ Exported ExportPybamm(const ExportRequest& request) {
 
   const auto& ocv_V = voltage_V;
   const std::string name = Identifier(request.name);
+  const ModuleName called = NameOf(request, name);
   exported.files.push_back(
       {".py",
        Filled(RuntimeText("pybamm_module.py"),
               {{"provenance", Commented(ProvenanceLines(request, exported), "# ")},
                {"doc",
                 "A lithium-polymer cell for PyBaMM's Thevenin model, with its diffusion element."},
-               {"name", name},
+               {"file", called.file},
+               {"module", called.module},
+               {"import", called.import},
                {"series", fmt::to_string(cell.series)},
                {"parallel", fmt::to_string(cell.parallel)},
                {"points", fmt::to_string(kPybammPoints)},

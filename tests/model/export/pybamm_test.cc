@@ -155,6 +155,23 @@ TEST(Pybamm, NamesOfOthersStayInComments) {
       << output;
 }
 
+// Before, what it says of its use imported the name of the cell.
+TEST(Pybamm, SaysTheNameOfItsOwnFile) {
+  auto request = test::RequestOf(LoadCell("gifi-600mAh-1"));
+  const auto says = [&](const std::string& stem, const std::string& what) {
+    request.stem = stem;
+    return ExportPybamm(request).files[0].content.find(what) != std::string::npos;
+  };
+  EXPECT_TRUE(says("", "    import pybamm, gifi_600mAh_1\n    model = gifi_600mAh_1.make_model()"));
+  EXPECT_TRUE(says("pack", "    python3 pack.py MISSION.csv"));
+  EXPECT_TRUE(says("pack", "    import pybamm, pack\n    model = pack.make_model()"));
+  EXPECT_TRUE(says("my-cell",
+                   "    import importlib, pybamm\n"
+                   "    gifi_600mAh_1 = importlib.import_module(\"my-cell\")\n"
+                   "    model = gifi_600mAh_1.make_model()"));
+  EXPECT_TRUE(says("a\"\"\"b", "    import pybamm, gifi_600mAh_1\n"));
+}
+
 TEST(Pybamm, RefusesAVersion) {
   EXPECT_THROW((void)ExportPybamm(test::RequestOf(LoadCell("gifi-600mAh-1"), "1")), OptionError);
 }
