@@ -2,9 +2,9 @@
 
 /// @file
 /// The altitude and the pitch loop alone, as gain design runs them thousands of times: the same
-/// motors, references, saturation and anti-windup as the whole flight on an ideal source, without
-/// the states that rest (a test holds them against the whole). PWM is continuous. T is double, or
-/// an automatic-differentiation scalar that carries the gains.
+/// motors, speed controllers, references, saturation and anti-windup as the whole flight on an ideal
+/// source, without the states that rest (a test holds them against the whole). PWM is continuous. T is
+/// double, or an automatic-differentiation scalar that carries the gains.
 ///
 /// The integral enters as the product K_eI e_I, which starts where it holds the hover of its xi,
 /// for K_eI = 0 too. Tests: tests/identify/gains/reduced_loops_test.cc.
@@ -76,9 +76,12 @@ T DutyOfSquare(const Vehicle& vehicle, const T& squared) {
   return DutyCycle(vehicle, T(sqrt(squared)), T(vehicle.nominal_voltage_V));  // (3.17)
 }
 
+/// `driven` is WithControllers(); drive_V is DriveVoltage().
 template <class T>
-T MotorAcceleration(const Vehicle& vehicle, const T& motor_V, const T& speed) {
-  return RotorAcceleration(vehicle, ArmatureCurrent(vehicle, motor_V, speed), speed);
+T MotorAcceleration(const Vehicle& driven, const T& drive_V, const T& speed) {
+  const T current_A = ArmatureCurrent(driven, drive_V, speed);
+  const bool through_diodes = !driven.esc.synchronous && ScalarPart(current_A) < 0.0;
+  return RotorAcceleration(driven, through_diodes ? T(0.0) : current_A, speed);
 }
 
 }  // namespace reduced
@@ -92,6 +95,7 @@ void RunAltitudeLoop(const LoopTask& task,
                      Visit&& visit) {
   using State = std::array<T, 3>;  // Z, W, omega
   const Vehicle v = EquivalentQuadrotor(task.vehicle);
+  const Vehicle driven = WithControllers(v);
   const double source_V = task.xi * v.nominal_voltage_V;
   const Trim trim = HoverTrim(v, Supply<double>{source_V, 0.0});
   const double highest = HeldSpeed(v, v.nominal_voltage_V);
@@ -107,12 +111,12 @@ void RunAltitudeLoop(const LoopTask& task,
   reference.Reset(start_m);
   reduced::ErrorLoop<T> loop(gains, kGravity_m_per_s2 - thrust * trim_square / v.mass_kg);
   State x{T(start_m), T(0.0), T(trim.speed_rad_per_s)};
-  T motor_V(0.0);
+  T drive_V(0.0);
   const auto derivative = [&](const State& at, State& rate, double) {
-    const T speed = task.motor_lag ? at[2] : HeldSpeed(v, motor_V);
+    const T speed = task.motor_lag ? at[2] : HeldSpeed(driven, drive_V);
     rate[0] = at[1];
     rate[1] = T(kGravity_m_per_s2) - (thrust / v.mass_kg) * (speed * speed);  // (3.51)
-    rate[2] = task.motor_lag ? reduced::MotorAcceleration(v, motor_V, speed) : T(0.0);
+    rate[2] = task.motor_lag ? reduced::MotorAcceleration(driven, drive_V, speed) : T(0.0);
   };
   reduced::Rk4<State> stepper;
   for (std::size_t k = 0; k < commands.size(); ++k) {
@@ -122,7 +126,7 @@ void RunAltitudeLoop(const LoopTask& task,
     const T nu = loop.PseudoControl(now, error, x[1]);
     std::array<T, 1> square{(v.mass_kg / thrust) * (T(kGravity_m_per_s2) - nu)};  // (5.18)
     const bool saturated = task.controller.saturate && Desaturate(square, limit);
-    motor_V = source_V * reduced::DutyOfSquare(v, square[0]);
+    drive_V = DriveVoltage(v.esc, reduced::DutyOfSquare(v, square[0]), T(source_V));
     loop.Integrate(saturated, error);
     stepper.do_step(derivative, x, 0.0, kControlStep_s);
   }
@@ -149,6 +153,7 @@ void RunPitchLoop(const LoopTask& task,
   using std::cos;
   using State = std::array<T, 4 + G>;  // Z, W, Theta, q, omega of each group
   const Vehicle& v = task.vehicle;
+  const Vehicle driven = WithControllers(v);
   const double source_V = task.xi * v.nominal_voltage_V;
   const Trim trim = HoverTrim(v, Supply<double>{source_V, 0.0});
   const double highest = HeldSpeed(v, v.nominal_voltage_V);
@@ -180,17 +185,17 @@ void RunPitchLoop(const LoopTask& task,
   x.fill(T(0.0));
   x[0] = T(start_m);
   std::fill(x.begin() + 4, x.end(), T(trim.speed_rad_per_s));
-  std::array<T, G> motor_V;
-  motor_V.fill(T(0.0));
+  std::array<T, G> drive_V;
+  drive_V.fill(T(0.0));
   const auto derivative = [&](const State& at, State& rate, double) {
     T thrust_squares(0.0);
     T pitch_squares(0.0);
     for (std::size_t g = 0; g < G; ++g) {
-      const T speed = task.motor_lag ? at[4 + g] : HeldSpeed(v, motor_V[g]);
+      const T speed = task.motor_lag ? at[4 + g] : HeldSpeed(driven, drive_V[g]);
       const T squares = groups[g].shares * (speed * speed);
       thrust_squares = thrust_squares + squares;
       pitch_squares = pitch_squares + groups[g].ahead * squares;
-      rate[4 + g] = task.motor_lag ? MotorAcceleration(v, motor_V[g], speed) : T(0.0);
+      rate[4 + g] = task.motor_lag ? MotorAcceleration(driven, drive_V[g], speed) : T(0.0);
     }
     rate[0] = at[1];
     rate[1] = T(kGravity_m_per_s2) - (k_T / v.mass_kg) * thrust_squares * cos(at[2]);  // (3.51)
@@ -214,7 +219,8 @@ void RunPitchLoop(const LoopTask& task,
     for (std::size_t g = 0; g < G; ++g)
       square[g] = common + groups[g].ahead * difference;  // (3.13)
     const bool saturated = task.controller.saturate && Desaturate(square, limit);
-    for (std::size_t g = 0; g < G; ++g) motor_V[g] = source_V * DutyOfSquare(v, square[g]);
+    for (std::size_t g = 0; g < G; ++g)
+      drive_V[g] = DriveVoltage(v.esc, DutyOfSquare(v, square[g]), T(source_V));
     height_loop.Integrate(saturated, height_error);
     pitch_loop.Integrate(saturated, error);
     stepper.do_step(derivative, x, 0.0, kControlStep_s);

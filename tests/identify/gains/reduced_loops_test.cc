@@ -141,6 +141,38 @@ TEST(ReducedLoops, OfSixAndEightRotorsAreThoseOfTheWholeFlight) {
   }
 }
 
+// Speed controllers: transistors in series with the motors, and diodes through which no current flows
+// back.
+TEST(ReducedLoops, WithSpeedControllersAreThoseOfTheWholeFlight) {
+  const Gains gains = LoadGains("aware");
+  for (const bool synchronous : {true, false}) {
+    for (const bool lag : {false, true}) {
+      LoopTask task = Task(0.95, AltitudeSteps().plan({}), lag, true);
+      task.vehicle.esc.resistance_Ohm = 0.1;
+      task.vehicle.esc.synchronous = synchronous;
+      if (!synchronous) task.vehicle.esc.diode_V = 0.1;
+      const auto climb = FlyWhole(task, gains);
+      RunAltitudeLoop(
+          task, SampledCommands(task.plan), gains.altitude, [&](std::size_t k, double e) {
+            ASSERT_NEAR(e, climb[k].altitude_m() - climb[k].altitude_reference_m, kRoundingOfLoops)
+                << synchronous << lag << " at " << k;
+          });
+      task.plan = AttitudeDoublets().plan({});
+      const auto pitch = FlyWhole(task, gains);
+      RunPitchLoop(task,
+                   SampledCommands(task.plan),
+                   gains.altitude,
+                   gains.attitude,
+                   [&](std::size_t k, double e) {
+                     ASSERT_NEAR(e,
+                                 pitch[k].angle_references_rad[1] - pitch[k].angles_rad[1],
+                                 kRoundingOfLoops)
+                         << synchronous << lag << " at " << k;
+                   });
+    }
+  }
+}
+
 TEST(ReducedLoops, WithoutIntegralGainHoverIsHeldAllTheSame) {
   const LoopTask task =
       Task(0.85, {.commands = {{0.0, {.altitude_m = 1.0}}}, .duration_s = 5.0}, true, true);
