@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "identify/stages/row_factor.h"
+#include "model/analysis/placed_gains.h"
 #include "model/control/laws/control_laws.h"
 #include "model/control/riccati.h"
 #include "model/core/errors.h"
@@ -21,6 +22,11 @@ constexpr double kSlowestDecay_per_s = 1e-3;
 double ThesisBound(Loop loop) { return loop == Loop::kAltitude ? 10.0 : 1.0; }  // U of section 6.2
 
 }  // namespace
+
+double AttitudeDecayFor(const Vehicle& vehicle) {
+  if (IsOfTheThesis(vehicle)) return 0.0;
+  return kAttitudeDecayOfPlaced * PlaceGains(vehicle).attitude_rad_per_s;
+}
 
 void WidenBounds(GainDesign& design, const ErrorGains& start) {
   constexpr double kWider = 4.0;
@@ -174,7 +180,10 @@ Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
 // How much faster the loop grows than it may.
 Growth GainProblem::GrowthIn(const AxisResponse& response, const ErrorGains& gains) const {
   Growth growth = GrowthOf(response, gains);
-  if (design_.loop == Loop::kAttitude) return growth;
+  if (design_.loop == Loop::kAttitude) {
+    growth.per_s += design_.attitude_decay_per_s;
+    return growth;
+  }
   // The pole of the integral, which the poles leave out where there is none.
   if (gains.integral == 0.0 && gains.proportional > 0.0 && growth.per_s < 0.0) {
     growth = {0.0, {.integral = -1.0 / gains.proportional}};

@@ -14,7 +14,9 @@
 /// The altitude's maneuvers start where the integral holds the hover of their voltage, so that none
 /// of them needs an integral gain; a battery that empties does. Without one hover at xi < 1 is no
 /// equilibrium, and an altitude loop counts as stable only where it forgets a wrong hover by
-/// kAltitudeDecay_per_s.
+/// kAltitudeDecay_per_s. Its maneuvers push nothing aside either: an attitude loop, other than that of
+/// the thesis' vehicle and problem, must forget an error by a tenth of what gains placed for its motors
+/// have.
 /// Tests: tests/identify/gains/gain_design_test.cc.
 
 #include <array>
@@ -33,6 +35,9 @@ inline constexpr double kStabilityMargin = 1.25;
 
 /// The pole of the integral is about -K_eI/K_e: a wrong hover is gone after 20 s to 1/e.
 inline constexpr double kAltitudeDecay_per_s = 0.05;
+
+/// What an attitude loop must have of the distance at which gains are placed (placed_gains.h).
+inline constexpr double kAttitudeDecayOfPlaced = 0.1;
 
 struct GainDesignOptions {
   double proportional_bound = 0.0;
@@ -75,7 +80,12 @@ struct GainDesign {
   GainDesignOptions options;
   ErrorGains altitude_gains;  ///< held while the attitude is designed
   References references = {};
+  double attitude_decay_per_s =
+      0.0;  ///< the slowest with which an attitude loop may forget an error
 };
+
+/// kAttitudeDecayOfPlaced of this vehicle; 0 for the thesis', whose bounds leave no such gains.
+[[nodiscard]] double AttitudeDecayFor(const Vehicle& vehicle);
 
 /// Fills in the bounds that were not given where the start is beyond the thesis' bounds, which are
 /// those of its vehicle: four times the start.
@@ -116,7 +126,7 @@ class GainProblem : public LeastSquaresProblem {
   [[nodiscard]] double CostOf(const ErrorGains& gains) const;
   /// The same of each xi, without its weight.
   [[nodiscard]] std::vector<double> CostsOf(const ErrorGains& gains) const;
-  /// Whether the loop keeps kStabilityMargin at every xi, and that of an altitude its decay.
+  /// Whether the loop keeps kStabilityMargin and its decay at every xi.
   [[nodiscard]] bool Stable(const ErrorGains& gains) const;
 
  private:

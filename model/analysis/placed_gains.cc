@@ -38,9 +38,9 @@ double Within(double wanted_rad_per_s, double lag_s, double acceleration_rad_per
   return low;
 }
 
-bool IsOfTheThesis(const Vehicle& vehicle) { return vehicle.name.rfind("mambo", 0) == 0; }
-
 }  // namespace
+
+bool IsOfTheThesis(const Vehicle& vehicle) { return vehicle.name.rfind("mambo", 0) == 0; }
 
 ErrorGains ThreePolesAt(double omega_rad_per_s, double lag_s) {
   const double w = omega_rad_per_s;

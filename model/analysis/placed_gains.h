@@ -54,9 +54,12 @@ struct PlacedGains {
 /// Gains of an axis whose lag is tau: three poles at -w, for 0 < w < 1/(3 tau).
 [[nodiscard]] ErrorGains ThreePolesAt(double omega_rad_per_s, double lag_s);
 
+/// Whether it is one of the thesis' vehicles, whose names begin with "mambo".
+[[nodiscard]] bool IsOfTheThesis(const Vehicle& vehicle);
+
 /// The gains of this name for this vehicle: "placed", a shipped set, or a gains file; an empty name
-/// is `thesis_default` for the thesis' vehicles, whose names begin with "mambo", and "placed" for
-/// all others and for the control law lqr.
+/// is `thesis_default` for the thesis' vehicles, and "placed" for all others and for the control law
+/// lqr.
 [[nodiscard]] Gains GainsFor(const std::string& name,
                              const Vehicle& vehicle,
                              const std::string& thesis_default,

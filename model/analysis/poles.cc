@@ -116,6 +116,11 @@ double Kappa(const Vehicle& vehicle, double xi) {
 }
 
 Poles ClosedFormPoles(const ErrorGains& gains, double kappa) {
+  if (gains.integral == 0.0) {
+    Eigen::Matrix2d companion;
+    companion << 0.0, 1.0, -kappa * gains.proportional, -kappa * gains.derivative;
+    return SortedEigenvalues(companion);
+  }
   Eigen::Matrix3d companion;
   companion << 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -kappa * gains.integral, -kappa * gains.proportional,
       -kappa * gains.derivative;  // (5.21)
@@ -180,14 +185,17 @@ Poles LoopPoles(Loop loop, const ClosedLoopMatrix& matrix, bool motor_lag) {
   const std::size_t integral = altitude ? kIntegrals : kIntegrals + 2;
   const std::size_t value = altitude ? plant::kPosition + 2 : plant::kAngles + 1;
   const std::size_t rate = altitude ? plant::kVelocity + 2 : plant::kRates + 1;
-  const int size = motor_lag ? 4 : 3;
+  // An integral that nothing reads is no state of the loop: its gain is zero.
+  const bool integrates = (matrix.col(Eigen::Index(integral)).array() != 0.0).any();
+  const Eigen::Index size = 2 + (integrates ? 1 : 0) + (motor_lag ? 1 : 0);
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(kClosedLoopStates, size);
-  basis(Eigen::Index(integral), 0) = 1.0;
-  basis(Eigen::Index(value), 1) = 1.0;
-  basis(Eigen::Index(rate), 2) = 1.0;
+  Eigen::Index next = 0;
+  if (integrates) basis(Eigen::Index(integral), next++) = 1.0;
+  basis(Eigen::Index(value), next++) = 1.0;
+  basis(Eigen::Index(rate), next++) = 1.0;
   if (motor_lag) {
     for (std::size_t i = 0; i < 4; ++i) {
-      basis(Eigen::Index(plant::kSpeeds + i), 3) = altitude ? 1.0 : kPitchSign[i];
+      basis(Eigen::Index(plant::kSpeeds + i), next) = altitude ? 1.0 : kPitchSign[i];
     }
   }
   const Eigen::MatrixXd image = matrix * basis;

@@ -209,6 +209,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
       GainsFor(start_name, design.vehicle, aware ? "aware" : "unaware", design.controller.law);
   design.altitude_gains = start.altitude;
   design.references = start.references;
+  if (!altitude) design.attitude_decay_per_s = AttitudeDecayFor(design.vehicle);
   if (range.empty()) range = aware ? "0.8:0.01:1" : "1";
   design.xi = WeightedXis(ReadRange("xi", range, Range{1e-3, 2.0}), weights);
   settings.context.seed = line.seed();
@@ -322,10 +323,17 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         longer_s);
   }
 
-  const std::string decay =
-      altitude ? fmt::format(" and let its integral follow an emptying battery within {:g} s",
-                             1.0 / kAltitudeDecay_per_s)
-               : "";
+  std::string decay;
+  if (altitude) {
+    decay = fmt::format(" and let its integral follow an emptying battery within {:g} s",
+                        1.0 / kAltitudeDecay_per_s);
+  } else if (design.attitude_decay_per_s > 0.0) {
+    decay = fmt::format(
+        " and let it forget an error within {:.2g} s (to 1/e; {:g} times as long as gains "
+        "placed for these motors)",
+        1.0 / design.attitude_decay_per_s,
+        1.0 / kAttitudeDecayOfPlaced);
+  }
   if (!result.stable) {
     line.Message(
         "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag{}; "

@@ -242,6 +242,32 @@ TEST(GainDesign, TheAltitudeKeepsAnIntegralThatFollowsTheBattery) {
   }
 }
 
+// Doublets are flown best by damping alone: before, the answer was an attitude that forgets an error
+// within a quarter of an hour.
+TEST(GainDesign, TheAttitudeIsHeld) {
+  for (const char* name : {"f450", "racer-5in"}) {
+    GainDesign design = Design(Loop::kAttitude, {{1.0, 1.0}});
+    design.vehicle = LoadVehicle(name);
+    Gains gains = GainsFor("", design.vehicle, "unaware");
+    design.references = gains.references;
+    design.altitude_gains = gains.altitude;
+    design.attitude_decay_per_s = AttitudeDecayFor(design.vehicle);
+    EXPECT_NEAR(
+        design.attitude_decay_per_s, 0.1 * PlaceGains(design.vehicle).attitude_rad_per_s, 1e-12);
+    WidenBounds(design, gains.attitude);
+    EXPECT_TRUE(GainProblem(design).Stable(gains.attitude)) << name;
+    const auto result =
+        DesignGains(design, gains.attitude, FindOptimizer("levenberg-marquardt"), {});
+    EXPECT_TRUE(result.stable) << name;
+    EXPECT_TRUE(result.constrained) << name;
+    EXPECT_LT(result.cost, result.start_cost) << name;
+    gains.attitude = result.gains;
+    const auto poles = PolesAt(Loop::kAttitude, design.vehicle, gains, 1.0).full;
+    EXPECT_LT(poles.front().real(), -design.attitude_decay_per_s) << name;
+  }
+  EXPECT_EQ(AttitudeDecayFor(LoadVehicle("mambo-thesis")), 0.0);
+}
+
 TEST(GainDesign, SaysWhereNoGainsWithinTheBoundsAreStable) {
   GainDesign design = Design(Loop::kAttitude, {{0.9, 1.0}});
   design.vehicle = test::F450();

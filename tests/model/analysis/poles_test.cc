@@ -128,6 +128,20 @@ TEST(Poles, OfALoopAreAmongThoseOfTheWholeVehicle) {
   }
 }
 
+// s² + K_edot s + K_e is left: a loop is not called unstable for an integral that nothing reads.
+TEST(Poles, WithoutAnIntegralGainTheLoopHasNoPoleOfIt) {
+  Gains gains = LoadGains("aware");
+  gains.attitude.integral = 0.0;
+  const PolesRow row = PolesAt(Loop::kAttitude, LoadVehicle("mambo-thesis"), gains, 1.0);
+  EXPECT_EQ(row.closed_form.size(), 2U);
+  EXPECT_EQ(row.full.size(), 3U);
+  EXPECT_LT(Distance(row.closed_form, row.quasistatic), 1e-9);
+  for (const auto& s : row.closed_form) {
+    EXPECT_LT(std::abs(s * s + gains.attitude.derivative * s + gains.attitude.proportional), 1e-12);
+  }
+  EXPECT_LT(row.full.front().real(), -0.01);
+}
+
 TEST(Poles, AreThoseOfATwinMadeByDifferences) {
   // The Jacobian's rows against central differences of the closed loop's rate would need its state;
   // the characteristic polynomial with lag has a closed form instead: s³ (tau s + 1) + kappa (...),
