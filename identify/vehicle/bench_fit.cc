@@ -264,6 +264,23 @@ std::array<double, kChannels> Spread(const Solved& solved,
   return spread;
 }
 
+// The share of each unknown in directions that change no residual.
+Eigen::VectorXd HiddenShares(Eigen::MatrixXd slopes) {
+  constexpr double kNone = 1e-9;  // of the steepest direction
+  for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+    const double norm = slopes.col(k).norm();
+    if (norm > 0.0) slopes.col(k) /= norm;
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes, Eigen::ComputeFullV);
+  Eigen::VectorXd hidden = Eigen::VectorXd::Zero(slopes.cols());
+  for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+    const bool shows = k < svd.singularValues().size() &&
+                       svd.singularValues()[k] > kNone * svd.singularValues()[0];
+    if (!shows) hidden += svd.matrixV().col(k).cwiseAbs2();
+  }
+  return hidden;
+}
+
 // A motor without resistance is the sign of a motor constant that is not the table's.
 void RefuseNoResistance(const BenchTable& table,
                         const BenchGiven& given,
@@ -349,22 +366,30 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   }
   CheckThrottles(table);
   if (table.has_speed && given.motor_constant_N_m_per_A) CheckSpeeds(table, given);
-  const Beginning beginning = Start(table, given);
+  Beginning beginning = Start(table, given);
   const Scales& scales = beginning.scales;
   std::vector<int> held;  // first what is given, then what is at its bound
   if (given.motor_constant_N_m_per_A) held.push_back(kConstant);
   if (given.no_load_A_per_V) held.push_back(kFriction);
-  if (!given.switching) held.push_back(kSwitching);
+  // Nothing switches at full throttle, and any power of 1 is 1.
+  const bool full_throttle = std::all_of(table.rows.begin(),
+                                         table.rows.end(),
+                                         [](const BenchRow& row) { return row.throttle == 1.0; });
+  const bool switching = given.switching && !full_throttle;
+  if (!switching) held.push_back(kSwitching);
+  if (full_throttle) held.push_back(kExponent);
   const std::vector<int> known = held;
 
   const double rows = double(table.rows.size());
   const double channels = table.has_speed ? 3.0 : 2.0;
   // Without speeds the exponent comes with a value of its own.
-  const double values = channels * rows + (table.has_speed ? 0.0 : 1.0);
+  const bool usual_exponent = !table.has_speed && !full_throttle;
+  const double values = channels * rows + (usual_exponent ? 1.0 : 0.0);
   CheckOperatingPoints(
-      table, int(channels), int(kUnknowns) - int(held.size()) - (table.has_speed ? 0 : 1));
+      table, int(channels), int(kUnknowns) - int(held.size()) - (usual_exponent ? 1 : 0));
   std::array<double, kChannels> sigma{0.01, 0.01, 0.01};
   constexpr double kLeastSigma = 1e-6;  // a table that fits to the last digit
+  if (!switching) beginning.x[kSwitching] = 0.0;
   Solved solved{beginning.x, false, {}, {}, {}};
   bool friction_at_most = false;
   double freedom = 1.0;
@@ -401,6 +426,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   BenchFit fit;
   fit.has_speed = table.has_speed;
   fit.friction_at_most = friction_at_most;
+  fit.full_throttle = full_throttle;
   fit.converged = solved.converged;
   fit.message = solved.message;
   fit.degrees_of_freedom = freedom;
@@ -423,9 +449,13 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
   const Eigen::MatrixXd covariance = PseudoInverse(information);
   // The error of a channel is known from its own residuals alone.
   const double reach = Reach95(std::max(freedom / channels, 1.0));
+  const Eigen::VectorXd hidden = HiddenShares(slopes);
+  constexpr double kHidden = 0.01;
   const auto error = [&](int k) {
     const Eigen::Index at = place[std::size_t(k)];
-    return at < 0 ? 0.0 : std::sqrt(std::max(covariance(at, at), 0.0));
+    if (at < 0) return 0.0;
+    if (hidden[at] > kHidden) return std::numeric_limits<double>::quiet_NaN();
+    return std::sqrt(std::max(covariance(at, at), 0.0));
   };
   const auto positive = [&](const char* name, int k) {
     const double estimate = std::exp(solved.x[std::size_t(k)]);
@@ -459,7 +489,7 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
     BenchQuantity& b = fit.friction_N_m_s;
     b.estimate = b.low_95 = b.high_95 = FrictionOf(solved.x.data(), scales);
   }
-  fit.switching_share = linear("switching_share", kSwitching, scales.switching, !given.switching);
+  fit.switching_share = linear("switching_share", kSwitching, scales.switching, !switching);
   fit.throttle_exponent = positive("throttle_exponent", kExponent);
   return fit;
 }

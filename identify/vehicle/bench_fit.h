@@ -43,7 +43,8 @@ struct BenchGiven {
 struct BenchQuantity {
   std::string name;  ///< a key of the vehicle file, or that of a share or exponent
   double estimate = 0.0;
-  double standard_error = 0.0;  ///< 0 where it was given; NaN, as its interval, at its bound
+  /// 0 where it was not fitted; NaN, as its interval, at its bound and where the table does not show it.
+  double standard_error = 0.0;
   double low_95 = 0.0;
   double high_95 = 0.0;
   bool fitted = true;
@@ -67,6 +68,8 @@ struct BenchFit {
   double degrees_of_freedom = 0.0;
   bool has_speed = false;         ///< of the table
   bool friction_at_most = false;  ///< friction is at kMostFriction
+  /// Every row is at full throttle: they show neither switching nor the exponent, which are not fitted.
+  bool full_throttle = false;
 
   [[nodiscard]] std::vector<BenchQuantity> Quantities() const;
 };

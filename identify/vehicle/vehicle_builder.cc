@@ -331,6 +331,12 @@ class Draft {
                        bench_->switching_share.estimate,
                        bench_->switching_share.standard_error));
       From("esc_switching_frequency_Hz", "given");
+    } else if (bench_ && bench_->full_throttle && n_.esc.switching_frequency_Hz > 0.0 &&
+               n_.esc.switching_time_s == 0.0) {
+      throw OptionError(fmt::format(
+          "option --esc-pwm-kHz: {} has rows at full throttle alone, where nothing switches, and does not "
+          "show the losses by switching; give --esc-switching-ns too, or leave --esc-pwm-kHz out",
+          n_.bench_name));
     } else if ((n_.esc.switching_time_s > 0.0) != (n_.esc.switching_frequency_Hz > 0.0)) {
       throw OptionError(fmt::format(
           "option --{}: the losses by switching are the product of time and frequency, and there "
@@ -439,9 +445,7 @@ class Draft {
   void Hover() {
     const Vehicle& v = draft_.vehicle;
     const double voltage_V = kMiddle_V * n_.series_cells;
-    Vehicle driven = v;
-    driven.armature_resistance_Ohm += v.esc.resistance_Ohm;
-    const double fastest = HeldSpeed(driven, voltage_V);
+    const double fastest = HeldSpeed(WithControllers(v), voltage_V);
     const double weight_N = v.mass_kg * kGravity_m_per_s2;
     const double most_N = v.total_thrust_coefficient_N_s2() * fastest * fastest;
     draft_.thrust_to_weight = most_N / weight_N;

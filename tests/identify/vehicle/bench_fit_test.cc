@@ -197,6 +197,28 @@ TEST(BenchFit, SpeedsThatNoMotorReachesAreRefused) {
       << said;
 }
 
+// Before, a share of 0.005 +- 0, which was where the search began.
+TEST(BenchFit, RowsAtFullThrottleShowNeitherSwitchingNorTheExponent) {
+  const Truth truth;
+  for (const bool has_speed : {true, false}) {
+    BenchTable table;
+    table.has_speed = has_speed;
+    for (int k = 6; k <= 16; ++k) {
+      table.rows.push_back(RowAt(truth, 1.0, k));
+      if (!has_speed) table.rows.back().speed_rad_per_s = 0.0;
+    }
+    const BenchFit fit =
+        FitBenchTable(table, {.motor_constant_N_m_per_A = truth.k_e, .switching = true});
+    ASSERT_TRUE(fit.converged) << fit.message;
+    EXPECT_TRUE(fit.full_throttle);
+    EXPECT_FALSE(fit.switching_share.fitted);
+    EXPECT_EQ(fit.switching_share.estimate, 0.0);
+    EXPECT_FALSE(fit.throttle_exponent.fitted);
+    EXPECT_EQ(fit.throttle_exponent.estimate, 1.0);
+    EXPECT_NEAR(fit.resistance_Ohm.estimate, truth.r, 1e-3 * truth.r) << has_speed;
+  }
+}
+
 // Losses of a controller at part load look like friction, of which a motor has little.
 TEST(BenchFit, FrictionIsAtMostWhatMotorsHave) {
   Truth truth;
