@@ -334,6 +334,23 @@ void CheckSpeeds(const BenchTable& table, const BenchGiven& given) {
   }
 }
 
+// Nor does a propeller hold one at a tenth of it: such speeds are a thousand times too low, or of another motor.
+void CheckSlowSpeeds(const BenchTable& table, const BenchGiven& given) {
+  constexpr double kLeast = 0.1;  // of the mean voltage at the motor; 0.5 and more are usual
+  double largest = 0.0;
+  for (const BenchRow& row : table.rows) {
+    largest = std::max(
+        largest,
+        *given.motor_constant_N_m_per_A * row.speed_rad_per_s / (row.throttle * row.voltage_V));
+  }
+  if (largest > kLeast) return;
+  throw OptionError(fmt::format(
+      "--bench-table: its speeds are at most {:.2g} % of what a motor of this KV turns at without load, "
+      "and with a propeller more than half is usual: look whether the unit of the speeds is that of the "
+      "header, whether they have dots for thousands (5.688 for 5688), and whether KV is right",
+      100.0 * largest));
+}
+
 // A table of a propeller reaches higher: these are fractions of full throttle under a header of per cent.
 void CheckThrottles(const BenchTable& table) {
   constexpr double kNone = 0.015;
@@ -365,7 +382,10 @@ BenchFit FitBenchTable(const BenchTable& table, const BenchGiven& given) {
         "the motor's constant (--kv-rpm-per-V)");
   }
   CheckThrottles(table);
-  if (table.has_speed && given.motor_constant_N_m_per_A) CheckSpeeds(table, given);
+  if (table.has_speed && given.motor_constant_N_m_per_A) {
+    CheckSpeeds(table, given);
+    CheckSlowSpeeds(table, given);
+  }
   Beginning beginning = Start(table, given);
   const Scales& scales = beginning.scales;
   std::vector<int> held;  // first what is given, then what is at its bound

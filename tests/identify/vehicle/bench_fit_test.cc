@@ -197,6 +197,16 @@ TEST(BenchFit, SpeedsThatNoMotorReachesAreRefused) {
       << said;
 }
 
+// Before, the vehicle that such a table makes could not hover.
+TEST(BenchFit, SpeedsWithDotsForThousandsAreRefused) {
+  Truth truth;
+  BenchTable table = Table(truth, true);
+  for (BenchRow& row : table.rows) row.speed_rad_per_s *= 1e-3;
+  const std::string said = test::MessageOf<OptionError>(
+      [&] { (void)FitBenchTable(table, {.motor_constant_N_m_per_A = truth.k_e}); });
+  EXPECT_NE(said.find("dots for thousands (5.688 for 5688)"), std::string::npos) << said;
+}
+
 // Before, a share of 0.005 +- 0, which was where the search began.
 TEST(BenchFit, RowsAtFullThrottleShowNeitherSwitchingNorTheExponent) {
   const Truth truth;
