@@ -245,6 +245,11 @@ class Draft {
     } else {
       From("friction_N_m_s", "assumed: none, because no current without load is given");
     }
+    if (n_.rotor_inertia_kg_m2 && n_.propeller_g) {
+      throw OptionError(
+          "option --propeller-g: it says how heavy the rotor is to turn, which "
+          "--rotor-inertia-kg-m2 says already; leave one of the two out");
+    }
     if (n_.rotor_inertia_kg_m2) {
       v.rotor_inertia_kg_m2 = *n_.rotor_inertia_kg_m2;
       From("rotor_inertia_kg_m2", "given");
@@ -465,6 +470,56 @@ class Draft {
     draft_.hover_power_W = draft_.hover.battery_V * draft_.hover.battery_A;
   }
 
+  // What is given where the vehicle's own size says about what it is.
+  void CheckGivenSizes() {
+    const Vehicle& v = draft_.vehicle;
+    const auto caution = [this](std::string_view option,
+                                double value,
+                                std::string_view unit,
+                                double usual,
+                                std::string_view of,
+                                Range factors) {
+      const double factor = value / usual;
+      if (factors.Contains(factor)) return;
+      draft_.cautions.push_back(fmt::format("--{} {:g} is {:.2g} times {}, {:.2g} {}: it is in {}",
+                                            option,
+                                            value,
+                                            factor,
+                                            of,
+                                            usual,
+                                            unit,
+                                            unit));
+    };
+    if (n_.inertia_kg_m2) {
+      // Most of the mass lies within the motors.
+      const double ml2 = v.mass_kg * v.arm_m * v.arm_m;
+      caution("inertia-kg-m2",
+              *std::max_element(v.inertia_kg_m2.begin(), v.inertia_kg_m2.end()),
+              "kg m²",
+              ml2,
+              "mass times arm squared",
+              {0.03, 2.0});
+    }
+    if (n_.rotor_inertia_kg_m2) {
+      const double propeller_kg =
+          1e-3 * kTypicalPropeller_g_per_in2 * n_.propeller_in * n_.propeller_in;
+      caution("rotor-inertia-kg-m2",
+              v.rotor_inertia_kg_m2,
+              "kg m²",
+              propeller_kg * v.propeller_diameter_m * v.propeller_diameter_m / 12.0,
+              "that of a typical propeller of its diameter",
+              {0.02, 50.0});
+    }
+    if (n_.drag_N_s_per_m) {
+      caution("drag-N-s-per-m",
+              v.linear_drag_N_s_per_m,
+              "N s/m",
+              kTypicalDrag_per_s * v.mass_kg,
+              "0.3 per second of the mass",
+              {0.0, 30.0});
+    }
+  }
+
   // Numbers that can be, and are hardly meant.
   void CheckSizes() {
     const Vehicle& v = draft_.vehicle;
@@ -477,6 +532,7 @@ class Draft {
           draft_.thrust_to_weight,
           kMostThrust));
     }
+    CheckGivenSizes();
     constexpr double kLeastEfficiency = 0.3;
     const double efficiency = v.torque_coefficient_N_m_s2 * std::pow(hover.speed_rad_per_s, 3) /
                               (hover.duty * hover.battery_V * hover.motor_A);

@@ -268,6 +268,13 @@ TEST(VehicleCommand, RefusalsSayWhatToGive) {
   EXPECT_NE(twice.err.find("option --pitch-in: --bench-table says what the propeller does"),
             std::string::npos)
       << twice.err;
+  const auto alone = RunLipoid(
+      folder, Body({"--bench-table", Bench(), "--kv-rpm-per-V", "920", "--no-load-V", "12"}));
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_NE(
+      alone.err.find("option --no-load-V: it is the voltage at which --no-load-A was measured"),
+      std::string::npos)
+      << alone.err;
   const auto missing = RunLipoid(folder, Body({"--bench-table", "no.csv"}));
   EXPECT_EQ(missing.exit_code, 3) << missing.err;
   EXPECT_TRUE(FilesIn(folder).empty());

@@ -245,6 +245,11 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
   numbers.propeller_in = *required.propeller_in;
   if (numbers.name.empty()) numbers.name = std::filesystem::path(output).stem().string();
   numbers.esc = ControllerOf(esc);
+  if (line.Given("no-load-V") && !numbers.no_load_A) {
+    throw OptionError(
+        "option --no-load-V: it is the voltage at which --no-load-A was measured, and there is none; "
+        "give both, or leave it out");
+  }
   if (!inertia.empty()) {
     if (inertia.size() != 3) throw OptionError("option --inertia-kg-m2: expected three moments");
     auto& moments = numbers.inertia_kg_m2.emplace();

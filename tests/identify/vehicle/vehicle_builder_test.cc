@@ -90,6 +90,41 @@ TEST(VehicleBuilder, TypicalPropellersAreScaledFromAMeasuredOne) {
   EXPECT_NEAR(TypicalPropeller(0.8, 3).power, 0.1134, 0.25 * 0.1134);
 }
 
+// Of 650 g and 110 mm: m l² is 0.0079 kg m², a propeller of 5 inch 2.9e-6 kg m².
+TEST(VehicleBuilder, CautionsOfSizesThatAreInAnotherUnit) {
+  const auto cautions = [](const BuilderNumbers& n) {
+    std::string all;
+    for (const std::string& caution : BuildVehicle(n, {}).cautions) all += caution + "\n";
+    return all;
+  };
+  const auto says = [&](const BuilderNumbers& n, const std::string& what) {
+    return cautions(n).find(what) != std::string::npos;
+  };
+  BuilderNumbers n = Racer();
+  n.inertia_kg_m2 = {0.002, 0.002, 0.0036};
+  n.rotor_inertia_kg_m2 = 5e-6;
+  n.drag_N_s_per_m = 0.3;
+  for (const char* option : {"--inertia", "--rotor-inertia", "--drag"})
+    EXPECT_FALSE(says(n, option));
+  n.inertia_kg_m2 = {200.0, 200.0, 360.0};
+  n.rotor_inertia_kg_m2 = 0.36;
+  n.drag_N_s_per_m = 480.0;
+  EXPECT_TRUE(
+      says(n,
+           "--inertia-kg-m2 360 is 4.6e+04 times mass times arm squared, 0.0079 kg m²: it is in "
+           "kg m²"))
+      << cautions(n);
+  EXPECT_TRUE(says(n, "--rotor-inertia-kg-m2 0.36 is 1.3e+05 times that of a typical propeller"))
+      << cautions(n);
+  EXPECT_TRUE(says(n, "--drag-N-s-per-m 480 is 2.5e+03 times 0.3 per second of the mass"))
+      << cautions(n);
+  n.propeller_g = 4.0;
+  EXPECT_EQ(
+      Refusal(n),
+      "option --propeller-g: it says how heavy the rotor is to turn, which --rotor-inertia-kg-m2 says "
+      "already; leave one of the two out");
+}
+
 TEST(VehicleBuilder, RefusesWhatNoVehicleCanBe) {
   BuilderNumbers n = Racer();
   n.mass_g = 20000.0;
