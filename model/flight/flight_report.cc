@@ -21,6 +21,22 @@ void CheckLandingVoltage(const FlightSetup& setup) {
   const double full_V =
       setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
                  : setup.xi * setup.vehicle.nominal_voltage_V;
+  if (setup.cell && setup.land_below_V > 0.0 && setup.land_below_V < full_V) {
+    const int cells = setup.cell->series;
+    const double empty_V = cells * setup.cell->cutoff_V;
+    if (setup.land_below_V > empty_V) return;
+    // Most likely the voltage of a cell.
+    const double of_all_V = cells * setup.land_below_V;
+    throw OptionError(fmt::format(
+        "option --land-below-V: {:g} V is not above the {:g} V at which the pack of {} is empty and the "
+        "flight ends; {}",
+        setup.land_below_V,
+        empty_V,
+        Counted(static_cast<std::size_t>(cells), "cell"),
+        of_all_V > empty_V && of_all_V < full_V
+            ? fmt::format("{:g} V a cell are {:g} V", setup.land_below_V, of_all_V)
+            : "give more"));
+  }
   if (setup.land_below_V < full_V) return;
   if (setup.land_below_V == 0.0) {
     throw OptionError(fmt::format(

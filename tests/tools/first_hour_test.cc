@@ -293,6 +293,27 @@ TEST(FirstHour, AGapInACurrentIsSaid) {
       << run.err;
 }
 
+TEST(FirstHour, ALandingVoltageOfOneCellIsRefused) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"fly",
+                              "hover",
+                              "--vehicle",
+                              "racer-5in",
+                              "--series",
+                              "4",
+                              "--parallel",
+                              "4",
+                              "--land-below-V",
+                              "3.5"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(
+      run.err.find("option --land-below-V: 3.5 V is not above the 12 V at which the pack of 4 "
+                   "cells is empty and the flight ends; 3.5 V a cell are 14 V"),
+      std::string::npos)
+      << run.err;
+}
+
 TEST(FirstHour, ALandingVoltageAboveTheFullPackIsRefused) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder, {"fly", "hover", "--duration", "1", "--land-below-V", "20"});
