@@ -225,6 +225,18 @@ TEST(Fly, SaysThatASpeedWasNotReached) {
       << weak.err;
 }
 
+TEST(Fly, WindWithoutDragIsRefused) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(
+      folder, {"fly", "hover", "--duration", "1", "--wind", "3", "--set", "simulation.drag=false"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(
+      run.err.find("option --set simulation.drag=false: wind and gusts act on the vehicle by its "
+                   "drag alone"),
+      std::string::npos)
+      << run.err;
+}
+
 TEST(Fly, WaypointsThatWereMissedAreSaidFirst) {
   const auto folder = TestFolder();
   WriteText(folder + "/far.toml",

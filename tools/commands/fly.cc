@@ -13,6 +13,7 @@
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
+#include "model/flight/coupling.h"
 #include "model/flight/flight_ensemble.h"
 #include "model/flight/flight_log.h"
 #include "model/flight/flight_report.h"
@@ -238,6 +239,11 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   setup.gains = GainsFor(asked.gains.path, setup.vehicle, "aware", setup.controller.law);
   setup.seed = line.seed();
   wind.ReadInto(setup.wind);
+  if (line.Sets("simulation.drag") && !setup.simulation.drag && Blows(setup.wind)) {
+    throw OptionError(
+        "option --set simulation.drag=false: wind and gusts act on the vehicle by its drag alone; leave "
+        "it out, or --wind and --gusts");
+  }
   request.duration_s = asked.duration_s;
   FlightPlan plan = maneuver.plan(request);
   if (asked.duration_s) plan.duration_s = *asked.duration_s;
