@@ -89,7 +89,7 @@ FlightProblem::FlightProblem(const FlightSamples& flight,
   set(U::kScale, 0.0, sensors.current_scale, -0.5, 0.5);
   set(U::kOffset_A,
       0.0,
-      std::max(sensors.least_offset_A, sensors.offset_share * flight.largest_A),
+      sensors.OffsetOf(flight.largest_A),
       -0.1 * flight.largest_A - 1.0,
       0.1 * flight.largest_A + 1.0);
   switch (StartOfFlight(flight.record)) {

@@ -8,6 +8,7 @@
 /// tests/identify/health/coverage_test.cc, tests/identify/health/flights_with_lab_test.cc.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 
 #include "identify/health/coloured_noise.h"
@@ -25,6 +26,10 @@ struct SensorSpread {
   double offset_share = 0.01;   ///< of the largest current
   double least_offset_A = 0.05;
   double lag_s = 0.5;
+
+  [[nodiscard]] double OffsetOf(double largest_A) const {
+    return std::max(least_offset_A, offset_share * largest_A);
+  }
 };
 
 /// Between these the logarithm of the capacity over that of the reference is searched.

@@ -205,18 +205,29 @@ void DoubtTheFit(FlightHealth& health) {
 }
 
 // A sensor that is far from what any is stands for something else that is wrong.
-void DoubtTheSensor(const SensorSpread& sensors, FlightHealth& health) {
+void DoubtTheSensor(const SensorSpread& sensors, double largest_A, FlightHealth& health) {
   constexpr double kFarthest = 4.0;  // standard deviations of what was believed
+  if (!health.doubted_because.empty() || !health.capacity_Ah.known()) return;
   const double scale = health.current_scale.value;
-  if (!health.doubted_because.empty() || !health.capacity_Ah.known() ||
-      std::abs(scale - 1.0) <= kFarthest * sensors.current_scale)
-    return;
+  const double offset_A = health.current_offset_A.value;
+  const bool scale_is_off = std::abs(scale - 1.0) > kFarthest * sensors.current_scale;
+  const bool offset_is_off = std::abs(offset_A) > kFarthest * sensors.OffsetOf(largest_A);
+  if (!scale_is_off && !offset_is_off) return;
+  const std::string would =
+      scale_is_off
+          ? fmt::format("{:.2g} times what flows, and such sensors are right to {:.2g} %",
+                        1.0 / scale,
+                        100.0 * sensors.current_scale)
+          : fmt::format("{:.2g} A where none flows, and such sensors are right to {:.2g} A",
+                        offset_A,
+                        sensors.OffsetOf(largest_A));
   health.doubted_because = fmt::format(
-      "the current sensor would have to show {:.2g} times what flows, and such sensors are right to {:.0f} %: "
-      "is the pack charged to another voltage than the reference, or are the current, its unit or the "
-      "reference wrong?",
-      1.0 / scale,
-      100.0 * sensors.current_scale);
+      "the current sensor would have to show {}: {}is the pack charged to another voltage than the reference, or "
+      "are the current, its unit or the reference wrong?",
+      would,
+      health.temperature_known
+          ? ""
+          : "the temperature is not known, and the pack may warm otherwise than was assumed (--ambient-degC); or ");
   Withdraw("the current sensor would be impossible", health);
 }
 
@@ -341,7 +352,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
   DoubtTheFit(health);
-  DoubtTheSensor(options.sensors, health);
+  DoubtTheSensor(options.sensors, samples.largest_A, health);
   DoubtTheResistance(health);
   AddCautions(samples, fit, reference, health);
   if (log.report.flight) {
