@@ -107,11 +107,20 @@ struct EnduranceChoices {
   void SetRepeats(EnduranceRequest& request) const;
 };
 
+/// What a percent sign means behind a quantity, and behind its standard error.
+enum class PercentSign {
+  kNone,     ///< neither may have one
+  kOfValue,  ///< the error is a share of the quantity, which has a unit
+  kFactor,   ///< the same of a factor: 110% are 1.1
+  kShare     ///< both are hundredths: 80%+-5% are 0.75 to 0.85
+};
+
 /// A quantity of a request that may be uncertain and over which a table may be asked for.
 struct EnduranceVariable {
   std::string_view name;  ///< with the unit in which it is given
   Range valid;            ///< in that unit
   double unit;            ///< in that of the request
+  PercentSign percent;
   std::string_view help;
   Uncertain& (*of)(EnduranceRequest&);  ///< sets an optional one to 0 where it is not there
 };

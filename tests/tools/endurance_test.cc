@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -132,6 +133,55 @@ TEST(EnduranceCommand, StandardErrorsGiveIntervals) {
   EXPECT_EQ(summary.at("ensemble").at("flights"), 50);
   EXPECT_EQ(summary.at("ensemble").at("cells_drawn"), false);
   EXPECT_EQ(summary.at("power_factor").at("standard_error"), 0.05);
+}
+
+// 5 % of 200 g are 10 g, not a twentieth of a gram; a share and its error are both in percent, or neither is.
+TEST(EnduranceCommand, PercentOfAQuantityAreOfItsValue) {
+  const auto folder = TestFolder();
+  const auto run = [&](const std::string& option, const std::string& text) {
+    return RunLipoid(folder,
+                     {"endurance",
+                      "--vehicle",
+                      "mambo-physical",
+                      "--cell",
+                      kCell,
+                      "--ensemble",
+                      "2",
+                      "--set",
+                      "step_s=0.1",
+                      option,
+                      text,
+                      "--summary",
+                      "s.json"});
+  };
+  const auto error_of = [&](const std::string& key) {
+    return ReadJson(folder, "s.json").at(key).at("standard_error").get<double>();
+  };
+  EXPECT_EQ(run("--payload-g", "4+-5%").exit_code, 0);
+  EXPECT_NEAR(error_of("payload_kg"), 2e-4, 1e-15);
+  EXPECT_EQ(run("--resistance-factor", "1.5+-20%").exit_code, 0);
+  EXPECT_NEAR(error_of("resistance_factor"), 0.3, 1e-15);
+  EXPECT_EQ(run("--health", "80%+-5%").exit_code, 0);
+  EXPECT_EQ(error_of("health"), 0.05);
+  const std::vector<std::array<std::string, 3>> wrong{
+      {"--payload-g",
+       "50%",
+       "option --payload-g: expected a number in the unit of the option, none in percent, found '50%'"},
+      {"--ambient-degC",
+       "50%",
+       "option --ambient-degC: expected a number in the unit of the option, none in percent"},
+      {"--ambient-degC",
+       "20+-5%",
+       "expected a standard error in the unit of the option, none in percent"},
+      {"--health",
+       "80%+-5",
+       "expected a standard error in percent beside a share in percent, such as 80%+-5%"},
+      {"--health", "0.8+-", "expected a standard error behind the sign"}};
+  for (const auto& [option, text, message] : wrong) {
+    const auto refused = run(option, text);
+    EXPECT_EQ(refused.exit_code, 2) << text;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  }
 }
 
 TEST(EnduranceCommand, AColdPackWarmsAndFliesShorter) {
@@ -466,7 +516,8 @@ TEST(EnduranceCommand, SaysWhichPowerThePackCannotGive) {
   // A pack that cannot start has no voltage and no current of a flight.
   WriteText(folder + "/never.csv", "time_s,power_W\n0,0\n60,500\n");
   const auto cannot = RunLipoid(
-      folder, {"endurance", "--cell", kCell, "--mission", "power=never.csv", "--summary", "s.json"});
+      folder,
+      {"endurance", "--cell", kCell, "--mission", "power=never.csv", "--summary", "s.json"});
   EXPECT_EQ(cannot.exit_code, 1) << cannot.err;
   const auto never = ReadJson(folder, "s.json");
   EXPECT_EQ(never.at("ended_by"), "power");

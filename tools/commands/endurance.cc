@@ -113,7 +113,7 @@ void SetQuantity(const EnduranceVariable& variable,
     request.cruise_speed = speed;
     return;
   }
-  const Uncertain given = ReadUncertain(std::string(variable.name), text, variable.valid);
+  const Uncertain given = ReadUncertain(variable, text);
   variable.of(request) = {variable.unit * given.value, variable.unit * given.standard_error};
 }
 

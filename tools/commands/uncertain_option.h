@@ -1,11 +1,12 @@
 #pragma once
 
 /// @file
-/// A number on the command line that may carry its standard error: 0.8 or 0.8+-0.05.
+/// A number on the command line that may carry its standard error: 0.8 or 0.8+-0.05. Tests:
+/// tests/tools/endurance_test.cc.
 
 #include <string>
 
-#include "model/core/options.h"
+#include "model/flight/endurance_request.h"
 #include "model/statistics/uncertain.h"
 #include "tools/cli/command_line.h"
 
@@ -14,10 +15,8 @@ namespace lipoid {
 /// What stands for such a value in help.
 inline constexpr std::string_view kUncertainWord = "X[+-SE]";
 
-/// Reads "X" or "X+-SE" (or with the sign for plus and minus), each in percent where it ends in a
-/// percent sign. OptionError names the option, what is wrong and the valid range of X.
-[[nodiscard]] Uncertain ReadUncertain(const std::string& option,
-                                      const std::string& text,
-                                      const Range& valid);
+/// Reads "X" or "X+-SE" (or with the sign for plus and minus), by what a percent sign means for the variable.
+/// OptionError names the option, what is wrong and the valid range of X.
+[[nodiscard]] Uncertain ReadUncertain(const EnduranceVariable& variable, const std::string& text);
 
 }  // namespace lipoid
