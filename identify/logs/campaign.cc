@@ -153,13 +153,13 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
   return log;
 }
 
+}  // namespace
+
 bool SamePart(const CampaignLog& a, const CampaignLog& b) {
   return a.kind == b.kind && a.path == b.path && a.read.steps == b.read.steps &&
          a.read.cycles == b.read.cycles && a.read.start_s == b.read.start_s &&
          a.read.end_s == b.read.end_s;
 }
-
-}  // namespace
 
 std::size_t Campaign::Count(LogKind kind) const {
   return static_cast<std::size_t>(std::count_if(

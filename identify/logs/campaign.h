@@ -42,6 +42,9 @@ struct CampaignLog {
   std::optional<double> initial_degC;  ///< of the cell at the first row; none: that of the ambient
 };
 
+/// Whether both are the same rows of one file, under one kind.
+[[nodiscard]] bool SamePart(const CampaignLog& a, const CampaignLog& b);
+
 struct Campaign {
   std::string file;  ///< empty where it was given on the command line
   std::string name;

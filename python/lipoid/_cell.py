@@ -261,7 +261,7 @@ class Cell:
         voltage_V, soc = np.full_like(i, np.nan), np.full_like(i, np.nan)
         rest_V = np.full_like(i, np.nan) if self._core.rests_beside_curve else None
         warm = np.full_like(i, np.nan) if self._core.knows_temperature else None
-        outside, before, cutoff_s = self._core.simulate(
+        outside, before, cutoff_s, doubts = self._core.simulate(
             np.atleast_2d(t),
             np.atleast_2d(i),
             np.atleast_2d(voltage_V),
@@ -273,6 +273,7 @@ class Cell:
             whole("threads", threads),
         )
         self._tell_of_cutoff(np.atleast_2d(i), before, cutoff_s)
+        self._tell(*doubts)
         return Simulation(t, i, voltage_V, soc, outside, self, warm, rest_V)
 
     def _tell_of_cutoff(
@@ -331,11 +332,11 @@ class Cell:
         options |= {"initial_soc": initial_soc, "initial_voltage_V": initial_voltage_V}
         options["beyond_cutoff"] = beyond_cutoff
         count = whole("cells", cells, least=2, most=_MOST_CELLS)
-        low_V, high_V, before, cutoff_s, *doubts = self._core.band(
+        low_V, high_V, before, cutoff_s, of_curve, *of_draws = self._core.band(
             t, i, measured, options, count, whole_seed(seed)
         )
         self._tell_of_cutoff(np.atleast_2d(i), [before], [cutoff_s])
-        self._tell(*doubts)
+        self._tell(*of_curve, *of_draws)
         return low_V, high_V
 
     def _driven(

@@ -7,7 +7,6 @@
 #include <nanobind/stl/vector.h>
 #include <tbb/parallel_for.h>
 
-#include <atomic>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -21,6 +20,7 @@
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/battery/typical_temperature.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/special_values.h"
@@ -87,11 +87,48 @@ class UpToCutoff {
   bool beyond_cutoff_;
 };
 
+// How far the state of charge goes, in the rows that are kept.
+struct Reached {
+  std::size_t outside = 0;  // of v_oc(A)
+  double first = kNaN;
+  double highest = -kInfinity;
+
+  void Row(const Cell& cell, double soc) {
+    if (std::isnan(first)) first = soc;
+    highest = std::max(highest, soc);
+    if (!cell.open_circuit_voltage.InRange(soc)) ++outside;
+  }
+};
+
+// What a prediction says that no cell does; one sentence each.
+std::vector<std::string> DoubtsAbout(const std::vector<Reached>& currents) {
+  constexpr double kMore = 0.1;  // than full, or than the cell began with
+  std::vector<std::string> doubts;
+  std::size_t outside = 0;
+  double overfull = -kInfinity;
+  for (const Reached& one : currents) {
+    outside += one.outside;
+    if (one.highest > std::max(1.0, one.first) + kMore) overfull = std::max(overfull, one.highest);
+  }
+  if (outside > 0) {
+    doubts.push_back(fmt::format(
+        "{} outside the soc that v_oc(A) was made for: it goes on with its end slope there",
+        Counted(outside, "row")));
+  }
+  if (std::isfinite(overfull)) {
+    doubts.push_back(fmt::format(
+        "the current charges the cell to a soc of {:.3g}, which no cell holds: is it the other way round "
+        "(discharge is positive), or does the cell begin emptier (initial_soc)?",
+        overfull));
+  }
+  return doubts;
+}
+
 // Currents in rows, times and measured temperatures once or in rows; the arrays that are filled are
 // Python's own, that of temperatures only for a cell that knows it, that of the open-circuit voltage
 // only where it is more than v_oc(A). What they hold from the row on in which the cell is below its
-// cut-off stays. Returns the rows outside of v_oc(A), of each current the rows before that, and when its
-// voltage fell to the cut-off.
+// cut-off stays. Returns the rows outside of v_oc(A), of each current the rows before that, when its voltage fell
+// to the cut-off, and what is to be said.
 nb::tuple Simulate(const PythonCell& self,
                    const Table& time_s,
                    const Table& current_A,
@@ -112,7 +149,7 @@ nb::tuple Simulate(const PythonCell& self,
       !measured_degC || (measured_degC->shape(1) == rows && (measured == 1 || measured == count)),
       "as many temperatures as currents");
   const Cell& cell = self.cell;
-  std::atomic<std::size_t> outside = 0;
+  std::vector<Reached> reached(count);
   std::vector<std::size_t> before(count, rows);
   std::vector<double> cutoff_s(count, kNaN);
   const auto one = [&](std::size_t k) {
@@ -127,7 +164,6 @@ nb::tuple Simulate(const PythonCell& self,
     double* const a = soc.data() + k * rows;
     const std::span<const double> t(time_s.data() + (times == 1 ? 0 : k * rows), rows);
     const std::span<const double> i(current_A.data() + k * rows, rows);
-    std::size_t beyond = 0;
     UpToCutoff up_to(cell, rows, asked.beyond_cutoff);
     const auto keep = [&](std::size_t row, const PredictedRow& of) {
       if (!up_to.Takes(row, t[row], i[row], of.voltage_V)) return;
@@ -135,12 +171,11 @@ nb::tuple Simulate(const PythonCell& self,
       if (rest != nullptr) rest[row] = cell.series * of.stepper.OpenCircuit();
       if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
       a[row] = of.soc;
-      if (!cell.open_circuit_voltage.InRange(of.soc)) ++beyond;
+      reached[k].Row(cell, of.soc);
     };
     PredictRows(cell, t, i, asked.hold, initial_soc, among, keep);
     before[k] = up_to.before();
     cutoff_s[k] = up_to.cutoff_s();
-    outside += beyond;
   };
   constexpr std::size_t kShort = 1'000'000;  // rows that take less than a thread to start
   if (count == 1 && rows < kShort) {
@@ -149,7 +184,9 @@ nb::tuple Simulate(const PythonCell& self,
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
   }
-  return nb::make_tuple(outside.load(), std::move(before), std::move(cutoff_s));
+  std::size_t outside = 0;
+  for (const Reached& r : reached) outside += r.outside;
+  return nb::make_tuple(outside, std::move(before), std::move(cutoff_s), DoubtsAbout(reached));
 }
 
 Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {
@@ -197,12 +234,13 @@ nb::tuple Band(const PythonCell& self,
   const auto t = SpanOf(time_s);
   const auto i = SpanOf(current_A);
   UpToCutoff up_to(cell, t.size(), asked.beyond_cutoff);
+  std::vector<Reached> reached(1);
   PredictionBand band;
   CellEnsemble ensemble;
   Work([&](const Tell&) {
     PredictRows(
         cell, t, i, asked.hold, initial_soc, among, [&](std::size_t row, const PredictedRow& of) {
-          (void)up_to.Takes(row, t[row], i[row], of.voltage_V);
+          if (up_to.Takes(row, t[row], i[row], of.voltage_V)) reached[0].Row(cell, of.soc);
         });
     ensemble = DrawCells(cell, count, seed);
     std::vector<double> starts;
@@ -216,6 +254,7 @@ nb::tuple Band(const PythonCell& self,
                         ToArray(std::move(band.voltage_high_V)),
                         up_to.before(),
                         up_to.cutoff_s(),
+                        DoubtsAbout(reached),
                         DoubtAboutFew(ensemble.cells.size(), "cells"),
                         DoubtOf(ensemble));
 }

@@ -539,3 +539,20 @@ def test_lines_of_resistances_can_be_told_apart(result: lipoid.Identification) -
     for cell in (lipoid.Cell.read("gifi-600mAh-1"), result.cell):
         lines = cell.plot()[1].get_lines()
         assert len({line.get_color() for line in lines}) == len(lines) > 1
+
+
+def test_what_no_cell_holds_is_told(program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    t = np.arange(0.0, 2000.0, 10.0)
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    pd.DataFrame({"time_s": t, "current_A": np.full(200, -0.6)}).to_csv(
+        tmp_path / "current.csv", index=False
+    )
+    files = ["--current", "current.csv", "-o", "v.csv", "--current-sign", "discharge-positive"]
+    told = program("simulate", "gifi-600mAh-1", *files, folder=tmp_path)["logs"][0]
+    made = cell.simulate(t, np.full(200, -0.6))
+    outside, overfull = caplog.messages
+    assert f"{told['rows_outside_curve']} rows outside the soc that v_oc(A) was made for" in outside
+    assert f"to a soc of {made.soc.max():.3g}, which no cell holds" in overfull
+    caplog.clear()
+    cell.simulate(t, np.full((2, 200), 0.1))
+    assert not caplog.messages

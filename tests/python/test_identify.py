@@ -211,6 +211,10 @@ def test_what_is_no_campaign_is_said() -> None:
     with pytest.raises(lipoid.OptionError, match="found int; arrays are given by name"):
         lipoid.Campaign(pulses=3)  # type: ignore[arg-type]
     assert len(lipoid.Campaign(pulses=(one for one in [log])).entries) == 1
+    with pytest.raises(lipoid.OptionError, match="unknown option 'initial_sco'.*initial_soc"):
+        lipoid.Campaign(pulses={"file": log, "initial_sco": 0.9})  # type: ignore[arg-type]
+    with pytest.raises(lipoid.OptionError, match="'pulses.csv' is given twice"):
+        lipoid.Campaign(pulses=["pulses.csv", "pulses.csv"])
 
 
 def test_messages_name_options_as_python_has_them() -> None:
