@@ -18,6 +18,7 @@
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/plausibility.h"
 #include "model/battery/cell_parameters.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 #include "model/core/json.h"
@@ -454,6 +455,16 @@ void CheckBattery(const Cell& cell, const std::string& file) {
         {file},
         fmt::format("expected voltages in V, found a v_oc(1) of {:.4g}, which looks like mV",
                     full_V));
+  }
+  constexpr double kLeastCell_V = 1.0;  // NiMH has 1.3 V
+  constexpr double kMostCell_V = 5.0;
+  if (full_V < kLeastCell_V || (cell.series > 1 && full_V > kMostCell_V)) {
+    throw LoadError(
+        {file},
+        fmt::format(
+            "expected {} in series that have 1 to 5 V each when full, found {:.4g} V; is --series right?",
+            Counted(static_cast<std::size_t>(cell.series), "cell"),
+            full_V));
   }
   if (!(std::isfinite(full_V) && full_V > cell.cutoff_V)) {
     throw LoadError({file},

@@ -17,6 +17,11 @@
 namespace lipoid {
 namespace {
 
+// Where decimals may have commas, semicolons separate.
+char SeparatorOf(std::string_view line) {
+  return line.find(';') == std::string_view::npos ? ',' : ';';
+}
+
 // The fields of the first line that is neither blank nor a comment, in lower case.
 std::vector<std::string> HeaderOf(std::string_view text) {
   std::vector<TextCell> cells;
@@ -25,7 +30,7 @@ std::vector<std::string> HeaderOf(std::string_view text) {
     const std::string_view line = Trimmed(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || line[0] == '#') continue;
-    SplitLine(line, ',', cells);
+    SplitLine(line, SeparatorOf(line), cells);
     std::vector<std::string> names;
     for (const auto& cell : cells) names.push_back(LowerCase(cell.text));
     return names;
@@ -52,6 +57,7 @@ PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
   profile.hold = hold;
   std::vector<std::string> names;
   std::vector<TextCell> cells;
+  char separator = ',';
   std::size_t line = 0;
   for (std::string_view piece = source.NextPiece(1); !piece.empty();
        piece = source.NextPiece(line + 1)) {
@@ -64,9 +70,10 @@ PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
       if (content.empty() || content[0] == '#') continue;
       if (names.empty()) {
         names = HeaderOf(content);
+        separator = SeparatorOf(content);
         continue;
       }
-      SplitLine(raw, ',', cells);
+      SplitLine(raw, separator, cells);
       const auto number = [&](std::string_view name, std::string_view shown) {
         const std::size_t field = FieldOf(names, name);
         if (field >= cells.size()) {
@@ -75,7 +82,9 @@ PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
               fmt::format("expected a number for {}, found the end of the line", shown));
         }
         double value = 0.0;
-        if (!ParseNumber(cells[field].text, '.', value) || !std::isfinite(value)) {
+        const bool comma =
+            separator == ';' && cells[field].text.find(',') != std::string_view::npos;
+        if (!ParseNumber(cells[field].text, comma ? ',' : '.', value) || !std::isfinite(value)) {
           throw LoadError(
               {file, line, cells[field].column},
               fmt::format(

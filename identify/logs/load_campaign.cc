@@ -121,13 +121,16 @@ void RefuseOverfull(const Campaign& campaign,
 }
 
 // Charge leaves a log that is said to be a charge, or enters one that is said to be a discharge: under the
-// wrong kind it would be fitted as none, or not at all.
+// wrong kind it would be fitted as none, or not at all. Of a log that does both a part is wanted, as is said
+// where its rows are taken.
 void RefuseOtherWay(const CampaignLog& entry, const Record& record) {
   constexpr double kLeastShare = 0.5;  // of what left on the way, and did not come back
   if (entry.kind != LogKind::kLowRateCharge && entry.kind != LogKind::kLowRate) return;
   const ChargeMoved moved = CountCharge(record);
   if (entry.kind == LogKind::kLowRate) {
-    if (!(moved.charge_C < kLeastShare * moved.least_C)) return;
+    if (!(moved.charge_C < kLeastShare * moved.least_C) ||
+        moved.most_C > kLeastShare * moved.range_C())
+      return;
     throw LoadError(
         {record.file},
         fmt::format(
@@ -136,7 +139,9 @@ void RefuseOtherWay(const CampaignLog& entry, const Record& record) {
             "current round (`current_sign`)",
             -moved.charge_C / 3600.0));
   }
-  if (!(moved.charge_C > kLeastShare * moved.most_C)) return;
+  if (!(moved.charge_C > kLeastShare * moved.most_C) ||
+      -moved.least_C > kLeastShare * moved.range_C())
+    return;
   throw LoadError(
       {record.file},
       fmt::format("expected a slow charge, as kind \"low-rate-charge\" says, found {:.4g} Ah that "
@@ -272,9 +277,11 @@ LoadedLog OneOfCell(const Campaign& campaign,
   return loaded;
 }
 
-// Under two names; one file may stand under several kinds.
+// Under two names; one file may stand under several kinds, and so may one log that is in memory.
 bool AreCopies(const LoadedLog& a, const LoadedLog& b) {
-  return a.entry.path != b.entry.path && HoldTheSameRows(a.log.record, b.log.record);
+  const bool may_be =
+      a.entry.path != b.entry.path || (a.entry.path.empty() && a.entry.kind == b.entry.kind);
+  return may_be && HoldTheSameRows(a.log.record, b.log.record);
 }
 
 }  // namespace

@@ -101,8 +101,8 @@ std::string DoubtAboutEdges(const std::vector<EdgeGroup>& groups) {
       groups.begin(), groups.end(), [&](const auto& a, const auto& b) { return off(a) < off(b); });
   if (worst == groups.end() || !(off(*worst) > kEdgeLimit)) return "";
   return fmt::format(
-      "{:g} s after steps of the current the logs show {:.3g} mOhm and this cell {:.3g} ({:+.0f} %, median of "
-      "{} steps between {:g} and {:g} % of the charge)",
+      "{:g} s after steps of the current the logs show {:.3g} mOhm and this cell {:.3g} ({:+.0f} % step by step, in the "
+      "median of {} steps between {:g} and {:g} % of the charge)",
       worst->after_s,
       1e3 * worst->measured_Ohm,
       1e3 * worst->predicted_Ohm,

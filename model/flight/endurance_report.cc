@@ -90,7 +90,7 @@ Json SpeedsToJson(const BestSpeeds& speeds) {
 
 // When to land. Where the load varies, or a cold pack warms, the voltage under load was as low before.
 std::string LandWhen(const EnduranceResult& result) {
-  constexpr double kSame_V = 1e-3;
+  constexpr double kSame_V = 0.01;  // as it is printed
   if (result.minimum_voltage_V >= result.landing_voltage_V - kSame_V)
     return fmt::format("land when the battery falls to {:.2f} V in flight.",
                        result.landing_voltage_V);

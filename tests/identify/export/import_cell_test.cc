@@ -118,6 +118,14 @@ TEST(ImportCell, AnSdfOfGazeboIsACellWithItsLaw) {
   EXPECT_LT(LargestDifference(VoltsOf(back.cell, request.mission),
                               GazeboVoltage(battery, request.mission, drawn_Ah)),
             kStep_V);
+  options.series = 3;
+  EXPECT_NO_THROW((void)ImportCell(sdf, "m.sdf", options));
+  options.series = 20;
+  EXPECT_EQ(
+      test::LoadErrorOf([&] { (void)ImportCell(sdf, "m.sdf", options); }),
+      "m.sdf:1:1: error: expected 20 cells in series that have 1 to 5 V each when full, found 0.415 V; "
+      "is --series right?");
+  options.series = 2;
   // Without the numbers of its cells a pack is one cell of its voltage, as ever.
   EXPECT_NEAR(ImportCell(sdf, "m.sdf", {}).cell.open_circuit_voltage(1.0), 8.3, 1e-12);
   // What lipoid exports comes back too.

@@ -150,6 +150,12 @@ TEST(MissionFile, TakesLogsPowersAndFlights) {
   const auto of_powers = ReadMissionFile(cell, WriteText("power.csv", powers), {}, 1.0);
   EXPECT_TRUE(of_powers.power);
   EXPECT_NEAR(of_powers.mission.current_A[5], 0.5, 0.03);
+  // As a program in German writes it.
+  std::string semicolons = "time_s;power_W\n";
+  for (int k = 0; k < 12; ++k) semicolons += std::to_string(k) + ",0;2,0\n";
+  const auto of_semicolons = ReadMissionFile(cell, WriteText("german.csv", semicolons), {}, 1.0);
+  EXPECT_TRUE(of_semicolons.power);
+  EXPECT_EQ(of_semicolons.mission.current_A, of_powers.mission.current_A);
   const auto of_flight = ReadMissionFile(cell, WriteText("flight.csv", flight), {}, 1.0);
   EXPECT_EQ(of_flight.mission.current_A[6], 0.5) << "what a row decides flows until the next";
   EXPECT_EQ(of_flight.mission.current_A[7], 1.5);

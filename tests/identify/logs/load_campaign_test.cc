@@ -271,6 +271,9 @@ TEST(LoadCampaign, ADischargeIsNoSlowCharge) {
           "2 Ah that flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge "
           "turn the current round (`current_sign`)");
   EXPECT_EQ(other_way("0,0,3.5\n18000,-0.2,4.2\n36000,0.19,3.5\n"), "no error");
+  // A discharge and the recharge after it, which takes a little more, are both: a part is wanted.
+  EXPECT_EQ(other_way("0,0,4.2\n18000,0.2,3.5\n36000,-0.201,4.2\n"), "no error");
+  EXPECT_EQ(complaint("0,0,3.5\n18000,-0.2,4.2\n36000,0.201,3.5\n"), "no error");
   // What empties the cell before it is charged is not the charge.
   EXPECT_EQ(complaint("0,0,4.2\n18000,0.2,3.5\n36000,-0.19,4.2\n"), "no error");
 }

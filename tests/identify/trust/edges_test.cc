@@ -111,7 +111,8 @@ TEST(Edges, AreComparedByTimeAndThirdsOfTheCharge) {
   EXPECT_NEAR(groups[1].ratio, 1.0, 1e-12);
   EXPECT_EQ(
       DoubtAboutEdges(groups),
-      "10 s after steps of the current the logs show 50 mOhm and this cell 65 (+30 %, median of 3 steps "
+      "10 s after steps of the current the logs show 50 mOhm and this cell 65 (+30 % step by step, in the "
+      "median of 3 steps "
       "between 40 and 70 % of the charge)");
   EXPECT_EQ(EdgesToJson(groups)[0].at("cell_Ohm"), groups[0].predicted_Ohm);
   EXPECT_EQ(DoubtAboutEdges({groups[1]}), "");
