@@ -57,8 +57,29 @@ struct Candidate {
   CampaignDraft::Entry* entry = nullptr;
 };
 
-// The voltage at which most discharges end: a round one where they allow it.
+// A cycler stops at the cut-off within one row: the roundest voltage that lies in the last fall of every discharge.
+// 0 where none does: one was stopped before.
+double CutoffWithinLastRows(const std::vector<Candidate>& discharges) {
+  constexpr double kOfFewRows_V = 0.1;  // where the last fall is not measured
+  double low_V = 0.0;
+  double high_V = kInfinity;
+  for (const Candidate& each : discharges) {
+    const Discharge& d = *each.inspection->discharge;
+    const double close_V = std::max(kCutoffTolerance_V, 3.0 * d.voltage_noise_V);
+    low_V = std::max(low_V, d.end_voltage_V - close_V);
+    const double fall_V = d.last_fall_V > 0.0 ? d.last_fall_V : kOfFewRows_V;
+    high_V = std::min(high_V, d.end_voltage_V + fall_V + close_V);
+  }
+  for (const double step_V : {0.1, kCutoffStep_V, 0.01}) {
+    const double round_V = RoundToDigits(std::ceil(low_V / step_V) * step_V, 3);
+    if (round_V <= high_V) return round_V;
+  }
+  return 0.0;
+}
+
+// The voltage at which the discharges end, or most of them: a round one where they allow it.
 double FindCutoff(const std::vector<Candidate>& discharges) {
+  if (const double within_V = CutoffWithinLastRows(discharges); within_V > 0.0) return within_V;
   std::vector<double> ends_V;
   ends_V.reserve(discharges.size());
   for (const Candidate& each : discharges)
@@ -156,6 +177,7 @@ void MakeOneCell(Inspection& test, int series, int parallel) {
   if (!test.discharge) return;
   test.discharge->end_voltage_V /= series;
   test.discharge->voltage_noise_V /= series;
+  test.discharge->last_fall_V /= series;
   test.discharge->current_A /= parallel;
   test.discharge->charge_C /= parallel;
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -198,12 +198,31 @@ def identify(
         core, staged, summary, converged, usable, sentence = _core.identify(
             made._core, dict(options), whole_seed(seed), whole("threads", threads), tell
         )
+    _tell_what_changes_nothing(dict(options))
     for note in summary.get("log_notes", []):
         logger.warning("%s", note)
     if not converged:
         logger.warning("%s: not converged", made.name)
     beside = None if staged is None else Cell._of(staged)
     return Identification(Cell._of(core), summary, converged, usable, sentence, made, beside)
+
+
+def _tell_what_changes_nothing(options: Mapping[str, Any]) -> None:
+    """Log which groups of options are of the other method, or of the staged run alone."""
+    if options.get("method") == "staged":
+        if options.get("joint"):
+            logger.warning('option joint changes nothing with method="staged"')
+        return
+    pulses = options.get("pulses") or {}
+    said = [f"pulses[{name!r}]" for name in ("branches", "starts") if name in pulses]
+    if options.get("open_circuit_voltage_fit"):
+        said.append("open_circuit_voltage_fit")
+    if said:
+        logger.warning(
+            "options %s are of the staged run alone, from which the joint fit starts: "
+            "branches and joint are of the cell",
+            " and ".join(said),
+        )
 
 
 def check_options(*, seed: int = 0, threads: int = 0, **options: Any) -> None:

@@ -541,7 +541,9 @@ def test_lines_of_resistances_can_be_told_apart(result: lipoid.Identification) -
         assert len({line.get_color() for line in lines}) == len(lines) > 1
 
 
-def test_what_no_cell_holds_is_told(program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_what_no_cell_holds_is_told(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     t = np.arange(0.0, 2000.0, 10.0)
     cell = lipoid.Cell.read("gifi-600mAh-1")
     pd.DataFrame({"time_s": t, "current_A": np.full(200, -0.6)}).to_csv(

@@ -211,9 +211,9 @@ def test_what_is_no_campaign_is_said() -> None:
     with pytest.raises(lipoid.OptionError, match="found int; arrays are given by name"):
         lipoid.Campaign(pulses=3)  # type: ignore[arg-type]
     assert len(lipoid.Campaign(pulses=(one for one in [log])).entries) == 1
-    with pytest.raises(lipoid.OptionError, match="unknown option 'initial_sco'.*initial_soc"):
-        lipoid.Campaign(pulses={"file": log, "initial_sco": 0.9})  # type: ignore[arg-type]
-    with pytest.raises(lipoid.OptionError, match="'pulses.csv' is given twice"):
+    with pytest.raises(lipoid.OptionError, match=r"unknown option 'initial_sco'.*initial_soc"):
+        lipoid.Campaign(pulses={"file": log, "initial_sco": 0.9})
+    with pytest.raises(lipoid.OptionError, match="is given twice; name each"):
         lipoid.Campaign(pulses=["pulses.csv", "pulses.csv"])
 
 
@@ -829,3 +829,13 @@ def test_optimizers_that_agree_are_drawn_apart_from_those_that_do_not() -> None:
     for text in axes.texts:
         words = text.get_window_extent()
         assert box.x0 <= words.x0 and words.x1 <= box.x1
+
+
+def test_options_that_change_nothing_are_told(lab: Path, caplog: pytest.LogCaptureFixture) -> None:
+    campaign = lab / "campaign.toml"
+    lipoid.identify(campaign, method="staged", joint={"branches": 2})
+    assert 'option joint changes nothing with method="staged"' in caplog.text
+    caplog.clear()
+    lipoid.identify(campaign, pulses={"branches": 2}, open_circuit_voltage_fit={"degree": 3})
+    said = "options pulses['branches'] and open_circuit_voltage_fit are of the staged run alone"
+    assert said in caplog.text

@@ -135,6 +135,38 @@ TEST(Health, TakesNoLimitOfTheStartForACapacity) {
       << exact.out;
 }
 
+// Steps of the altitude whose pack did not warm, while the reference is taken to: the sensor would have to be off
+// by 2 A, seven times what such sensors are. It was 113 % of the capacity with an interval that missed the truth.
+TEST(Health, DoubtsAnOffsetThatNoSensorHas) {
+  const std::string folder = TestFolder();
+  const std::vector<std::string> pack{"--cell", "gifi-600mAh-1", "--series", "4"};
+  std::vector<std::string> fly{"fly", "altitude-steps", "--vehicle", "f450", "--parallel", "9"};
+  fly.insert(fly.end(), pack.begin(), pack.end());
+  fly.insert(fly.end(),
+             {"--duration",
+              "700",
+              "--log-step-s",
+              "0.1",
+              "--set",
+              "altitude-steps.high_m=6",
+              "--set",
+              "altitude-steps.every_s=15",
+              "--ambient-degC",
+              "25",
+              "-o",
+              "f.csv"});
+  const auto flown = RunLipoid(folder, fly);
+  ASSERT_EQ(flown.exit_code, 0) << flown.out << flown.err;
+  std::vector<std::string> ask{"health", "f.csv", "--capacity-Ah", "3.384"};
+  ask.insert(ask.end(), pack.begin(), pack.end());
+  ask.insert(ask.end(), {"--ambient-degC", "25", "--current-scale-uncertainty", "0.01"});
+  const auto run = RunLipoid(folder, ask);
+  EXPECT_EQ(run.exit_code, 1) << run.out << run.err;
+  EXPECT_NE(OnOneLine(run.out).find("the current sensor would have to show -2 A where none flows"),
+            std::string::npos)
+      << run.out;
+}
+
 // A second battery five minutes later on one clock, and a voltage that never moves.
 TEST(Health, RefusesGapsAndFlatVoltages) {
   const std::string folder = TestFolder();

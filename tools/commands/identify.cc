@@ -218,6 +218,11 @@ cli::ExitCode IdentifyCommand(cli::CommandLine& line) {
         "joint fit starts: v_oc(A) of the cell is a table (--set joint.voltage_nodes), or the curve "
         "that is given");
   }
+  if (joint && (line.Sets("pulses.branches") || line.Sets("pulses.starts"))) {
+    line.Message(
+        "options --set pulses.branches and pulses.starts are of the staged run alone, from which the joint fit "
+        "starts: --branches says how many the cell has");
+  }
   const bool by_options = campaign_options.ByOptions();
   const bool batch = campaign_files.size() > 1;
   std::vector<LoadError> failed;  // of a batch: the others are identified all the same

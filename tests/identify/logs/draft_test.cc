@@ -1,7 +1,9 @@
 #include "identify/logs/draft.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -54,6 +56,21 @@ TEST(Draft, TakesCapacityFromTheSlowestAndCutOffFromTheEnds) {
   ASSERT_EQ(draft.campaign.logs.size(), 3U);
   EXPECT_EQ(draft.campaign.logs[0].file, "1c.csv");
   EXPECT_EQ(draft.campaign.logs[2].kind, LogKind::kLowRate);
+}
+
+// A cycler stops within a row, and a fast discharge falls by a tenth of a volt in it: however many there are, the
+// cut-off is where all of them passed it.
+TEST(Draft, TheCutOffLiesInTheLastRowOfEveryDischarge) {
+  std::vector<InspectedFile> files;
+  for (const auto& [current_A, end_V, before_V] :
+       {std::array{2.0, 2.995, 3.02}, {4.0, 2.981, 3.05}, {6.0, 2.93, 3.09}}) {
+    Record record = Falling(4.2, current_A, 7200.0 / current_A, end_V);
+    record.voltage_V[record.size() - 2] = before_V;
+    files.push_back(Inspected(fmt::format("{}.csv", current_A), std::move(record)));
+    EXPECT_EQ(DraftCampaign(files, "cell", "campaign.toml").campaign.cutoff_V, 3.0) << files.size();
+  }
+  // Of one alone that is fast, too.
+  EXPECT_EQ(DraftCampaign({files.back()}, "cell", "campaign.toml").campaign.cutoff_V, 3.0);
 }
 
 // The one that did not start full has the lower edge, since v_oc is steep near full.
