@@ -61,13 +61,14 @@ struct Candidate {
 // 0 where none does: one was stopped before.
 double CutoffWithinLastRows(const std::vector<Candidate>& discharges) {
   constexpr double kOfFewRows_V = 0.1;  // where the last fall is not measured
+  constexpr double kMostFall_V = 0.2;   // that is one of a discharge
   double low_V = 0.0;
   double high_V = kInfinity;
   for (const Candidate& each : discharges) {
     const Discharge& d = *each.inspection->discharge;
     const double close_V = std::max(kCutoffTolerance_V, 3.0 * d.voltage_noise_V);
     low_V = std::max(low_V, d.end_voltage_V - close_V);
-    const double fall_V = d.last_fall_V > 0.0 ? d.last_fall_V : kOfFewRows_V;
+    const double fall_V = d.last_fall_V > 0.0 ? std::min(d.last_fall_V, kMostFall_V) : kOfFewRows_V;
     high_V = std::min(high_V, d.end_voltage_V + fall_V + close_V);
   }
   for (const double step_V : {0.1, kCutoffStep_V, 0.01}) {
