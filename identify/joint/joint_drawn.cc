@@ -12,6 +12,12 @@
 namespace lipoid {
 namespace {
 
+// What is said of one branch alone has in it what stands for its neighbours too: cells drawn with that would have
+// the resistance of all of them. A branch without neighbours is drawn with the errors that are reported.
+BranchMatch MatchOf(const JointSolution& taken) {
+  return taken.structure.branches > 1 ? BranchMatch::kEachOnce : BranchMatch::kNearest;
+}
+
 class Nodes {
  public:
   Nodes(const JointResult& result, Eigen::Index rates)
@@ -80,11 +86,14 @@ class Nodes {
       Eigen::VectorXd of = Eigen::VectorXd::Zero(size_);
       of[rates_ + table + static_cast<Eigen::Index>(first + k)] = per_unknown;
       const std::string at = fmt::format("{}({})", name, nodes[first + k]);
-      to.push_back(
-          {fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
-             return ValueIn(
-                 in, at, result_.logs.typical_A, result_.choice.best, {}, BranchMatch::kEachOnce);
-           })});
+      to.push_back({fmt::format("{}[{}]", name, k), std::move(of), Spread([&](const auto& in) {
+                      return ValueIn(in,
+                                     at,
+                                     result_.logs.typical_A,
+                                     result_.choice.best,
+                                     {},
+                                     MatchOf(result_.choice.best));
+                    })});
     }
   }
 
@@ -118,14 +127,11 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
   if (!SocFollowsAlpha(result) && !best.structure.free_alpha)
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
-  // What is said of one branch alone has in it what stands for its neighbour too: cells drawn with that would
-  // have the resistance of both.
   for (NamedCombination& one : drawn) {
     const auto parameter = FindCellParameter(one.name);
     if (!parameter || !parameter->kind->of_branch) continue;
     one.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& in) {
-      return ValueIn(
-          in, one.name, result.logs.typical_A, best, result.Axis(), BranchMatch::kEachOnce);
+      return ValueIn(in, one.name, result.logs.typical_A, best, result.Axis(), MatchOf(best));
     });
   }
   int t = 0;  // tables stand in the order in which a cell names its resistances

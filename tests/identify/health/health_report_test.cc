@@ -61,6 +61,7 @@ TEST(HealthReport, ASearchThatDidNotConvergeHasNoPartInTheTrend) {
     flight.counted_capacity_Ah = {capacity_Ah, 0.9 * capacity_Ah, 1.1 * capacity_Ah, {}};
     flight.log_capacity_deviation = 0.01;
     if (capacity_Ah == 9.0) flight.same_rows_as = "a.csv";
+    flight.place = flights.size();
     flights.push_back(flight);
   }
   const auto trend =
