@@ -153,12 +153,19 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
   return log;
 }
 
-}  // namespace
-
 bool SamePart(const CampaignLog& a, const CampaignLog& b) {
   return a.kind == b.kind && a.path == b.path && a.read.steps == b.read.steps &&
          a.read.cycles == b.read.cycles && a.read.start_s == b.read.start_s &&
          a.read.end_s == b.read.end_s;
+}
+
+}  // namespace
+
+void RefuseTwice(const Campaign& campaign, const CampaignLog& log) {
+  for (const CampaignLog& other : campaign.logs) {
+    if (!log.path.empty() && SamePart(log, other))
+      throw OptionError(fmt::format("'{}' is given twice; name each log once", log.file));
+  }
 }
 
 std::size_t Campaign::Count(LogKind kind) const {
@@ -314,11 +321,7 @@ Campaign CampaignFromArguments(const CampaignArguments& arguments) {
       log.position.file.clear();
       log.read = arguments.read;
       log.initial_soc = arguments.initial_soc;
-      for (const CampaignLog& other : campaign.logs) {
-        if (SamePart(log, other)) {
-          throw OptionError(fmt::format("'{}' is given twice; name each log once", file));
-        }
-      }
+      RefuseTwice(campaign, log);
       campaign.logs.push_back(std::move(log));
     }
   }

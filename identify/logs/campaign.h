@@ -42,9 +42,6 @@ struct CampaignLog {
   std::optional<double> initial_degC;  ///< of the cell at the first row; none: that of the ambient
 };
 
-/// Whether both are the same rows of one file, under one kind.
-[[nodiscard]] bool SamePart(const CampaignLog& a, const CampaignLog& b);
-
 struct Campaign {
   std::string file;  ///< empty where it was given on the command line
   std::string name;
@@ -59,6 +56,9 @@ struct Campaign {
   /// Whether there are flights and nothing else that a cell could be identified from.
   [[nodiscard]] bool OnlyFlights() const;
 };
+
+/// OptionError where the campaign has the same rows of this file under this kind already.
+void RefuseTwice(const Campaign& campaign, const CampaignLog& log);
 
 /// Strict: unknown keys and kinds, wrong types, values out of range are LoadErrors with line and
 /// column, all of one file at once.

@@ -61,10 +61,7 @@ void Add(LogKind kind,
     entry.read = ReadingOf(keywords, {}, true);
     entry.file = PathOf(given[0]);
     entry.path = std::filesystem::path(entry.file).lexically_normal().string();
-    for (const CampaignLog& other : campaign.logs) {
-      if (!entry.path.empty() && SamePart(entry, other))
-        throw OptionError(fmt::format("'{}' is given twice; name each log once", entry.file));
-    }
+    RefuseTwice(campaign, entry);
     logs.emplace_back(std::nullopt);
   }
   keywords.Finish();

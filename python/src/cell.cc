@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "identify/logs/beyond_curve.h"
 #include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/plausibility.h"
@@ -20,7 +21,6 @@
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/battery/typical_temperature.h"
-#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
 #include "model/core/special_values.h"
@@ -100,21 +100,15 @@ struct Reached {
   }
 };
 
-// What a prediction says that no cell does; one sentence each.
+// What a prediction says that no cell does; one sentence each, or none.
 std::vector<std::string> DoubtsAbout(const std::vector<Reached>& currents) {
-  constexpr double kMore = 0.1;  // than full, or than the cell began with
-  std::vector<std::string> doubts;
   std::size_t outside = 0;
   double overfull = -kInfinity;
   for (const Reached& one : currents) {
     outside += one.outside;
-    if (one.highest > std::max(1.0, one.first) + kMore) overfull = std::max(overfull, one.highest);
+    if (IsOverfull(one.first, one.highest)) overfull = std::max(overfull, one.highest);
   }
-  if (outside > 0) {
-    doubts.push_back(fmt::format(
-        "{} outside the soc that v_oc(A) was made for: it goes on with its end slope there",
-        Counted(outside, "row")));
-  }
+  std::vector<std::string> doubts{DoubtAboutCurve(outside)};
   if (std::isfinite(overfull)) {
     doubts.push_back(fmt::format(
         "the current charges the cell to a soc of {:.3g}, which no cell holds: is it the other way round "

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "identify/logs/all_rows.h"
+#include "identify/logs/beyond_curve.h"
 #include "identify/logs/cutoff_crossing.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/reading_request.h"
@@ -258,13 +259,9 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     }
   }
   if (ensemble.asked()) line.summary()["ensemble"]["rows_outside_band"] = outside_band;
-  if (way.outside > 0) {
-    line.Message(
-        "{} outside the soc that v_oc(A) was made for: it goes on with its end slope there",
-        Counted(way.outside, "row"));
-  }
-  constexpr double kMore = 0.1;  // than full, or than the cell began with
-  const bool overfull = way.highest_soc > std::max(1.0, initial_soc) + kMore;
+  if (const std::string doubt = DoubtAboutCurve(way.outside); !doubt.empty())
+    line.Message("{}", doubt);
+  const bool overfull = IsOverfull(initial_soc, way.highest_soc);
   if (overfull) {
     line.Message(
         "the log charges the cell to a soc of {:.3g}, which no cell holds: say whether its current is "
