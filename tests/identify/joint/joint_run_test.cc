@@ -622,6 +622,25 @@ TEST(JointRun, ASlowDischargeThatWasStoppedBendsNothing) {
   }
 }
 
+// Logs that begin under load: a branch is added beside structures without self-heating, of which nothing is asked.
+TEST(JointRun, LogsThatBeginUnderLoadAreFitted) {
+  const auto folder = test::FreshFolder("joint_run.loaded");
+  RunRecord run;
+  run.seed = 1;
+  Synthesize(
+      test::Truth(), kProtocols[0], {.sampling_s = 2.0, .voltage_noise_V = 0.001}, run, folder);
+  auto logs = LoadCampaign(ReadCampaign(folder + "/campaign.toml"));
+  for (LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kConstantCurrent) continue;
+    Record& record = log.log.record;
+    for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
+      *column = Column(column->begin() + 1, column->end());
+  }
+  const JointResult result = Identify(logs);
+  EXPECT_TRUE(result.converged);
+  EXPECT_NEAR(result.alpha_C, test::Truth().alpha_C(), 0.01 * test::Truth().alpha_C());
+}
+
 // The refitted curve stays near the rests, whose own drift is up to 9 mV, above a quarter of the
 // charge. Below, v_oc and a branch as slow as the rests cannot be told apart by logs of one current
 // (docs/joint.md, 7): there it may leave them by some ten millivolts.
