@@ -197,20 +197,26 @@ void SmoothTemperature(Log& log) {
       step_K));
 }
 
-// A log begins at its first row, from rest. Of one that begins under load, what flowed before that row is not
-// counted, and the drops that it left are not there: beta follows the first rows of a discharge. Where a part was
-// cut out of a log at its first loaded row, the row before it is there.
+// A log is taken to begin at its first row, from rest. Of one that begins under load, what flowed before that row
+// is not counted, and the drops that it left are not there: beta follows the first rows of a discharge. Where a part
+// was cut out of a log at its first loaded row, the row of the rest before it is put back. What is to be said where
+// that cannot be; "" where nothing is odd.
 std::string BeginAtRest(Log& log) {
   constexpr double kMostLonger = 1.5;    // the interval before the first row over the one after it
+  constexpr double kOtherVoltage = 2.0;  // no edge changes a voltage so much: such a row failed
   constexpr double kWorthSaying = 3e-4;  // of the charge of the log
   Record& record = log.record;
   if (record.size() < 2 || log.report.thinned) return "";
-  const double rest_A = RestThreshold(record);
   const double first_A = std::as_const(record).current_A[0];
+  if (first_A == 0.0) return "";  // most logs, of which nothing more is asked
+  const double rest_A = RestThreshold(record);
   if (std::abs(first_A) <= rest_A) return "";
-  const double interval_s = std::as_const(record).time_s[1];
+  const auto& time_s = std::as_const(record).time_s;
+  const double interval_s = time_s[1] - time_s[0];
   const bool rested = log.before && std::abs(log.before->current_A) <= rest_A;
-  if (rested && -log.before->time_s <= kMostLonger * interval_s && log.before->voltage_V > 0.0) {
+  const double change = rested ? log.before->voltage_V / std::as_const(record).voltage_V[0] : kNaN;
+  if (rested && -log.before->time_s <= kMostLonger * interval_s && change < kOtherVoltage &&
+      change > 1.0 / kOtherVoltage) {
     const auto put_before = [](Column& column, double value) {
       if (column.empty()) return;
       std::vector<double> rows{std::isnan(value) ? column.front() : value};

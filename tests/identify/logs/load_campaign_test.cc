@@ -423,6 +423,12 @@ TEST(LoadCampaign, ALogThatBeginsUnderLoadIsDoubted) {
       std::vector<std::string>{
           "it begins under load (4 A), and the cell is taken as rested until its first row: one "
           "row more under load is 50 % of its charge; the row before it is under load, too"});
+  // A clock that does not begin at 0 changes nothing.
+  EXPECT_EQ(doubts("600,4,4.1\n610,4,4.0\n620,4,3.5\n630,4,3.0\n"),
+            doubts("0,4,4.1\n10,4,4.0\n20,4,3.5\n30,4,3.0\n"));
+  // A row before that cannot be is none to begin with.
+  EXPECT_EQ(doubts("-10,0,42\n0,4,4.1\n10,4,4.0\n20,4,3.5\n30,4,3.0\n", "start_s = 0\n").size(),
+            1U);
   // A hundredth of a second is nothing.
   std::string fine;
   for (int k = 0; k < 4000; ++k) fine += fmt::format("{},4,{}\n", 0.01 * k, 4.1 - 2e-4 * k);
