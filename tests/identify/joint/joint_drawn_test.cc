@@ -7,10 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/joint/joint_trust.h"
+#include "identify/logs/campaign.h"
+#include "identify/synthesis/synthesize.h"
 #include "identify/trust/cell_uncertainty.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
 #include "tests/support/synthetic_campaign.h"
+#include "tests/support/text_files.h"
 
 namespace lipoid {
 namespace {
@@ -38,6 +41,35 @@ Eigen::VectorXd Unknowns(const JointResult& result, Eigen::Index rates) {
   x.tail(layout.size()) = result.choice.best.x;
   for (Eigen::Index k = layout.voltages() - 1; k > 0; --k) x[rates + k] -= x[rates + k - 1];
   return x;
+}
+
+// Of logs for which two branches are nearly as likely as one the cell file keeps what is known of their sum: a
+// branch of the one structure stood for both of the other, and the error of the sum was a hundred times as large.
+TEST(JointDrawn, KeepsTheSumOfResistances) {
+  const auto folder = test::FreshFolder("joint_drawn.sum");
+  RunRecord run;
+  run.seed = 203;
+  Synthesize(
+      test::Truth(), kProtocols[0], {.sampling_s = 2.0, .voltage_noise_V = 0.001}, run, folder);
+  const auto logs = LoadCampaign(ReadCampaign(folder + "/campaign.toml"));
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  ASSERT_EQ(result.cell.branches.size(), 2U);
+  const TrustReport trust = AssessJoint(result);
+  const auto of = UncertaintyOf(trust, result.cell, SocFollowsAlpha(result)).found;
+  ASSERT_TRUE(of.has_value());
+  double variance = 0.0;
+  for (std::size_t i = 0; i < of->parameters.size(); ++i) {
+    for (std::size_t j = 0; j < of->parameters.size(); ++j) {
+      if (of->parameters[i].starts_with("r_") && of->parameters[j].starts_with("r_"))
+        variance += of->covariance[i][j];
+    }
+  }
+  const auto total = std::find_if(trust.quantities.begin(),
+                                  trust.quantities.end(),
+                                  [](const QuantityTrust& q) { return q.name == "r_total(0.5)"; });
+  ASSERT_NE(total, trust.quantities.end());
+  // Taken apart by structures of other rates and tables, not quite the same.
+  EXPECT_LT(std::sqrt(variance), 2.0 * total->standard_error);
 }
 
 // Every linear parameter of the cell is its combination of the unknowns, v_oc beside its reference:
