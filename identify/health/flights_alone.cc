@@ -274,10 +274,6 @@ class Starts {
   static constexpr int kRounds = 3;
   static constexpr double kSame_V = 0.005;  // of two cells that rest at the same state of charge
 
-  [[nodiscard]] bool Told(std::size_t k) const {
-    return logs_[k].entry.initial_soc_told ||
-           logs_[k].entry.initial_soc != CampaignLog().initial_soc;
-  }
   [[nodiscard]] LoadError Missing(std::size_t k, const std::string& why) const {
     const CampaignLog& entry = logs_[k].entry;
     return LoadError(
@@ -288,10 +284,10 @@ class Starts {
   // Those whose start is told; where none is, the one that rests highest is full.
   void PlaceTold() {
     for (std::size_t k = 0; k < logs_.size(); ++k) {
-      if (Told(k)) known_.push_back(k);
+      if (logs_[k].entry.TellsStart()) known_.push_back(k);
     }
     for (std::size_t k = 0; k < logs_.size(); ++k) {
-      if (!Told(k) && !rest_V_[k])
+      if (!logs_[k].entry.TellsStart() && !rest_V_[k])
         throw Missing(
             k, "begins under load, so that its start cannot be compared with those of the others");
     }

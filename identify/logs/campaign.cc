@@ -274,8 +274,7 @@ std::string CampaignLogToToml(const CampaignLog& log) {
   if (read.start_s != defaults.start_s) add("start_s", TomlFloat(read.start_s));
   if (read.end_s != defaults.end_s) add("end_s", TomlFloat(read.end_s));
   if (read.battery != defaults.battery) add("battery", fmt::format("{}", read.battery));
-  if (log.initial_soc_told || log.initial_soc != CampaignLog().initial_soc)
-    add("initial_soc", TomlFloat(log.initial_soc));
+  if (log.TellsStart()) add("initial_soc", TomlFloat(log.initial_soc));
   if (read.lead_resistance_Ohm != 0.0)
     add("lead_resistance_Ohm", TomlFloat(read.lead_resistance_Ohm));
   if (log.weight != CampaignLog().weight) add("weight", TomlFloat(log.weight));

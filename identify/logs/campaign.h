@@ -36,10 +36,13 @@ struct CampaignLog {
   SourcePosition position;  ///< where it is named; file empty on the command line
   ReadOptions read;
   double initial_soc = 1.0;
-  bool initial_soc_told = false;  ///< said, and be it 1
+  bool initial_soc_told = false;  ///< whether the campaign says it, also where it says 1
   double weight = 1.0;
   std::optional<double> ambient_degC;  ///< of the surroundings; none: not told
   std::optional<double> initial_degC;  ///< of the cell at the first row; none: that of the ambient
+
+  /// Whether somebody said where it starts, in a campaign or by another way.
+  [[nodiscard]] bool TellsStart() const { return initial_soc_told || initial_soc != 1.0; }
 };
 
 struct Campaign {

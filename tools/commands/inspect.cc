@@ -250,7 +250,7 @@ Json ToJson(const CampaignDraft::Entry& entry) {
     json["current_sign"] = log.read.current_sign;
   if (log.read.start_s != ReadOptions().start_s) json["start_s"] = log.read.start_s;
   if (log.read.end_s != ReadOptions().end_s) json["end_s"] = log.read.end_s;
-  if (log.initial_soc != CampaignLog().initial_soc) json["initial_soc"] = log.initial_soc;
+  if (log.TellsStart()) json["initial_soc"] = log.initial_soc;
   json["reason"] = entry.reason;
   json["remarks"] = entry.remarks;
   json["left_out"] = entry.left_out.empty() ? Json(nullptr) : Json(entry.left_out);
