@@ -127,11 +127,13 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
   std::vector<NamedCombination> drawn = CellParametersAmong(quantities);
   if (!SocFollowsAlpha(result) && !best.structure.free_alpha)
     std::erase_if(drawn, [](const NamedCombination& one) { return one.name == "alpha"; });
+  const BranchMatch match = MatchOf(best);
   for (NamedCombination& one : drawn) {
     const auto parameter = FindCellParameter(one.name);
-    if (!parameter || !parameter->kind->of_branch) continue;
+    const bool of_branch = parameter && parameter->kind->of_branch;
+    if (!of_branch || match == BranchMatch::kNearest) continue;  // as it is reported
     one.added_spread = SpreadOverStructures(result.choice, [&](const JointSolution& in) {
-      return ValueIn(in, one.name, result.logs.typical_A, best, result.Axis(), MatchOf(best));
+      return ValueIn(in, one.name, result.logs.typical_A, best, result.Axis(), match);
     });
   }
   int t = 0;  // tables stand in the order in which a cell names its resistances

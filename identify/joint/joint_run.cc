@@ -22,14 +22,19 @@
 namespace lipoid {
 namespace {
 
-// v_oc(A) over the axis of another alpha.
+// A state of charge over the axis of another alpha.
+double RescaledSoc(double soc, double alpha_C, double to_C) {
+  return 1.0 - (1.0 - soc) * alpha_C / to_C;
+}
+
+// v_oc(A) over the same.
 OpenCircuitVoltage Rescaled(const OpenCircuitVoltage& curve, double alpha_C, double to_C) {
   constexpr int kSamples = 400;
   std::vector<double> soc;
   std::vector<double> voltage_V;
   for (int k = 0; k <= kSamples; ++k) {
     const double a = curve.soc_lo() + (curve.soc_hi() - curve.soc_lo()) * k / double(kSamples);
-    soc.push_back(1.0 - (1.0 - a) * alpha_C / to_C);
+    soc.push_back(RescaledSoc(a, alpha_C, to_C));
     voltage_V.push_back(curve(a));
   }
   return OpenCircuitVoltage::Linear(std::move(soc), std::move(voltage_V));
@@ -240,12 +245,12 @@ class JointRun {
     constexpr double kMuchUnseen = 0.1;
     if (curve_given_ || !slow || !rough_curve_) return curve;
     if (result_.logs.warmest_K - result_.logs.coldest_K >= kLeastSpan_K) return curve;
-    const double seen = 1.0 - (1.0 - slow->curve.soc_lo()) * result_.staged.alpha_C / alpha_C;
+    const double seen = RescaledSoc(slow->curve.soc_lo(), result_.staged.alpha_C, alpha_C);
     const std::vector<double>& soc = curve.soc();
     if (seen - soc.front() < kMuchUnseen) return curve;
     std::vector<double> voltage_V = curve.voltage_V();
     const auto rough = [&](double a) {
-      return (*rough_curve_)(1.0 - (1.0 - a) * alpha_C / rough_alpha_C_);
+      return (*rough_curve_)(RescaledSoc(a, alpha_C, rough_alpha_C_));
     };
     for (std::size_t k = soc.size() - 1; k-- > 0;) {
       if (soc[k] < seen)
