@@ -194,9 +194,7 @@ std::vector<Point> LoadedVoltages(const Record& record, const Discharge& dischar
 
 double CutoffTolerance(const Discharge& discharge) {
   constexpr double kMostOfFall_V = 0.05;
-  return std::max({kCutoffTolerance_V,
-                   3.0 * discharge.voltage_noise_V,
-                   std::min(2.0 * discharge.last_fall_V, kMostOfFall_V)});
+  return std::max(discharge.nearness_V(), std::min(2.0 * discharge.last_fall_V, kMostOfFall_V));
 }
 
 bool IsBelowCutoff(const Cell& cell,

@@ -12,6 +12,7 @@
 /// A record that is not what it should be is a LoadError at its file, in one sentence with the
 /// numbers. Tests: tests/identify/logs/discharge_test.cc.
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -45,9 +46,13 @@ struct Discharge {
   double last_fall_V = 0.0;
 
   [[nodiscard]] double time_s() const { return end_s - start_s; }
+  /// How near a row is to the voltage that it shows: kCutoffTolerance_V, or 3 sigma of the noise.
+  [[nodiscard]] double nearness_V() const {
+    return std::max(kCutoffTolerance_V, 3.0 * voltage_noise_V);
+  }
 };
 
-/// max(kCutoffTolerance_V, 3 sigma of the noise, two falls of the last row but 50 mV at most): a
+/// max(nearness_V(), two falls of the last row but 50 mV at most): a
 /// cycler that stops at the cut-off may do so between two rows, and the fall gets faster.
 [[nodiscard]] double CutoffTolerance(const Discharge& discharge);
 

@@ -66,10 +66,9 @@ double CutoffWithinLastRows(const std::vector<Candidate>& discharges) {
   double high_V = kInfinity;
   for (const Candidate& each : discharges) {
     const Discharge& d = *each.inspection->discharge;
-    const double close_V = std::max(kCutoffTolerance_V, 3.0 * d.voltage_noise_V);
-    low_V = std::max(low_V, d.end_voltage_V - close_V);
+    low_V = std::max(low_V, d.end_voltage_V - d.nearness_V());
     const double fall_V = d.last_fall_V > 0.0 ? std::min(d.last_fall_V, kMostFall_V) : kOfFewRows_V;
-    high_V = std::min(high_V, d.end_voltage_V + fall_V + close_V);
+    high_V = std::min(high_V, d.end_voltage_V + fall_V + d.nearness_V());
   }
   for (const double step_V : {0.1, kCutoffStep_V, 0.01}) {
     const double round_V = RoundToDigits(std::ceil(low_V / step_V) * step_V, 3);
