@@ -87,33 +87,14 @@ class UpToCutoff {
   bool beyond_cutoff_;
 };
 
-// How far the state of charge goes, in the rows that are kept.
-struct Reached {
-  std::size_t outside = 0;  // of v_oc(A)
-  double first = kNaN;
-  double highest = -kInfinity;
-
-  void Row(const Cell& cell, double soc) {
-    if (std::isnan(first)) first = soc;
-    highest = std::max(highest, soc);
-    if (!cell.open_circuit_voltage.InRange(soc)) ++outside;
-  }
-};
-
 // What a prediction says that no cell does; one sentence each, or none.
-std::vector<std::string> DoubtsAbout(const std::vector<Reached>& currents) {
-  std::size_t outside = 0;
-  double overfull = -kInfinity;
-  for (const Reached& one : currents) {
-    outside += one.outside;
-    if (IsOverfull(one.first, one.highest)) overfull = std::max(overfull, one.highest);
-  }
-  std::vector<std::string> doubts{DoubtAboutCurve(outside)};
-  if (std::isfinite(overfull)) {
+std::vector<std::string> DoubtsAbout(const ReachedSoc& reached) {
+  std::vector<std::string> doubts{reached.DoubtAboutCurve()};
+  if (reached.is_overfull()) {
     doubts.push_back(fmt::format(
         "the current charges the cell to a soc of {:.3g}, which no cell holds: is it the other way round "
         "(discharge is positive), or does the cell begin emptier (initial_soc)?",
-        overfull));
+        reached.overfull()));
   }
   return doubts;
 }
@@ -143,7 +124,7 @@ nb::tuple Simulate(const PythonCell& self,
       !measured_degC || (measured_degC->shape(1) == rows && (measured == 1 || measured == count)),
       "as many temperatures as currents");
   const Cell& cell = self.cell;
-  std::vector<Reached> reached(count);
+  std::vector<ReachedSoc> reached(count);
   std::vector<std::size_t> before(count, rows);
   std::vector<double> cutoff_s(count, kNaN);
   const auto one = [&](std::size_t k) {
@@ -165,7 +146,7 @@ nb::tuple Simulate(const PythonCell& self,
       if (rest != nullptr) rest[row] = cell.series * of.stepper.OpenCircuit();
       if (warm != nullptr) warm[row] = of.stepper.state().temperature_K - kZeroCelsius_K;
       a[row] = of.soc;
-      reached[k].Row(cell, of.soc);
+      reached[k].Row(cell.open_circuit_voltage, of.soc);
     };
     PredictRows(cell, t, i, asked.hold, initial_soc, among, keep);
     before[k] = up_to.before();
@@ -178,9 +159,9 @@ nb::tuple Simulate(const PythonCell& self,
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
   }
-  std::size_t outside = 0;
-  for (const Reached& r : reached) outside += r.outside;
-  return nb::make_tuple(outside, std::move(before), std::move(cutoff_s), DoubtsAbout(reached));
+  ReachedSoc all;
+  for (const ReachedSoc& each : reached) all.Append(each);
+  return nb::make_tuple(all.outside(), std::move(before), std::move(cutoff_s), DoubtsAbout(all));
 }
 
 Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {
@@ -228,13 +209,14 @@ nb::tuple Band(const PythonCell& self,
   const auto t = SpanOf(time_s);
   const auto i = SpanOf(current_A);
   UpToCutoff up_to(cell, t.size(), asked.beyond_cutoff);
-  std::vector<Reached> reached(1);
+  ReachedSoc reached;
   PredictionBand band;
   CellEnsemble ensemble;
   Work([&](const Tell&) {
     PredictRows(
         cell, t, i, asked.hold, initial_soc, among, [&](std::size_t row, const PredictedRow& of) {
-          if (up_to.Takes(row, t[row], i[row], of.voltage_V)) reached[0].Row(cell, of.soc);
+          if (up_to.Takes(row, t[row], i[row], of.voltage_V))
+            reached.Row(cell.open_circuit_voltage, of.soc);
         });
     ensemble = DrawCells(cell, count, seed);
     std::vector<double> starts;

@@ -42,13 +42,12 @@ Json WidthOf(const PredictionBand& band) {
 // What became of a cell on its way along a log.
 struct Way {
   std::size_t rows = 0;  // before the cut-off
-  std::size_t outside = 0;
+  ReachedSoc reached;
   double first_s = 0.0;
   double last_s = 0.0;
   double soc = 0.0;
   double voltage_V = 0.0;
   double lowest_V = std::numeric_limits<double>::infinity();
-  double highest_soc = 0.0;
   std::optional<double> cutoff_s;  // when the voltage fell to the cut-off, where rows end there
   double cutoff_A = 0.0;
 };
@@ -79,10 +78,9 @@ class Walk {
           if (way_.rows++ == 0) way_.first_s = rows.time_s[k];
           way_.last_s = rows.time_s[k];
           way_.soc = row.soc;
-          if (row.soc > way_.highest_soc) way_.highest_soc = row.soc;
+          way_.reached.Row(cell_.open_circuit_voltage, row.soc);
           way_.voltage_V = row.voltage_V;
           if (row.voltage_V < way_.lowest_V) way_.lowest_V = row.voltage_V;
-          if (!cell_.open_circuit_voltage.InRange(row.soc)) ++way_.outside;
           write(rows.time_s[k], rows.current_A[k], row);
         });
   }
@@ -212,7 +210,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                {"final_voltage_V", nullptr},
                {"minimum_voltage_V", nullptr},
                {"cutoff_s", nullptr},
-               {"rows_outside_curve", way.outside}};
+               {"rows_outside_curve", way.reached.outside()}};
   if (way.cutoff_s) told["cutoff_s"] = *way.cutoff_s;
   if (way.rows > 0) {
     told["duration_s"] = way.last_s - way.first_s;
@@ -259,14 +257,14 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     }
   }
   if (ensemble.asked()) line.summary()["ensemble"]["rows_outside_band"] = outside_band;
-  if (const std::string doubt = DoubtAboutCurve(way.outside); !doubt.empty())
+  if (const std::string doubt = way.reached.DoubtAboutCurve(); !doubt.empty())
     line.Message("{}", doubt);
-  const bool overfull = IsOverfull(initial_soc, way.highest_soc);
+  const bool overfull = way.reached.is_overfull();
   if (overfull) {
     line.Message(
         "the log charges the cell to a soc of {:.3g}, which no cell holds: say whether its current is "
         "the other way round (--current-sign), or how empty the cell begins (--initial-soc)",
-        way.highest_soc);
+        way.reached.overfull());
   }
   return whole && !overfull ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
