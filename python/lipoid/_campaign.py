@@ -46,9 +46,8 @@ def _logs(kind: str, given: Any, reading: dict[str, Any]) -> list[tuple[Any, dic
             log = one._core.named(name) if one.file in ("", "log") else one._core
             logs.append((log, {**said, **of_one}))
         elif not isinstance(one, (str, os.PathLike)):
-            options = [option["name"] for option in _core.describe_reading(False)]
-            if unknown := [key for key in said if key not in options]:
-                known = ["file", *_OF_ONE, *options]
+            if unknown := Log._unknown(said):
+                known = ["file", *_OF_ONE, *(one["name"] for one in _core.describe_reading(False))]
                 raise OptionError(f"{name}: {_core.unknown_name('option', unknown[0], known)}")
             logs.append((Log(one, name=name, **cast(Any, said))._core, of_one))
         elif readers.is_table(one):

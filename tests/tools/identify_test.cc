@@ -618,7 +618,8 @@ TEST(Identify, SaysWhichSettingsChangeNothing) {
   EXPECT_NE(said("staged", "joint.branches=1").find("options --set joint.* change nothing"),
             std::string::npos);
   EXPECT_EQ(said("joint", "joint.branches=1").find("change nothing"), std::string::npos);
-  EXPECT_NE(said("joint", "pulses.branches=1").find("pulses.branches and pulses.starts are of the staged run"),
+  EXPECT_NE(said("joint", "pulses.branches=1")
+                .find("pulses.branches and pulses.starts are of the staged run"),
             std::string::npos);
   EXPECT_EQ(said("staged", "pulses.branches=1").find("are of the staged run"), std::string::npos);
   EXPECT_NE(said("joint", "open_circuit_voltage.method=fourier").find("of the staged run alone"),

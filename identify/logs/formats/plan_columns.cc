@@ -338,10 +338,11 @@ class Planner {
       if (named) FailWithoutUnit(kQuantity, match);
       const std::string& header = header_.names[match.field].text;
       const std::string why =
-          unit ? fmt::format("there are more columns beside '{}'; name one with "
-                             "`columns = {{{} = \"...\"}}` (--columns)",
-                             header,
-                             Key(kQuantity))
+          unit ? fmt::format(
+                     "there are more columns beside '{}'; name one with "
+                     "`columns = {{{} = \"...\"}}` (--columns)",
+                     header,
+                     Key(kQuantity))
                : fmt::format("the header '{}' states no unit of temperature ({})",
                              header,
                              UsualUnits(kQuantity));
