@@ -12,8 +12,8 @@
 #include "identify/trust/cell_uncertainty.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_parameters.h"
+#include "tests/support/paths.h"
 #include "tests/support/synthetic_campaign.h"
-#include "tests/support/text_files.h"
 
 namespace lipoid {
 namespace {

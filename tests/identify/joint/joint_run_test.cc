@@ -17,7 +17,6 @@
 #include "model/core/errors.h"
 #include "tests/support/paths.h"
 #include "tests/support/synthetic_campaign.h"
-#include "tests/support/text_files.h"
 #include "tests/support/throws.h"
 
 namespace lipoid {
