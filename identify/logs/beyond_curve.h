@@ -17,7 +17,7 @@
 namespace lipoid {
 
 /// How far the state of charge of a prediction goes.
-class ReachedSoc {
+class PredictedSoc {
  public:
   /// The next row of one current.
   void Row(const OpenCircuitVoltage& curve, double soc) {
@@ -26,7 +26,7 @@ class ReachedSoc {
     if (soc > full_ + kMore) overfull_ = std::max(overfull_, soc);
   }
   /// What another current reached.
-  void Append(const ReachedSoc& other) {
+  void Append(const PredictedSoc& other) {
     outside_ += other.outside_;
     overfull_ = std::max(overfull_, other.overfull_);
   }

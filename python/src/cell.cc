@@ -88,7 +88,7 @@ class UpToCutoff {
 };
 
 // What a prediction says that no cell does; one sentence each, or none.
-std::vector<std::string> DoubtsAbout(const ReachedSoc& reached) {
+std::vector<std::string> DoubtsAbout(const PredictedSoc& reached) {
   std::vector<std::string> doubts{reached.DoubtAboutCurve()};
   if (reached.is_overfull()) {
     doubts.push_back(fmt::format(
@@ -124,7 +124,7 @@ nb::tuple Simulate(const PythonCell& self,
       !measured_degC || (measured_degC->shape(1) == rows && (measured == 1 || measured == count)),
       "as many temperatures as currents");
   const Cell& cell = self.cell;
-  std::vector<ReachedSoc> reached(count);
+  std::vector<PredictedSoc> reached(count);
   std::vector<std::size_t> before(count, rows);
   std::vector<double> cutoff_s(count, kNaN);
   const auto one = [&](std::size_t k) {
@@ -159,8 +159,8 @@ nb::tuple Simulate(const PythonCell& self,
   } else {
     Work([&](const Tell&) { tbb::parallel_for(std::size_t{0}, count, one); }, nb::none(), threads);
   }
-  ReachedSoc all;
-  for (const ReachedSoc& each : reached) all.Append(each);
+  PredictedSoc all;
+  for (const PredictedSoc& each : reached) all.Append(each);
   return nb::make_tuple(all.outside(), std::move(before), std::move(cutoff_s), DoubtsAbout(all));
 }
 
@@ -209,7 +209,7 @@ nb::tuple Band(const PythonCell& self,
   const auto t = SpanOf(time_s);
   const auto i = SpanOf(current_A);
   UpToCutoff up_to(cell, t.size(), asked.beyond_cutoff);
-  ReachedSoc reached;
+  PredictedSoc reached;
   PredictionBand band;
   CellEnsemble ensemble;
   Work([&](const Tell&) {

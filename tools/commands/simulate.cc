@@ -42,7 +42,7 @@ Json WidthOf(const PredictionBand& band) {
 // What became of a cell on its way along a log.
 struct Way {
   std::size_t rows = 0;  // before the cut-off
-  ReachedSoc reached;
+  PredictedSoc reached;
   double first_s = 0.0;
   double last_s = 0.0;
   double soc = 0.0;
