@@ -231,10 +231,27 @@ void DoubtTheSensor(const SensorSpread& sensors, double largest_A, FlightHealth&
   Withdraw("the current sensor would be impossible", health);
 }
 
+// Packs lose capacity. Where the whole interval lies beyond what a new one may have above its label, the label
+// is another pack's.
+void DoubtTheCapacity(double new_Ah, FlightHealth& health) {
+  constexpr double kMostOfNew = 1.2;
+  if (!health.doubted_because.empty() || !health.capacity_Ah.known() ||
+      !(health.capacity_Ah.low > kMostOfNew * new_Ah))
+    return;
+  health.doubted_because = fmt::format(
+      "the capacity would be {:.0f} % of new, 95 % from {:.0f} % on, and no pack grows: does the new one hold "
+      "more than {:.3g} Ah (--capacity-Ah, --parallel), or is the unit of the current wrong?",
+      100.0 * health.capacity_Ah.value / new_Ah,
+      100.0 * health.capacity_Ah.low / new_Ah,
+      new_Ah);
+}
+
 // What flowed in a gap is not known: cautions say so of less, beside intervals of some per cent.
 constexpr double kMostInGaps = 0.02;
 
+// The capacity of the new pack is NaN where nobody says it.
 FlightHealth AssessFlight(const ReferenceCell& reference,
+                          double new_capacity_Ah,
                           const Log& log,
                           const HealthOptions& options) {
   Log one = log;
@@ -354,6 +371,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   DoubtTheFit(health);
   DoubtTheSensor(options.sensors, samples.largest_A, health);
   DoubtTheResistance(health);
+  DoubtTheCapacity(new_capacity_Ah, health);
   AddCautions(samples, fit, reference, health);
   if (log.report.flight) {
     for (std::string& doubt :
@@ -464,7 +482,7 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
     try {
       RefuseIdleFlight(logs[k].record, busy_Ah);
       RefuseUnknownCharge(logs[k].record, logs[k].report.gaps, busy_Ah, kMostInGaps);
-      flights[k] = AssessFlight(reference, logs[k], options);
+      flights[k] = AssessFlight(reference, report.new_capacity_Ah, logs[k], options);
     } catch (const LoadError& error) {
       problems[k] = error.diagnostics();
     }

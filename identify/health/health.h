@@ -40,7 +40,7 @@ struct HealthOptions {
       "or, of a shipped cell, what the autopilot was told");
     v("ambient_degC",
       self.ambient_degC,
-      kTemperatures_degC,
+      kAirTemperatures_degC,
       "temperature of the air in degC, from which the pack starts and warms, where a log has no "
       "temperature");
     v("current_scale_uncertainty",

@@ -240,7 +240,7 @@ void Collector::TakeRowByRow(TableBlock& block) {
       continue;
     }
     if (!(t_s > last_s_)) {
-      if (t_s < last_s_) FailBackwards(k);
+      if (t_s < last_s_) FailBackwards(k, last_s_ - t_s);
       ++log_.report.dropped_repeated_times;
       continue;
     }
@@ -274,7 +274,7 @@ double Collector::JoinedTime(std::size_t row,
     if (label != last_label_) {
       step_start_s_ = last_joined_s_;
     } else if (clock_s < last_clock_s_) {
-      FailBackwards(row);
+      FailBackwards(row, last_clock_s_ - clock_s);
     }
   }
   last_label_ = label;
@@ -294,18 +294,32 @@ bool Collector::IsSelected(double t_s, double step, double cycle) {
          t_s <= options_.end_s;
 }
 
-void Collector::FailBackwards(std::size_t row) const {
+void Collector::FailBackwards(std::size_t row, double fell_s) const {
+  struct Clock {
+    double fall_s;
+    const char* hint;
+  };
+  constexpr Clock kClocks[] = {
+      {86400.0, "if a clock without a date passed midnight, export the date with the time; "},
+      {43200.0, "if a clock of twelve hours began anew, export times of 24 hours; "},
+      {3600.0, "if the clock was put back at the end of summer time, export the time since the start; "}};
+  constexpr double kLongestRow_s = 600.0;
+  std::string hint;
+  for (const Clock& clock : kClocks) {
+    if (fell_s <= clock.fall_s && fell_s >= clock.fall_s - kLongestRow_s) hint = clock.hint;
+  }
   const std::size_t column = plan_.Of(Quantity::kTime)->column;
   const std::string last =
       std::isinf(last_s_) ? std::string() : fmt::format(" after {:.10g} s", last_s_);
   throw LoadError(
       reader_.PositionOf(row, column),
       fmt::format(
-          "expected time to increase, found '{}'{}; if the clock starts anew with each step or "
+          "expected time to increase, found '{}'{}; {}if the clock starts anew with each step or "
           "cycle, pick some with `steps` or `cycles`, or name a column that runs on with "
           "`columns = {{time_s = \"...\"}}`",
           reader_.TextOf(row, column),
-          last));
+          last,
+          hint));
 }
 
 void Collector::FailUnselected() const {

@@ -78,7 +78,7 @@ class Collector {
 
   bool IsSelected(double t_s, double step, double cycle);
 
-  [[noreturn]] void FailBackwards(std::size_t row) const;
+  [[noreturn]] void FailBackwards(std::size_t row, double fell_s) const;
 
   [[noreturn]] void FailUnselected() const;
 

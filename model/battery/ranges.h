@@ -15,6 +15,8 @@ inline constexpr bool kUsualTail = true;
 
 /// Temperatures of a cell and of its surroundings.
 inline constexpr Range kTemperatures_degC{-60.0, 150.0};
+/// Of the air that something flies in: 77 is degF.
+inline constexpr Range kAirTemperatures_degC{-60.0, 60.0};
 /// Of a resistance, or of a rate.
 inline constexpr Range kActivationEnergies_J_per_mol{0.0, 2e5};
 

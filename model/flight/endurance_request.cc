@@ -33,7 +33,7 @@ constexpr EnduranceVariable kVariables[] = {
      "speed through the air in m/s: of cruise, or of the wind in which it hovers",
      [](EnduranceRequest& r) -> Uncertain& { return Of(r.airspeed_m_per_s); }},
     {"ambient-degC",
-     kTemperatures_degC,
+     kAirTemperatures_degC,
      1.0,
      PercentSign::kNone,
      "temperature of the air in degC, from which the battery starts and warms (default the "
@@ -100,7 +100,7 @@ Values Drawn(const EnduranceRequest& request, std::size_t k) {
   NormalNoise normal(request.seed, kFirstStream + static_cast<std::uint32_t>(k));
   Values values;
   values.payload_kg = request.payload_kg.Draw(normal, kPayloads_kg);
-  values.ambient_degC = request.ambient_degC.value_or(Uncertain{}).Draw(normal, kTemperatures_degC);
+  values.ambient_degC = request.ambient_degC.value_or(Uncertain{}).Draw(normal, kAirTemperatures_degC);
   values.health = request.health.Draw(normal, kCapacityShares);
   values.resistance_factor = request.resistance_factor.Draw(normal, kResistanceFactors);
   values.power_factor = request.power_factor.Draw(normal, kPowerFactors);
@@ -125,7 +125,7 @@ void CheckRange(std::string_view what, const Uncertain& number, const Range& val
 void Check(const EnduranceRequest& request) {
   CheckRange("payload in kg", request.payload_kg, kPayloads_kg);
   if (request.ambient_degC)
-    CheckRange("ambient temperature in degC", *request.ambient_degC, kTemperatures_degC);
+    CheckRange("ambient temperature in degC", *request.ambient_degC, kAirTemperatures_degC);
   CheckRange("health", request.health, kCapacityShares);
   CheckRange("resistance factor", request.resistance_factor, kResistanceFactors);
   CheckRange("power factor", request.power_factor, kPowerFactors);

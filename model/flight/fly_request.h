@@ -70,7 +70,7 @@ struct FlyRequest {
       "file of the places that the maneuver waypoints visits (docs/formats.md)");
     v("ambient_degC",
       self.setup.ambient_degC,
-      kTemperatures_degC,
+      kAirTemperatures_degC,
       "temperature of the air in degC, from which the battery starts and warms; by default the "
       "reference temperature of the cell");
   }

@@ -53,6 +53,32 @@ TEST(Health, OfASoloFlightSaysWhatItTells) {
   EXPECT_LT(flight.at("resistance_interval_95").at(1).get<double>(), 0.055);
 }
 
+// The Solo's pack is one of 5.2 Ah.
+TEST(Health, NoPackGrows) {
+  const std::string folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"health",
+                              "--cell",
+                              "gifi-600mAh-1",
+                              "--capacity-Ah",
+                              "1",
+                              "--series",
+                              "4",
+                              FlightFixture("log171.bin")});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(OnOneLine(run.out).find("no pack grows: does the new one hold more than 1 Ah"),
+            std::string::npos)
+      << run.out;
+}
+
+TEST(Health, RefusesAirInFahrenheit) {
+  const auto run =
+      HealthOf4SPack(TestFolder(), {FlightFixture("log171.bin"), "--ambient-degC", "77"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("--ambient-degC: expected -60 .. 60, found '77'"), std::string::npos)
+      << run.err;
+}
+
 // The log is the reference's own prediction: of a cell with a charge transfer and tables, near full.
 TEST(Health, AnUnchangedCellHasTheResistanceOfNew) {
   const std::string folder = TestFolder();

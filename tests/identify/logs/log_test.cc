@@ -407,6 +407,10 @@ struct Wrong {
 
 void PrintTo(const Wrong& wrong, std::ostream* os) { *os << wrong.what; }
 
+const std::string kStartsAnew =
+    "if the clock starts anew with each step or cycle, pick some with `steps` or `cycles`, or name a "
+    "column that runs on with `columns = {time_s = \"...\"}`";
+
 const Wrong kWrong[] = {
     {"empty", "", "F:1:1: error: expected a log, found an empty file"},
     {"blank", "\n\n", "F:1:1: error: expected a log, found only blank lines and comments"},
@@ -524,10 +528,23 @@ const Wrong kWrong[] = {
      "F:2:3: error: expected a number in column 'current_A', found '1.000,5'"},
     {"backwards",
      kLogHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
-     "F:4:1: error: expected time to increase, found '1' after 2 s; if the clock starts anew with "
-     "each step or cycle, "
-     "pick some with `steps` or `cycles`, or name a column that runs on with `columns = {time_s = "
-     "\"...\"}`"},
+     "F:4:1: error: expected time to increase, found '1' after 2 s; " + kStartsAnew},
+    {"over midnight",
+     "time,current_A,voltage_V\n23:59:58,0,4.1\n23:59:59,0,4.1\n0:00:00,2,4\n",
+     "F:4:1: error: expected time to increase, found '0:00:00' after 86399 s; if a clock without a "
+     "date passed midnight, export the date with the time; " +
+         kStartsAnew},
+    {"of twelve hours",
+     "time,current_A,voltage_V\n12:59:00,0,4.1\n12:59:30,0,4.1\n1:00:00,2,4\n",
+     "F:4:1: error: expected time to increase, found '1:00:00' after 46770 s; if a clock of twelve "
+     "hours began anew, export times of 24 hours; " +
+         kStartsAnew},
+    {"at the end of summer time",
+     "time,current_A,voltage_V\n2024-10-27 02:59:58,0,4.1\n2024-10-27 02:59:59,0,4.1\n"
+     "2024-10-27 02:00:00,2,4\n",
+     "F:4:1: error: expected time to increase, found '2024-10-27 02:00:00' after 1 s; if the clock "
+     "was put back at the end of summer time, export the time since the start; " +
+         kStartsAnew},
     {"mV labelled as V",
      kLogHeader + "0,0,4100\n1,0,4100\n2,2,4000\n",
      "F:1:18: error: expected a voltage in V, found 4100 V; are these mV? Say so in the header or "
