@@ -12,6 +12,7 @@
 #include "identify/fit/cell_of_solution.h"
 #include "identify/joint/joint_request.h"
 #include "identify/joint/predicted_temperature.h"
+#include "identify/joint/steady_current.h"
 #include "identify/joint/structure_spread.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
@@ -1020,7 +1021,7 @@ class JointRun {
 }  // namespace
 
 JointResult IdentifyJoint(const Campaign& campaign,
-                          const std::vector<LoadedLog>& logs,
+                          const std::vector<LoadedLog>& recorded,
                           const StagedOptions& staged_options,
                           const JointOptions& options,
                           const StagedGiven& given,
@@ -1028,6 +1029,8 @@ JointResult IdentifyJoint(const Campaign& campaign,
   const auto run = [&](const std::vector<LoadedLog>& all) {
     return JointRun(campaign, all, staged_options, options, given, progress).Run();
   };
+  const std::optional<SteadyCurrents> steady = TakeOutCurrentNoise(recorded);
+  const std::vector<LoadedLog>& logs = steady ? steady->logs : recorded;
   JointResult taken = run(logs);
   // The better the cell, the better the temperature that it predicts.
   constexpr int kMostPasses = 3;
@@ -1049,6 +1052,7 @@ JointResult IdentifyJoint(const Campaign& campaign,
     if (settled) break;
   }
   if (!warmed.empty()) taken.cautions.push_back(std::move(warmed));
+  if (steady) taken.cautions.push_back(steady->Said());
   return taken;
 }
 
