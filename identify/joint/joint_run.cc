@@ -973,7 +973,8 @@ class JointRun {
             result_.heat->rmse_K,
             result_.heat->rmse_reversible_K));
       }
-      if (result_.cell.temperature && result_.cell.temperature->heat) return;
+      const bool predicted = result_.cell.temperature && result_.cell.temperature->heat;
+      if (predicted || !TellTemperature(logs_)) return;
       say.push_back(
           fmt::format("no log shows the cell {:g} degC warmer than its start by its own heat: its "
                       "temperature is not predicted, and follows the surroundings",
@@ -1045,6 +1046,7 @@ JointResult IdentifyJoint(const Campaign& campaign,
     if (next.rmse_V < taken.rmse_V) {
       warmed = warm->Predicted();
       taken = std::move(next);
+      if (warm->assumed && taken.cell.temperature) taken.cell.temperature->heat = warm->by;
     } else {
       taken.wall_s = next.wall_s;
       if (warmed.empty()) warmed = warm->NotTaken();

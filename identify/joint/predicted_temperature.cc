@@ -8,6 +8,7 @@
 
 #include "identify/validation.h"
 #include "model/battery/prediction.h"
+#include "model/battery/typical_temperature.h"
 
 namespace lipoid {
 namespace {
@@ -20,6 +21,13 @@ std::string Said(const PredictedTemperatures& warm, const std::string& what) {
       what);
 }
 
+std::string Balance(const PredictedTemperatures& warm) {
+  if (!warm.assumed) return "its heat balance";
+  return fmt::format("a typical heat balance ({:.3g} J/K and {:.3g} K/W, assumed)",
+                     warm.by.heat_capacity_J_per_K,
+                     warm.by.thermal_resistance_K_per_W);
+}
+
 bool TellsSurroundingsAlone(const LoadedLog& log) {
   return log.entry.kind != LogKind::kValidation && log.entry.ambient_degC &&
          log.log.record.temperature_degC.empty();
@@ -28,9 +36,10 @@ bool TellsSurroundingsAlone(const LoadedLog& log) {
 }  // namespace
 
 std::string PredictedTemperatures::Predicted() const {
-  return Said(*this,
-              fmt::format("that of the cell is predicted by its heat balance, up to {:.2g} K above",
-                          most_K));
+  return Said(
+      *this,
+      fmt::format(
+          "that of the cell is predicted by {}, up to {:.2g} K above", Balance(*this), most_K));
 }
 
 std::string PredictedTemperatures::NotTaken() const {
@@ -38,19 +47,33 @@ std::string PredictedTemperatures::NotTaken() const {
       *this,
       fmt::format(
           "the cell is taken to be as warm as they are, which fits better than the {:.2g} K by which "
-          "its heat balance would warm it",
-          most_K));
+          "{} would warm it",
+          most_K,
+          Balance(*this)));
+}
+
+bool TellTemperature(const std::vector<LoadedLog>& logs) {
+  return std::any_of(logs.begin(), logs.end(), [](const LoadedLog& log) {
+    return log.entry.kind != LogKind::kValidation && !log.temperature_predicted &&
+           !log.log.record.temperature_degC.empty();
+  });
 }
 
 std::optional<PredictedTemperatures> PredictTemperatures(const Cell& cell,
                                                          const std::vector<LoadedLog>& logs) {
   constexpr double kLeastPredictedRise_K = 1.0;
-  if (!cell.temperature || !cell.temperature->heat ||
-      std::none_of(logs.begin(), logs.end(), TellsSurroundingsAlone))
+  if (!cell.temperature || std::none_of(logs.begin(), logs.end(), TellsSurroundingsAlone))
     return std::nullopt;
   Cell one = cell;
   one.series = one.parallel = 1;
   PredictedTemperatures warm;
+  std::optional<HeatBalance<double>>& heat = one.temperature->heat;
+  if (!heat && !TellTemperature(logs)) {
+    heat = TypicalHeat(one.capacity_Ah);
+    warm.assumed = true;
+  }
+  if (!heat) return std::nullopt;
+  warm.by = *heat;
   warm.logs = logs;
   for (LoadedLog& log : warm.logs) {
     if (!TellsSurroundingsAlone(log)) continue;

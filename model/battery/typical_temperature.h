@@ -15,6 +15,9 @@
 
 namespace lipoid {
 
+/// Of one cell.
+[[nodiscard]] HeatBalance<double> TypicalHeat(double capacity_Ah, double size_factor = 1.0);
+
 /// The cell with typical temperature dependence about the temperature of its logs, 25 degC where that is not
 /// known, marked as assumed. Self-heating, which is another law for the same, goes. The cell knows no temperature yet. A cell that flies
 /// `size_factor` times as large (aged_cell.h) gets the heat that is typical of its own size.

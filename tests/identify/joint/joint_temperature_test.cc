@@ -15,6 +15,7 @@
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/cell_model.h"
+#include "model/battery/typical_temperature.h"
 #include "tests/support/joint_example.h"
 #include "tests/support/synthetic_campaign.h"
 
@@ -440,6 +441,29 @@ TEST(JointTemperature, ALogThatTellsItsSurroundingsAloneIsWarmedByTheHeatBalance
   EXPECT_TRUE(Says(result,
                    "cc_6C.csv tells the temperature of the surroundings alone (ambient_degC): that "
                    "of the cell is predicted by its heat balance, up to "));
+}
+
+// A chamber and no thermometer: cells that are as warm as the chamber while they warm by 30 K would have other
+// parameters altogether.
+TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalCell) {
+  auto logs = ClimateChamber(ColdTruth(), {25.0, 40.0, 10.0}, kJointNoise_V);
+  for (LoadedLog& log : logs) {
+    log.entry.ambient_degC = std::round(log.log.record.temperature_degC.front());
+    log.log.record.temperature_degC.clear();
+  }
+  const JointResult result = IdentifyJoint(test::CampaignOf(logs), logs);
+  ASSERT_TRUE(result.cell.temperature);
+  const Cell::Temperature& found = *result.cell.temperature;
+  EXPECT_NEAR(found.series_J_per_mol, 18e3, 2e3);
+  EXPECT_NEAR(found.diffusion_J_per_mol, 30e3, 6e3);
+  EXPECT_TRUE(Says(result, "that of the cell is predicted by a typical heat balance ("));
+  EXPECT_FALSE(Says(result, "its temperature is not predicted"));
+  // What was assumed is in the cell.
+  const HeatBalance<double> typical = TypicalHeat(result.cell.capacity_Ah);
+  ASSERT_TRUE(found.heat);
+  EXPECT_NEAR(found.heat->heat_capacity_J_per_K,
+              typical.heat_capacity_J_per_K,
+              0.02 * typical.heat_capacity_J_per_K);
 }
 
 // Where one log is silent temperature takes no part in any.
