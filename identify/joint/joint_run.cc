@@ -124,6 +124,7 @@ class JointRun {
       }
     }
     MakeCell();
+    DoubtSmallAlpha();
     result_.held_curve = MoveOfHeldCurve(result_);
     Judge();
     NameCautions();
@@ -195,14 +196,33 @@ class JointRun {
   // A log that charges may rest above v_oc, and says nothing.
   void FindLeastAlpha(const LoadedLog& log, const std::vector<double>& delivered_C) {
     const Record& record = log.log.record;
-    if (log.entry.kind == LogKind::kValidation || !campaign_.cutoff_V || !starts_alike_) return;
+    if (log.entry.kind == LogKind::kValidation || !campaign_.cutoff_V ||
+        log.entry.initial_soc != result_.start_soc)
+      return;
     if (std::any_of(
             record.current_A.begin(), record.current_A.end(), [](double i) { return i < 0.0; }))
       return;
     for (std::size_t k = 0; k < delivered_C.size(); ++k) {
-      if (record.voltage_V[k] >= *campaign_.cutoff_V)
-        result_.least_alpha_C = std::max(result_.least_alpha_C, delivered_C[k] / result_.start_soc);
+      const double least_C = delivered_C[k] / result_.start_soc;
+      if (record.voltage_V[k] < *campaign_.cutoff_V || least_C <= result_.least_alpha_C) continue;
+      result_.least_alpha_C = least_C;
+      file_of_least_alpha_ = log.entry.file;
     }
+  }
+
+  // What a log delivers cannot be more than all.
+  void DoubtSmallAlpha() {
+    constexpr double kMore = 1.01;  // errors of counting
+    const double alpha_C = result_.cell.alpha_C();
+    if (!result_.alpha_doubt.empty() || result_.least_alpha_C <= kMore * alpha_C) return;
+    result_.alpha_doubt = fmt::format(
+        "alpha is {:.4g} Ah, and {} takes {:.4g} Ah out of {} above the cut-off: look whether every initial_soc is "
+        "a share of this cell's own charge{}",
+        alpha_C / 3600.0,
+        file_of_least_alpha_,
+        result_.least_alpha_C * result_.start_soc / 3600.0,
+        result_.start_soc == 1.0 ? "a full cell" : "the cell",
+        given_.alpha_C ? ", and alpha, which was given, right" : "");
   }
 
   // What leaves the logs from their start down to the cut-off is this share of alpha.
@@ -1013,6 +1033,7 @@ class JointRun {
   bool free_alpha_ = false;        // alpha is one of the unknowns
   std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most
+  std::string file_of_least_alpha_;
   JointSolution rough_;            // of the search for alpha
   std::optional<OpenCircuitVoltage> rough_curve_;  // its v_oc(A), by an alpha of
   double rough_alpha_C_ = 0.0;

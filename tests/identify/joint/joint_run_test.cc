@@ -117,6 +117,11 @@ TEST(JointRun, AlphaEndsWhereTheCurveReachesTheCutOff) {
   // Another capacity reference of the same cell: only the nodes of v_oc lie elsewhere, off the
   // kinks of the truth.
   EXPECT_LT(with_alpha.rmse_V, 1.5 * result.rmse_V);
+  EXPECT_EQ(with_alpha.alpha_doubt, "");
+  given.alpha_C = 1200.0;
+  const std::string doubt = Identify(logs, given).alpha_doubt;
+  EXPECT_NE(doubt.find("alpha is 0.3333 Ah, and "), std::string::npos) << doubt;
+  EXPECT_NE(doubt.find("out of a full cell above the cut-off"), std::string::npos) << doubt;
 }
 
 TEST(JointRun, SameInputSameBytes) {
