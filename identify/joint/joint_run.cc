@@ -666,6 +666,7 @@ class JointRun {
       // What these logs do not show is as it was.
       if (!cell.temperature) cell.temperature = setup.held->cell.temperature;
       cell.temperature->heat = setup.held->cell.temperature->heat;
+      cell.heat_assumed = setup.held->cell.heat_assumed;
       if (cell.temperature->entropy)
         cell.temperature->entropy = setup.held->cell.temperature->entropy;
       return;
@@ -1067,7 +1068,10 @@ JointResult IdentifyJoint(const Campaign& campaign,
     if (next.rmse_V < taken.rmse_V) {
       warmed = warm->Predicted();
       taken = std::move(next);
-      if (warm->assumed && taken.cell.temperature) taken.cell.temperature->heat = warm->by;
+      if (warm->assumed && taken.cell.temperature) {
+        taken.cell.temperature->heat = warm->by;
+        taken.cell.heat_assumed = true;
+      }
     } else {
       taken.wall_s = next.wall_s;
       if (warmed.empty()) warmed = warm->NotTaken();
@@ -1075,7 +1079,10 @@ JointResult IdentifyJoint(const Campaign& campaign,
     if (settled) break;
   }
   if (!warmed.empty()) taken.cautions.push_back(std::move(warmed));
-  if (steady) taken.cautions.push_back(steady->Said());
+  if (steady) {
+    taken.cautions.push_back(steady->Said());
+    taken.counting_C = steady->counting_C;
+  }
   return taken;
 }
 

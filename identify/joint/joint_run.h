@@ -51,6 +51,9 @@ struct JointResult {
   /// What one of these logs delivered before its voltage was below the cut-off, over start_soc: alpha
   /// is no less, since v_oc lies above the voltage of a discharge. 0: not known.
   double least_alpha_C = 0.0;
+  /// Standard deviation of a charge that was counted: of the noise of the current, where that was the
+  /// instrument's own.
+  double counting_C = 0.0;
 
   /// The axis of the cell against that of the fit.
   [[nodiscard]] FitAxis Axis() const {

@@ -9,6 +9,9 @@
 namespace lipoid {
 namespace {
 
+// Standard deviations of a counted charge, below which alpha cannot be.
+constexpr double kFarthestCount = 3.0;
+
 // alpha' = alpha (A_s - A_0)/A_s, A_0 where the line through two nodes is the cut-off and A_s where
 // the logs start.
 TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
@@ -18,7 +21,7 @@ TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
   const double per_soc_C = -result.setup.alpha_C / result.start_soc;
   const double of_lower = per_soc_C * cutoff.per_lower_V;
   const double of_upper = per_soc_C * cutoff.per_upper_V;
-  q.lower = std::min(result.least_alpha_C, q.value);
+  q.lower = std::min(result.least_alpha_C - kFarthestCount * result.counting_C, q.value);
   for (std::size_t k = 0; k <= cutoff.upper; ++k) {
     q.combination[fit.Linear(static_cast<int>(k))] =
         of_upper + (k <= cutoff.lower ? of_lower : 0.0);
@@ -28,6 +31,10 @@ TrustedQuantity Alpha(const JointResult& result, const LinearizedFit& fit) {
     return (of_lower + of_upper) *
            OpenCircuitVoltageIn(solution, result.setup.open_circuit_voltage, cutoff.soc);
   });
+  if (result.counting_C > 0.0) {
+    q.added_spread.conservativeResize(q.added_spread.size() + 1);
+    q.added_spread[q.added_spread.size() - 1] = result.counting_C;
+  }
   return q;
 }
 

@@ -113,6 +113,13 @@ void TakeMeans(Record& record, double noise_A) {
   record.current_A = std::move(current_A);
 }
 
+double RootOfSquaredDurations(const Record& record) {
+  double squares = 0.0;
+  for (std::size_t k = 0; k < record.size(); ++k)
+    squares += RowDuration(record, k) * RowDuration(record, k);
+  return std::sqrt(squares);
+}
+
 bool TakesPart(const LoadedLog& log) {
   return log.entry.kind != LogKind::kValidation && log.log.record.size() > 2;
 }
@@ -145,6 +152,8 @@ std::optional<SteadyCurrents> TakeOutCurrentNoise(const std::vector<LoadedLog>& 
     TakeMeans(steady.logs[k].log.record, noise_A);
     steady.files.push_back(logs[k].entry.file);
     steady.noise_A = std::max(steady.noise_A, noise_A);
+    steady.counting_C =
+        std::max(steady.counting_C, noise_A * RootOfSquaredDurations(logs[k].log.record));
   }
   if (steady.files.empty()) return std::nullopt;
   return steady;

@@ -20,6 +20,7 @@ struct SteadyCurrents {
   std::vector<LoadedLog> logs;     ///< of the campaign; some have the means of their levels
   std::vector<std::string> files;  ///< of those some
   double noise_A = 0.0;            ///< standard deviation of a row, the most of any of them
+  double counting_C = 0.0;         ///< standard deviation of the charge of a log, the most of any
 
   [[nodiscard]] std::string Said() const;
 };

@@ -118,7 +118,7 @@ void AddSpread(const Combinations& of, Eigen::MatrixXd& covariance) {
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(covariance.rows(), moves);
   for (Eigen::Index k = 0; k < spread.rows(); ++k) {
     const Eigen::VectorXd& one = of[static_cast<std::size_t>(k)].added_spread;
-    if (one.size() > 0 && covariance(k, k) > 0.0) spread.row(k) = one.transpose();
+    if (one.size() > 0 && covariance(k, k) > 0.0) spread.row(k).head(one.size()) = one.transpose();
   }
   if (moves > 0) covariance += spread * spread.transpose();
 }

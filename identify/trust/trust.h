@@ -56,7 +56,7 @@ struct TrustedQuantity {
   double scale = 0.0;                ///< a change that is of note; 0: |value|
   /// What is not in the scatter of the rows, the choice among models and the error of the model's
   /// own tables: independent moves, the same for all quantities, whose squares add to the variance
-  /// and whose products to a covariance. Empty: none.
+  /// and whose products to a covariance. Those that are missing at the end are zero.
   Eigen::VectorXd added_spread = {};
 };
 

@@ -69,6 +69,7 @@ struct Cell {
   std::optional<ChargeTransfer> charge_transfer;  ///< none: every drop is proportional
   std::optional<Temperature> temperature;         ///< none: it is the same at every temperature
   bool temperature_assumed = false;               ///< typical energies and heat, not measured ones
+  bool heat_assumed = false;  ///< a typical heat balance beside energies that were measured
   std::optional<TemperatureRange> temperature_seen;  ///< none: the file does not say
   /// Of the logs of a cell that knows no temperature; none: not known, or `temperature` says it.
   std::optional<double> reference_degC;

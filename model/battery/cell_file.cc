@@ -179,7 +179,8 @@ Cell::Temperature ReadTemperature(const JsonReader& json, const Cell& cell) {
                  "reversible_heat",
                  "shared_energies",
                  "seen_degC",
-                 "assumed"});
+                 "assumed",
+                 "heat_assumed"});
   const auto energy = [](const JsonReader& value) {
     return value.Number(kActivationEnergies_J_per_mol.lo, kActivationEnergies_J_per_mol.hi);
   };
@@ -419,6 +420,7 @@ Cell ParseCell(const std::string& text, const std::string& file) {
     }
     cell.temperature = ReadTemperature(*term, cell);
     if (const auto assumed = term->Find("assumed")) cell.temperature_assumed = assumed->Boolean();
+    if (const auto assumed = term->Find("heat_assumed")) cell.heat_assumed = assumed->Boolean();
     if (const auto seen = term->Find("seen_degC")) cell.temperature_seen = ReadSeen(*seen);
   }
   if (const auto reference = json.Find("reference_degC")) {
@@ -483,6 +485,7 @@ Json CellToJson(const Cell& cell) {
                                             cell.temperature_assumed,
                                             cell.diffusion.has_value(),
                                             cell.charge_transfer.has_value());
+    if (cell.heat_assumed) json["temperature"]["heat_assumed"] = true;
     if (const auto& seen = cell.temperature_seen)
       json["temperature"]["seen_degC"] = {seen->coldest_degC, seen->warmest_degC};
   } else if (cell.reference_degC) {

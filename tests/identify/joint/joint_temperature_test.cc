@@ -464,6 +464,8 @@ TEST(JointTemperature, LogsThatAllTellTheirSurroundingsAloneAreWarmedAsATypicalC
   EXPECT_NEAR(found.heat->heat_capacity_J_per_K,
               typical.heat_capacity_J_per_K,
               0.02 * typical.heat_capacity_J_per_K);
+  EXPECT_TRUE(result.cell.heat_assumed);
+  EXPECT_TRUE(CellToJson(result.cell).at("temperature").at("heat_assumed"));
 }
 
 // Where one log is silent temperature takes no part in any.
