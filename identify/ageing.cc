@@ -20,11 +20,11 @@ struct Estimate {
   double low = kNaN;
   double high = kNaN;
   double temperature_degC = kNaN;  // NaN: not known
-  double same_K = kNaN;            // what is further apart in temperature is not compared
 };
 
-// Of a cell that knows temperature, whose numbers are of one; and of one that does not, which is as warm as its
-// logs were: in one chamber an old cell warms more than a young one. Two degrees are 3 to 6 % of a resistance.
+// What is further apart in temperature is not compared. Of cells that know temperature, whose numbers are of one;
+// and where one does not, which is as warm as its logs were: in one chamber an old cell warms more than a young one.
+// Two degrees are 3 to 6 % of a resistance.
 constexpr double kSameByLaw_K = 0.5;
 constexpr double kSameByLogs_K = 2.0;
 
@@ -64,13 +64,16 @@ double TemperatureOf(const Cell& cell) {
   return cell.reference_degC.value_or(kNaN);
 }
 
-double SameOf(const Cell& cell) { return cell.temperature ? kSameByLaw_K : kSameByLogs_K; }
+Estimate Capacity(const Cell& cell) {
+  Estimate estimate = Parameter(cell, "alpha", cell.alpha_C(), 1.0 / 3600.0);
+  estimate.temperature_degC = TemperatureOf(cell);
+  return estimate;
+}
 
 Estimate Beta(const Cell& cell) {
   Estimate estimate =
       Parameter(cell, "beta", cell.diffusion ? cell.diffusion->beta_per_sqrt_s : kNaN, 1.0);
   estimate.temperature_degC = TemperatureOf(cell);
-  estimate.same_K = SameOf(cell);
   return estimate;
 }
 
@@ -81,7 +84,6 @@ Estimate ResistanceAfterPulse(const Cell& cell, double after_s) {
   for (const Json& entry : resistances) {
     if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
     estimate.value = NumberOr(entry.value("resistance_Ohm", Json()), kNaN);
-    estimate.same_K = SameOf(cell);
     estimate.temperature_degC =
         NumberOr(entry.value("temperature_degC", Json()), TemperatureOf(cell));
     TakeInterval(entry, 1.0, estimate);
@@ -164,7 +166,7 @@ std::string DoubtAboutTemperatures(const std::vector<Cell>& cells) {
   });
   if (told || cells.size() < 2) return "";
   return "no cell file says at which temperature its logs were (temperature_degC, or ambient_degC in the campaign): "
-         "a change of beta and of the resistances may be one of the temperature, 6 K of which are a sixth of a resistance";
+         "a change may be one of the temperature, 6 K of which are a sixth of a resistance";
 }
 
 bool IsOfPoorFit(const Cell& cell) {
@@ -181,7 +183,11 @@ std::string AgeOf(const Cell& cell) {
 std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
   Require(!cells.empty(), "at least one cell");
   std::vector<AgedQuantity> quantities;
-  const auto add = [&](std::string name, std::string what, std::string unit, auto&& estimate_of) {
+  const auto add = [&](std::string name,
+                       std::string what,
+                       std::string unit,
+                       double same_by_law_K,
+                       auto&& estimate_of) {
     AgedQuantity quantity{std::move(name), std::move(what), std::move(unit), {}};
     const Estimate first = estimate_of(cells.front());
     bool known = false;
@@ -191,7 +197,8 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const double off_K = std::abs(now.temperature_degC - first.temperature_degC);
       const bool both_unknown =
           std::isnan(now.temperature_degC) && std::isnan(first.temperature_degC);
-      const bool apart = !both_unknown && !(off_K <= std::fmax(first.same_K, now.same_K));
+      const bool by_law = cells.front().temperature && cells[k].temperature;
+      const bool apart = !both_unknown && !(off_K <= (by_law ? same_by_law_K : kSameByLogs_K));
       const bool poor = IsOfPoorFit(cells.front()) || IsOfPoorFit(cells[k]);
       quantity.at.push_back(poor    ? Alone(now, ChangeVerdict::kPoorFit)
                             : apart ? Alone(now, ChangeVerdict::kOtherTemperature)
@@ -200,14 +207,14 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
     }
     if (known) quantities.push_back(std::move(quantity));
   };
-  add("capacity", "capacity", "Ah", [](const Cell& cell) {
-    return Parameter(cell, "alpha", cell.alpha_C(), 1.0 / 3600.0);
-  });
-  add("beta", "beta", "s^-1/2", &Beta);
+  // Cells that know temperature have one capacity at every temperature.
+  add("capacity", "capacity", "Ah", kInfinity, &Capacity);
+  add("beta", "beta", "s^-1/2", kSameByLaw_K, &Beta);
   for (const double after_s : {1.0, 10.0, 30.0}) {
     add(fmt::format("resistance_{:g}s", after_s),
         fmt::format("resistance after {:g} s", after_s),
         "Ohm",
+        kSameByLaw_K,
         [after_s](const Cell& cell) { return ResistanceAfterPulse(cell, after_s); });
   }
   return quantities;

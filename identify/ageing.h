@@ -6,9 +6,10 @@
 ///
 /// The estimates of two ages are independent: on a scale of logarithms each side of the 95 % interval
 /// of their ratio is the root of the squared sum of the sides that make it. A change whose interval
-/// holds zero is not shown by these logs, which does not mean that there was none. Resistances of
+/// holds zero is not shown by these logs, which does not mean that there was none. Numbers of
 /// another temperature than that of the first are shown and not compared, nor those of a cell that
-/// knows its temperature with those of one that does not. Nothing is compared with a cell that does not
+/// knows its temperature with those of one that does not: a cell in the cold gives less. Cells that both know
+/// what temperature does have one capacity. Nothing is compared with a cell that does not
 /// describe its own logs. Tests: tests/identify/ageing_test.cc.
 
 #include <string>

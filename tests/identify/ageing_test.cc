@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/battery/arrhenius.h"
 #include "model/battery/cell_file.h"
 
 namespace lipoid {
@@ -110,7 +111,7 @@ TEST(Ageing, NothingFallsByMoreThanAHundredPerCent) {
 }
 
 // A resistance in the cold is no resistance that grew.
-TEST(Ageing, OfAnotherTemperatureOnlyTheCapacityIsCompared) {
+TEST(Ageing, AResistanceOfAnotherTemperatureIsNotCompared) {
   std::vector<Cell> cells{Aged("new", 2000.0, 30.0, 0.10, 0.01),
                           Aged("cold", 1900.0, 40.0, 0.20, 0.01)};
   const auto measured_at = [&](Cell& cell, double degC) {
@@ -135,6 +136,7 @@ TEST(Ageing, OfAnotherTemperatureOnlyTheCapacityIsCompared) {
 }
 
 // A cell that knows no temperature may know at which its logs were.
+// What it gives in the cold is not what it has.
 TEST(Ageing, CellsOfLogsOfOtherTemperaturesAreNotCompared) {
   std::vector<Cell> cells{Aged("new", 2000.0, 30.0, 0.10, 0.001),
                           Aged("old", 1900.0, 40.0, 0.12, 0.001)};
@@ -149,13 +151,25 @@ TEST(Ageing, CellsOfLogsOfOtherTemperaturesAreNotCompared) {
     return std::array{found[0].at[1].verdict, found[1].at[1].verdict, found[2].at[1].verdict};
   };
   EXPECT_EQ(verdicts(21.0, 27.0),
-            (std::array{ChangeVerdict::kChanged,
+            (std::array{ChangeVerdict::kOtherTemperature,
                         ChangeVerdict::kOtherTemperature,
                         ChangeVerdict::kOtherTemperature}));
   // An old cell warms more in the same chamber.
   EXPECT_EQ(
       verdicts(25.3, 26.8),
       (std::array{ChangeVerdict::kChanged, ChangeVerdict::kNoInterval, ChangeVerdict::kChanged}));
+  // A cell that knows temperature has one capacity; its resistances are of its reference.
+  const auto knows = [](Cell& cell, double degC) {
+    cell.temperature.emplace().reference_K = degC + kZeroCelsius_K;
+  };
+  knows(cells[0], 25.0);
+  EXPECT_EQ(CompareAges(cells)[0].at[1].verdict, ChangeVerdict::kChanged) << "25 and 26.8";
+  cells[1].reference_degC = 0.0;
+  EXPECT_EQ(CompareAges(cells)[0].at[1].verdict, ChangeVerdict::kOtherTemperature);
+  knows(cells[1], 0.0);
+  const auto found = CompareAges(cells);
+  EXPECT_EQ(found[0].at[1].verdict, ChangeVerdict::kChanged);
+  EXPECT_EQ(found[1].at[1].verdict, ChangeVerdict::kOtherTemperature);
 }
 
 TEST(Ageing, ACellWithoutARunRecordHasValuesAlone) {
