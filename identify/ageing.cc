@@ -78,14 +78,14 @@ Estimate Beta(const Cell& cell) {
 }
 
 Estimate ResistanceAfterPulse(const Cell& cell, double after_s) {
-  Estimate estimate;
+  Estimate estimate{.temperature_degC = TemperatureOf(cell)};
   const Json& resistances = Metric(cell, "resistance");
   if (!resistances.is_array()) return estimate;
   for (const Json& entry : resistances) {
     if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
     estimate.value = NumberOr(entry.value("resistance_Ohm", Json()), kNaN);
     estimate.temperature_degC =
-        NumberOr(entry.value("temperature_degC", Json()), TemperatureOf(cell));
+        NumberOr(entry.value("temperature_degC", Json()), estimate.temperature_degC);
     TakeInterval(entry, 1.0, estimate);
   }
   return estimate;
@@ -200,9 +200,11 @@ std::vector<AgedQuantity> CompareAges(const std::vector<Cell>& cells) {
       const bool by_law = cells.front().temperature && cells[k].temperature;
       const bool apart = !both_unknown && !(off_K <= (by_law ? same_by_law_K : kSameByLogs_K));
       const bool poor = IsOfPoorFit(cells.front()) || IsOfPoorFit(cells[k]);
-      quantity.at.push_back(poor    ? Alone(now, ChangeVerdict::kPoorFit)
-                            : apart ? Alone(now, ChangeVerdict::kOtherTemperature)
-                                    : Against(first, now, k == 0));
+      quantity.at.push_back(poor                      ? Alone(now, ChangeVerdict::kPoorFit)
+                            : std::isnan(now.value)   ? Alone(now, ChangeVerdict::kNotKnown)
+                            : std::isnan(first.value) ? Alone(now, ChangeVerdict::kFirstNotKnown)
+                            : apart                   ? Alone(now, ChangeVerdict::kOtherTemperature)
+                                                      : Against(first, now, k == 0));
       known = known || std::isfinite(quantity.at.back().value);
     }
     if (known) quantities.push_back(std::move(quantity));

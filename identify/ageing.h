@@ -20,12 +20,23 @@
 
 namespace lipoid {
 
-enum class ChangeVerdict { kFirst, kChanged, kNotShown, kNoInterval, kOtherTemperature, kPoorFit };
-constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 6> OptionNames(ChangeVerdict) {
+enum class ChangeVerdict {
+  kFirst,
+  kChanged,
+  kNotShown,
+  kNoInterval,
+  kNotKnown,
+  kFirstNotKnown,
+  kOtherTemperature,
+  kPoorFit
+};
+constexpr std::array<std::pair<ChangeVerdict, std::string_view>, 8> OptionNames(ChangeVerdict) {
   return {{{ChangeVerdict::kFirst, "first"},
            {ChangeVerdict::kChanged, "changed"},
            {ChangeVerdict::kNotShown, "not shown by these logs"},
            {ChangeVerdict::kNoInterval, "no interval"},
+           {ChangeVerdict::kNotKnown, "not known"},
+           {ChangeVerdict::kFirstNotKnown, "not known of the first"},
            {ChangeVerdict::kOtherTemperature, "of another temperature"},
            {ChangeVerdict::kPoorFit, "of a poor fit"}}};
 }

@@ -172,6 +172,18 @@ TEST(Ageing, CellsOfLogsOfOtherTemperaturesAreNotCompared) {
   EXPECT_EQ(found[1].at[1].verdict, ChangeVerdict::kOtherTemperature);
 }
 
+TEST(Ageing, WhatOneCellDoesNotSayIsNotKnown) {
+  std::vector<Cell> cells{LoadCell("gifi-600mAh-1"), Aged("old", 1900.0, 40.0, 0.11, 0.01)};
+  for (Cell& cell : cells) cell.reference_degC = 25.0;
+  const auto verdicts = [&] {
+    const AgedQuantity resistance = CompareAges(cells)[2];
+    return std::array{resistance.at[0].verdict, resistance.at[1].verdict};
+  };
+  EXPECT_EQ(verdicts(), (std::array{ChangeVerdict::kNotKnown, ChangeVerdict::kFirstNotKnown}));
+  std::swap(cells[0], cells[1]);
+  EXPECT_EQ(verdicts(), (std::array{ChangeVerdict::kFirst, ChangeVerdict::kNotKnown}));
+}
+
 TEST(Ageing, ACellWithoutARunRecordHasValuesAlone) {
   const auto found = CompareAges({LoadCell("gifi-600mAh-1"), LoadCell("gifi-600mAh-2")});
   ASSERT_EQ(found.size(), 2U);  // no resistance of a pulse was found
