@@ -36,11 +36,11 @@ constinit const Layout kPlainCsv{
                   "tension_cellule|tension_batterie|tension_bateria|voltaje|voltaje_bateria|"
                   "voltaje_celda|tensione|电压|电池电压|单体电压"},
           ColumnNames{
-              .names = "temperature|temp|cell_temperature|temperature_cell|t_cell|"
-                       "battery_temperature|battery_temp",
+              .names = "temperature|temp|cell_temperature|temperature_cell|t_cell|cell_t|"
+                       "cell_temp|temp_cell|battery_temperature|battery_temp",
               .otherwise =
-                  "temperatur|zelltemperatur|temperatura|temperatura_celda|temperature_cellule|"
-                  "温度|电池温度"},
+                  "temperatur|zelltemperatur|temperatur_zelle|temperatura|temperatura_celda|"
+                  "temperature_cellule|温度|电池温度"},
           ColumnNames{.names = "step|step_index|step_number|step_id",
                       .otherwise = "schritt|schrittnummer|etape|paso|工步|工步号|工步序号"},
           ColumnNames{.names = "cycle|cycle_index|cycle_number|cycle_count",

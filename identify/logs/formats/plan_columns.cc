@@ -326,7 +326,7 @@ class Planner {
     const bool named = options_.columns.contains(std::string(Key(kQuantity)));
     auto matches = header_.Find(kQuantity, options_);
     if (named) Needed(kQuantity, Choose(kQuantity, matches, false));
-    if (matches.empty()) return;
+    if (matches.empty()) return NameOtherTemperatures();
     std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
       return a.rank < b.rank;
     });
@@ -350,6 +350,23 @@ class Planner {
       return;
     }
     Add(kQuantity, match, CellKind::kNumber, *unit, !named);
+  }
+
+  // The log may have the temperature of the cell under a name that nobody foresaw.
+  void NameOtherTemperatures() {
+    std::vector<HeaderName> others;
+    for (const HeaderName& name : header_.names) {
+      const std::string& unit = name.unit.empty() ? name.suffix : name.unit;
+      // One letter may stand for coulombs or farads.
+      const bool may_be_another = unit.size() == 1 && name.name.find("temp") == std::string::npos;
+      if (!may_be_another && FindUnit(Quantity::kTemperature, unit)) others.push_back(name);
+    }
+    if (others.empty()) return;
+    plan_.warnings.push_back(fmt::format(
+        "temperature left out: no header says which is that of the cell; if it is one of {}, name "
+        "it with `columns = {{{} = \"...\"}}` (--columns)",
+        Listed(others),
+        Key(Quantity::kTemperature)));
   }
 
   // Steps and cycles where rows are picked by them, the state where the format has one.

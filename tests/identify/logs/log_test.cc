@@ -103,6 +103,25 @@ TEST(PlainCsv, SaysThatATemperatureIsLeftOut) {
             (std::vector<std::string>{"temperature left out: there are more columns beside "
                                       "'temperature_degC'; name one with `columns = "
                                       "{temperature_degC = \"...\"}` (--columns)"}));
+  EXPECT_EQ(warnings("T1 [\u00B0C],T_case_degC", ",77"),
+            (std::vector<std::string>{
+                "temperature left out: no header says which is that of the cell; if it is one of "
+                "T1 [\u00B0C], T_case_degC, name it with `columns = {temperature_degC = \"...\"}` "
+                "(--columns)"}));
+  EXPECT_TRUE(warnings("Q [C]", "").empty()) << "a charge";
+}
+
+TEST(PlainCsv, TheTemperatureOfTheCellIsToldFromThatOfTheChamber) {
+  for (const char* header : {"Temperatur Zelle [\u00B0C],Temperatur Kammer [\u00B0C]",
+                             "cell temp (degC),chamber temp (degC)",
+                             "Cell T [degC],Ambient T [degC]"}) {
+    SCOPED_TRACE(header);
+    const Log log = ReadOf(std::string("time_s,current_A,voltage_V,") + header +
+                           "\n0,0,4.1,31,25\n1,0,4.1,31,25\n2,2,4,31,25\n3,2,3.99,31,25\n");
+    ASSERT_EQ(log.record.temperature_degC.size(), 4U);
+    EXPECT_EQ(std::as_const(log.record.temperature_degC)[0], 31.0);
+    EXPECT_TRUE(log.report.warnings.empty());
+  }
 }
 
 TEST(PlainCsv, UnitsAreConverted) {
