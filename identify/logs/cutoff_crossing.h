@@ -2,7 +2,8 @@
 
 /// @file
 /// When a predicted voltage falls to the cut-off: between two rows of one load on the straight line
-/// between them, else at the row that is below. A voltage that rises above it again has not reached it.
+/// between them, else at the row that is below. A voltage that rises above it again has not reached it, nor
+/// has one at rest or in charge.
 /// Tests: tests/identify/logs/cutoff_crossing_test.cc.
 
 #include <algorithm>
@@ -17,7 +18,8 @@ class CutoffCrossing {
   explicit CutoffCrossing(double cutoff_V) : cutoff_V_(cutoff_V) {}
 
   void Row(double time_s, double current_A, double voltage_V) {
-    if (voltage_V >= cutoff_V_) {
+    const bool above = voltage_V >= cutoff_V_ || current_A <= 0.0;
+    if (above) {
       crossed_s_ = kNone;
     } else if (std::isnan(crossed_s_)) {
       // A larger current takes the voltage down at once and not on the way from row to row.
@@ -28,7 +30,7 @@ class CutoffCrossing {
         crossed_s_ =
             time_s_ + (voltage_V_ - cutoff_V_) / (voltage_V_ - voltage_V) * (time_s - time_s_);
     }
-    above_ = voltage_V >= cutoff_V_;
+    above_ = above;
     time_s_ = time_s;
     current_A_ = current_A;
     voltage_V_ = voltage_V;

@@ -198,13 +198,15 @@ double CutoffTolerance(const Discharge& discharge) {
 }
 
 bool IsBelowCutoff(const Cell& cell,
+                   double current_A,
                    double voltage_V,
                    std::size_t rows_before,
                    std::size_t rows_of_log) {
   constexpr double kLastStep_V = 0.3;
   const bool last = rows_before > 0 && rows_before + 1 == rows_of_log;
-  return !(voltage_V >=
-           cell.series * (cell.cutoff_V - kCutoffTolerance_V - (last ? kLastStep_V : 0.0)));
+  if (std::isnan(voltage_V)) return true;
+  return current_A > 0.0 && voltage_V < cell.series * (cell.cutoff_V - kCutoffTolerance_V -
+                                                       (last ? kLastStep_V : 0.0));
 }
 
 Discharge FindDischarge(const Record& record, double cutoff_V) {

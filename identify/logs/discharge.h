@@ -56,10 +56,11 @@ struct Discharge {
 /// cycler that stops at the cut-off may do so between two rows, and the fall gets faster.
 [[nodiscard]] double CutoffTolerance(const Discharge& discharge);
 
-/// Whether a cell has reached its cut-off where it has `voltage_V` under a load, in volts of the pack,
-/// after so many rows of a log of `rows_of_log`. A current that ends there is whole: the last row of a
-/// discharge lies on a steep end.
+/// Whether a cell has reached its cut-off where it has `voltage_V` under `current_A`, in volts of the pack,
+/// after so many rows of a log of `rows_of_log`. An empty cell that rests or is charged has not. A current that
+/// ends there is whole: the last row of a discharge lies on a steep end.
 [[nodiscard]] bool IsBelowCutoff(const Cell& cell,
+                                 double current_A,
                                  double voltage_V,
                                  std::size_t rows_before,
                                  std::size_t rows_of_log);

@@ -70,7 +70,7 @@ class UpToCutoff {
     if (row % kLook == 0) StopIfAsked();
     if (row > before_) return false;
     crossing_.Row(time_s, current_A, voltage_V);
-    if (beyond_cutoff_ || !IsBelowCutoff(cell_, voltage_V, row, rows_)) return true;
+    if (beyond_cutoff_ || !IsBelowCutoff(cell_, current_A, voltage_V, row, rows_)) return true;
     before_ = row;
     return false;
   }

@@ -49,7 +49,7 @@ struct Way {
   double voltage_V = 0.0;
   double lowest_V = std::numeric_limits<double>::infinity();
   std::optional<double> cutoff_s;  // when the voltage fell to the cut-off, where rows end there
-  double cutoff_A = 0.0;
+  double last_A = 0.0;             // of the last row, or of the one there
 };
 
 // write(time_s, current_A, row) for the rows before the first one that lies below the cut-off of the
@@ -70,9 +70,10 @@ class Walk {
         rows.time_s, rows.current_A, surroundings, [&](std::size_t k, const PredictedRow& row) {
           if (way_.cutoff_s) return;
           crossing_.Row(rows.time_s[k], rows.current_A[k], row.voltage_V);
-          if (!beyond_cutoff_ && IsBelowCutoff(cell_, row.voltage_V, way_.rows, rows_of_log_)) {
+          way_.last_A = rows.current_A[k];
+          if (!beyond_cutoff_ &&
+              IsBelowCutoff(cell_, way_.last_A, row.voltage_V, way_.rows, rows_of_log_)) {
             way_.cutoff_s = crossing_.time_s();
-            way_.cutoff_A = rows.current_A[k];
             return;
           }
           if (way_.rows++ == 0) way_.first_s = rows.time_s[k];
@@ -231,12 +232,12 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "above it, within {:g} mV, were written (--beyond-cutoff writes all)",
         cutoff_V,
         std::round(100.0 * *way.cutoff_s) / 100.0,
-        way.cutoff_A,
+        way.last_A,
         way.rows,
         Counted(rows_of_log, "row"),
         1e3 * cell.series * kCutoffTolerance_V);
   }
-  if (whole && !beyond_cutoff && way.rows > 0 &&
+  if (whole && !beyond_cutoff && way.rows > 0 && way.last_A > 0.0 &&
       way.voltage_V < cutoff_V - cell.series * kCutoffTolerance_V) {
     line.Message(
         "the last row, {:.4g} V, lies below the cut-off of {:.4g} V, which the cell reaches within the "

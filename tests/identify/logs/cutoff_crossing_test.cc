@@ -43,5 +43,14 @@ TEST(CutoffCrossing, AVoltageThatRisesAgainHasNotReachedIt) {
   EXPECT_NEAR(crossing.time_s(), 3.5, 1e-9);
 }
 
+TEST(CutoffCrossing, AnEmptyCellReachesItWhereALoadBegins) {
+  CutoffCrossing crossing(3.0);
+  crossing.Row(0.0, 0.0, 2.98);
+  crossing.Row(1.0, -0.5, 2.99);
+  EXPECT_TRUE(std::isnan(crossing.time_s()));
+  crossing.Row(2.0, 0.5, 2.97);
+  EXPECT_EQ(crossing.time_s(), 2.0);
+}
+
 }  // namespace
 }  // namespace lipoid

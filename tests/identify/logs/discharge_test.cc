@@ -32,12 +32,15 @@ TEST(IsBelowCutoff, OfAPackTheLastRowOfALogMayLieOnTheSteepEnd) {
   cell.cutoff_V = 3.0;
   cell.series = 2;
   constexpr std::size_t kRows = 10;
-  EXPECT_FALSE(IsBelowCutoff(cell, 6.0 - 1.9 * kCutoffTolerance_V, 4, kRows));
-  EXPECT_TRUE(IsBelowCutoff(cell, 6.0 - 2.1 * kCutoffTolerance_V, 4, kRows));
-  EXPECT_FALSE(IsBelowCutoff(cell, 5.5, kRows - 1, kRows));
-  EXPECT_TRUE(IsBelowCutoff(cell, 5.3, kRows - 1, kRows));
-  EXPECT_TRUE(IsBelowCutoff(cell, 5.5, 0, 1)) << "of a single row nothing comes before the end";
-  EXPECT_TRUE(IsBelowCutoff(cell, std::nan(""), 4, kRows));
+  EXPECT_FALSE(IsBelowCutoff(cell, 1.0, 6.0 - 1.9 * kCutoffTolerance_V, 4, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 1.0, 6.0 - 2.1 * kCutoffTolerance_V, 4, kRows));
+  EXPECT_FALSE(IsBelowCutoff(cell, 1.0, 5.5, kRows - 1, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 1.0, 5.3, kRows - 1, kRows));
+  EXPECT_TRUE(IsBelowCutoff(cell, 1.0, 5.5, 0, 1))
+      << "of a single row nothing comes before the end";
+  EXPECT_TRUE(IsBelowCutoff(cell, 1.0, std::nan(""), 4, kRows));
+  for (const double current_A : {0.0, -1.0})
+    EXPECT_FALSE(IsBelowCutoff(cell, current_A, 5.0, 4, kRows)) << "an empty cell is charged";
 }
 
 class DischargeHolds : public testing::TestWithParam<Hold> {};
