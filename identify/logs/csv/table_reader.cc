@@ -46,6 +46,17 @@ std::string_view Expected(CellKind kind) {
   return "a number";
 }
 
+// 4'180 and 1.000,5, and 4.997 among numbers with a decimal comma.
+bool HasForeignMark(std::string_view text) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  return !text.empty() && is_digit(text.front()) && is_digit(text.back()) &&
+         std::all_of(text.begin(), text.end(), [&](char c) {
+           const bool is_mark = std::string_view(".,' _").find(c) != std::string_view::npos;
+           return is_digit(c) || is_mark || static_cast<unsigned char>(c) >= 0x80;  // a wide blank
+         });
+}
+
 // Length of what follows the decimal mark, exponent included: the same in every row of a fixed
 // format.
 std::size_t Decimals(std::string_view number) {
@@ -382,10 +393,18 @@ TableReader::Row TableReader::ReadCarefully(std::string_view line, bool has_end,
     if (!converted) {
       const std::string found =
           cell.text.empty() ? "an empty cell" : fmt::format("'{}'", Shown(cell.text));
-      FailAt(
-          cell.column,
-          fmt::format(
-              "expected {} in column '{}', found {}", Expected(column.kind), column.name, found));
+      std::string remedy;
+      if (column.kind == CellKind::kNumber && HasForeignMark(cell.text)) {
+        remedy = fmt::format(
+            "; numbers of this file are read with a decimal {} and without marks for thousands: export them so",
+            decimal_comma() ? "comma" : "point");
+      }
+      FailAt(cell.column,
+             fmt::format("expected {} in column '{}', found {}{}",
+                         Expected(column.kind),
+                         column.name,
+                         found,
+                         remedy));
     }
     if (!std::isfinite(value) || std::abs(value) >= kOverflow) {
       FailAt(cell.column,

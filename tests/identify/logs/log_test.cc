@@ -430,6 +430,10 @@ const std::string kStartsAnew =
     "if the clock starts anew with each step or cycle, pick some with `steps` or `cycles`, or name a "
     "column that runs on with `columns = {time_s = \"...\"}`";
 
+const std::string kExportSo =
+    "; numbers of this file are read with a decimal point and without marks for thousands: export "
+    "them so";
+
 const Wrong kWrong[] = {
     {"empty", "", "F:1:1: error: expected a log, found an empty file"},
     {"blank", "\n\n", "F:1:1: error: expected a log, found only blank lines and comments"},
@@ -541,10 +545,17 @@ const Wrong kWrong[] = {
      "F:2:1: error: expected 3 fields as in the header, found 6"},
     {"two decimal marks",
      "time_s;current_A;voltage_V\n0;0,5;4.1\n",
-     "F:2:3: error: expected a number in column 'current_A', found '0,5'"},
+     "F:2:3: error: expected a number in column 'current_A', found '0,5'" + kExportSo},
     {"a thousands mark",
      "time_s;current_A;voltage_V\n0;1.000,5;4,1\n",
-     "F:2:3: error: expected a number in column 'current_A', found '1.000,5'"},
+     "F:2:3: error: expected a number in column 'current_A', found '1.000,5'" + kExportSo},
+    {"an apostrophe for thousands",
+     "time_s;current_mA;voltage_mV\n0;0;4'180\n",
+     "F:2:5: error: expected a number in column 'voltage_mV', found '4'180'" + kExportSo},
+    {"a point for thousands beside a decimal comma",
+     "time_s;current_mA;voltage_V\n0;0;4,180\n1;-4.997;4,026\n",
+     "F:3:3: error: expected a number in column 'current_mA', found '-4.997'; numbers of this file "
+     "are read with a decimal comma and without marks for thousands: export them so"},
     {"backwards",
      kLogHeader + "0,0,4.1\n2,0,4.1\n1,2,4\n",
      "F:4:1: error: expected time to increase, found '1' after 2 s; " + kStartsAnew},
