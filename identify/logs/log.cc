@@ -374,13 +374,16 @@ Log ReadTable(TextSource& source, const ReadOptions& options, const SignOfOthers
         log.record, position(Quantity::kVoltage), log.report.thinned, log.report.notes);
   if (log.before && plan.volts_or_millivolts && log.before->voltage_V >= kLeast_mV)
     log.before->voltage_V /= 1000.0;
-  SettleTable(
-      log,
-      collector.directions(),
-      options,
-      others,
-      {position(Quantity::kTime), position(Quantity::kCurrent), position(Quantity::kVoltage)},
-      plan.layout->discharge_is_positive);
+  SettleTable(log,
+              collector.directions(),
+              options,
+              others,
+              {.time = position(Quantity::kTime),
+               .current = position(Quantity::kCurrent),
+               .voltage = position(Quantity::kVoltage),
+               .voltage_in_thousands =
+                   plan.Of(Quantity::kVoltage) && plan.Of(Quantity::kVoltage)->in_thousands},
+              plan.layout->discharge_is_positive);
   return log;
 }
 
@@ -540,13 +543,15 @@ Log TakeColumns(Record record, const ReadOptions& options, const SignOfOthers& o
   }
   const SourcePosition position{log.record.file};
   std::vector<std::int8_t> directions;
-  SettleTable(
-      log,
-      directions,
-      options,
-      others,
-      {position, position, position, "Columns of a program are in V, A and s: convert them"},
-      false);
+  SettleTable(log,
+              directions,
+              options,
+              others,
+              {.time = position,
+               .current = position,
+               .voltage = position,
+               .remedy = "Columns of a program are in V, A and s: convert them"},
+              false);
   FinishLog(log, options);
   return log;
 }

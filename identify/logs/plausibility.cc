@@ -97,6 +97,20 @@ std::string CheckReadable(const Record& record, const ColumnPositions& positions
         fmt::format(
             "expected a voltage in V, found {:.6g} V; are these mV? {}", most_V, positions.remedy));
   }
+  // None at all is a log of the current alone.
+  if (const double most_V = voltage.Magnitude(); most_V > 0.0 && most_V < kLeastCell_V) {
+    throw LoadError(
+        positions.voltage,
+        fmt::format("expected a voltage of at least {:g} V, found {:.3g} V at most; {}are these V "
+                    "under a header that says mV? {}",
+                    kLeastCell_V,
+                    most_V,
+                    positions.voltage_in_thousands
+                        ? "if the mark before the last three digits is one for thousands, export "
+                          "all numbers without such marks; or "
+                        : "",
+                    positions.remedy));
+  }
   if (const double most_A = current.Magnitude(); most_A > kMostPack_A) {
     throw LoadError(
         positions.current,

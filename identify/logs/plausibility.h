@@ -28,6 +28,8 @@ struct ColumnPositions {
   SourcePosition voltage;
   /// What a person does about a wrong unit.
   std::string_view remedy = "Say so in the header or with `units`";
+  /// Each voltage may be one with a mark for thousands: 4.180.
+  bool voltage_in_thousands = false;
 };
 
 /// For a record of a cell or of a pack of any size, as ReadLog() returns it. LoadError with advice;

@@ -198,9 +198,20 @@ class Planner {
         PlannedColumn{.column = plan_.table.columns.size(),
                       .unit = unit,
                       .header_column = name.column,
-                      .header_text = name.text};
+                      .header_text = name.text,
+                      .in_thousands = IsInThousands(match.field)};
     plan_.table.columns.push_back(
         {.name = name.text, .field = match.field, .kind = kind, .lenient = lenient});
+  }
+
+  [[nodiscard]] bool IsInThousands(std::size_t field) const {
+    return !rows_.empty() && std::all_of(rows_.begin(), rows_.end(), [&](const auto& cells) {
+      const std::string_view text = cells[field].text;
+      const auto mark = text.find_last_of(".,");
+      return mark != text.npos &&
+             text.substr(mark + 1).find_first_not_of("0123456789") == text.npos &&
+             text.size() - mark - 1 == 3;
+    });
   }
 
   CellKind KindOfTime(std::size_t field) const {

@@ -22,6 +22,8 @@ struct PlannedColumn {
   Unit unit;
   std::size_t header_column = 1;  ///< for messages
   std::string header_text = {};
+  /// Each number of the first rows may be one with a mark for thousands: 4.180, 12,345.
+  bool in_thousands = false;
 };
 
 /// How one file will be read.

@@ -552,6 +552,15 @@ const Wrong kWrong[] = {
     {"an apostrophe for thousands",
      "time_s;current_mA;voltage_mV\n0;0;4'180\n",
      "F:2:5: error: expected a number in column 'voltage_mV', found '4'180'" + kExportSo},
+    {"volts under a header that says mV",
+     "time_s;current_mA;voltage_mV\n0;0;4.18\n1;-4997;4.026\n",
+     "F:1:19: error: expected a voltage of at least 0.02 V, found 0.00418 V at most; are these V "
+     "under a header that says mV? Say so in the header or with `units`"},
+    {"points for thousands throughout",
+     "time_s;current_mA;voltage_mV\n0;0;4.180\n1;-4.997;4.026\n",
+     "F:1:19: error: expected a voltage of at least 0.02 V, found 0.00418 V at most; if the mark "
+     "before the last three digits is one for thousands, export all numbers without such marks; or "
+     "are these V under a header that says mV? Say so in the header or with `units`"},
     {"a point for thousands beside a decimal comma",
      "time_s;current_mA;voltage_V\n0;0;4,180\n1;-4.997;4,026\n",
      "F:3:3: error: expected a number in column 'current_mA', found '-4.997'; numbers of this file "

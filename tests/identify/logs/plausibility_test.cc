@@ -121,6 +121,11 @@ TEST(Plausibility, ExchangedColumnsAreNamed) {
   EXPECT_EQ(complaint(), "no error");
 }
 
+// A log of a current alone may have a column of zeros.
+TEST(Plausibility, AVoltageThatIsNoneIsNoMislabelledOne) {
+  EXPECT_EQ(CheckReadable(OneHour(1, 1, 0), {}), "");
+}
+
 TEST(Plausibility, ACurrentThatFewPacksCarryIsDoubted) {
   Record record;
   for (int k = 0; k < 30; ++k) {
