@@ -518,4 +518,26 @@ SignFinding FindSignFromStates(const Record& record, const std::vector<std::int8
           true};
 }
 
+bool HasNoSign(const Record& record) {
+  constexpr double kSteady = 0.1;  // of the load
+  constexpr double kMuch = 0.2;    // of the highest voltage, which no recovery makes
+  const Extent current = FindExtent(record.current_A);
+  const double least_A = kLeastShareOfLoad * current.Magnitude();
+  if (record.voltage_V.empty() || std::min(-current.least, current.most) > least_A) return false;
+  const double much_V = kMuch * LargestMagnitude(record.voltage_V);
+  bool rises = false;
+  bool falls = false;
+  for (std::size_t first = 0, next = 1; first < record.size(); first = next++) {
+    const double load_A = std::abs(record.current_A[first]);
+    if (load_A <= least_A) continue;
+    while (next < record.size() &&
+           std::abs(std::abs(record.current_A[next]) - load_A) <= kSteady * load_A)
+      ++next;
+    const double rise_V = record.voltage_V[next - 1] - record.voltage_V[first];
+    rises = rises || rise_V >= much_V;
+    falls = falls || rise_V <= -much_V;
+  }
+  return rises && falls;
+}
+
 }  // namespace lipoid

@@ -35,4 +35,8 @@ struct SignFinding {
 [[nodiscard]] SignFinding FindSignFromStates(const Record& record,
                                              const std::vector<std::int8_t>& directions);
 
+/// Whether a current that never changes sign charges the cell as well as discharges it: under a steady
+/// load the voltage rises by a fifth of its highest and under another it falls by as much.
+[[nodiscard]] bool HasNoSign(const Record& record);
+
 }  // namespace lipoid

@@ -97,6 +97,10 @@ bool ChoosesPart(const ReadOptions& options) {
          std::isfinite(options.end_s);
 }
 
+constexpr std::string_view kOneDirection =
+    "read a part in which the cell is only charged or only discharged, or export the current with its "
+    "sign or with a column of states";
+
 // Makes discharge positive.
 void SettleSign(Log& log,
                 const std::vector<std::int8_t>& directions,
@@ -122,6 +126,12 @@ void SettleSign(Log& log,
     found = {options.current_sign == "discharge-positive" ? CurrentSign::kDischargePositive
                                                           : CurrentSign::kDischargeNegative,
              "given by the option current_sign"};
+    if (HasNoSign(record)) {
+      report.warnings.push_back(fmt::format(
+          "the current never changes its sign while the voltage rises and falls under it: the "
+          "column holds no sign; {}",
+          kOneDirection));
+    }
   } else if (format_defines) {
     found = {CurrentSign::kDischargePositive,
              fmt::format("discharge is positive in {} logs", report.format)};
@@ -161,12 +171,17 @@ void SettleSign(Log& log,
     report.current_sign_is_of_others = !others.same_file;
   }
   if (found.sign == CurrentSign::kUnclear) {
+    const std::string remedy = HasNoSign(record)
+                                   ? fmt::format("no option gives it one: {}", kOneDirection)
+                                   : fmt::format(
+                                         "say `current_sign` (--current-sign discharge-positive or "
+                                         "discharge-negative), or read {} of the log",
+                                         ChoosesPart(options) ? "another part" : "a part");
     std::string message = fmt::format(
-        "expected a current whose sign the data settle, found that {}{}; say `current_sign` "
-        "(--current-sign discharge-positive or discharge-negative), or read {} of the log",
+        "expected a current whose sign the data settle, found that {}{}; {}",
         found.reason,
         found.contradictory || others.source.empty() ? "" : ", and that " + others.source,
-        ChoosesPart(options) ? "another part" : "a part");
+        remedy);
     if (found.contradictory) throw LoadError(position, std::move(message));
     throw OpenSignError(position, std::move(message), report.format, report.current_column);
   }

@@ -170,6 +170,27 @@ TEST(CurrentSign, IsNeverWrongOnWindowsOfRealLogs) {
   EXPECT_GT(found, tried / 2) << "an answer that is always unclear is never wrong, and useless";
 }
 
+// A discharge from 4 to 3 V and the charge back, under amounts of current.
+TEST(HasNoSign, OfACurrentUnderWhichTheVoltageGoesBothWays) {
+  Record record;
+  for (int k = 0; k < 40; ++k) {
+    record.time_s.push_back(k);
+    record.current_A.push_back(k == 20 ? 0.0 : 2.0);
+    record.voltage_V.push_back(k < 20 ? 4.0 - 0.05 * k : 2.0 + 0.05 * k);
+  }
+  EXPECT_TRUE(HasNoSign(record));
+  for (std::size_t k = 21; k < 40; ++k) record.current_A[k] = -2.0;
+  EXPECT_FALSE(HasNoSign(record));
+  // A lighter load under which a cold cell recovers.
+  for (std::size_t k = 21; k < 40; ++k) {
+    record.current_A[k] = 0.5;
+    record.voltage_V[k] = 3.6 + 0.01 * static_cast<double>(k - 21);
+  }
+  EXPECT_FALSE(HasNoSign(record));
+  record.voltage_V.clear();
+  EXPECT_FALSE(HasNoSign(record));
+}
+
 TEST(CurrentSign, IsFoundFromStates) {
   Record record = Simulate(Profile({{2, 0}, {2, 2}, {2, 0}, {2, -1}}), 1.0, 0.0, 6);
   const std::vector<std::int8_t> states{0, 0, 1, 1, 0, 0, -1, -1};

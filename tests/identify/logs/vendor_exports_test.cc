@@ -216,8 +216,7 @@ TEST_P(VendorExport, IsReadRight) {
   EXPECT_EQ(log.report.dropped_repeated_times, expected.repeated);
   EXPECT_EQ(log.report.dropped_cut_last_line, expected.cut);
   ASSERT_EQ(log.record.size(), expected.rows);
-  const Column* columns[] = {
-      &log.record.time_s, &log.record.current_A, &log.record.voltage_V};
+  const Column* columns[] = {&log.record.time_s, &log.record.current_A, &log.record.voltage_V};
   for (int k = 0; k < 3; ++k) {
     SCOPED_TRACE(k);
     // Units and offsets round once or twice; sums add up n roundings in another order at most.
@@ -243,9 +242,12 @@ TEST(VendorExport, AnUnsignedCurrentWithoutAStateIsRefused) {
       path +
           ":1:31: error: expected a current whose sign the data settle, found that the voltage "
           "falls with the "
-          "current in some places and rises in others, as if the current had no sign; say "
-          "`current_sign` "
-          "(--current-sign discharge-positive or discharge-negative), or read a part of the log");
+          "current in some places and rises in others, as if the current had no sign; no option gives it one: read a "
+          "part in which the cell is only charged or only discharged, or export the current with its "
+          "sign or with a column of states");
+  EXPECT_TRUE(ReadLog(path, {.current_sign = "discharge-positive"})
+                  .report.warnings.at(0)
+                  .starts_with("the current never changes its sign while the voltage rises"));
 }
 
 }  // namespace
