@@ -1,6 +1,7 @@
 #include "identify/identification.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -304,6 +305,24 @@ void NoteOnOtherLogs(Identification& found) {
   }
 }
 
+void NoteOnToldTemperatures(Identification& found, const std::vector<LoadedLog>& logs) {
+  constexpr double kSame_K = 2.0;
+  if (found.cell.temperature) return;
+  std::vector<std::string> files;
+  for (const LoadedLog& log : logs) {
+    if (log.entry.kind != LogKind::kValidation) continue;
+    const auto told_degC = log.entry.initial_degC ? log.entry.initial_degC : log.entry.ambient_degC;
+    const auto found_degC = found.cell.reference_degC;
+    if (told_degC && !(found_degC && std::abs(*told_degC - *found_degC) <= kSame_K))
+      files.push_back(log.entry.file);
+  }
+  if (files.empty()) return;
+  found.log_notes.push_back(
+      fmt::format("{}: ambient_degC and initial_degC say nothing of a validation log here, for the "
+                  "cell that was found knows no temperature and predicts the same at any",
+                  fmt::join(files, ", ")));
+}
+
 }  // namespace
 
 std::string Identification::Verdict() const {
@@ -462,6 +481,7 @@ Identification Identify(const Campaign& campaign,
       found.quality.Doubt(DoubtAboutHeldCurve(held->source, *move));
   }
   NoteOnOtherLogs(found);
+  NoteOnToldTemperatures(found, logs);
   if (auto doubt = DoubtAboutDischarges(FullDischarges(found, logs)); !doubt.empty())
     found.log_notes.push_back(std::move(doubt));
   return found;

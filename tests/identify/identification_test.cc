@@ -86,6 +86,25 @@ TEST(Identification, SaysThatOtherLogsAreDescribedFarWorse) {
   }
 }
 
+TEST(Identification, SaysThatTheTemperatureOfAValidationLogChangesNothing) {
+  auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
+  for (LoadedLog& log : logs) log.entry.ambient_degC = 25.0;
+  LoadedLog cold = logs.back();
+  cold.entry.kind = LogKind::kValidation;
+  cold.entry.path = cold.entry.file = "cold.csv";
+  logs.push_back(cold);
+  const auto said = [&] {
+    const auto notes = Identify(test::CampaignOf(logs), logs, {}).log_notes;
+    return std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+      return note.starts_with(
+          "cold.csv: ambient_degC and initial_degC say nothing of a validation log here");
+    });
+  };
+  EXPECT_FALSE(said()) << "it is that of the other logs";
+  logs.back().entry.ambient_degC = 0.0;
+  EXPECT_TRUE(said());
+}
+
 // The staged method made one cell of pulses at -10 and 25 degC, "good", and said nothing.
 TEST(Identification, TheStagedMethodDoubtsLogsOfSeveralTemperatures) {
   auto logs = test::SyntheticLogs(Truth(), 5.0, 0.0002);
