@@ -448,7 +448,7 @@ class JointRun {
         "taken as {:.4g} Ah ({}), and a log down to the cut-off would tell",
         100.0 * LowestSoc(of_slope_C),
         result_.alpha_C / 3600.0,
-        result_.alpha_source);
+        AlphaSourceInWords(result_.alpha_source));
   }
 
   // Where the solution's v_oc reaches the cut-off.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/discharge.h"
@@ -493,6 +494,19 @@ PulseTask PreparePulses(const Campaign& campaign,
                         const StagedOptions& options,
                         const StagedGiven& given) {
   return StagedRun(campaign, logs, options, given, {}).Prepare();
+}
+
+std::string AlphaSourceInWords(std::string_view source) {
+  constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+      {"discharge-times", "from the discharge times"},
+      {"low-rate-charge", "the charge of the low-rate log"},
+      {"pulse-charge", "the charge of the pulses"},
+      {"nominal-capacity", "the nominal capacity"},
+      {"delivered-charge", "what the deepest log delivered"}};
+  for (const auto& [name, words] : kWords) {
+    if (name == source) return std::string(words);
+  }
+  return std::string(source);
 }
 
 }  // namespace lipoid

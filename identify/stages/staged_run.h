@@ -58,8 +58,8 @@ struct StagedResult {
   TrustReport trust;                                 ///< how far to believe the parameters
   StartValues start;
   double alpha_C = 0.0;
-  std::string alpha_source;  ///< "discharge-times", "low-rate-charge", "given",
-                             ///< "pulse-charge", "nominal-capacity"
+  std::string alpha_source;               ///< "discharge-times", "low-rate-charge", "given",
+                                          ///< "pulse-charge", "nominal-capacity"
   double low_rate_charge_C = 0.0;         ///< 0 without such a log
   double low_rate_offset_V = 0.0;         ///< by which the low-rate log lies below v_oc
   std::vector<std::string> done_instead;  ///< for a kind of log that is missing
@@ -97,5 +97,8 @@ using BeforePulses = std::function<void(const StagedResult&)>;
                                       const std::vector<LoadedLog>& logs,
                                       const StagedOptions& options = {},
                                       const StagedGiven& given = {});
+
+/// An alpha_source for a sentence: one has the name of a kind of log that may be none of the campaign's.
+[[nodiscard]] std::string AlphaSourceInWords(std::string_view source);
 
 }  // namespace lipoid

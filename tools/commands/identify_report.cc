@@ -34,7 +34,7 @@ std::string DischargeTimesText(const StagedResult& result) {
   if (!result.discharge_times) {
     return text + fmt::format("   none; alpha {} C ({})\n",
                               Significant(result.alpha_C, 5),
-                              result.alpha_source);
+                              AlphaSourceInWords(result.alpha_source));
   }
   const auto& stage = *result.discharge_times;
   text += fmt::format("   alpha {}\n", PlusMinus(stage.alpha_C, stage.alpha_standard_error_C, "C"));

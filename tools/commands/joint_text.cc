@@ -54,7 +54,7 @@ std::string FoundText(const JointResult& result) {
   row("alpha / C",
       fmt::format("{} ({})",
                   Significant(result.alpha_C, 6),
-                  result.alpha_source != "cut-off" ? result.alpha_source
+                  result.alpha_source != "cut-off" ? AlphaSourceInWords(result.alpha_source)
                   : result.cutoff.extrapolated
                       ? "A = 0 where the last slope of v_oc reaches the cut-off"
                       : "A = 0 where v_oc is the cut-off"));

@@ -626,7 +626,7 @@ TEST(JointRun, LogsThatEndFarAboveTheCutoffLeaveAlphaToTheNominalCapacity) {
   EXPECT_EQ(result.alpha_source, "nominal-capacity");
   EXPECT_NEAR(result.alpha_C, truth.alpha_C(), 1e-9 * truth.alpha_C());
   EXPECT_NE(result.alpha_doubt.find("a log down to the cut-off would tell"), std::string::npos);
-  EXPECT_TRUE(OneSays(result.cautions, "(nominal-capacity)"));
+  EXPECT_TRUE(OneSays(result.cautions, "(the nominal capacity)"));
 }
 
 // A slow discharge that was stopped gives v_oc where it went, and others the charge.

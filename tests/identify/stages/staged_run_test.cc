@@ -127,6 +127,7 @@ TEST(StagedRun, TakesTheLowRateChargeForAlphaWithoutTwoCurrents) {
   const StagedResult result =
       Identify({ConstantCurrent(truth, 1.0), LowRate(truth), Pulses(truth)});
   EXPECT_EQ(result.alpha_source, "low-rate-charge");
+  EXPECT_EQ(AlphaSourceInWords(result.alpha_source), "the charge of the low-rate log");
   EXPECT_FALSE(result.discharge_times.has_value());
   EXPECT_EQ(result.alpha_C, result.low_rate_charge_C);
   EXPECT_TRUE(
