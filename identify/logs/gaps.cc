@@ -73,6 +73,24 @@ bool NothingChanged(const Record& record, std::size_t row) {
   return moved_no_more(record.current_A) && moved_no_more(record.voltage_V);
 }
 
+// A cell that rests after a discharge recovers, and after a charge the other way round. Whether the voltage
+// moves against that, as where a load flowed that nobody saw.
+bool HidesALoad(const Record& record, std::size_t row, double rest_A) {
+  constexpr double kOfVoltage =
+      5e-3;                       // no self-discharge and no change of temperature makes so much
+  constexpr double kNoise = 3.0;  // multiples of what neighbouring rows differ by
+  const Column& voltage_V = record.voltage_V;
+  if (voltage_V.empty()) return false;
+  const double fall_V = voltage_V[row - 1] - voltage_V[row];
+  if (std::abs(fall_V) <=
+      std::max(kOfVoltage * std::abs(voltage_V[row - 1]), kNoise * Around(voltage_V, row).Median()))
+    return false;
+  std::size_t load = row - 1;
+  while (load > 0 && std::abs(record.current_A[load]) <= rest_A) --load;
+  const double last_A = record.current_A[load];
+  return std::abs(last_A) > rest_A && (last_A > 0.0) == (fall_V > 0.0);
+}
+
 }  // namespace
 
 std::vector<Gap> FindGaps(const Record& record) {
@@ -86,9 +104,10 @@ std::vector<Gap> FindGaps(const Record& record) {
     if (rest_A < 0.0) rest_A = RestThreshold(record);
     const bool at_rest =
         std::abs(record.current_A[k - 1]) <= rest_A && std::abs(record.current_A[k]) <= rest_A;
-    if (at_rest || NothingChanged(record, k)) continue;
+    if ((at_rest && !HidesALoad(record, k, rest_A)) || NothingChanged(record, k)) continue;
     const double most_A =
-        std::max(std::abs(record.current_A[k - 1]), std::abs(record.current_A[k]));
+        at_rest ? LargestMagnitude(record.current_A)
+                : std::max(std::abs(record.current_A[k - 1]), std::abs(record.current_A[k]));
     gaps.push_back(
         {.row = k, .start_s = time_s[k - 1], .length_s = length_s, .unknown_C = length_s * most_A});
   }

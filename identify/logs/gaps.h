@@ -17,7 +17,10 @@ inline constexpr double kMostUnknownCharge = 2e-3;
 
 /// Intervals longer than ten times the usual one on either side, with a load at one end or both.
 ///
-/// None of these is a gap: a long interval between two rows at rest; the change of a logger to
+/// Between two rows at rest it is one where the voltage moves against the relaxation from the last load by
+/// more than half a per cent and than noise, and the largest current may have flowed in it.
+///
+/// None of these is a gap: any other long interval between two rows at rest; the change of a logger to
 /// another rate at a new step, where the interval fits one of its sides; and, in a log that keeps a
 /// row when something changes, a long interval over which nothing changed. Rows without a voltage
 /// count too.

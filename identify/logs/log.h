@@ -67,7 +67,8 @@ struct Gap {
   std::size_t row = 0;  ///< the row that ends the gap
   double start_s = 0.0;
   double length_s = 0.0;
-  double unknown_C = 0.0;  ///< what the larger of the two currents at its ends would have moved
+  double unknown_C =
+      0.0;  ///< what the larger of the two currents at its ends would have moved; in a rest the largest of all
 };
 
 /// From this row on, the rows belong to this step and this cycle of the cycler's program.

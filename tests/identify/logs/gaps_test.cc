@@ -60,6 +60,25 @@ TEST(Gaps, ALongIntervalAtRestIsARest) {
   EXPECT_EQ(gaps[0].unknown_C, 200.0);
 }
 
+// Two pulses were lost with their rows. A cell that rests after a discharge recovers, and one that rests after
+// a charge falls.
+TEST(Gaps, ARestAcrossWhichTheVoltageMovesAgainstItsRelaxationHidesALoad) {
+  const auto gaps = [](double load_A, double move_V) {
+    Record record = Rows({{20, 1.0, load_A}, {10, 1.0, 0.0}, {1, 3600.0, 0.0}, {20, 1.0, 0.0}});
+    for (std::size_t k = 31; k < record.size(); ++k) record.voltage_V[k] += move_V;
+    return FindGaps(record);
+  };
+  const auto hidden = gaps(2.0, -0.045);
+  ASSERT_EQ(hidden.size(), 1U);
+  EXPECT_EQ(hidden[0].start_s, 30.0);
+  EXPECT_EQ(hidden[0].unknown_C, 2.0 * 3600.0);
+  EXPECT_EQ(gaps(-2.0, 0.045).size(), 1U);
+  EXPECT_TRUE(gaps(2.0, 0.045).empty());
+  EXPECT_TRUE(gaps(-2.0, -0.045).empty());
+  EXPECT_TRUE(gaps(2.0, -0.01).empty()) << "days of self-discharge";
+  EXPECT_TRUE(gaps(0.0, -0.045).empty()) << "what was before the log is not known";
+}
+
 // A logger that writes a row when the voltage has moved by 1 mV waits where the curve is flat.
 TEST(Gaps, SamplingByChangeHasNone) {
   Record record;
