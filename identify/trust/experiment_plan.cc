@@ -50,6 +50,7 @@ Record RecordOfPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& s
   Record record;
   record.file = plan.file;
   WalkPlan(cell, plan, sampling, record.hold, kMostRows, [&](const WalkedRow& row) {
+    if (row.voltage_V < cell.cutoff_V) return;  // a cycler stops at the cut-off
     record.time_s.push_back(row.time_s);
     record.current_A.push_back(row.current_A);
     record.voltage_V.push_back(row.voltage_V);

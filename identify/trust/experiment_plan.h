@@ -48,7 +48,8 @@ struct PlannedExperiment {
 /// How the rows of such a plan follow one another; OptionError where none would see a pulse.
 [[nodiscard]] DecimalStep SamplingOf(const SynthesisOptions& options);
 
-/// What a test would record of one cell without noise; with temperatures where the plan has one.
+/// What a test would record of one cell without noise, to the last row that is not below the
+/// cut-off; with temperatures where the plan has one.
 [[nodiscard]] Record RecordOfPlan(const Cell& cell,
                                   const TestPlan& plan,
                                   const DecimalStep& sampling);

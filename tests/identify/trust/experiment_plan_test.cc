@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <string_view>
 
 #include "identify/stages/pulse_fit.h"
 #include "model/battery/cell_file.h"
@@ -48,8 +49,7 @@ TEST(ExperimentPlan, PredictsTheSpreadOfEstimates) {
     record.current_A.push_back(k > 0 && (k - 1) % 600 < 60 ? plan.current_A : 0.0);
   }
   const auto clean = Predict(cell, record.time_s, record.current_A).voltage_V;
-  EXPECT_LE(clean.back(), cell.cutoff_V) << "the plan ends where the cell does";
-  EXPECT_GT(clean[clean.size() - 2], cell.cutoff_V);
+  EXPECT_GE(clean.back(), cell.cutoff_V) << "the plan ends where the cell does";
   const JointSetup setup{.alpha_C = cell.alpha_C(),
                          .open_circuit_voltage = cell.open_circuit_voltage};
   const char* const names[] = {"beta", "r_s", "r_1", "tau_1"};
@@ -83,6 +83,21 @@ TEST(ExperimentPlan, PredictsTheSpreadOfEstimates) {
   }
 }
 
+// The row below the cut-off carried nine tenths of what told beta, and sampling ten times slower
+// seemed eight times better. What is left of that is least squares, which let the steep end count.
+TEST(ExperimentPlan, ARowBelowTheCutoffTellsNothing) {
+  const Cell cell = AsSampled(LoadCell("gifi-600mAh-1"), 1.0);
+  SynthesisOptions options;
+  const auto error_of_beta = [&](double sampling_s) {
+    options.sampling_s = sampling_s;
+    const Record record =
+        RecordOfPlan(cell, ThesisProtocol(cell, options).back(), SamplingOf(options));
+    EXPECT_GE(record.voltage_V.back(), cell.cutoff_V) << sampling_s;
+    return Of(PlanExperiment(cell, options, {}).trust, "beta").standard_error;
+  };
+  EXPECT_GT(error_of_beta(10.0), 0.5 * error_of_beta(1.0));
+}
+
 TEST(ExperimentPlan, ErrorsGrowWithTheNoiseAndFallWithTheRate) {
   const Cell cell = TestCell();
   SynthesisOptions options;
@@ -95,6 +110,8 @@ TEST(ExperimentPlan, ErrorsGrowWithTheNoiseAndFallWithTheRate) {
   for (const char* name : {"beta", "r_s", "r_1", "tau_1"}) {
     EXPECT_NEAR(
         Of(noisy.trust, name).standard_error / Of(one.trust, name).standard_error, 2.0, 1e-9);
+    // beta is told by the steep end of the charge, into which a lower rate reaches further.
+    if (std::string_view(name) == "beta") continue;
     EXPECT_LT(Of(strong.trust, name).standard_error, Of(one.trust, name).standard_error) << name;
   }
   EXPECT_GT(one.duration_s, 3600.0);
