@@ -1,12 +1,43 @@
 #include "identify/synthesis/plan_walk.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <vector>
 
 #include "identify/logs/discharge.h"
 
 namespace lipoid {
+namespace {
+
+// The lengths of whole rows next to one that is none, as "28 or 35 s in place of 30 s"; "" where it
+// is one.
+std::string WholeRowsInPlaceOf(double length_s, const DecimalStep& sampling) {
+  const auto rows = sampling.Count(length_s);
+  const double nearest_s = sampling.Times(rows);
+  if (std::abs(nearest_s - length_s) <= 1e-9 && (rows > 0 || length_s == 0.0)) return "";
+  const auto below = nearest_s > length_s ? rows - 1 : rows;
+  return fmt::format("{}{} s in place of {} s",
+                     below > 0 ? fmt::format("{} or ", sampling.Times(below)) : "",
+                     sampling.Times(below + 1),
+                     length_s);
+}
+
+}  // namespace
 
 std::string WhyNoPulses(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
+  std::vector<std::string> lengths;
+  for (const auto& stage : plan.stages) {
+    if (auto fits = WholeRowsInPlaceOf(stage.length_s, sampling); !fits.empty())
+      lengths.push_back(std::move(fits));
+  }
+  if (!lengths.empty()) {
+    return fmt::format(
+        "{}: expected pulses and rests that are multiples of sampling_s, {} s; take {}",
+        plan.file,
+        sampling.Times(1),
+        fmt::join(lengths, ", and "));
+  }
   const double rest_s = sampling.Times(static_cast<std::int64_t>(kRestRows));
   const bool rests = std::any_of(plan.stages.begin(), plan.stages.end(), [&](const auto& stage) {
     return stage.current_A == 0.0 && stage.length_s >= rest_s;

@@ -88,7 +88,7 @@ void WalkPlan(const Cell& cell,
   }
 }
 
-/// Why identify would take the log of such a test for no pulses, and what to do; "" where it would.
+/// Why such a test gives no log of pulses that identify takes, and what to do; "" where it does.
 [[nodiscard]] std::string WhyNoPulses(const Cell& cell,
                                       const TestPlan& plan,
                                       const DecimalStep& sampling);

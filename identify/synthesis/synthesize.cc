@@ -50,18 +50,6 @@ class Noise {
 };
 
 void CheckPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& sampling) {
-  for (const auto& stage : plan.stages) {
-    if (std::isinf(stage.length_s)) continue;
-    const auto rows = sampling.Count(stage.length_s);
-    const bool whole = std::abs(sampling.Times(rows) - stage.length_s) <= 1e-9;
-    if (!whole || (rows < 1 && stage.length_s > 0.0)) {
-      throw OptionError(fmt::format(
-          "{}: expected stages that are multiples of sampling_s, {} s; found one of {} s",
-          plan.file,
-          sampling.Times(1),
-          stage.length_s));
-    }
-  }
   Require(!plan.stages.empty() && plan.stages[0].length_s > 0.0, "a first stage that takes time");
   // What is written is what its kind says: identify refuses anything else.
   if (plan.kind == LogKind::kLowRate) {

@@ -39,10 +39,6 @@ DecimalStep SamplingOf(const SynthesisOptions& options) {
     throw OptionError(
         fmt::format("sampling: expected at most nine decimals, found {} s", options.sampling_s));
   }
-  if (options.pulse_s < options.sampling_s) {
-    throw OptionError(fmt::format(
-        "a pulse of {} s is shorter than the sampling, {} s", options.pulse_s, options.sampling_s));
-  }
   return *sampling;
 }
 

@@ -45,7 +45,7 @@ struct PlannedExperiment {
                                                const SynthesisOptions& options,
                                                const PlannedNoise& noise);
 
-/// How the rows of such a plan follow one another; OptionError where none would see a pulse.
+/// How the rows of such a plan follow one another; OptionError where no decimal says it.
 [[nodiscard]] DecimalStep SamplingOf(const SynthesisOptions& options);
 
 /// What a test would record of one cell without noise, to the last row that is not below the

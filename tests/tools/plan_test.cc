@@ -145,6 +145,15 @@ TEST(Plan, NamesTheTermsThatItLeavesOut) {
 // A pulse that empties the cell, or no rest: identify refuses such logs, and they are no advice.
 TEST(Plan, LeavesOutWhatIdentifyWouldRefuse) {
   const auto folder = TestFolder();
+  const auto rows = RunLipoid(
+      folder, {"plan", "gifi-600mAh-1", "--sampling-s", "5,7,60", "--summary", "rows.json"});
+  ASSERT_EQ(rows.exit_code, 0) << rows.err;
+  const Json of_rows = ReadJson(folder, "rows.json");
+  ASSERT_EQ(of_rows.at("rows").size(), 1U);
+  EXPECT_EQ(
+      of_rows.at("left_out")[0],
+      "pulses.csv: expected pulses and rests that are multiples of sampling_s, 7 s; take 28 or "
+      "35 s in place of 30 s, and 1764 or 1771 s in place of 1770 s");
   const auto run = RunLipoid(
       folder, {"plan", "gifi-600mAh-1", "--pulse-s", "100,250,300", "--summary", "s.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -269,7 +278,8 @@ TEST(Plan, ACampaignOfTwoTemperaturesIsIdentified) {
                                "-o",
                                "logs"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_NE(made.err.find("typical values about 25 degC are assumed"), std::string::npos) << made.err;
+  EXPECT_NE(made.err.find("typical values about 25 degC are assumed"), std::string::npos)
+      << made.err;
   const std::string campaign = ReadTextFile(folder + "/logs/campaign.toml");
   EXPECT_NE(campaign.find("file = \"pulses_0degC.csv\""), std::string::npos) << campaign;
   EXPECT_NE(campaign.find("ambient_degC = 0.0"), std::string::npos) << campaign;

@@ -119,8 +119,20 @@ TEST(ExperimentPlan, ErrorsGrowWithTheNoiseAndFallWithTheRate) {
 
 TEST(ExperimentPlan, SaysWhatDoesNotFitTogether) {
   SynthesisOptions options;
-  options.sampling_s = 60.0;
-  EXPECT_THROW((void)PlanExperiment(TestCell(), options, {}), OptionError);
+  const auto refused = [&](double sampling_s) {
+    options.sampling_s = sampling_s;
+    return PlanExperiment(TestCell(), options, {}).refused;
+  };
+  EXPECT_EQ(
+      refused(7.0),
+      "pulses.csv: expected pulses and rests that are multiples of sampling_s, 7 s; take 28 or "
+      "35 s in place of 30 s, and 1764 or 1771 s in place of 1770 s");
+  EXPECT_EQ(
+      refused(60.0),
+      "pulses.csv: expected pulses and rests that are multiples of sampling_s, 60 s; take 60 s "
+      "in place of 30 s, and 1740 or 1800 s in place of 1770 s");
+  EXPECT_EQ(refused(0.3), "");
+  EXPECT_THROW((void)refused(1.0 / 3.0), OptionError);
   Cell cell = TestCell();
   EXPECT_EQ(LeftOutOfPlan(cell, 1.0).size(), 1U);
   cell.charge_transfer.emplace();
