@@ -34,7 +34,7 @@ FlightPlan Plan(const AltitudeStepsOptions& options, std::optional<double> durat
 Maneuver AltitudeSteps() {
   return ManeuverWith<AltitudeStepsOptions, &Plan>(
       {.name = "altitude-steps",
-       .summary = "0.4 m up and down between 1.1 m and 1.5 m, five times",
+       .summary = "up and down between 1.1 m and 1.5 m, a step every 7.5 s until the flight ends",
        .source = "Fig 6.7, read off the picture",
        .changes = true});
 }

@@ -52,7 +52,9 @@ FlightPlan Plan(const AttitudeDoubletsOptions& options, std::optional<double> du
 Maneuver AttitudeDoublets() {
   return ManeuverWith<AttitudeDoubletsOptions, &Plan>(
       {.name = "attitude-doublets",
-       .summary = "pitch by 4 degrees forward and back, 1.5 m each way, five times",
+       .summary =
+           "pitch by 4 degrees forward and back, 1.5 m each way, a way every 4.5 s until the flight "
+           "ends",
        .source = "Fig 6.9, read off the picture",
        .changes = true});
 }

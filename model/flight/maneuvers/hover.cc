@@ -26,8 +26,9 @@ FlightPlan LongPlan(const HoverOptions& options, std::optional<double> duration_
 }  // namespace
 
 Maneuver Hover() {
-  return ManeuverWith<HoverOptions, &Plan>(
-      {.name = "hover", .summary = "stay at 1.1 m for 50 s", .source = "section 6.1.5's height"});
+  return ManeuverWith<HoverOptions, &Plan>({.name = "hover",
+                                            .summary = "stay at 1.1 m until the flight ends",
+                                            .source = "section 6.1.5's height"});
 }
 
 Maneuver Endurance() {
