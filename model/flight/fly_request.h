@@ -38,7 +38,7 @@ struct FlyRequest {
       self.gains,
       Word{"GAINS"},
       "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file; by default "
-      "aware for a Mambo and placed for any other vehicle");
+      "aware for a Mambo and placed for any other vehicle or controller lqr");
     v("compensate",
       self.setup.controller.compensate,
       Names(),

@@ -72,7 +72,7 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
       gains_name,
       "GAINS",
       "unaware, aware, placed (by the lag of the vehicle's motors), or a gains file (default "
-      "aware for a Mambo, placed for any other vehicle)");
+      "aware for a Mambo, placed for any other vehicle or controller lqr)");
   line.Text("controller",
             request.controller.law,
             "NAME",
