@@ -295,6 +295,9 @@ GainDesignResult DesignGains(const GainDesign& design,
   const Eigen::VectorXd from =
       problem.Point(start).cwiseMax(problem.lower()).cwiseMin(problem.upper());
   const auto& polisher = FindOptimizer("levenberg-marquardt");
+  // Its usual options: those of the search may be what kept it from the answer.
+  OptimizerSettings usual;
+  usual.context = settings.context;
   const auto minimize = [&](const GainProblem& of) {
     GainDesignResult result;
     result.optimization = optimizer.Minimize(of, from, settings);
@@ -303,7 +306,7 @@ GainDesignResult DesignGains(const GainDesign& design,
     result.gains = problem.Gains(x);
     result.at_bound = problem.AtBound(x);
     result.cost = 2.0 * problem.Cost(x);
-    const auto polished = polisher.Minimize(of, x, settings);
+    const auto polished = polisher.Minimize(of, x, usual);
     const bool better = polished.usable() && problem.Stable(problem.Gains(polished.x));
     result.polished_cost =
         better ? std::min(result.cost, 2.0 * problem.Cost(polished.x)) : result.cost;
