@@ -162,6 +162,16 @@ OptimizationSummary OptimizerEntry::Minimize(const OptimizationProblem& problem,
   return refused;
 }
 
+std::string OptimizerEntry::WhyNoAnswer(const OptimizationSummary& found) const {
+  const bool stopped = found.termination == Termination::kMaxIterations;
+  if (found.usable() && (global || !stopped)) return "";
+  return fmt::format(
+      "{} did not converge ({}){}",
+      name,
+      found.message,
+      stopped ? fmt::format("; allow it more (--set {}.iterations_per_variable=...)", name) : "");
+}
+
 const OptimizerEntry& FindOptimizer(std::string_view name) {
   return FindNamed("optimizer", name, Optimizers());
 }

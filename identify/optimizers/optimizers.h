@@ -63,6 +63,10 @@ struct OptimizerEntry {
   [[nodiscard]] OptimizationSummary Minimize(const OptimizationProblem& problem,
                                              const Eigen::VectorXd& start,
                                              const OptimizerSettings& settings = {}) const;
+
+  /// Why what it found is no answer, and what to do; "" where it ended as it should: by a tolerance
+  /// or, as a global search does, when its iterations were used up.
+  [[nodiscard]] std::string WhyNoAnswer(const OptimizationSummary& found) const;
 };
 
 [[nodiscard]] const std::vector<OptimizerEntry>& Optimizers();

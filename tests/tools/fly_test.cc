@@ -565,6 +565,24 @@ TEST(Design, OfARegulatorSaysWhatEachVoltageCosts) {
   EXPECT_NEAR(sum, summary.at("cost").get<double>(), 1e-12 * sum);
 }
 
+TEST(Design, GainsWhereASearchStoppedAreNoAnswer) {
+  const auto folder = TestFolder();
+  const auto run = RunLipoid(folder,
+                             {"design",
+                              "altitude",
+                              "--xi",
+                              "0.8:0.1:1",
+                              "--optimizer",
+                              "nelder-mead",
+                              "--set",
+                              "nelder-mead.iterations_per_variable=1",
+                              "--check",
+                              "never"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(FirstLineWithBreak(run.err).find("nelder-mead did not converge ("), std::string::npos)
+      << run.err;
+}
+
 TEST(List, KnowsManeuvers) {
   const auto folder = TestFolder();
   const auto run = RunLipoid(folder, {"list", "maneuvers", "--summary", "s.json"});

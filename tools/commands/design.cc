@@ -301,6 +301,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                              {"wall_s", longer.optimization.wall_s},
                              {"gap_percent", gap_percent(longer.cost)}};
   }
+  const std::string no_answer = optimizer.WhyNoAnswer(result.optimization);
+  if (!no_answer.empty()) line.Message("{}: these gains are where it stopped", no_answer);
   line.Print("{}", table.Text());
   line.Message("{} on {}: {} evaluations in {:.2f} s, {} ({})",
                optimizer.name,
@@ -356,7 +358,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     line.Message("{}", text);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));
-  return result.optimization.usable() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+  return no_answer.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid
