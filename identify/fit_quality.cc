@@ -18,7 +18,7 @@ namespace {
 // The grade is the worst that any quantity gives, and its reasons say which.
 class Judgement {
  public:
-  explicit Judgement(FitQuality& quality) : quality_(quality) { quality_.grade = FitGrade::kGood; }
+  explicit Judgement(FitQuality& quality) : quality_(quality) {}
 
   void Count(FitGrade grade, std::string reason) {
     if (grade == FitGrade::kGood) return;
@@ -111,19 +111,11 @@ void FitQuality::Doubt(std::string reason) {
   reasons.push_back(std::move(reason));
 }
 
-FitQuality JudgeFit(const Cell& cell,
-                    const std::vector<LogErrors>& fitted,
-                    const std::vector<ConstantCurrentErrors>& times,
-                    double moved_C,
-                    double nominal_Ah,
-                    AlphaOf alpha_of) {
-  FitQuality quality;
-  double squares = 0.0;
-  for (const LogErrors& log : fitted) {
-    squares += log.all.rmse * log.all.rmse / static_cast<double>(fitted.size());
-    quality.mean_error_percent += log.all.mean_error_percent / static_cast<double>(fitted.size());
-  }
-  quality.rmse_V = std::sqrt(squares);
+FitQuality JudgeErrors(double rmse_V, double mean_error_percent) {
+  FitQuality quality{.grade = FitGrade::kGood,
+                     .rmse_V = rmse_V,
+                     .mean_error_percent = mean_error_percent,
+                     .reasons = {}};
   Judgement judgement(quality);
   judgement.Count(GradeOf(quality.mean_error_percent, kMeanErrorLimits_percent),
                   fmt::format("a mean error of {:.3g} %; up to {:g} % is good, up to {:g} % fair",
@@ -135,6 +127,23 @@ FitQuality JudgeFit(const Cell& cell,
                               1e3 * quality.rmse_V,
                               1e3 * kRmseLimits_V.good,
                               1e3 * kRmseLimits_V.fair));
+  return quality;
+}
+
+FitQuality JudgeFit(const Cell& cell,
+                    const std::vector<LogErrors>& fitted,
+                    const std::vector<ConstantCurrentErrors>& times,
+                    double moved_C,
+                    double nominal_Ah,
+                    AlphaOf alpha_of) {
+  double squares = 0.0;
+  double mean_error_percent = 0.0;
+  for (const LogErrors& log : fitted) {
+    squares += log.all.rmse * log.all.rmse / static_cast<double>(fitted.size());
+    mean_error_percent += log.all.mean_error_percent / static_cast<double>(fitted.size());
+  }
+  FitQuality quality = JudgeErrors(std::sqrt(squares), mean_error_percent);
+  Judgement judgement(quality);
   CountTimes(times, judgement);
   std::vector<Edge> edges;
   for (const LogErrors& log : fitted) edges.insert(edges.end(), log.edges.begin(), log.edges.end());

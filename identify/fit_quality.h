@@ -57,9 +57,9 @@ inline constexpr double kHighestOpenCircuit_V = 5.0;
 
 struct FitQuality {
   FitGrade grade = FitGrade::kPoor;
-  double rmse_V = 0.0;               ///< over the fitted logs, each with the same weight
-  double mean_error_percent = 0.0;   ///< the same
-  std::vector<std::string> reasons;  ///< why it is no better; empty where it is good
+  double rmse_V = 0.0;                ///< over the fitted logs, each with the same weight
+  double mean_error_percent = 0.0;    ///< the same
+  std::vector<std::string> reasons;   ///< why it is no better; empty where it is good
   std::vector<EdgeGroup> edges = {};  ///< of all fitted logs together
 
   /// Good becomes fair for this reason; worse keeps its own.
@@ -68,6 +68,9 @@ struct FitQuality {
   /// "predicts its own logs to 8.7 mV (0.19 %): good"
   [[nodiscard]] std::string Sentence(std::string_view what = "its own logs") const;
 };
+
+/// By these two alone: what is known of a fit whose cell nobody asks about.
+[[nodiscard]] FitQuality JudgeErrors(double rmse_V, double mean_error_percent);
 
 /// Where the alpha of a cell is from: only that of the logs must be their charge down to the cut-off.
 enum class AlphaOf { kTheseLogs, kElsewhere };

@@ -167,6 +167,14 @@ Comparison CompareOptimizers(const VoltageSweep& sweep,
     result.time_to_target_s = Median(result.reached_s);
     result.evaluations_to_target = Median(result.reached_evaluations);
   }
+  const auto best =
+      std::find_if(comparison.runs.begin(), comparison.runs.end(), [&](const ComparisonRun& run) {
+        return run.optimizer == comparison.best_optimizer &&
+               run.summary.cost == comparison.best_cost;
+      });
+  ErrorMetrics errors;
+  if (best != comparison.runs.end()) errors = sweep.Errors(best->parameters.sweep).metrics;
+  comparison.best_fit = JudgeErrors(errors.rmse, errors.mean_error_percent);
   return comparison;
 }
 

@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "identify/fit_quality.h"
 #include "identify/optimizers/optimizers.h"
 #include "identify/stages/pulse_problem.h"
 #include "identify/stages/voltage_sweep.h"
@@ -85,6 +86,8 @@ struct Comparison {
   PulseParameters start;
   double best_cost = std::numeric_limits<double>::quiet_NaN();
   std::string best_optimizer;
+  /// Of the best, over all rows: gaps and successes are against it, and say nothing where it is poor.
+  FitQuality best_fit;
   /// The others whose best fit is the same but for rounding: their root mean square errors agree
   /// within kTieFraction of them, or within kTie_V. The best is then one of several.
   std::vector<std::string> tied;

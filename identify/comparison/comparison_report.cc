@@ -90,7 +90,8 @@ Json ComparisonToJson(const Comparison& comparison, bool diffusion) {
           {"best",
            {{"optimizer", comparison.best_optimizer},
             {"cost_V2", NumberOrNull(comparison.best_cost)},
-            {"tied", comparison.tied}}},
+            {"tied", comparison.tied},
+            {"fit", FitToJson(comparison.best_fit)}}},
           {"results", std::move(results)}};
 }
 

@@ -11,7 +11,7 @@
 
 namespace lipoid {
 
-/// problem[].{parameter, unit, start, lower, upper, box_upper}, best.{optimizer, cost, tied}, results[].
+/// problem[].{parameter, unit, start, lower, upper, box_upper}, best.{optimizer, cost, tied, fit}, results[].
 [[nodiscard]] Json ComparisonToJson(const Comparison& comparison, bool diffusion);
 
 /// A line that begins with # and says by which lipoid, a header with units, and one line per

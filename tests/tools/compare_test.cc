@@ -249,6 +249,70 @@ TEST(Compare, MovesNaturalParametersWhereScalingIsNone) {
   EXPECT_EQ(summary.at("options").at("scaling"), "none");
 }
 
+TEST(Compare, WhereNothingConvergedThereIsNoAnswer) {
+  const auto folder = TestFolder();
+  SynthesizeExactLogs(folder);
+  const auto stopped = [&](const std::string& optimizers) {
+    return RunLipoid(folder,
+                     Compare({"--optimizers",
+                              optimizers,
+                              "--set",
+                              "levenberg-marquardt.iterations_per_variable=0",
+                              "--set",
+                              "nelder-mead.iterations_per_variable=1"}));
+  };
+  const auto run = stopped("levenberg-marquardt,nelder-mead");
+  EXPECT_EQ(run.exit_code, 1);
+  const std::string why = OnOneLine(run.err);
+  EXPECT_NE(
+      why.find(
+          "the table shows where the optimizers stopped, and no answer: levenberg-marquardt did "
+          "not converge (No iteration was allowed.); allow it more (--set "
+          "levenberg-marquardt.iterations_per_variable=...); nelder-mead did not converge"),
+      std::string::npos)
+      << run.err;
+  EXPECT_EQ(stopped("levenberg-marquardt,sqp").exit_code, 0) << "one has an answer";
+}
+
+// From a tenth of beta a step on natural parameters seems small, and the best of one is always the best.
+TEST(Compare, TheBestOfARunThatIsWrongByAVoltIsNoSuccess) {
+  const auto folder = TestFolder();
+  SynthesizeExactLogs(folder);
+  const auto run = RunLipoid(folder,
+                             Compare({"--optimizers",
+                                      "levenberg-marquardt",
+                                      "--start",
+                                      "beta=0.02",
+                                      "--set",
+                                      "scaling=none"}));
+  EXPECT_EQ(run.exit_code, 1);
+  const Json fit = ReadJson(folder, "s.json").at("best").at("fit");
+  EXPECT_EQ(fit.at("verdict"), "poor");
+  EXPECT_GT(fit.at("rmse_V"), 1.0);
+  EXPECT_NE(OnOneLine(run.err).find("the best fit of this run predicts these logs to"),
+            std::string::npos)
+      << run.err;
+  EXPECT_NE(OnOneLine(run.out).find("Gap and success are against this best of the run."),
+            std::string::npos)
+      << run.out;
+  EXPECT_NE(OnOneLine(run.out).find("r_s ended at its bound of 0 with levenberg-marquardt; r_1 "
+                                    "ended at its bound of 0, which is no such branch, with"),
+            std::string::npos)
+      << run.out;
+}
+
+TEST(Compare, ABranchAtTheEndOfTheBoxWantsAWiderOne) {
+  const auto folder = TestFolder();
+  SynthesizeExactLogs(folder);
+  const auto run = RunLipoid(
+      folder, Compare({"--optimizers", "cma-es,levenberg-marquardt", "--set", "decades=0"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(OnOneLine(run.out).find(", the end of the box that is searched (more than --set "
+                                    "decades=0 widens it), with cma-es"),
+            std::string::npos)
+      << run.out;
+}
+
 TEST(Compare, SaysWhichSettingsChangeNothing) {
   const auto folder = TestFolder();
   SynthesizeExactLogs(folder);

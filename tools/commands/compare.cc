@@ -111,44 +111,83 @@ std::string ParametersText(const Comparison& comparison, bool diffusion) {
   return table.Text();
 }
 
-// "sqp", or all that found the same.
+// "sqp", or all that found the same, and how well it fits.
 std::string BestText(const Comparison& comparison) {
   const std::string cost = Significant(comparison.best_cost, 6);
   if (comparison.best_optimizer.empty()) return "Best: none\n";
-  if (comparison.tied.empty())
-    return fmt::format("Best: {}, cost {} V²\n", comparison.best_optimizer, cost);
-  return cli::Wrapped(fmt::format(
-             "A tie: {} and {} fit equally well (cost {} V²; their errors differ by less "
-             "than a millionth).",
-             comparison.best_optimizer,
-             fmt::join(comparison.tied, ", "),
-             cost)) +
+  std::string text = fmt::format("Best: {}, cost {} V².", comparison.best_optimizer, cost);
+  if (!comparison.tied.empty()) {
+    text = fmt::format(
+        "A tie: {} and {} fit equally well (cost {} V²; their errors differ by less "
+        "than a millionth).",
+        comparison.best_optimizer,
+        fmt::join(comparison.tied, ", "),
+        cost);
+  }
+  return cli::Wrapped(
+             fmt::format("{} The fit {}. Gap and success are against this best of the run.",
+                         text,
+                         comparison.best_fit.Sentence("these logs"))) +
          "\n";
 }
 
 // What the optimizers that found a fit left at a bound; "": nothing.
-std::string BoundsText(const Comparison& comparison) {
+std::string BoundsText(const Comparison& comparison, double decades) {
   std::vector<std::string> sentences;
-  for (const PulseVariable& v : comparison.variables) {
-    std::vector<std::string> who;
-    double value = 0.0;
-    for (const auto& r : comparison.results) {
-      if (std::count(r.at_bound.begin(), r.at_bound.end(), v.name) == 0) continue;
-      who.push_back(r.optimizer);
-      value = Entry(r.parameters, v);
+  for (std::size_t k = 0; k < comparison.variables.size(); ++k) {
+    const PulseVariable& v = comparison.variables[k];
+    for (const bool lower : {true, false}) {
+      std::vector<std::string> who;
+      double value = 0.0;
+      for (const auto& r : comparison.results) {
+        const double found = Entry(r.parameters, v);
+        if (std::count(r.at_bound.begin(), r.at_bound.end(), v.name) == 0 ||
+            lower != (found - v.lower < comparison.boxed[k].upper - found))
+          continue;
+        who.push_back(r.optimizer);
+        value = found;
+      }
+      if (who.empty()) continue;
+      std::string what;
+      if (lower && v.kind == PulseVariable::Kind::kResistance) what = ", which is no such branch,";
+      if (!lower && std::isinf(v.upper)) {
+        what = fmt::format(
+            ", the end of the box that is searched (more than --set decades={:g} widens it),",
+            decades);
+      }
+      sentences.push_back(fmt::format("{} ended at its bound of {}{} with {}",
+                                      v.name,
+                                      Significant(value),
+                                      what,
+                                      who.size() == comparison.results.size() && who.size() > 1
+                                          ? "every optimizer"
+                                          : fmt::format("{}", fmt::join(who, ", "))));
     }
-    if (who.empty()) continue;
-    sentences.push_back(fmt::format("{} ended at its bound of {}{} with {}",
-                                    v.name,
-                                    Significant(value),
-                                    v.resistive() ? ", which is no such branch," : "",
-                                    who.size() == comparison.results.size() && who.size() > 1
-                                        ? "every optimizer"
-                                        : fmt::format("{}", fmt::join(who, ", "))));
   }
   if (sentences.empty()) return "";
   return cli::Wrapped(fmt::format("{}: such a value is no finding.", fmt::join(sentences, "; "))) +
          "\n";
+}
+
+// Why no run has an answer, or the best is no fit; "": there is one.
+std::string WhyNoFit(const Comparison& comparison) {
+  if (comparison.best_optimizer.empty())
+    return "no optimizer found a finite cost; the table says why";
+  std::vector<std::string> reasons;
+  for (const ComparisonRun& run : comparison.runs) {
+    std::string reason = FindOptimizer(run.optimizer).WhyNoAnswer(run.summary);
+    if (reason.empty()) {
+      if (comparison.best_fit.grade != FitGrade::kPoor) return "";
+      return fmt::format(
+          "the best fit of this run {}: no success, whatever its gap; try random starts (--starts "
+          "20), or another start (--start)",
+          comparison.best_fit.Sentence("these logs"));
+    }
+    if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
+      reasons.push_back(std::move(reason));
+  }
+  return fmt::format("the table shows where the optimizers stopped, and no answer: {}",
+                     fmt::join(reasons, "; "));
 }
 
 }  // namespace
@@ -224,15 +263,15 @@ cli::ExitCode CompareCommand(cli::CommandLine& line) {
   const std::string problem = ProblemText(task, comparison);
   const std::string results = ResultsText(comparison, request.starts);
   const std::string parameters = ParametersText(comparison, diffusion);
+  const std::string no_fit = WhyNoFit(comparison);
+  if (!no_fit.empty()) line.Message("{}", no_fit);
   line.Print("{}\n{}\n{}\n{}{}",
              problem,
              results,
              parameters,
              BestText(comparison),
-             BoundsText(comparison));
-  const bool found = !comparison.best_optimizer.empty();
-  if (!found) line.Message("no optimizer found a finite cost; the table says why");
-  return found ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
+             BoundsText(comparison, request.options.decades));
+  return no_fit.empty() ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }
 
 }  // namespace lipoid
