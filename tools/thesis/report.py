@@ -195,11 +195,13 @@ def unstable(margins):
         + code(margins["flight_command"]) + "\n"
         "The closed form is stable for every xi, barely. With the motors' lag the pair crosses the "
         f"axis: unstable up to xi = {margins['unstable_up_to_xi']}. A flight also samples every "
-        "5 ms, which costs a little more. Its real part, from the oscillation that is left long "
-        "after the last doublet:\n\n" + table(["xi", "real part in flight / s⁻¹"], rows)
-        + f"\nIt changes sign near xi = {number(margins['unstable_in_flight_below_xi'], 2)}. The "
-        "thesis saw no such instability: a doublet is over long before it shows, with a rate of "
-        f"{number(margins['flights'][0]['rate_per_s'], 1)} per second at xi = 0.8.\n")
+        "5 ms, which costs a little more. Its real part, from the peaks of the oscillation that one "
+        "doublet leaves where no rounding of pulse widths kicks it on:\n\n"
+        + table(["xi", "real part in flight / s⁻¹"], rows)
+        + f"\nIt changes sign near xi = {number(margins['unstable_in_flight_below_xi'], 3)}. The "
+        "thesis saw no such instability: at xi = 0.8 the oscillation takes "
+        f"{number(math.log(2.0) / margins['flights'][0]['rate_per_s'], 3)} s to double, "
+        "and a flight 50 s.\n")
 
 
 # Altitude and attitude errors
