@@ -28,8 +28,7 @@ bool AreUnits(std::span<const TextCell> cells) {
     const bool in_brackets = unit.size() < Trimmed(cell.text).size();
     if (!in_brackets && unit.find_first_of("0123456789") != std::string_view::npos) return false;
     any = any || in_brackets;
-    for (const Quantity quantity :
-         {Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage, Quantity::kTemperature}) {
+    for (const Quantity quantity : kMeasured) {
       any = any || (!unit.empty() && FindUnit(quantity, unit));
     }
   }
@@ -194,6 +193,17 @@ class Planner {
   void Add(
       Quantity quantity, const HeaderMatch& match, CellKind kind, Unit unit, bool lenient = false) {
     const HeaderName& name = header_.names[match.field];
+    for (const Quantity other : kMeasured) {
+      const auto& planned = plan_.Of(other);
+      if (!planned || plan_.table.columns[planned->column].field != match.field) continue;
+      Fail(name.column,
+           fmt::format("expected a column of its own for each quantity, found '{}' for both the {} "
+                       "and the {}; name another with `columns = {{{} = \"...\"}}` (--columns)",
+                       name.text,
+                       Name(other),
+                       Name(quantity),
+                       Key(other)));
+    }
     plan_.columns[static_cast<std::size_t>(quantity)] =
         PlannedColumn{.column = plan_.table.columns.size(),
                       .unit = unit,

@@ -15,6 +15,9 @@ namespace lipoid {
 /// A column that a record is made of, or that says which row is which.
 enum class Quantity { kTime, kCurrent, kVoltage, kTemperature, kStep, kCycle, kState };
 inline constexpr std::size_t kQuantityCount = static_cast<std::size_t>(Quantity::kState) + 1;
+/// Those that have units.
+inline constexpr Quantity kMeasured[] = {
+    Quantity::kTime, Quantity::kCurrent, Quantity::kVoltage, Quantity::kTemperature};
 
 /// "time", "current", ...
 [[nodiscard]] std::string_view Name(Quantity quantity);

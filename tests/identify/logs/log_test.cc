@@ -494,6 +494,17 @@ const Wrong kWrong[] = {
      kLogHeader + kFiveRows,
      "F:1:8: error: expected a column in mA as the option units says, found 'current_A'",
      {.units = {"s", "mA", "V"}}},
+    {"one column for two quantities",
+     "time_s,pack\n0,4.1\n1,4\n",
+     "F:1:8: error: expected a column of its own for each quantity, found 'pack' for both the current "
+     "and the voltage; name another with `columns = {current_A = \"...\"}` (--columns)",
+     {.columns = {{"current_A", "pack"}, {"voltage_V", "pack"}}, .units = {"s", "A", "V"}}},
+    {"one number for two quantities",
+     "0,4.1,5\n1,4,5\n",
+     "F:1:3: error: expected a column of its own for each quantity, found '2' for both the current "
+     "and the voltage; name another with `columns = {current_A = \"...\"}` (--columns)",
+     {.columns = {{"time_s", "1"}, {"current_A", "2"}, {"voltage_V", "2"}},
+      .units = {"s", "A", "V"}}},
     {"two currents",
      "time_s,current_A,I (mA),voltage_V\n1,2,3,4\n",
      "F:1:18: error: expected one column for the current, found 'current_A' and 'I (mA)'; say "
