@@ -298,6 +298,11 @@ std::vector<HeaderMatch> FoundHeader::Find(Quantity quantity, const ReadOptions&
     HeaderMatch match{.field = field, .unit = name.unit};
     if (match.unit.empty() && FindUnit(quantity, name.suffix)) match.unit = name.suffix;
     if (match.unit.empty() && FindUnit(quantity, name.name)) match.unit = name.name;
+    for (const Quantity other : kMeasured) {  // voltage_V, which a user names as the current
+      const auto found = FindColumns(std::span(&name, 1), other, layout->Of(other));
+      if (match.unit.empty() && !found.empty() && !found.front().unit_is_wrong)
+        match.unit = found.front().unit;
+    }
     match.unit_is_wrong = !match.unit.empty() && !FindUnit(quantity, match.unit);
     matches.push_back(std::move(match));
   }
