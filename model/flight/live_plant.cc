@@ -6,11 +6,13 @@
 #include <boost/numeric/odeint/algebra/array_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
+#include <string_view>
 
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
 #include "model/flight/flight_clock.h"
 #include "model/flight/simulator.h"
+#include "model/vehicle/motor.h"
 
 namespace lipoid {
 namespace {
@@ -22,21 +24,32 @@ constexpr double kShortestStep_s = 1e-5;
 constexpr double kWindStep_s = 0.005;  // as in the simulator: the same gusts at any frame rate
 constexpr double kTakenOff_m = 0.01;
 
-// The longest step that follows motors with an inductance, as in the simulator.
-double LongestStep(const Vehicle& vehicle) {
-  if (!(vehicle.armature_inductance_H > 0.0)) return kLongestStep_s;
-  const double constant_s =
-      vehicle.armature_inductance_H / WithControllers(vehicle).armature_resistance_Ohm;
-  if (1.4 * constant_s < kShortestStep_s) {
+// The longest step that follows the motors and their inductance, as in the simulator.
+double LongestStep(const LiveSetup& setup) {
+  const Vehicle driven = WithControllers(setup.vehicle);
+  double longest_s = kLongestStep_s;
+  const auto follow = [&](std::string_view what, double constant_s, std::string_view advice) {
+    longest_s = std::min(longest_s, 1.4 * constant_s);
+    if (longest_s >= kShortestStep_s) return;
     throw OptionError(fmt::format(
-        "the armature current of {} has a time constant of {:.3g} s, which needs steps below "
-        "{:.3g} s. Give the vehicle an armature_inductance_H of 0: its motors are then as fast as "
-        "they are",
-        vehicle.name,
+        "the {} of {} has a time constant of {:.3g} s, which needs steps below {:.3g} s. {}",
+        what,
+        setup.vehicle.name,
         constant_s,
-        kShortestStep_s));
+        kShortestStep_s,
+        advice));
+  };
+  if (driven.armature_inductance_H > 0.0) {
+    follow(
+        "armature current",
+        driven.armature_inductance_H / driven.armature_resistance_Ohm,
+        "Give the vehicle an armature_inductance_H of 0: its motors are then as fast as they are");
   }
-  return std::min(kLongestStep_s, 1.4 * constant_s);
+  const double full_V = setup.cell.series * setup.cell.open_circuit_voltage(setup.initial_soc);
+  follow("motors' speed",
+         SpeedConstant_s(driven, HeldSpeed(driven, std::max(full_V, 0.0))),
+         "Look at the units of its numbers");
+  return longest_s;
 }
 
 template <std::size_t N>
@@ -45,7 +58,7 @@ class Live : public LivePlant {
   explicit Live(const LiveSetup& setup)
       : setup_(setup),
         plant_(setup.vehicle, {.drag = Blows(setup.wind)}),
-        longest_step_s_(LongestStep(setup.vehicle)) {
+        longest_step_s_(LongestStep(setup)) {
     Reset();
   }
 

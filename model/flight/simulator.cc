@@ -17,6 +17,8 @@
 #include "model/core/errors.h"
 #include "model/flight/coupling.h"
 #include "model/flight/flight_clock.h"
+#include "model/vehicle/level_flight.h"
+#include "model/vehicle/motor.h"
 
 namespace lipoid {
 namespace {
@@ -93,18 +95,31 @@ void CheckSetup(const FlightSetup& setup, const FlightPlan& plan) {
   if (setup.flight_code != nullptr) RequireQuadX(setup.vehicle, "flight code from outside");
   // Runge-Kutta of fourth order is stable up to 2.78 time constants; half of it is accurate.
   const double dt_s = kControlStep_s / setup.simulation.substeps;
-  const double constant_s =
-      setup.vehicle.armature_inductance_H / WithControllers(setup.vehicle).armature_resistance_Ohm;
-  if (constant_s > 0.0 && setup.simulation.integrator == Integrator::kRk4 &&
-      dt_s > 1.4 * constant_s) {
+  const Vehicle driven = WithControllers(setup.vehicle);
+  const auto follow = [&](std::string_view what, double constant_s) {
+    if (setup.simulation.integrator != Integrator::kRk4 || dt_s <= 1.4 * constant_s) return;
+    const double substeps = std::ceil(kControlStep_s / (1.4 * constant_s));
     throw OptionError(fmt::format(
-        "the armature current of {} has a time constant of {:.3g} s, steps of {:.3g} s cannot "
-        "follow it. Give --set simulation.substeps={} or more, or "
-        "simulation.integrator=dormand-prince",
+        "the {} of {} has a time constant of {:.3g} s, steps of {:.3g} s cannot follow it. {}",
+        what,
         setup.vehicle.name,
         constant_s,
         dt_s,
-        std::ceil(kControlStep_s / (1.4 * constant_s))));
+        substeps > kMostSubsteps ? std::string("Look at the units of its numbers")
+                                 : fmt::format("Give --set simulation.substeps={} or more, or "
+                                               "simulation.integrator=dormand-prince",
+                                               substeps)));
+  };
+  if (driven.armature_inductance_H > 0.0)
+    follow("armature current", driven.armature_inductance_H / driven.armature_resistance_Ohm);
+  if (setup.simulation.motor_lag) {
+    const double supply_V =
+        setup.cell ? setup.cell->series * setup.cell->open_circuit_voltage(setup.initial_soc)
+                   : setup.xi * driven.nominal_voltage_V;
+    follow("motors' speed",
+           SpeedConstant_s(driven,
+                           std::max(HoverByCoefficients(driven).speed_rad_per_s,
+                                    HeldSpeed(driven, std::max(supply_V, 0.0)))));
   }
   if (setup.cell) CheckStart(setup.initial_soc);
 }

@@ -35,6 +35,8 @@ constexpr std::array<std::pair<Integrator, std::string_view>, 2> OptionNames(Int
   return {{{Integrator::kRk4, "rk4"}, {Integrator::kDormandPrince, "dormand-prince"}}};
 }
 
+inline constexpr int kMostSubsteps = 10000;
+
 struct SimulationOptions {
   Integrator integrator = Integrator::kRk4;
   int substeps = 1;
@@ -52,7 +54,7 @@ struct SimulationOptions {
       "(dormand-prince)");
     v("substeps",
       self.substeps,
-      Range{1, 10000},
+      Range{1, kMostSubsteps},
       "number of steps of the plant and of the cell in a control step of 5 ms");
     v("tolerance",
       self.tolerance,

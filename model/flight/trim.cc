@@ -30,7 +30,8 @@ Trim HoverTrim(const Vehicle& vehicle, const Supply<double>& supply, bool compen
     trim.power_suffices = discriminant >= 0.0 && open_V > 0.0;
     trim.battery_V = 0.5 * (open_V + std::sqrt(std::max(discriminant, 0.0)));
     trim.duty = PulseVoltage(vehicle, hover, before_V) / trim.battery_V;
-    trim.battery_A = power_W / trim.battery_V;
+    trim.battery_A = trim.power_suffices ? power_W / trim.battery_V
+                                         : (open_V - trim.battery_V) / supply.resistance_Ohm;
     if (vehicle.esc.lossless() || trim.battery_V == before_V) break;
   }
   const double assumed_V = compensate ? trim.battery_V : vehicle.nominal_voltage_V;

@@ -27,6 +27,12 @@ T RotorAcceleration(const Vehicle& v, const T& current_A, const T& speed_rad_per
          (1.0 / v.rotor_inertia_kg_m2);
 }
 
+/// The time in which a speed near `speed_rad_per_s` settles at a constant voltage, of (3.9) and (3.10).
+inline double SpeedConstant_s(const Vehicle& v, double speed_rad_per_s) {
+  return v.rotor_inertia_kg_m2 / (v.speed_slope() / v.armature_resistance_Ohm +
+                                  2.0 * v.torque_coefficient_N_m_s2 * speed_rad_per_s);
+}
+
 /// The voltage that holds a speed, D v_b of (3.16).
 template <class T>
 T HoldingVoltage(const Vehicle& v, const T& speed_rad_per_s) {

@@ -16,9 +16,6 @@
 namespace lipoid {
 namespace {
 
-constexpr double kAboveZero = TomlReader::kAboveZero;
-constexpr double kMost = TomlReader::kLargest;
-
 constexpr auto kKeys = std::to_array<std::string_view>({"name",
                                                         "summary",
                                                         "mass_kg",
@@ -47,67 +44,78 @@ constexpr auto kKeys = std::to_array<std::string_view>({"name",
                                                         "linear_drag_N_s_per_m",
                                                         "source"});
 
-// A number of the file: where it goes, and what it must be.
+// A number of the file: where it goes, and what it must be. The ranges hold whatever may ever fly, from insects to
+// what carries people, with decades to spare: beyond them arithmetic overflows, or a unit is another.
 struct NumberKey {
   std::string_view key;
   double Vehicle::*member;
   double lo;
-  std::string_view expected;
+  double hi;
+  std::string_view what;
+  std::string_view unit;
   bool required;
+
+  [[nodiscard]] std::string Expected() const {
+    return fmt::format("{} from {:g} to {:g} {}", what, lo, hi, unit);
+  }
 };
 
 constexpr NumberKey kNumbers[] = {
-    {"mass_kg", &Vehicle::mass_kg, kAboveZero, "a mass above 0 kg", true},
-    {"arm_m", &Vehicle::arm_m, kAboveZero, "a length above 0 m", true},
+    {"mass_kg", &Vehicle::mass_kg, 1e-5, 1e5, "a mass", "kg", true},
+    {"arm_m", &Vehicle::arm_m, 1e-4, 100.0, "a length", "m", true},
     {"thrust_coefficient_N_s2",
      &Vehicle::thrust_coefficient_N_s2,
-     kAboveZero,
-     "a thrust per square of rad/s, above 0",
+     1e-13,
+     1.0,
+     "a thrust per square of rad/s",
+     "N s²",
      true},
     {"torque_coefficient_N_m_s2",
      &Vehicle::torque_coefficient_N_m_s2,
-     kAboveZero,
-     "a torque per square of rad/s, above 0",
+     1e-16,
+     1.0,
+     "a torque per square of rad/s",
+     "N m s²",
      true},
     {"motor_constant_N_m_per_A",
      &Vehicle::motor_constant_N_m_per_A,
-     kAboveZero,
-     "a motor constant above 0 N m/A",
+     1e-6,
+     100.0,
+     "a motor constant",
+     "N m/A",
      true},
     {"armature_resistance_Ohm",
      &Vehicle::armature_resistance_Ohm,
-     kAboveZero,
-     "a resistance above 0 Ohm",
+     1e-6,
+     1e4,
+     "a resistance",
+     "Ohm",
      true},
     {"armature_inductance_H",
      &Vehicle::armature_inductance_H,
      0.0,
-     "an inductance of at least 0 H",
+     1.0,
+     "an inductance",
+     "H",
      false},
-    {"friction_N_m_s", &Vehicle::friction_N_m_s, 0.0, "a friction of at least 0 N m s", true},
+    {"friction_N_m_s", &Vehicle::friction_N_m_s, 0.0, 1.0, "a friction", "N m s", true},
     {"rotor_inertia_kg_m2",
      &Vehicle::rotor_inertia_kg_m2,
-     kAboveZero,
-     "a moment of inertia above 0 kg m²",
+     1e-13,
+     100.0,
+     "a moment of inertia",
+     "kg m²",
      true},
-    {"nominal_voltage_V", &Vehicle::nominal_voltage_V, kAboveZero, "a voltage above 0 V", true},
-    {"propeller_diameter_m",
-     &Vehicle::propeller_diameter_m,
-     kAboveZero,
-     "a diameter above 0 m",
-     false},
-    {"avionics_power_W", &Vehicle::avionics_power_W, 0.0, "a power of at least 0 W", false},
-    {"linear_drag_N_s_per_m",
-     &Vehicle::linear_drag_N_s_per_m,
-     0.0,
-     "a drag of at least 0 N s/m",
-     false},
+    {"nominal_voltage_V", &Vehicle::nominal_voltage_V, 0.1, 1e4, "a voltage", "V", true},
+    {"propeller_diameter_m", &Vehicle::propeller_diameter_m, 1e-4, 100.0, "a diameter", "m", false},
+    {"avionics_power_W", &Vehicle::avionics_power_W, 0.0, 1e6, "a power", "W", false},
+    {"linear_drag_N_s_per_m", &Vehicle::linear_drag_N_s_per_m, 0.0, 1e5, "a drag", "N s/m", false},
 };
 
 void ReadInertia(const TomlReader& reader, Vehicle& vehicle) {
   auto& j = vehicle.inertia_kg_m2;
   if (!reader.Numbers(
-          "inertia_kg_m2", kAboveZero, kMost, "the moments J_x, J_y, J_z above 0 kg m²", j)) {
+          "inertia_kg_m2", 1e-13, 1e7, "the moments J_x, J_y, J_z from 1e-13 to 1e+07 kg m²", j)) {
     return;
   }
   constexpr std::string_view kAxes = "xyz";
@@ -153,7 +161,7 @@ constexpr std::array<std::pair<Rectification, std::string_view>, 2> OptionNames(
 
 void ReadSpeedController(const TomlReader& reader, SpeedController& esc) {
   reader.Number(
-      "esc_resistance_Ohm", 0.0, kMost, "a resistance of at least 0 Ohm", esc.resistance_Ohm);
+      "esc_resistance_Ohm", 0.0, 1e4, "a resistance from 0 to 10000 Ohm", esc.resistance_Ohm);
   reader.Number(
       "esc_switching_time_s", 0.0, 1e-3, "a time from 0 to 0.001 s", esc.switching_time_s);
   reader.Number("esc_switching_frequency_Hz",
@@ -185,9 +193,9 @@ void ReadRotors(const TomlReader& reader, Vehicle& vehicle) {
   reader.Choice("layout", vehicle.layout);
   reader.Choice("front_right_turns", vehicle.front_right_turns);
   if (!reader.Number("lower_rotor_thrust_ratio",
-                     kAboveZero,
+                     0.01,
                      1.0,
-                     "a ratio above 0 and at most 1",
+                     "a ratio from 0.01 to 1",
                      vehicle.lower_rotor_thrust_ratio)) {
     return;
   }
@@ -232,7 +240,7 @@ Vehicle ParseVehicle(const std::string& text, const std::string& file) {
   require("inertia_kg_m2");
   for (const NumberKey& number : kNumbers) {
     if (number.required) require(number.key);
-    reader.Number(number.key, number.lo, kMost, number.expected, vehicle.*number.member);
+    reader.Number(number.key, number.lo, number.hi, number.Expected(), vehicle.*number.member);
   }
   if (!missing.empty()) {
     reader.Problem({file},

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
+#include <string>
 
 #include "model/analysis/placed_gains.h"
 #include "model/battery/cell_file.h"
@@ -341,6 +343,65 @@ TEST(Fly, AsksForStepsThatFollowTheInductance) {
       "simulation.integrator=dormand-prince");
   setup.simulation.substeps = 358;
   EXPECT_EQ(Fly(setup, For(Hover().plan({}), 0.2)).outcome, Outcome::kCompleted);
+}
+
+TEST(Fly, AsksForStepsThatFollowTheMotors) {
+  FlightSetup setup = Coupled();
+  setup.vehicle.rotor_inertia_kg_m2 = 1e-9;
+  EXPECT_NE(test::MessageOf<OptionError>([&] {
+              (void)Fly(setup, Hover().plan({}));
+            }).find("the motors' speed of mambo-coupled has a time constant of "),
+            std::string::npos);
+  setup.simulation.substeps = 100;
+  EXPECT_EQ(Fly(setup, For(Hover().plan({}), 0.2)).outcome, Outcome::kCompleted);
+  setup.vehicle.rotor_inertia_kg_m2 = 1e-13;
+  const auto never = test::MessageOf<OptionError>([&] { (void)Fly(setup, Hover().plan({})); });
+  EXPECT_TRUE(never.ends_with("cannot follow it. Look at the units of its numbers")) << never;
+}
+
+// Each number of a vehicle at both ends of the range that its refusal names, on an ideal source and on a cell.
+TEST(Fly, VehiclesAtTheEndsOfTheirRangesFlyOrAreRefused) {
+  for (const char* const key : {"mass_kg",
+                                "arm_m",
+                                "thrust_coefficient_N_s2",
+                                "torque_coefficient_N_m_s2",
+                                "motor_constant_N_m_per_A",
+                                "armature_resistance_Ohm",
+                                "friction_N_m_s",
+                                "rotor_inertia_kg_m2",
+                                "nominal_voltage_V",
+                                "avionics_power_W",
+                                "linear_drag_N_s_per_m"}) {
+    const auto with = [&](const std::string& value) {
+      std::string text = VehicleToToml(LoadVehicle("mambo-coupled"), {});
+      if (const auto at = text.find("\n" + std::string(key) + " ="); at != text.npos)
+        text.erase(at + 1, text.find('\n', at + 1) - at);
+      return ParseVehicle(text + key + " = " + value + "\n", "v.toml");
+    };
+    const auto refusal = test::MessageOf<LoadError>([&] { (void)with("nan"); });
+    std::istringstream range(refusal.substr(refusal.find(" from ") + 6));
+    std::string lo;
+    std::string to;
+    std::string hi;
+    range >> lo >> to >> hi;
+    ASSERT_EQ(to, "to") << refusal;
+    for (const std::string& end : {lo, hi}) {
+      SCOPED_TRACE(std::string(key) + " = " + end);
+      FlightSetup setup = Coupled();
+      setup.vehicle = with(end);
+      for (const bool ideal : {false, true}) {
+        if (ideal) setup.cell.reset();
+        try {
+          const FlightResult flight = Fly(setup, For(AltitudeSteps().plan({}), 2.0));
+          EXPECT_TRUE(std::isfinite(flight.trim.duty));
+          EXPECT_TRUE(std::isfinite(flight.charge_C));
+          EXPECT_TRUE(std::isfinite(flight.final_voltage_V));
+          EXPECT_LT(std::abs(flight.charge_C), 1e6);
+        } catch (const OptionError&) {  // steps that cannot follow it
+        }
+      }
+    }
+  }
 }
 
 TEST(Fly, WindPushesAsFarAsDragSays) {

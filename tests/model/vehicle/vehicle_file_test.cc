@@ -86,12 +86,12 @@ TEST(VehicleFile, EveryMistakeIsNamedAtOnce) {
             "torque_coefficient_N_m_s2, motor_constant_N_m_per_A, armature_resistance_Ohm, "
             "friction_N_m_s, rotor_inertia_kg_m2, nominal_voltage_V, found none\n"
             "v.toml:1:8: error: name: expected a text in quotes, found ''\n"
-            "v.toml:2:24: error: inertia_kg_m2: expected the moments J_x, J_y, J_z above 0 kg m², "
-            "found nan\n"
-            "v.toml:3:9: error: arm_m: expected a length above 0 m, found 'long'");
+            "v.toml:2:24: error: inertia_kg_m2: expected the moments J_x, J_y, J_z from 1e-13 to "
+            "1e+07 kg m², found nan\n"
+            "v.toml:3:9: error: arm_m: expected a length from 0.0001 to 100 m, found 'long'");
   const std::string bad = Replaced("mass_kg = 0.5", "mass_kg = -0.5\ncolour = \"red\"");
   EXPECT_EQ(Refusal(bad + "pwm_range = [500, 10]\n[source]\nmas_kg = \"weighed\"\nmass_kg = 1\n"),
-            "v.toml:2:11: error: mass_kg: expected a mass above 0 kg, found -0.5\n"
+            "v.toml:2:11: error: mass_kg: expected a mass from 1e-05 to 100000 kg, found -0.5\n"
             "v.toml:3:1: error: expected one of the keys name, summary, mass_kg, inertia_kg_m2, "
             "arm_m, layout, front_right_turns, thrust_coefficient_N_s2, torque_coefficient_N_m_s2, "
             "lower_rotor_thrust_ratio, propeller_diameter_m, motor_constant_N_m_per_A, "
@@ -194,7 +194,7 @@ TEST(VehicleFile, EveryNumberMustBeInItsRange) {
     std::string text = Replaced("friction_N_m_s = 0\n", "");
     if (std::string_view(key) != "friction_N_m_s") text += "friction_N_m_s = 0\n";
     EXPECT_NO_THROW((void)ParseVehicle(text + key + " = 0\n", "v.toml")) << key;
-    EXPECT_NE(Refusal(text + key + " = -1e-9\n").find("of at least 0"), std::string::npos) << key;
+    EXPECT_NE(Refusal(text + key + " = -1e-9\n").find("from 0 to "), std::string::npos) << key;
   }
 }
 
@@ -208,7 +208,7 @@ TEST(VehicleFile, RefusesABodyThatCannotBe) {
             "most the sum of the other two, found J_z = 0.0031 above J_x + J_y = 0.003");
   EXPECT_EQ(Refusal(Replaced("[1e-3, 2e-3, 2.5e-3]", "[1e-3, 2e-3]")),
             "v.toml:3:17: error: inertia_kg_m2: expected 3 numbers, the moments J_x, J_y, J_z "
-            "above 0 kg m², found 2");
+            "from 1e-13 to 1e+07 kg m², found 2");
   // A flat plate is a body: its third moment is the sum of the others, 0.1 + 0.7 < 0.8 in binary.
   EXPECT_NO_THROW(
       (void)ParseVehicle(Replaced("[1e-3, 2e-3, 2.5e-3]", "[0.1, 0.7, 0.8]"), "v.toml"));
