@@ -50,11 +50,22 @@ struct EveryKind {
   }
 };
 
+struct Nested {
+  int count = 1;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& v) {
+    v("count", self.count, Range{0, 5}, "a count");
+  }
+};
+
 EveryKind Read(std::vector<std::string> arguments, std::vector<std::string>* inputs = nullptr) {
   const Command command{"kinds", "", nullptr};
   CommandLine line(command, std::move(arguments));
   EveryKind options;
   line.Each(options);
+  Nested nested;
+  line.Group("nested", nested);
   EXPECT_TRUE(line.Parse());
   if (inputs != nullptr) *inputs = line.inputs();
   return options;
@@ -113,7 +124,18 @@ TEST(Each, RefusesWhatIsNotOfItsKind) {
       {{"--bounds", "beta=1"}, "option --bounds: expected NAME=LOW,HIGH, found 'beta=1'"},
       {{"--columns", "Zeit"}, "option --columns: expected KEY=NAME, found 'Zeit'"},
       {{"--words", "a,"}, "option --words: expected NAME,..., found 'a,'"},
-      {{"--set", "flag=perhaps"}, "option flag: expected true or false, found 'perhaps'"}};
+      {{"--set", "flag=perhaps"}, "option flag: expected true or false, found 'perhaps'"},
+      {{"--fix", "beta=0.1", "beta=0.3"}, "option --fix beta is given twice; give it once"},
+      {{"--bounds", "beta=0,1", "--bounds", "beta=0,2"},
+       "option --bounds beta is given twice; give it once"},
+      {{"--columns", "time_s=a", "time_s=b"},
+       "option --columns time_s is given twice; give it once"},
+      {{"--count-it", "2", "--set", "count_it=2"}, "option count_it is given twice; give it once"},
+      {{"--set", "flag=false", "--flag"}, "option flag is given twice; give it once"},
+      {{"--set", "count_it=2", "--set", "count_it=4"},
+       "option count_it is given twice; give it once"},
+      {{"--set", "nested.count=2", "--set", "nested.count=4"},
+       "option nested.count is given twice; give it once"}};
   for (const auto& [arguments, message] : cases)
     EXPECT_EQ(test::MessageOf<OptionError>([&, &given = arguments] { (void)Read(given); }),
               message);

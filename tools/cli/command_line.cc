@@ -33,9 +33,7 @@ std::uint64_t ParseSeed(const std::string& shown, const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
   if (error != std::errc{} || end != text.data() + text.size()) {
     throw OptionError(
-        fmt::format("option {}: expected a whole number of at least 0, found '{}'",
-                    shown,
-                    text));
+        fmt::format("option {}: expected a whole number of at least 0, found '{}'", shown, text));
   }
   return seed;
 }
@@ -62,6 +60,19 @@ const std::string& NotEmpty(const std::string& shown,
                             const std::string& text) {
   if (text.empty()) throw OptionError(fmt::format("option {}: expected {}, found ''", shown, word));
   return text;
+}
+
+// The last of two would win without a word.
+void RefuseTwice(bool twice, std::string_view option) {
+  if (twice) throw OptionError(fmt::format("option {} is given twice; give it once", option));
+}
+
+template <class Value>
+void AddTo(std::map<std::string, Value>& values,
+           const std::string& shown,
+           const std::string& name,
+           Value value) {
+  RefuseTwice(!values.emplace(name, std::move(value)).second, fmt::format("{} {}", shown, name));
 }
 
 }  // namespace
@@ -317,7 +328,7 @@ void CommandLine::OfKind(const std::string& name,
   option.several = true;
   option.set = [&values](const std::string& shown, const std::string& text) {
     for (const auto& [parameter, value] : ParseAssignments(shown, {text}))
-      values[parameter] = value;
+      AddTo(values, shown, parameter, value);
   };
 }
 
@@ -331,7 +342,7 @@ void CommandLine::OfKind(const std::string& name,
     const auto equals = text.find('=');
     if (equals == std::string::npos)
       throw OptionError(fmt::format("option {}: expected {}, found '{}'", shown, expected, text));
-    values[text.substr(0, equals)] = text.substr(equals + 1);
+    AddTo(values, shown, text.substr(0, equals), text.substr(equals + 1));
   };
 }
 
@@ -342,7 +353,8 @@ void CommandLine::OfKind(const std::string& name,
   auto& option = Declare(name, word.text, "", help);
   option.several = true;
   option.set = [&values](const std::string& shown, const std::string& text) {
-    for (const auto& [parameter, ends] : ParseRanges(shown, {text})) values[parameter] = ends;
+    for (const auto& [parameter, ends] : ParseRanges(shown, {text}))
+      AddTo(values, shown, parameter, ends);
   };
 }
 
@@ -389,11 +401,9 @@ bool CommandLine::Parse() {
     for (auto& option : options_) {
       if (key != option->name && key != fmt::format("-{}", option->letter)) continue;
       const bool repeatable = option->several || option->value.empty() || option->name == "set";
-      if (option->given && !repeatable) {
-        throw OptionError(fmt::format("option --{} is given twice; give it once", option->name));
-      }
-      option->given = true;
       const std::string shown = "--" + option->name;
+      RefuseTwice(option->given && !repeatable, shown);
+      option->given = true;
       if (option->value.empty()) option->set(shown, "");
       for (const auto& value : values) option->set(shown, value);
     }
@@ -444,12 +454,17 @@ void CommandLine::SetOne(const std::string& assignment) {
     if (!option->by_set) continue;
     known.push_back(option->name);
     std::replace(known.back().begin(), known.back().end(), '-', '_');
-    if (known.back() == name) return option->set(name, value);
+    if (known.back() != name) continue;
+    RefuseTwice(option->given && !option->several, name);
+    option->given = true;
+    return option->set(name, value);
   }
-  for (const auto& group : groups_) {
+  for (auto& group : groups_) {
     for (const auto& option : group.options) {
       known.push_back(group.FullName(option));
-      if (known.back() == name) return group.set(option.name, value);
+      if (known.back() != name) continue;
+      RefuseTwice(!group.given.insert(name).second, name);
+      return group.set(option.name, value);
     }
   }
   throw OptionError("option --set: " + UnknownName("option", name, known));

@@ -36,6 +36,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -276,6 +277,7 @@ class CommandLine {
     std::string prefix;
     std::vector<OptionDescription> options;
     std::function<void(std::string_view, std::string_view)> set;
+    std::set<std::string> given = {};  // by their full names
 
     [[nodiscard]] std::string FullName(const OptionDescription& option) const {
       return prefix.empty() ? option.name : prefix + "." + option.name;
