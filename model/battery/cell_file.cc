@@ -314,14 +314,18 @@ std::vector<std::string> ReadParameters(const JsonReader& list, const Cell& cell
 }
 
 // Rows of a covariance: square, symmetric and without negative variances, but for rounding.
-std::vector<std::vector<double>> ReadCovariance(const JsonReader& json, std::size_t size) {
+std::vector<std::vector<double>> ReadCovariance(const JsonReader& json,
+                                                const std::vector<std::string>& names) {
+  const std::size_t size = names.size();
   if (json.Size() != size) json.Fail(fmt::format("{} rows, one for each parameter", size));
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < size; ++i) {
     const JsonReader row = json.Item(i);
     rows.push_back(row.Numbers(-kInfinity, kInfinity));
     if (rows[i].size() != size) row.Fail(fmt::format("{} numbers, as there are rows", size));
-    if (rows[i][i] < 0.0) row.Item(i).Fail("a variance of at least 0");
+    const double most = names[i].starts_with("c_") ? kMostCapacitance_F : kMostOfACell;
+    if (!(rows[i][i] >= 0.0 && rows[i][i] <= most * most))
+      row.Item(i).Fail(fmt::format("a variance from 0 to {:g}", most * most));
     for (std::size_t j = 0; j < i; ++j) {
       const double largest = std::sqrt(rows[i][i]) * std::sqrt(rows[j][j]);
       if (!(std::abs(rows[i][j] - rows[j][i]) <= kCovarianceRounding * largest)) {
@@ -349,8 +353,8 @@ Cell::Uncertainty ReadUncertainty(const JsonReader& json, const Cell& cell) {
   json.OnlyKeys({"parameters", "covariance", "degrees_of_freedom", "soc_follows_alpha"});
   Cell::Uncertainty uncertainty;
   uncertainty.parameters = ReadParameters(json.At("parameters"), cell);
-  uncertainty.covariance = ReadCovariance(json.At("covariance"), uncertainty.parameters.size());
-  uncertainty.degrees_of_freedom = json.At("degrees_of_freedom").Number(1.0, kInfinity);
+  uncertainty.covariance = ReadCovariance(json.At("covariance"), uncertainty.parameters);
+  uncertainty.degrees_of_freedom = json.At("degrees_of_freedom").Number(1.0, kMostOfACell);
   if (const auto follows = json.Find("soc_follows_alpha"))
     uncertainty.soc_follows_alpha = follows->Boolean();
   return uncertainty;

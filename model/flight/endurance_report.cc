@@ -169,6 +169,21 @@ Json LackToJson(const EnduranceResult& result) {
           {"total_s", result.lack_s}};
 }
 
+// Draws that stop at the ends of their ranges may all lie on one side of the estimate; "": they do not.
+std::string OutsideInterval(const EnduranceAnswer& answer) {
+  const EnduranceNumber& minutes = kNumbers[0];
+  const double estimate = minutes.of(answer.estimate);
+  const auto interval = IntervalOf(answer, minutes);
+  if (!interval || (interval->first <= estimate && estimate <= interval->second)) return "";
+  return fmt::format(
+      "the interval of the flight time, {:.4g} to {:.4g} min, leaves out the estimate of {:.4g} min: the "
+      "uncertainties are so wide that what is drawn from them is not like the cell; identify it with more "
+      "logs, or give smaller standard errors",
+      interval->first,
+      interval->second,
+      estimate);
+}
+
 }  // namespace
 
 std::span<const EnduranceNumber> EnduranceNumbers() { return kNumbers; }
@@ -229,7 +244,8 @@ std::vector<std::string> EnduranceDoubts(const EnduranceRequest& request,
   };
   add(DoubtAboutPack(request.vehicle, request.cell.series));
   if (request.uncertain()) {
-    add(DoubtAboutFew(answer.flights.size(), "flights"));
+    const std::string few = DoubtAboutFew(answer.flights.size(), "flights");
+    add(few.empty() ? OutsideInterval(answer) : few);
   } else {
     add(fmt::format(
         "no intervals: {} does not say how uncertain it is, and no value was given as X+-SE",
