@@ -403,6 +403,30 @@ TEST(NothingLost, StandardOutputIsTheSameByAllOfItsNames) {
     EXPECT_EQ(converted(output), expected) << output;
 }
 
+TEST(NothingLost, WhatIsPrintedDoesNotMixWithAFileOnStandardOutput) {
+  const auto folder = TestFolder();
+  const std::vector<std::string> poles{"poles", "altitude", "--xi", "0.9"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), poles.begin(), poles.end());
+    return RunLipoid(folder, more);
+  };
+  const auto printed = RunLipoid(folder, poles);
+  ASSERT_EQ(with({"-o", "rows.csv"}).out, printed.out);
+  const auto run = with({"-o", "-"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out, ReadTextFile(folder + "/rows.csv"));
+  EXPECT_NE(run.err.find(printed.out), std::string::npos) << run.err;
+  EXPECT_EQ(with({"-o", "-", "--quiet"}).err, "");
+  EXPECT_EQ(Json::parse(with({"--summary", "/dev/stdout"}).out).at("command"), "poles");
+  EXPECT_EQ(with({"-o", "-", "--help"}).err, "");
+  const auto twice = with({"-o", "-", "--summary", "/dev/fd/1"});
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(
+      twice.err.find("options -o and --summary: '/dev/stdout' is named twice; name two files"),
+      std::string::npos)
+      << twice.err;
+}
+
 TEST(NothingLost, ADraftKeepsTheCampaignThatWasThere) {
   const auto folder = TestFolder();
   ASSERT_EQ(

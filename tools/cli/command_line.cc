@@ -546,6 +546,11 @@ bool CommandLine::Sets(std::string_view prefix) const {
   });
 }
 
+std::FILE* CommandLine::OutputStream() const {
+  if (!parsed_ || !files_.WriteToStandardOutput()) return stdout;
+  return quiet_ ? nullptr : stderr;
+}
+
 void CommandLine::WriteMessage(std::string text) {
   progress_->Wipe();
   text = ForeignLines(text);

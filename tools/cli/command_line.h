@@ -31,6 +31,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <memory>
@@ -248,6 +249,9 @@ class CommandLine {
     fmt::format_to(std::back_inserter(output_), format, std::forward<Args>(args)...);
   }
   [[nodiscard]] const std::string& output() const { return output_; }
+  /// Where it goes: to standard error like a message, null where that is silent, if a file of this command is
+  /// standard output.
+  [[nodiscard]] std::FILE* OutputStream() const;
 
   /// A message on standard error, silenced by --quiet.
   template <class... Args>

@@ -106,12 +106,12 @@ Json SummaryJson(const std::string& command,
 }
 
 // Data reach standard output whole. A reader who left early had enough; a full disk is an error.
-void WriteStandardOutput(const std::string& text) {
-  if (text.empty()) return;
+void WriteStandardOutput(const std::string& text, std::FILE* stream = stdout) {
+  if (text.empty() || stream == nullptr) return;
   errno = 0;
   const std::string shown = ForeignLines(text);
-  const bool written = std::fwrite(shown.data(), 1, shown.size(), stdout) == shown.size() &&
-                       std::fflush(stdout) == 0;
+  const bool written = std::fwrite(shown.data(), 1, shown.size(), stream) == shown.size() &&
+                       std::fflush(stream) == 0;
   if (!written && errno != EPIPE) {
     throw OptionError(std::string("cannot write to standard output: ") + std::strerror(errno));
   }
@@ -244,7 +244,7 @@ int RunChecked(std::span<const Command> commands, std::vector<std::string> argum
     const TablesForPaper tables;
     exit_code = command.run(*line);
     line->progress().Wipe();  // a result is not printed behind a bar
-    WriteStandardOutput(line->output());
+    WriteStandardOutput(line->output(), line->OutputStream());
     if (line->parsed() && !(summary_file.empty() && line->report_file().empty())) {
       if (line->can_report()) line->summary()["run"] = line->RunJson();
       ReportResult result{SummaryJson(name, exit_code, line->summary(), nullptr),

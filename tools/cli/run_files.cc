@@ -40,6 +40,8 @@ Place PlaceOf(const std::string& path) {
   return {status.st_dev, status.st_ino, LowerCase(file.filename().string())};
 }
 
+constexpr std::string_view kStandardOutput = "/dev/stdout";
+
 // Pipes, terminals and /dev/null hold nothing that could be lost.
 bool IsSpecial(const std::string& path) {
   struct stat status {};
@@ -48,16 +50,22 @@ bool IsSpecial(const std::string& path) {
 
 }  // namespace
 
+bool RunFiles::WriteToStandardOutput() const {
+  return std::any_of(outputs_.begin(), outputs_.end(), [](const Output& output) {
+    return output.path == kStandardOutput;
+  });
+}
+
 void RunFiles::CheckNothingIsLost() const {
   std::vector<std::pair<Place, const Output*>> outputs;
   // What the shell made of standard output is an output as well.
-  const Output standard_output{"standard output", "/dev/stdout"};
+  const Output standard_output{"standard output", std::string(kStandardOutput)};
   std::error_code none;
-  if (std::filesystem::is_regular_file(standard_output.path, none)) {
+  if (!WriteToStandardOutput() && std::filesystem::is_regular_file(standard_output.path, none)) {
     outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
   }
   for (const Output& output : outputs_) {
-    if (output.path != standard_output.path && !IsSpecial(output.path))
+    if (output.path == kStandardOutput || !IsSpecial(output.path))
       outputs.emplace_back(PlaceOf(output.path), &output);
   }
   for (std::size_t k = 0; k < outputs.size(); ++k) {
@@ -77,7 +85,7 @@ void RunFiles::CheckNothingIsLost() const {
     for (const auto& [place, output] : outputs) {
       if (!(place == read)) continue;
       throw OptionError(
-          output == &standard_output
+          output->path == kStandardOutput
               ? fmt::format("standard output is '{}', which is also an input; name another file",
                             input)
               : fmt::format("option {}: '{}' is also an input; name another file",
@@ -156,7 +164,7 @@ bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(
 
 std::string OutputPath(const std::string& text) {
   const bool is_standard_output = text == "-" || text == "/dev/fd/1" || text == "/proc/self/fd/1";
-  return is_standard_output ? "/dev/stdout" : text;
+  return is_standard_output ? std::string(kStandardOutput) : text;
 }
 
 }  // namespace lipoid::cli

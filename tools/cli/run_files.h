@@ -30,6 +30,8 @@ class RunFiles {
   /// an input or another output, or cannot be written. A folder that is not there may be made later.
   void AddOutputs(std::string_view shown, const std::vector<std::string>& paths);
 
+  /// Whether one of the files that are written is standard output.
+  [[nodiscard]] bool WriteToStandardOutput() const;
   /// OptionError where an output is an input or another output.
   void CheckNothingIsLost() const;
   /// OptionError where an input is none of those that the run record of a summary names.

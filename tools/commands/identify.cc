@@ -72,7 +72,7 @@ std::string IdentificationText(const Campaign& campaign,
 // Where the cell of a campaign goes: the file named, or one in the folder named, called after the
 // campaign (or after its folder, where all are called the same).
 std::string CellPath(const std::string& output, const Campaign& campaign, bool folder) {
-  if (!folder) return output;
+  if (!folder) return cli::OutputPath(output);
   namespace fs = std::filesystem;
   const fs::path file = fs::absolute(campaign.file);
   const std::string stem = file.stem() == "campaign" ? file.parent_path().filename() : file.stem();
