@@ -7,8 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "identify/fit_quality.h"
 #include "model/battery/arrhenius.h"
+#include "model/battery/fit_record.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 
@@ -32,14 +32,6 @@ double NumberOr(const Json& json, double otherwise) {
   return json.is_number() ? json.get<double>() : otherwise;
 }
 
-// A member of the run record's metrics; null where there is none.
-const Json& Metric(const Cell& cell, const char* key) {
-  static const Json kNull = nullptr;
-  if (!cell.run || !cell.run->is_object() || !cell.run->contains("metrics")) return kNull;
-  const Json& metrics = cell.run->at("metrics");
-  return metrics.is_object() && metrics.contains(key) ? metrics.at(key) : kNull;
-}
-
 void TakeInterval(const Json& entry, double scale, Estimate& estimate) {
   if (!entry.contains("interval_95") || !entry["interval_95"].is_array() ||
       entry["interval_95"].size() != 2)
@@ -50,7 +42,7 @@ void TakeInterval(const Json& entry, double scale, Estimate& estimate) {
 
 Estimate Parameter(const Cell& cell, const char* name, double value, double scale) {
   Estimate estimate{.value = scale * value};
-  const Json& parameters = Metric(cell, "parameters");
+  const Json& parameters = FitMetric(cell, "parameters");
   if (!parameters.is_array()) return estimate;
   for (const Json& entry : parameters) {
     if (entry.is_object() && entry.value("name", "") == name) TakeInterval(entry, scale, estimate);
@@ -79,7 +71,7 @@ Estimate Beta(const Cell& cell) {
 
 Estimate ResistanceAfterPulse(const Cell& cell, double after_s) {
   Estimate estimate{.temperature_degC = TemperatureOf(cell)};
-  const Json& resistances = Metric(cell, "resistance");
+  const Json& resistances = FitMetric(cell, "resistance");
   if (!resistances.is_array()) return estimate;
   for (const Json& entry : resistances) {
     if (!entry.is_object() || NumberOr(entry.value("after_s", Json()), kNaN) != after_s) continue;
@@ -169,14 +161,8 @@ std::string DoubtAboutTemperatures(const std::vector<Cell>& cells) {
          "a change may be one of the temperature, 6 K of which are a sixth of a resistance";
 }
 
-bool IsOfPoorFit(const Cell& cell) {
-  const Json& verdict = Metric(cell, "verdict");
-  return verdict.is_object() &&
-         verdict.value("grade", Json()) == options_internal::ToText(FitGrade::kPoor);
-}
-
 std::string AgeOf(const Cell& cell) {
-  const Json& age = Metric(cell, "age");
+  const Json& age = FitMetric(cell, "age");
   return age.is_string() ? age.get<std::string>() : "";
 }
 

@@ -68,9 +68,6 @@ struct AgedQuantity {
 /// Why changes may be those of a temperature that no cell file knows. "" where one of them does.
 [[nodiscard]] std::string DoubtAboutTemperatures(const std::vector<Cell>& cells);
 
-/// Whether `identify` found that the cell does not describe its own logs.
-[[nodiscard]] bool IsOfPoorFit(const Cell& cell);
-
 /// The age that the campaign of a cell gave it; "" where it gave none.
 [[nodiscard]] std::string AgeOf(const Cell& cell);
 

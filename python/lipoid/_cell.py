@@ -140,7 +140,9 @@ class Cell:
     def read(cls, name_or_file: str | os.PathLike[str]) -> Cell:
         """Read a cell file, or take a cell that is shipped, by its name (:func:`cells`)."""
         wanted = "a path or the name of a shipped cell"
-        return cls._of(_core.load_cell(present("name_or_file", name_or_file, wanted)))
+        cell = cls._of(_core.load_cell(present("name_or_file", name_or_file, wanted)))
+        cell._tell(_core.doubt_about_fit(cell._core))
+        return cell
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Cell:

@@ -18,6 +18,7 @@
 #include "identify/surroundings_request.h"
 #include "model/battery/cell_ensemble.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/fit_record.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/battery/typical_temperature.h"
@@ -344,6 +345,10 @@ void AddCells(nb::module_& module) {
              &ImpossibleIn,
              nb::arg("time_s").noconvert(),
              nb::arg("temperature_degC").noconvert());
+  module.def(
+      "doubt_about_fit",
+      [](const PythonCell& cell) { return DoubtAboutFit(cell.cell); },
+      nb::arg("cell"));
   module.def("doubt_about_moved", &DoubtAboutMoved, nb::arg("moved"), nb::arg("cells"));
   module.def("doubt_about_few", &DoubtAboutFew, nb::arg("count"), nb::arg("things"));
   module.def("cell_names", &ShippedCellNames);

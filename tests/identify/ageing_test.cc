@@ -8,6 +8,7 @@
 
 #include "model/battery/arrhenius.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/fit_record.h"
 
 namespace lipoid {
 namespace {

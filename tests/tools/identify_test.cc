@@ -473,6 +473,32 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
   }
 }
 
+TEST(Identify, OfAPoorFitIsToldWhereverTheCellIsLoaded) {
+  const auto folder = TestFolder();
+  SynthesizeLogs(folder, "gifi-600mAh-1", "logs");
+  const auto poor = RunLipoid(folder,
+                              {"identify",
+                               "logs/campaign.toml",
+                               "--method",
+                               "staged",
+                               "--alpha-C",
+                               "1",
+                               "-o",
+                               "-",
+                               "--quiet"});
+  EXPECT_EQ(poor.exit_code, 1) << poor.err;
+  EXPECT_EQ(poor.err, "");
+  EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"logs"}));
+  WriteFileAtomically(folder + "/poor.json", poor.out);
+  EXPECT_EQ(ReadCellFile(folder + "/poor.json").diffusion->alpha_C, 1.0);
+  const auto run =
+      RunLipoid(folder, {"simulate", "poor.json", "--current", "logs/cc_1C.csv", "-o", "s.csv"});
+  EXPECT_NE(run.err.find("poor.json: lipoid identify judged its fit poor: do not rely on what it "
+                         "predicts (alpha is "),
+            std::string::npos)
+      << run.err;
+}
+
 TEST(Identify, HoldsWhatIsGiven) {
   const auto folder = TestFolder();
   SynthesizeLogs(folder, "gifi-600mAh-1", "logs");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/battery/cell_file.h"
+#include "model/battery/fit_record.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 

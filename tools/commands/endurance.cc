@@ -10,7 +10,6 @@
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
-#include "model/battery/cell_file.h"
 #include "model/battery/curve_range.h"
 #include "model/battery/temperature_range.h"
 #include "model/core/errors.h"
@@ -22,6 +21,7 @@
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/uncertain_option.h"
 
 namespace lipoid {
@@ -241,7 +241,7 @@ cli::ExitCode EnduranceCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  request.cell = LoadCell(cell_name);
+  request.cell = LoadCell(line, cell_name);
   pack.ApplyTo(request.cell);
   const std::string& vehicle_name = choices.vehicle.path;
   choices.ApplyTo(request);

@@ -21,6 +21,7 @@
 #include "tools/cli/foreign_files.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 
 namespace lipoid {
 namespace {
@@ -145,6 +146,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
 
   const std::string text = CellText(cell_name);
   Cell cell = ParseCell(text, cell_name);
+  TellAboutFit(line, cell, cell_name);
   pack.ApplyTo(cell);
   SetCell(request, cell);
   request.source = cell_name;

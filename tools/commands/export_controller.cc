@@ -15,6 +15,7 @@
 #include "model/vehicle/vehicle_file.h"
 #include "tools/cli/foreign_files.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 
 namespace lipoid {
 namespace {
@@ -117,7 +118,7 @@ cli::ExitCode ExportControllerCommand(cli::CommandLine& line) {
                     OriginOfGains(gains_name, request)};
   if (!lowest_V) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
-    Cell cell = LoadCell(cell_name);
+    Cell cell = LoadCell(line, cell_name);
     if (cell.series == 1 && request.vehicle.series_cells > 1) {
       cell.series = request.vehicle.series_cells;
       line.Message(

@@ -9,7 +9,6 @@
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
 #include "model/analysis/stability_json.h"
-#include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
@@ -25,6 +24,7 @@
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
 #include "tools/commands/ensemble_option.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/wind_option.h"
 #include "tools/report/flight_series.h"
 
@@ -224,7 +224,7 @@ cli::ExitCode FlyCommand(cli::CommandLine& line) {
   }
   if (source == Battery::kCell) {
     if (cell_name.empty()) cell_name = "gifi-600mAh-1";
-    setup.cell = LoadCell(cell_name);
+    setup.cell = LoadCell(line, cell_name);
     pack.ApplyTo(*setup.cell);
     if (setup.ambient_degC) setup.cell = KnowingTemperature(line, *setup.cell, cell_name);
     setup.initial_soc = start.Soc(*setup.cell, {.ambient_degC = setup.ambient_degC});

@@ -13,9 +13,9 @@
 #include "identify/logs/read_logs.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
-#include "model/battery/cell_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 
 namespace lipoid {
 namespace {
@@ -72,7 +72,7 @@ cli::ExitCode HealthCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const Cell cell = LoadCell(cell_name);
+  const Cell cell = LoadCell(line, cell_name);
   std::vector<Log> logs = ReadFlights(files, reading.Resolve());
   options.series = SeriesOfPack(logs, pack.series);
   options.parallel = pack.parallel.value_or(1);

@@ -7,9 +7,9 @@
 
 #include "identify/trust/plan_grid.h"
 #include "identify/trust/profile.h"
-#include "model/battery/cell_file.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/trust_text.h"
 
 namespace lipoid {
@@ -107,7 +107,7 @@ cli::ExitCode PlanCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  const Cell cell = LoadCell(cell_name);
+  const Cell cell = LoadCell(line, cell_name);
   const PlanGridResult result =
       PlanVariations(cell, grid, [&](double share) { line.progress().Update(share, "planning"); });
 

@@ -13,7 +13,6 @@
 #include "identify/logs/discharge.h"
 #include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
-#include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
 #include "model/battery/prediction_band.h"
 #include "model/core/counted.h"
@@ -21,6 +20,7 @@
 #include "model/core/errors.h"
 #include "tools/commands.h"
 #include "tools/commands/ensemble_option.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/surroundings_options.h"
 
 namespace lipoid {
@@ -132,7 +132,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   line.Each(reading);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  Cell cell = LoadCell(cell_name);
+  Cell cell = LoadCell(line, cell_name);
   pack.ApplyTo(cell);
   TellWhatSaysNothing(line, cell, surroundings_request);
   auto read = reading.Resolve();

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "identify/pack_request.h"
-#include "model/battery/cell_file.h"
 #include "model/battery/curve_range.h"
 #include "model/core/errors.h"
 #include "model/flight/ardupilot_json.h"
@@ -15,6 +14,7 @@
 #include "tools/cli/run.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/udp_server.h"
 #include "tools/commands/wind_option.h"
 
@@ -138,7 +138,7 @@ cli::ExitCode SitlCommand(cli::CommandLine& line) {
   line.Each(start);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  setup.cell = LoadCell(cell_name);
+  setup.cell = LoadCell(line, cell_name);
   pack.ApplyTo(setup.cell);
   setup.initial_soc = start.Soc(setup.cell);
   setup.vehicle = ForArduCopter(LoadVehicle(vehicle_name));

@@ -15,6 +15,7 @@
 #include "tools/cli/foreign_files.h"
 #include "tools/commands.h"
 #include "tools/commands/ambient_option.h"
+#include "tools/commands/loaded_cell.h"
 
 namespace lipoid {
 namespace {
@@ -57,7 +58,7 @@ cli::ExitCode SynthesizeCommand(cli::CommandLine& line) {
   line.Each(options);
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  Cell cell = LoadCell(cell_name);
+  Cell cell = LoadCell(line, cell_name);
   const auto changed = ParseAssignments("--with", changes);
   try {
     SetCellParameters(cell, changed);

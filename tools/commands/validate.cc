@@ -10,10 +10,10 @@
 #include "identify/pack_request.h"
 #include "identify/stages/staged_report.h"
 #include "identify/validation.h"
-#include "model/battery/cell_file.h"
 #include "model/core/counted.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
+#include "tools/commands/loaded_cell.h"
 #include "tools/commands/log_options.h"
 #include "tools/commands/surroundings_options.h"
 #include "tools/report/log_series.h"
@@ -42,7 +42,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
-  Cell cell = LoadCell(cell_name);
+  Cell cell = LoadCell(line, cell_name);
   pack.ApplyTo(cell);
   TellWhatSaysNothing(line, cell, surroundings);
   CampaignArguments arguments;
