@@ -253,6 +253,15 @@ TEST_F(Report, RefusesValuesOfAnotherType) {
               s["run"]["inputs"] = {7};
             }).find(": error: /run/inputs/0: expected an object, found 7"),
             std::string::npos);
+  // The run record has no numbers, and a page needs all of it.
+  EXPECT_NE(message([](Json& s) {
+              s["run"]["arguments"] = nullptr;
+            }).find(": error: /run/arguments: expected a list, found null"),
+            std::string::npos);
+  EXPECT_NE(message([](Json& s) {
+              s["run"]["inputs"] = {nullptr};
+            }).find(": error: /run/inputs/0: expected an object, found null"),
+            std::string::npos);
   // What could not be computed is null, and what a later lipoid adds is passed over.
   EXPECT_EQ(Changed(poles,
                     [](Json& s) {

@@ -36,9 +36,10 @@ std::string Words(const std::string& type) {
 
 // The part of JSON Schema that tools/schemas writes: type, properties, required and items, of which
 // those with the key `error` may have a schema of their own. The depth is that of the schema, whatever the file holds. The schemas were found from some runs: what had
-// a value in all of them may have none in others, and which parameters there are (`by_name`) depends on the cell.
+// a value in all of them may have none in others, but in `exact` schemas, and which parameters there are (`by_name`)
+// depends on the cell.
 void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_name = false) {
-  if (value.is_null()) return;
+  if (value.is_null() && !schema.contains("exact")) return;
   if (const auto found = schema.find("type"); found != schema.end()) {
     const auto types = found->is_array() ? found->get<std::vector<std::string>>()
                                          : std::vector{found->get<std::string>()};
@@ -78,17 +79,19 @@ void Check(const Json& schema, const Json& value, const JsonReader& at, bool by_
 // Of any command: the runs that the schemas were found from need not have had an input.
 const Json& SchemaOfRun() {
   static const Json schema = [] {
-    const Json text = {{"type", "string"}};
+    const Json text = {{"type", "string"}, {"exact", true}};
     const Json input = {{"type", "object"},
+                        {"exact", true},
                         {"required", {"file", "sha256"}},
                         {"properties", {{"file", text}, {"sha256", text}}}};
     return Json{{"type", "object"},
+                {"exact", true},
                 {"required", {"arguments", "version", "commit", "inputs"}},
                 {"properties",
-                 {{"arguments", {{"type", "array"}, {"items", text}}},
+                 {{"arguments", {{"type", "array"}, {"exact", true}, {"items", text}}},
                   {"version", text},
                   {"commit", text},
-                  {"inputs", {{"type", "array"}, {"items", input}}}}}};
+                  {"inputs", {{"type", "array"}, {"exact", true}, {"items", input}}}}}};
   }();
   return schema;
 }
