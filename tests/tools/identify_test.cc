@@ -449,6 +449,8 @@ TEST(Identify, RefusesWhatDoesNotFitTogether) {
        "give either a campaign file or logs by options"},
       {{"logs/campaign.toml", "--cutoff-V", "3"},
        "option --cutoff-V goes with logs given by options"},
+      {{"logs/campaign.toml", "--battery", "2"},
+       "option --battery goes with logs given by options"},
       {{"logs/campaign.toml", "--fix", "q_1=3"},
        "--fix: no parameter 'q_1' in this fit; there are beta, r_s"},
       {{"logs/campaign.toml", "--fix", "beta"}, "option --fix: expected NAME=VALUE, found 'beta'"},
