@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <unsupported/Eigen/Polynomials>
+#include <vector>
 
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
@@ -61,6 +62,20 @@ Poles Roots(Polynomial p) {
   return poles;
 }
 
+// Whether all roots have negative real parts, by Routh's array: found roots are only as near to the axis as
+// their largest allows, and slow ones are nearer.
+bool IsHurwitz(const Polynomial& p) {
+  std::vector<double> a(p.begin(), p.end());  // by falling powers
+  while (a.size() > 1 && a.back() == 0.0) a.pop_back();
+  std::reverse(a.begin(), a.end());
+  for (std::size_t row = 1; row < a.size(); ++row) {
+    if (!(a[row] > 0.0)) return false;
+    const double ratio = a[row - 1] / a[row];
+    for (std::size_t k = row + 1; k + 1 < a.size(); k += 2) a[k] -= ratio * a[k + 1];
+  }
+  return true;
+}
+
 // One axis: s³/(kappa G) and P, both without a factor s where there is no integral gain.
 struct Axis {
   Polynomial inertia;  // s³ (lag s + 1)(T/2 s + 1)/kappa
@@ -83,7 +98,7 @@ struct OpenLoop {
   Polynomial numerator;
   Polynomial denominator;
 
-  [[nodiscard]] Poles ClosedPoles() const { return Roots(Sum(numerator, denominator)); }
+  [[nodiscard]] Polynomial Characteristic() const { return Sum(numerator, denominator); }
   [[nodiscard]] Complex At(double omega) const {
     const Complex s(0.0, omega);
     return Eigen::poly_eval(numerator, s) / Eigen::poly_eval(denominator, s);
@@ -150,9 +165,9 @@ LoopStability Judge(std::string_view name, const OpenLoop& flown, const OpenLoop
   result.loop = name;
   result.damping = 1.0;
   result.frequency_rad_per_s = kNaN;
-  const Poles poles = flown.ClosedPoles();
+  const Poles poles = Roots(flown.Characteristic());
   result.pole = poles.empty() ? Complex(0.0, 0.0) : poles.front();
-  const Poles still = quasistatic.ClosedPoles();
+  const Poles still = Roots(quasistatic.Characteristic());
   result.quasistatic_per_s = still.empty() ? 0.0 : still.front().real();
   for (const Complex& pole : poles) {
     const double damping = -pole.real() / std::abs(pole);
@@ -160,6 +175,7 @@ LoopStability Judge(std::string_view name, const OpenLoop& flown, const OpenLoop
     result.damping = damping;
     result.frequency_rad_per_s = std::abs(pole);
   }
+  result.decays = IsHurwitz(flown.Characteristic()) && IsHurwitz(quasistatic.Characteristic());
   if (result.stable()) {
     Margins(flown, result);
   } else {
@@ -190,8 +206,13 @@ std::pair<const HoverStability*, const LoopStability*> Worst(std::span<const Hov
 
 std::string Unstable(const HoverStability& hover, const LoopStability& loop) {
   const double growth_per_s = std::max(loop.pole.real(), loop.quasistatic_per_s);
-  if (growth_per_s < 1e-6) {
+  if (loop.pole == 0.0 || growth_per_s == 0.0) {
     return fmt::format("the {} loop is unstable {}: nothing brings it back, as its K_e is 0",
+                       loop.loop,
+                       Times(hover.xi, hover.when));
+  }
+  if (growth_per_s < 0.0) {  // by rounding
+    return fmt::format("the {} loop is unstable {}: its error does not decay",
                        loop.loop,
                        Times(hover.xi, hover.when));
   }
@@ -205,11 +226,6 @@ std::string Unstable(const HoverStability& hover, const LoopStability& loop) {
 }
 
 }  // namespace
-
-bool LoopStability::stable() const {
-  constexpr double kNone_per_s = -1e-9;  // a pole at 0, as far as roots are found
-  return pole.real() < kNone_per_s && quasistatic_per_s < kNone_per_s;
-}
 
 bool HoverStability::stable() const {
   return std::all_of(

@@ -46,7 +46,9 @@ struct LoopStability {
   double gain_margin_down;
   double phase_margin_deg;  ///< NaN: the loop is unstable, or its gain never passes 1
 
-  [[nodiscard]] bool stable() const;
+  bool decays;  ///< whether every pole of both has a negative real part, by Routh's criterion
+
+  [[nodiscard]] bool stable() const { return decays; }
   [[nodiscard]] bool rings() const { return stable() && damping < kRingingDamping; }
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "model/battery/cell_file.h"
 #include "model/vehicle/vehicle_file.h"
@@ -179,6 +180,24 @@ TEST(Stability, AnAltitudeWithoutIntegralIsStable) {
   EXPECT_TRUE(Of(Check(test::F450(), gains, 0.8), "altitude").stable());
   gains.position = {};
   EXPECT_EQ(Check(test::F450(), gains, 0.8).size(), 3U);
+}
+
+// A pole at -K_eI/K_e is slow, and no pole at 0.
+TEST(Stability, ASmallIntegralGainIsAsStableAsNone) {
+  Gains gains = LoadGains("aware");
+  for (const double integral : {0.0, 1e-9, 1e-12}) {
+    gains.altitude.integral = integral;
+    const auto loops = Check(test::F450(), gains, 1.0);
+    const LoopStability& altitude = Of(loops, "altitude");
+    EXPECT_TRUE(altitude.stable()) << integral;
+    EXPECT_GT(altitude.phase_margin_deg, 0.0) << integral;
+    const HoverStability hover{"take-off", 1.0, loops};
+    for (const std::string& warning : StabilityWarnings({&hover, 1}))
+      EXPECT_EQ(warning.find("altitude"), std::string::npos) << warning;
+  }
+  // Without K_e the same gain drives it away, however slowly.
+  gains.altitude = {.proportional = 0.0, .integral = 1e-12, .derivative = 7.87};
+  EXPECT_FALSE(Of(Check(test::F450(), gains, 1.0), "altitude").stable());
 }
 
 TEST(Stability, GrowthHasTheSlopesOfItsDifferences) {
