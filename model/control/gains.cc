@@ -38,11 +38,18 @@ const std::array<Gains, 2>& Shipped() {
   return sets;
 }
 
+// What is next to none is none: the state of an integral that holds a hover goes with the inverse of its gain.
+double ReadGain(const JsonReader& json) {
+  constexpr double kLeast = 1e-12;
+  const double gain = json.Number(0.0, kLargest);
+  return gain < kLeast ? 0.0 : gain;
+}
+
 ErrorGains ReadErrorGains(const JsonReader& json) {
   json.OnlyKeys({"proportional", "integral", "derivative"});
-  return {.proportional = json.At("proportional").Number(0.0, kLargest),
-          .integral = json.At("integral").Number(0.0, kLargest),
-          .derivative = json.At("derivative").Number(0.0, kLargest)};
+  return {.proportional = ReadGain(json.At("proportional")),
+          .integral = ReadGain(json.At("integral")),
+          .derivative = ReadGain(json.At("derivative"))};
 }
 
 Json ErrorGainsToJson(const ErrorGains& gains) {
@@ -90,8 +97,8 @@ Gains ParseGains(const std::string& text, const std::string& file) {
   if (const auto yaw = json.Find("yaw")) gains.yaw = ReadErrorGains(*yaw);
   if (const auto position = json.Find("position")) {
     position->OnlyKeys({"proportional", "derivative", "tilt_limit_rad"});
-    gains.position.proportional_rad_per_m = position->At("proportional").Number(0.0, kLargest);
-    gains.position.derivative_rad_s_per_m = position->At("derivative").Number(0.0, kLargest);
+    gains.position.proportional_rad_per_m = ReadGain(position->At("proportional"));
+    gains.position.derivative_rad_s_per_m = ReadGain(position->At("derivative"));
     if (const auto limit = position->Find("tilt_limit_rad")) {
       gains.position.tilt_limit_rad = limit->Number(0.0, 1.5);
     }

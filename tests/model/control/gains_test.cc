@@ -56,6 +56,16 @@ TEST(Gains, ShippedSetsAreThoseOfTheThesis) {
   ExpectEqual(unaware.attitude, {.proportional = 0.95, .integral = 0.07, .derivative = 0.12});
 }
 
+TEST(Gains, WhatIsNextToNoneIsNone) {
+  for (const char* const next : {"5e-324", "1e-300", "1e-13"}) {
+    const auto text = Replaced("\"integral\": 2", std::string("\"integral\": ") + next);
+    EXPECT_EQ(ParseGains(text, "g.json").altitude.integral, 0.0) << next;
+  }
+  EXPECT_EQ(
+      ParseGains(Replaced("\"integral\": 2", "\"integral\": 1e-9"), "g.json").altitude.integral,
+      1e-9);
+}
+
 TEST(Gains, ShippedSetsAreStable) {
   for (const auto& name : ShippedGainsNames()) {
     SCOPED_TRACE(name);
