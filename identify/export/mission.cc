@@ -50,6 +50,24 @@ bool HasPower(const std::vector<std::string>& names) {
   return Has(names, "time_s") && Has(names, "power_w") && !Has(names, "current_a");
 }
 
+// A log, which may have been meant as a power over time under another header.
+Log ReadLogOfPower(const std::string& file,
+                   const ReadOptions& options,
+                   const std::vector<std::string>& names) {
+  try {
+    return ReadLog(file, options);
+  } catch (const LoadError& error) {
+    if (std::none_of(names.begin(), names.end(), [](const std::string& name) {
+          return name.find("power") != std::string::npos;
+        }))
+      throw;
+    const Diagnostic& first = error.diagnostics().front();
+    throw LoadError(
+        first.position,
+        first.message + "; a power over time has the columns time_s,power_W, in these units");
+  }
+}
+
 // The rows of time_s,power_W.
 PowerProfile ReadPowerRows(const std::string& file, Hold hold) {
   TextSource source(file);
@@ -298,7 +316,7 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
   if (HasPower(names)) {
     read.profile = ReadPowerRows(file, options.hold);
   } else {
-    const Log log = ReadLog(file, options);
+    const Log log = ReadLogOfPower(file, options, names);
     read.warnings = log.report.warnings;
     read.profile = {.time_s = log.record.time_s.ToVector(), .power_W = {}, .hold = log.record.hold};
     const auto current_A = log.record.current_A.ToVector();
@@ -339,7 +357,7 @@ ReadMission ReadMissionFile(const Cell& cell,
   } else {
     ReadOptions how = options;
     how.voltage_optional = true;
-    const Log log = ReadLog(file, how);
+    const Log log = ReadLogOfPower(file, how, names);
     read.warnings = log.report.warnings;
     read.rows_of_file = log.record.size();
     read.mission = MissionOf(log.record, file, initial_soc);

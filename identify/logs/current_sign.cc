@@ -406,6 +406,7 @@ std::string Describe(const Look& look, const Edges& edges, double side, double l
 }  // namespace
 
 SignFinding FindSignFromPhysics(const Record& record) {
+  constexpr std::size_t kFewRows = 5;
   const double largest_A = LargestMagnitude(record.current_A);
   if (largest_A == 0.0) return {CurrentSign::kUnclear, "no current flows"};
   const Look look = LookAt(record, largest_A);
@@ -425,7 +426,10 @@ SignFinding FindSignFromPhysics(const Record& record) {
     // Of a log that is all hold the resistance is not seen: the least that would show.
     const double least_V = std::max(edges.drop_V, kSteadyDrift * look.mean_V);
     return {CurrentSign::kUnclear,
-            "the voltage hardly moves with the current",
+            record.size() < kFewRows
+                ? fmt::format("{} are too few to show how the voltage moves with the current",
+                              Counted(record.size(), "row"))
+                : "the voltage hardly moves with the current",
             look.one_sided && HoldsVoltage(look, least_V, 0.0)};
   }
   const double side = sum > 0.0 ? 1.0 : -1.0;

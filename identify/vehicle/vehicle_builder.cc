@@ -387,9 +387,9 @@ class Draft {
           merit,
           !bench_ ? "--thrust-coefficient and --power-coefficient"
           : n_.kv_rpm_per_V
-              ? "--propeller-in and --kv-rpm-per-V against the bench table"
-              : "--propeller-in against the bench table, which may not determine KV: give "
-                "--kv-rpm-per-V"));
+              ? "--propeller-in and --kv-rpm-per-V against the bench table, and the units in its header"
+              : "--propeller-in against the bench table and the units in its header; the table may not "
+                "determine KV: give --kv-rpm-per-V"));
     }
     constexpr double kPoorest = 0.25;  // the poorest that are sold have 0.4 on a bench
     if (bench_ && merit < kPoorest) {

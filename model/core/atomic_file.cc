@@ -232,7 +232,9 @@ std::string BehindLinks(const std::string& path) {
 AtomicFile::AtomicFile(std::string path, const std::string& model) : path_(std::move(path)) {
   errno = 0;
   Open(model.empty() ? path_ : model);
-  if (file_ == nullptr) Fail(std::strerror(errno));
+  if (file_ != nullptr) return;
+  const int error = errno;
+  Fail(std::string(std::strerror(error)) + (error == ENOENT ? "; make its folder first" : ""));
 }
 
 void AtomicFile::Open(const std::string& model) {

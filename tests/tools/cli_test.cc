@@ -403,9 +403,10 @@ TEST(Run, TextFromElsewhereDoesNotReachTheTerminalRaw) {
 TEST(Run, ASummaryThatCannotBeWrittenIsSaidBeforeTheCommandRuns) {
   const auto failed = RunHere({"load", "--summary", "/no/such/folder/s.json"});
   EXPECT_EQ(failed.exit_code, 2);
-  EXPECT_EQ(failed.err,
-            "lipoid: error: cannot write '/no/such/folder/s.json': No such file or directory\n"
-            "Try 'lipoid --help'.\n");
+  EXPECT_EQ(
+      failed.err,
+      "lipoid: error: cannot write '/no/such/folder/s.json': No such file or directory; make its folder first\n"
+      "Try 'lipoid --help'.\n");
 }
 
 struct Wrong {

@@ -212,6 +212,12 @@ TEST(MissionFile, RefusesWhatIsNoMission) {
             ":3:1: error: expected a time after 0 s, found 0 s");
   EXPECT_EQ(message("time_s,power_W\n0\n"),
             ":2:2: error: expected a number for power_W, found the end of the line");
+  for (const char* header : {"time_min,power_W", "time_s,power_kW"}) {
+    EXPECT_NE(message(header + std::string("\n0,1\n1,2\n"))
+                  .find("; a power over time has the columns time_s,power_W, in these units"),
+              std::string::npos)
+        << header;
+  }
 }
 
 }  // namespace

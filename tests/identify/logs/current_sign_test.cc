@@ -112,6 +112,11 @@ TEST(CurrentSign, IsFoundOfCurrentsOfAnySize) {
   }
 }
 
+TEST(CurrentSign, OfTooFewRowsIsUnclearBecauseOfThat) {
+  EXPECT_EQ(FindSignFromPhysics(Simulate({0.0, 1.0}, 1.0, 0.0, 1)).reason,
+            "2 rows are too few to show how the voltage moves with the current");
+}
+
 TEST(CurrentSign, OfNothingIsUnclear) {
   EXPECT_EQ(Find(Simulate(Profile({{100, 0}}), 1.0, 1e-3, 3), Written::kAsItIs),
             CurrentSign::kUnclear);

@@ -288,8 +288,9 @@ TEST(KeepCopy, TakesTheFirstFreeNameAndTheMode) {
 
 TEST(AtomicFile, SaysWhyItCannotBeWritten) {
   const auto folder = test::FreshFolder("AtomicFile.Why");
-  EXPECT_EQ(OptionErrorOf(folder + "/none/a.txt"),
-            "cannot write '" + folder + "/none/a.txt': No such file or directory");
+  EXPECT_EQ(
+      OptionErrorOf(folder + "/none/a.txt"),
+      "cannot write '" + folder + "/none/a.txt': No such file or directory; make its folder first");
   EXPECT_EQ(OptionErrorOf(folder), "cannot write '" + folder + "': expected the name of a file");
   EXPECT_EQ(OptionErrorOf(""), "cannot write '': expected the name of a file");
   fs::create_symlink("loop", folder + "/loop");
