@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import html
+import itertools
 import json
+import math
 import os
 import signal
 import socket
@@ -18,16 +20,18 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import jsonschema
+import numpy as np
 import pandas as pd
 import pytest
 
 import lipoid
 from conftest import ROOT, Lipoid
-from lipoid.fleet import worker
+from lipoid.fleet import spread, worker
 from lipoid.fleet.command import main
 from lipoid.fleet.driver import Progress, Run, Signals, duration, still_the_same
 from lipoid.fleet.errors import Stopped
 from lipoid.fleet.results import Results
+from lipoid.fleet.spread import Quantity
 from lipoid.fleet.worker import Settings, identify_batch
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)}
@@ -835,7 +839,7 @@ def test_parquet_has_all_of_it(cells: Path, undisturbed: Path, tmp_path: Path) -
 
 def made_up(file: Path, count: int = 400) -> None:
     """Write results that are known: one stands out, r_s grows with age, alpha differs by batch."""
-    rng = __import__("numpy").random.default_rng(0)
+    rng = np.random.default_rng(0)
     with Results(file, "{}") as results:
         made = []
         for k in range(count):
@@ -1041,6 +1045,80 @@ def test_without_a_width_no_cell_is_measured_by_it(
     )
     assert note in found.page and f"warning: {note}" in found.told
     assert "more than half" not in report_of(tmp_path, capsys, [0.13] * 4).told
+
+
+def of_cells(
+    values: Sequence[float], ages: Sequence[float], errors: Sequence[float] = ()
+) -> Quantity:
+    """Return the quantity of these cells."""
+    known = pd.DataFrame({"value": values, "error": errors or np.nan}, index=range(len(values)))
+    of = pd.DataFrame({"campaign": [f"/{k}" for k in known.index], "batch": None, "age": ages})
+    return spread._quantity("r_s", "Ohm", len(values), known, of)
+
+
+@pytest.mark.parametrize("cells", [3, 4, 5, 6, 8, 12])
+def test_noise_seldom_drifts_and_seldom_stands_out(cells: int) -> None:
+    rng = np.random.default_rng(8)
+    fleets, quantities = 200, 6
+    drifting = standing_out = 0
+    for _ in range(fleets):
+        noise = [of_cells(rng.normal(size=cells).tolist(), range(cells)) for _ in range(quantities)]
+        found = spread.age_table(noise)
+        drifting += int((found["drifts"].eq(True)).any())
+        standing_out += sum(len(one.outliers(4.0)) > 0 for one in noise)
+        assert found["drifts"].isna().all() == (cells < 6)
+    # Three standard deviations of the counts above their means at the chances that are promised.
+    assert drifting <= fleets * 0.05 + 3.0 * np.sqrt(fleets * 0.05 * 0.95)
+    count = fleets * quantities
+    assert standing_out <= (count * 0.1 + 3.0 * np.sqrt(count * 0.1 * 0.9)) * (cells >= 10)
+
+
+@pytest.mark.parametrize("ages", [[0, 1, 2, 3], [0, 0, 1, 2, 2], [3, 1, 1, 1, 0, 2, 2]])
+def test_orders_are_counted_as_by_hand(ages: list[float]) -> None:
+    pairs = [(a, b) for a, b in itertools.permutations(range(len(ages)), 2) if ages[a] < ages[b]]
+    orders = [
+        sum(values[a] > values[b] for a, b in pairs)
+        for values in itertools.permutations(range(len(ages)))
+    ]
+    tied = [math.factorial(ages.count(age)) for age in set(ages)]
+    expected = np.bincount(orders) // math.prod(tied)
+    assert spread._orders(np.array(ages, dtype=float)) == expected.tolist()
+
+
+def test_a_drift_of_few_cells_is_that_of_kendalls_exact_test() -> None:
+    from scipy import stats
+
+    rng = np.random.default_rng(9)
+    for _ in range(100):
+        ages = rng.permutation(9).astype(float)
+        values = 0.4 * ages + rng.normal(size=9)
+        found = spread.age_table([of_cells(values.tolist(), ages.tolist())]).iloc[0]
+        p = stats.kendalltau(values, ages, method="exact").pvalue
+        assert found["drifts"] == (p <= 0.05)
+
+
+def test_few_cells_do_not_tell(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ages = [{"age": k} for k in range(5)]
+    found = report_of(tmp_path, capsys, [0.1, 0.1001, 0.1002, 0.2], ages)
+    assert not len(found.outliers)
+    note = (
+        "There are not enough cells to tell whether one stands out: r_s (4), rmse_V (4). It takes "
+        "10 whose logs identify the parameter."
+    )
+    assert note in found.page and f"warning: {note}" in found.told
+    assert found.drift["drifts"].isna().all() and found.drift["low"].isna().all()
+    # 2 / 5! is the 0.05 / 3 that each of three quantities may have; 2 / 4! is above it.
+    needs = "Without an interval there are not enough cells to tell: with these 3 quantities it"
+    assert f"{needs} takes 5 of different ages." in found.page
+    found = report_of(tmp_path, capsys, [0.1, 0.1001, 0.1002, 0.1003, 0.2], ages)
+    assert found.drift["drifts"].all() and needs not in found.page
+
+
+def test_a_cell_is_no_odder_than_its_standard_error() -> None:
+    values = [0.1 + 1e-4 * (k % 5) for k in range(11)] + [0.15]
+    far = of_cells(values, range(12), [1e-5] * 12).outliers(4.0)
+    assert list(far["value"]) == [0.15] and far["deviation"].iloc[0] > 100.0
+    assert not len(of_cells(values, range(12), [1e-5] * 11 + [0.02]).outliers(4.0))
 
 
 def test_results_of_several_options_are_said(

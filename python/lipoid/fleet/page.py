@@ -72,7 +72,7 @@ def _figure(drawn: str, caption: str, height: int = HEIGHT) -> str:
 
 
 def histogram(one: Quantity, sigmas: float) -> str:
-    """Draw how often values occur; what stands out lies at the edges, in red."""
+    """Draw how often values occur; bars with cells that stand out are red."""
     values = one.values["value"].to_numpy()
     low, high = float(values.min()), float(values.max())
     if one.width > 0.0:  # odd cells must not squeeze the others into one bar
@@ -80,7 +80,9 @@ def histogram(one: Quantity, sigmas: float) -> str:
         high = min(high, one.center + 1.5 * sigmas * one.width)
     if not high > low:
         low, high = low - 0.5 * abs(low) - 1e-12, high + 0.5 * abs(high) + 1e-12
-    counts, edges = np.histogram(np.clip(values, low, high), BINS, (low, high))
+    counts, _ = np.histogram(np.clip(values, low, high), BINS, (low, high))
+    outliers = one.outliers(sigmas)["value"].to_numpy()
+    far, _ = np.histogram(np.clip(outliers, low, high), BINS, (low, high))
     bar = (WIDTH - 2 * MARGIN) / BINS
     foot = HEIGHT - MARGIN
     drawn = []
@@ -88,10 +90,8 @@ def histogram(one: Quantity, sigmas: float) -> str:
         if not count:
             continue
         tall = max(1.0, (foot - 8.0) * count / counts.max())
-        middle = 0.5 * (edges[k] + edges[k + 1])
-        far = one.width > 0.0 and abs(middle - one.center) > sigmas * one.width
         drawn.append(
-            f'<rect class="{"far" if far else "bar"}" x="{MARGIN + k * bar:.1f}" '
+            f'<rect class="{"far" if far[k] else "bar"}" x="{MARGIN + k * bar:.1f}" '
             f'y="{foot - tall:.1f}" width="{max(bar - 1, 1):.1f}" height="{tall:.1f}"/>'
         )
     drawn.append(f'<path class="line" d="M{MARGIN} {foot}H{WIDTH - MARGIN}"/>')

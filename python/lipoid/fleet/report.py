@@ -22,7 +22,8 @@ from lipoid.fleet.spread import Fleet, Quantity
 
 WHAT = """Says what a fleet is like, from the results of lipoid-fleet: the spread of every
 parameter, cells that stand out, and drift over batch and age. A cell stands out where a value is
-far from the median, in units of 1.4826 times the median absolute deviation."""
+far from the median, in units of 1.4826 times the median absolute deviation, or of the standard
+error of the cell where that is larger."""
 EXAMPLE = "example: lipoid-fleet report results.sqlite -o report.html --outliers outliers.csv"
 
 SPREAD_TITLES = {
@@ -237,7 +238,7 @@ def _parts(
         + "".join(page.histogram(one, sigmas) for one in fleet.quantities if one.identified > 1)
         + "</div>",
         f"<h2>Cells that stand out</h2><p>Further than {sigmas:g} robust standard deviations from "
-        "the median.</p>",
+        "the median, or standard errors of the cell where these are larger.</p>",
     ]
     if len(outliers):
         parts.append(page.table(outliers.head(page.MOST_OUTLIERS), OUTLIER_TITLES))
@@ -297,5 +298,14 @@ def _age_parts(fleet: Fleet, ages: pd.DataFrame) -> list[str]:
         "<h2>Age</h2><p>The slope is that of Theil and Sen, the median over pairs of cells; its "
         "interval holds for all quantities together with 95 %.</p>",
         page.table(ages, AGE_TITLES),
+        *(
+            [
+                "<p>Without an interval there are not enough cells to tell: with these "
+                f"{len(fleet.quantities)} quantities it takes "
+                f"{spread.fewest_for_drift(len(fleet.quantities))} of different ages.</p>"
+            ]
+            if ages["low"].isna().any()
+            else []
+        ),
         f'<div class="charts">{"".join(charts)}</div>',
     ]

@@ -2,21 +2,33 @@
 
 The center is the median and the width 1.4826 times the median absolute deviation, the standard
 deviation of normally distributed values, so that a few odd cells do not hide themselves. Only
-values that their logs identify take part.
+values that their logs identify take part. A cell is measured by the width, or by its own standard
+error where that is larger.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 import sqlite3
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from lipoid.fleet import ages
 
 # Theil and Sen's slope looks at every pair.
 MOST_FOR_SLOPE = 1500
+# Up to so many cells the chance of every order of their values is counted, not approximated.
+MOST_FOR_COUNT = 30
+# The slopes of all quantities together are wrong by chance once in so many reports.
+CHANCE_OF_DRIFT = 0.05
+# The width of fewer cells is no yardstick: in one quantity of ten or more, chance alone takes a
+# normally distributed value four widths off.
+FEWEST_FOR_OUTLIERS = 10
 # A difference between batches counts where chance would show one like it once in so many reports.
 CHANCE = 0.001
 BINS = 40
@@ -34,8 +46,9 @@ class Quantity:
     cells, identified : int
         That have it; whose logs identify it.
     values : pandas.DataFrame
-        Of the identified ones: campaign, value, deviation (in robust standard deviations; NaN
-        where these are zero), batch, age.
+        Of the identified ones: campaign, value, deviation (in robust standard deviations, or
+        standard errors of the cell where these are larger; NaN where the width is zero or the
+        cells are too few), batch, age.
     center, width : float
         Median and robust standard deviation.
     """
@@ -73,7 +86,7 @@ class Quantity:
         )
 
     def outliers(self, sigmas: float) -> pd.DataFrame:
-        """Return the cells that are further from the center than so many widths, worst first."""
+        """Return the cells that deviate from the center by more than that, worst first."""
         far = self.values[self.values["deviation"].abs() > sigmas]
         return far.sort_values("deviation", key=abs, ascending=False, kind="stable")
 
@@ -125,15 +138,16 @@ def read(database: sqlite3.Connection, batch: str, age: str) -> Fleet:
     names = database.execute("SELECT name, min(unit) FROM parameters GROUP BY name ORDER BY name")
     for name, unit in names.fetchall():
         rows = database.execute(
-            "SELECT id, estimate, verdict FROM parameters WHERE name = ?", (name,)
+            "SELECT id, estimate, standard_error, verdict FROM parameters WHERE name = ?", (name,)
         ).fetchall()
-        table = pd.DataFrame(rows, columns=["id", "value", "verdict"]).set_index("id")
+        table = pd.DataFrame(rows, columns=["id", "value", "error", "verdict"]).set_index("id")
         known = table[(table["verdict"] == "identified") & table["value"].notna()]
-        quantities.append(_quantity(name, unit, len(table), known["value"], of))
+        quantities.append(_quantity(name, unit, len(table), known, of))
     for name, unit in (("mean_error_percent", "%"), ("rmse_V", "V")):
-        errors = of[name].dropna()
+        errors = of[[name]].dropna().set_axis(["value"], axis=1).assign(error=np.nan)
         quantities.append(_quantity(name, unit, len(errors), errors, of))
-    caveats = [_several_options(database), left_out, *(one.without_width() for one in quantities)]
+    caveats = [_several_options(database), left_out, _too_few(quantities)]
+    caveats += [one.without_width() for one in quantities]
     return Fleet(quantities, of["age"].nunique(), [one for one in caveats if one])
 
 
@@ -156,17 +170,26 @@ def _several_options(database: sqlite3.Connection) -> str:
     )
 
 
+def _too_few(quantities: list[Quantity]) -> str:
+    few = [one for one in quantities if 1 < one.identified < FEWEST_FOR_OUTLIERS]
+    if not few:
+        return ""
+    named = ", ".join(f"{one.name} ({one.identified})" for one in few)
+    return (
+        f"There are not enough cells to tell whether one stands out: {named}. It takes "
+        f"{FEWEST_FOR_OUTLIERS} whose logs identify the parameter."
+    )
+
+
 def _cells(count: int) -> str:
     return "1 cell" if count == 1 else f"{count} cells"
 
 
-def _quantity(
-    name: str, unit: str, cells: int, values: pd.Series[float], of: pd.DataFrame
-) -> Quantity:
+def _quantity(name: str, unit: str, cells: int, known: pd.DataFrame, of: pd.DataFrame) -> Quantity:
     from scipy import stats
 
-    table = of.loc[of.index.intersection(values.index), ["campaign", "batch", "age"]].copy()
-    table["value"] = values.reindex(table.index).astype(float)
+    table = of.loc[of.index.intersection(known.index), ["campaign", "batch", "age"]].copy()
+    table["value"] = known["value"].reindex(table.index).astype(float)
     made = Quantity(name, unit, cells, len(table), table)
     numbers = table["value"].to_numpy()
     table["deviation"] = np.nan
@@ -174,8 +197,9 @@ def _quantity(
         made.center = float(np.median(numbers))
     if numbers.size > 1:
         made.width = float(stats.median_abs_deviation(numbers, scale="normal"))
-    if made.width > 0.0:
-        table["deviation"] = (numbers - made.center) / made.width
+    if made.width > 0.0 and numbers.size >= FEWEST_FOR_OUTLIERS:
+        errors = known["error"].reindex(table.index).astype(float)
+        table["deviation"] = (numbers - made.center) / np.fmax(made.width, errors)
     return made
 
 
@@ -252,32 +276,76 @@ def batch_table(quantities: list[Quantity]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def fewest_for_drift(quantities: int) -> int:
+    """Return how many cells of different ages can show a drift of one of so many quantities."""
+    chance = CHANCE_OF_DRIFT / quantities
+    return next(cells for cells in itertools.count(3) if 0.5 * chance * math.factorial(cells) >= 1)
+
+
+def _orders(ages: npt.NDArray[np.float64]) -> list[int]:
+    """Return how many orders of the values have 0, 1, ... pairs that fall as the age rises.
+
+    The generating function is that of the inversions of a multiset, whose product over the cells
+    this is: (1 - q^n) / (1 - q^j) for the n-th cell, the j-th of its age.
+    """
+    tied = Counter(ages.tolist()).values()
+    pairs = math.comb(len(ages), 2) - sum(math.comb(count, 2) for count in tied)
+    orders = [1] + [0] * pairs
+    cells = itertools.count(1)
+    for count in tied:
+        for j in range(1, count + 1):
+            n = next(cells)
+            for k in range(pairs, n - 1, -1):
+                orders[k] -= orders[k - n]
+            for k in range(j, pairs + 1):
+                orders[k] += orders[k - j]
+    return orders
+
+
+def _slope(
+    values: npt.NDArray[np.float64], ages: npt.NDArray[np.float64], chance: float
+) -> tuple[float, float, float]:
+    """Return Theil and Sen's slope and its interval, NaN where the cells are too few for one."""
+    from scipy import stats
+
+    slope, _, low, high = stats.theilslopes(values, ages, alpha=1.0 - chance)
+    if len(ages) <= MOST_FOR_COUNT:
+        below = np.cumsum(np.array(_orders(ages), dtype=float))
+        left_out = int(np.count_nonzero(below <= 0.5 * chance * below[-1]))
+        if not left_out:
+            return float(slope), np.nan, np.nan
+        later = np.subtract.outer(ages, ages) > 0.0
+        rises = np.subtract.outer(values, values)[later] / np.subtract.outer(ages, ages)[later]
+        low, high = np.sort(rises)[[left_out - 1, -left_out]]
+    return float(slope), float(low), float(high)
+
+
 def age_table(quantities: list[Quantity]) -> pd.DataFrame:
     """Return the slope of each quantity over age: Theil and Sen's, the median over all pairs.
 
-    Drifts: the interval, of 95 % over all quantities together, holds no zero.
+    Drifts: the interval, of 95 % over all quantities together, holds no zero; None without one.
     """
-    from scipy import stats
-
     rows = []
     for one in quantities:
         known = one.values.dropna(subset=["age"]).sort_values("age", kind="stable")
         if known["age"].nunique() < 3 or known["value"].nunique() < 2:
             continue
-        step = int(np.ceil(len(known) / MOST_FOR_SLOPE))
-        some = known.iloc[::step]
-        confidence = 1.0 - 0.05 / len(quantities)
-        slope, _, low, high = stats.theilslopes(some["value"], some["age"], alpha=confidence)
+        some = known.iloc[:: int(np.ceil(len(known) / MOST_FOR_SLOPE))]
+        slope, low, high = _slope(
+            some["value"].to_numpy(float),
+            some["age"].to_numpy(float),
+            CHANCE_OF_DRIFT / len(quantities),
+        )
         rows.append(
             {
                 "name": one.name,
                 "unit": one.unit,
                 "cells": len(known),
-                "slope_per_age": float(slope),
-                "low": float(low),
-                "high": float(high),
-                "slope_percent_per_age": one.percent(float(slope)),
-                "drifts": bool(low > 0.0 or high < 0.0),
+                "slope_per_age": slope,
+                "low": low,
+                "high": high,
+                "slope_percent_per_age": one.percent(slope),
+                "drifts": None if np.isnan(low) else low > 0.0 or high < 0.0,
             }
         )
     return pd.DataFrame(rows)
