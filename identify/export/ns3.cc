@@ -97,19 +97,15 @@ Exported ExportNs3(const ExportRequest& request) {
   const double beta = found.parameters[0];
   const double mean_A = MeanDischarge(one.mission);
   const double cell_s = Lifetime(one.cell, mean_A);
-  const auto error_of = [&](double alpha, double beta_per_sqrt_s) {
-    const Cell law = RakhmatovCell(alpha, beta_per_sqrt_s);
-    ExportMission mission = one.mission;
-    // The charge that has left is what counts, whatever the capacity.
-    mission.initial_soc = 1.0 - (1.0 - one.mission.initial_soc) * alpha_C / alpha;
-    ExportChargeError error = ChargeError(one.reference, one.mission, LevelOf(law, mission));
+  const auto error_of = [&](double beta_per_sqrt_s) {
+    const Cell law = RakhmatovCell(alpha_C, beta_per_sqrt_s);
+    ExportChargeError error = ChargeError(one.reference, one.mission, LevelOf(law, one.mission));
     error.lifetime_percent = 100.0 * (Lifetime(law, mean_A) / cell_s - 1.0);
     return error;
   };
-  exported.charge_error = error_of(alpha_C, beta);
-  constexpr double kDefaultBeta_per_sqrt_min = 0.637;
-  exported.naive_charge_error =
-      error_of(3600.0 * cell.capacity_Ah, kDefaultBeta_per_sqrt_min / kPerSqrtMinute);
+  exported.charge_error = error_of(beta);
+  // A cell file without diffusion has no beta to read off.
+  if (cell.diffusion) exported.naive_charge_error = error_of(own);
   exported.parameters = {
       {"RvBatteryModelAlphaValue", cell.parallel * alpha_C * kMilliampMinutes_per_C, "mA min"},
       {"RvBatteryModelBetaValue", beta * kPerSqrtMinute, "min^-1/2"},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "identify/export/frame_json.h"
@@ -162,6 +163,29 @@ TEST(Ns3File, NamesTheClassOfItsVersionInItsUnits) {
   // beta in 1/sqrt(min), a little below the cell's 1.49 for the tail that the model does not have.
   EXPECT_LT(exported.parameters[1].value, 0.1924 * std::sqrt(60.0));
   EXPECT_GT(exported.parameters[1].value, 0.95 * 0.1924 * std::sqrt(60.0));
+}
+
+// alpha and beta of the cell file lack the terms beyond the tenth alone: under a current that lasts these are a level of
+// 2 i / (alpha beta²) times the sum of 1/m².
+TEST(Ns3File, NumbersReadOffTheCellFileAreItsAlphaAndBeta) {
+  const auto request = RequestOfMyCell(Pack());
+  const auto exported = Export(FindExportTarget("ns3"), request);
+  const Cell& cell = request.cell;
+  const double most_A =
+      *std::max_element(request.mission.current_A.begin(), request.mission.current_A.end()) /
+      cell.parallel;
+  double tail = std::numbers::pi * std::numbers::pi / 6.0;
+  for (int m = 1; m <= 10; ++m) tail -= 1.0 / (m * m);
+  const double beta = cell.diffusion->beta_per_sqrt_s;
+  constexpr double kOfTheRise = 1e-3;  // the eleventh term after the longest time at one current
+  ASSERT_TRUE(exported.naive_charge_error.has_value());
+  EXPECT_NEAR(exported.naive_charge_error->max_error,
+              2.0 * most_A / (cell.alpha_C() * beta * beta) * tail,
+              kOfTheRise * exported.naive_charge_error->max_error);
+  EXPECT_LT(exported.charge_error->rms, exported.naive_charge_error->rms);
+  auto counts = request;
+  counts.cell.diffusion.reset();
+  EXPECT_FALSE(Export(FindExportTarget("ns3"), counts).naive_charge_error.has_value());
 }
 
 TEST(TheveninFile, HasEveryKeyAndNothingButNumbersInItsFunctions) {
