@@ -214,7 +214,7 @@ ImportedCell FromCircuit(const Json& document,
   for (const auto* const hysteresis : {"M_hyst", "gamma"}) {
     if (const auto found = json.Find(hysteresis);
         found && found->Number(-kInfinity, kInfinity) != 0.0)
-      found->Fail("0: a cell file has no hysteresis");
+      found->Fail("0, since this law of hysteresis is another than a cell file's");
   }
   for (int j = 1; j <= kMostBranches; ++j) {
     const auto resistance = json.Find(fmt::format(fmt::runtime(names.resistance), j));

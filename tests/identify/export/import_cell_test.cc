@@ -196,7 +196,8 @@ TEST(ImportCell, RefusesWhatIsNoBatteryWithLineAndColumn) {
                 .find("expected either C1 or tau1 beside it, found neither"),
             std::string::npos);
   EXPECT_NE(
-      MessageOf(circuit + "\"R0\": 0.1, \"gamma\": 2}").find("0: a cell file has no hysteresis"),
+      MessageOf(circuit + "\"R0\": 0.1, \"gamma\": 2}")
+          .find("expected 0, since this law of hysteresis is another than a cell file's, found 2"),
       std::string::npos);
   EXPECT_NE(MessageOf("{\"capacity\": 0, \"ocv\": {}, \"R0\": 1}").find("/capacity: expected"),
             std::string::npos);
