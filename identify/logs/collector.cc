@@ -77,6 +77,10 @@ void SettleHoles(const Column& time_s,
       "temperature left out, for some rows hold no number: what needs it goes on without");
 }
 
+std::string TimesOfLog(double first_s, double last_s) {
+  return fmt::format(" (times of the log: {:.10g} to {:.10g} s)", first_s, last_s);
+}
+
 Collector::Collector(const TextSource& source,
                      const LogPlan& plan,
                      const ReadOptions& options,
@@ -290,6 +294,8 @@ bool Collector::IsSelected(double t_s, double step, double cycle) {
   };
   if (!options_.steps.empty()) steps_seen_.insert(step);
   if (!options_.cycles.empty()) cycles_seen_.insert(cycle);
+  first_seen_s_ = std::min(first_seen_s_, t_s);
+  last_seen_s_ = std::max(last_seen_s_, t_s);
   return holds(options_.steps, step) && holds(options_.cycles, cycle) && t_s >= options_.start_s &&
          t_s <= options_.end_s;
 }
@@ -302,7 +308,8 @@ void Collector::FailBackwards(std::size_t row, double fell_s) const {
   constexpr Clock kClocks[] = {
       {86400.0, "if a clock without a date passed midnight, export the date with the time; "},
       {43200.0, "if a clock of twelve hours began anew, export times of 24 hours; "},
-      {3600.0, "if the clock was put back at the end of summer time, export the time since the start; "}};
+      {3600.0,
+       "if the clock was put back at the end of summer time, export the time since the start; "}};
   constexpr double kLongestRow_s = 600.0;
   std::string hint;
   for (const Clock& clock : kClocks) {
@@ -334,6 +341,7 @@ void Collector::FailUnselected() const {
   if (!options_.steps.empty()) found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
   if (!options_.cycles.empty())
     found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
+  if (selects_times_) found += TimesOfLog(first_seen_s_, last_seen_s_);
   throw LoadError(
       {source_.file(), plan_.header_line, 1},
       fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}",

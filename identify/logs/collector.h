@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,9 @@ void SettleHoles(const Column& time_s,
 
 /// Volts under one name in either of two units: none of a cell is below it in mV.
 inline constexpr double kLeast_mV = 100.0;
+
+/// " (times of the log: 0 to 10 s)", for a message that start_s and end_s leave no row.
+[[nodiscard]] std::string TimesOfLog(double first_s, double last_s);
 
 class Collector {
  public:
@@ -106,6 +110,8 @@ class Collector {
   double step_start_s_ = 0.0;
   std::set<double> steps_seen_;
   std::set<double> cycles_seen_;
+  double first_seen_s_ = std::numeric_limits<double>::infinity();
+  double last_seen_s_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace lipoid

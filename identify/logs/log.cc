@@ -487,8 +487,11 @@ void TakeRows(Log& log, const ReadOptions& options) {
     all = false;
   }
   if (!all) {
-    if (kept.empty())
-      throw LoadError({record.file}, "expected rows within start_s and end_s, found none");
+    if (kept.empty()) {
+      throw LoadError({record.file},
+                      "expected rows within start_s and end_s, found none" +
+                          TimesOfLog(time_s.front() - clock_s, time_s.back() - clock_s));
+    }
     if (last_before) {
       const auto value = [&](const Column& column) {
         return column.empty() ? kNaN : column[*last_before];

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "identify/logs/collector.h"
 #include "identify/logs/flight/updates.h"
 #include "model/core/counted.h"
 #include "model/statistics/order_statistics.h"
@@ -297,7 +298,10 @@ Log FlightLog(const std::string& file,
     }
   }
   if (rows.empty() && report.dropped_unknown == 0) {
-    throw LoadError(position, "expected rows within start_s and end_s as given, found none");
+    const auto [first, last] = std::minmax_element(track.time_s.begin(), track.time_s.end());
+    throw LoadError(
+        position,
+        "expected rows within start_s and end_s as given, found none" + TimesOfLog(*first, *last));
   }
   if (rows.empty()) {
     throw LoadError(

@@ -622,6 +622,11 @@ const Wrong kWrong[] = {
      "F:1:1: error: expected rows within steps, cycles, start_s and end_s as given, found none "
      "(steps of the file: 1, 2)",
      {.steps = {3}}},
+    {"no such time",
+     kLogHeader + kFiveRows,
+     "F:1:1: error: expected rows within steps, cycles, start_s and end_s as given, found none "
+     "(times of the log: 0 to 4 s)",
+     {.start_s = 5.0}},
     {"steps without a step column",
      kLogHeader + kFiveRows,
      "F:1:1: error: expected a column for the step because of the option steps, found none among "

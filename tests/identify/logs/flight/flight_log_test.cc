@@ -210,7 +210,8 @@ TEST(FlightLog, RefusesWithTheReason) {
   ReadOptions late;
   late.start_s = 100.0;
   EXPECT_EQ(Refusal(LogOf({Track()}), late),
-            "f.ulg:1:1: error: expected rows within start_s and end_s as given, found none");
+            "f.ulg:1:1: error: expected rows within start_s and end_s as given, found none "
+            "(times of the log: 10 to 13 s)");
   ReadOptions columns;
   columns.columns = {{"time_s", "t"}};
   EXPECT_EQ(Refusal(LogOf({Track()}), columns),
