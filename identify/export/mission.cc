@@ -11,6 +11,7 @@
 #include "identify/logs/csv/text_source.h"
 #include "model/battery/prediction.h"
 #include "model/battery/time_to_cutoff.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
 
@@ -218,6 +219,46 @@ void Append(ExportMission& mission, double duration_s, double current_A) {
   }
 }
 
+// Without what lies beyond the cut-off; LoadError where too little is left.
+ReadMission AboveCutoff(const Cell& cell, const std::string& file, ReadMission read) {
+  read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
+  if (read.rows_beyond_cutoff > 0) {
+    read.warnings.push_back(
+        fmt::format("the cell reaches its cut-off of {:.4g} V; {} of {} left out",
+                    cell.series * cell.cutoff_V,
+                    read.rows_beyond_cutoff,
+                    Counted(read.rows_of_file, "row")));
+  }
+  const std::string found = fmt::format(
+      "{} of {} rows{}",
+      read.mission.time_s.size(),
+      read.rows_of_file,
+      read.rows_beyond_cutoff > 0
+          ? "; the current or the power may be too much for this pack (--series, --parallel)"
+          : "");
+  if (read.mission.time_s.size() < kLeastRows) {
+    throw LoadError(
+        {file},
+        fmt::format(
+            "expected a mission of at least {} rows in which the cell stays above its cut-off of "
+            "{:.4g} V, found {}",
+            kLeastRows,
+            cell.series * cell.cutoff_V,
+            found));
+  }
+  const auto& current_A = read.mission.current_A;
+  if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; })) {
+    throw LoadError({file},
+                    "expected a mission that discharges the cell, found no current above 0" +
+                        (read.rows_beyond_cutoff > 0
+                             ? fmt::format(" in what stays above its cut-off of {:.4g} V, {}",
+                                           cell.series * cell.cutoff_V,
+                                           found)
+                             : ""));
+  }
+  return read;
+}
+
 double RoundedDown(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 3.0);
   return std::floor(value / unit) * unit;
@@ -333,65 +374,44 @@ ReadPower ReadPowerFile(const std::string& file, const ReadOptions& options) {
   return read;
 }
 
+ReadMission MissionOfLog(const Cell& cell, const Log& log, double initial_soc) {
+  const std::string& file = log.record.file;
+  ReadMission read;
+  read.rows_of_file = log.record.size();
+  read.mission = MissionOf(log.record, file, initial_soc);
+  RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
+  return AboveCutoff(cell, file, std::move(read));
+}
+
 ReadMission ReadMissionFile(const Cell& cell,
                             const std::string& file,
                             const ReadOptions& options,
                             double initial_soc) {
   const std::vector<std::string> names = HeaderOf(TextSource(file).head());
-  ReadMission read;
-  if (HasPower(names)) {
-    const PowerProfile profile = ReadPowerRows(file, options.hold);
-    RequireLength(profile.time_s, RowsOf(profile), file);
-    read.power = true;
-    read.rows_of_file = profile.time_s.size();
-    read.mission = MissionOf(cell, profile, file, initial_soc);
-    if (!profile.time_s.empty() &&
-        (read.mission.time_s.empty() || read.mission.time_s.back() < profile.time_s.back())) {
-      const double reached_s =
-          read.mission.time_s.empty() ? profile.time_s.front() : read.mission.time_s.back();
-      read.rows_beyond_cutoff = static_cast<std::size_t>(
-          std::count_if(profile.time_s.begin(), profile.time_s.end(), [&](double t) {
-            return read.mission.time_s.empty() || t > reached_s;
-          }));
-    }
-  } else {
+  if (!HasPower(names)) {
     ReadOptions how = options;
     how.voltage_optional = true;
     const Log log = ReadLogOfPower(file, how, names);
-    read.warnings = log.report.warnings;
-    read.rows_of_file = log.record.size();
-    read.mission = MissionOf(log.record, file, initial_soc);
+    ReadMission read = MissionOfLog(cell, log, initial_soc);
+    read.warnings.insert(
+        read.warnings.begin(), log.report.warnings.begin(), log.report.warnings.end());
+    return read;
   }
-  if (!read.power) RequireLength(read.mission.time_s, static_cast<double>(read.rows_of_file), file);
-  read.rows_beyond_cutoff += CutAtCutoff(cell, read.mission);
-  const std::string found = fmt::format(
-      "{} of {} rows{}",
-      read.mission.time_s.size(),
-      read.rows_of_file,
-      read.rows_beyond_cutoff > 0
-          ? "; the current or the power may be too much for this pack (--series, --parallel)"
-          : "");
-  if (read.mission.time_s.size() < kLeastRows) {
-    throw LoadError(
-        {file},
-        fmt::format(
-            "expected a mission of at least {} rows in which the cell stays above its cut-off of "
-            "{:.4g} V, found {}",
-            kLeastRows,
-            cell.series * cell.cutoff_V,
-            found));
+  const PowerProfile profile = ReadPowerRows(file, options.hold);
+  RequireLength(profile.time_s, RowsOf(profile), file);
+  ReadMission read;
+  read.rows_of_file = profile.time_s.size();
+  read.mission = MissionOf(cell, profile, file, initial_soc);
+  if (!profile.time_s.empty() &&
+      (read.mission.time_s.empty() || read.mission.time_s.back() < profile.time_s.back())) {
+    const double reached_s =
+        read.mission.time_s.empty() ? profile.time_s.front() : read.mission.time_s.back();
+    read.rows_beyond_cutoff = static_cast<std::size_t>(
+        std::count_if(profile.time_s.begin(), profile.time_s.end(), [&](double t) {
+          return read.mission.time_s.empty() || t > reached_s;
+        }));
   }
-  const auto& current_A = read.mission.current_A;
-  if (std::none_of(current_A.begin() + 1, current_A.end(), [](double i) { return i > 0.0; })) {
-    throw LoadError({file},
-                    "expected a mission that discharges the cell, found no current above 0" +
-                        (read.rows_beyond_cutoff > 0
-                             ? fmt::format(" in what stays above its cut-off of {:.4g} V, {}",
-                                           cell.series * cell.cutoff_V,
-                                           found)
-                             : ""));
-  }
-  return read;
+  return AboveCutoff(cell, file, std::move(read));
 }
 
 }  // namespace lipoid

@@ -67,8 +67,7 @@ inline constexpr double kMostPowerStep_s = 1.0;
 
 struct ReadMission {
   ExportMission mission;
-  std::vector<std::string> warnings;  ///< of the log
-  bool power = false;                 ///< it was a power profile
+  std::vector<std::string> warnings;  ///< of the file, and what was left out
   std::size_t rows_of_file = 0;
   std::size_t rows_beyond_cutoff = 0;  ///< that were left out
 };
@@ -84,5 +83,7 @@ inline constexpr double kLongestMission_s = 7.0 * 86400.0;
                                           const std::string& file,
                                           const ReadOptions& options,
                                           double initial_soc);
+/// The same of a log that was read already, whose warnings were said then.
+[[nodiscard]] ReadMission MissionOfLog(const Cell& cell, const Log& log, double initial_soc);
 
 }  // namespace lipoid

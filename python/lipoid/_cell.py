@@ -16,7 +16,7 @@ import pandas as pd
 
 from lipoid import _core, interoperability, plots
 from lipoid._keywords import present, whole, whole_seed
-from lipoid._log import Log, column, core_of
+from lipoid._log import Log, column, mission_of
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -439,18 +439,21 @@ class Cell:
         """
         return interoperability.to_pybamm(self._core, initial_soc)
 
-    def to_thevenin(self, *, branches: int = 2, mission: Log | None = None) -> Any:
+    def to_thevenin(
+        self, *, branches: int = 2, mission: Log | str | os.PathLike[str] | None = None
+    ) -> Any:
         """Make a ``thevenin.Simulation`` with the circuit that follows the cell best.
 
         Parameters
         ----------
         branches : int
             Pairs of resistor and capacitor, 1 or 2. Of a pack thevenin gets one cell.
-        mission : Log, optional
+        mission : Log or path, optional
             What the circuit is fitted over; not given: two levels of current with rests.
         """
-        over = core_of("mission", mission)
-        return interoperability.to_thevenin(self._core, branches, over)
+        made, warnings = interoperability.to_thevenin(self._core, branches, mission_of(mission))
+        self._tell(*warnings)
+        return made
 
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw v_oc and the resistances over the state of charge; return the axes."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from lipoid import _core
 from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import present, takes, utf8
-from lipoid._log import core_of
+from lipoid._log import mission_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -42,9 +42,13 @@ def export(
     """
     given: dict[str, Any] = dict(options)
     if "mission" in given:
-        given["mission"] = core_of("mission", given["mission"])
-    of = as_cell(cell)._core
-    return _core.export(of, utf8("target", target), present("output", output), given)
+        given["mission"] = mission_of(given["mission"])
+    one = as_cell(cell)
+    summary, warnings = _core.export(
+        one._core, utf8("target", target), present("output", output), given
+    )
+    one._tell(*warnings)
+    return summary
 
 
 def targets() -> list[str]:

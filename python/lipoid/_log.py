@@ -394,10 +394,18 @@ def _log_of(one: Any) -> Log:
     return read_log(one) if isinstance(one, (str, os.PathLike)) else Log(one)
 
 
+def mission_of(mission: Log | str | os.PathLike[str] | None) -> Any:
+    """Return what C++ takes for a mission: a log, or the path of a file."""
+    return mission if isinstance(mission, (str, os.PathLike)) else core_of("mission", mission)
+
+
 def core_of(option: str, log: Log | None) -> CoreLog | None:
     """Return what C++ takes for a log that may be given as this option."""
     if log is None:
         return None
     if not isinstance(log, Log):
-        raise OptionError(f"option {option}: expected a Log, found {type(log).__name__}")
+        raise OptionError(
+            f"option {option}: expected a Log, as lipoid.read_log makes one of a file, found "
+            f"{type(log).__name__}"
+        )
     return log._core

@@ -528,7 +528,7 @@ class HealthOptions(TypedDict, total=False):
 class ExportOptions(TypedDict, total=False):
     """Keyword arguments."""
 
-    mission: Log | None
+    mission: Log | Path | None
     series: int | None
     parallel: int | None
     initial_soc: float | None

@@ -75,20 +75,22 @@ def to_pybamm(cell: Cell, initial_soc: float) -> PybammCell:
     pybamm = _imported("pybamm")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell_in_pybamm.py"
-        summary = _core.export(cell, "pybamm", file, {})
+        summary, _ = _core.export(cell, "pybamm", file, {})
         module = _load("cell_in_pybamm", file)
     values = pybamm.ParameterValues(module.get_parameter_values())
     values["Initial SoC"] = initial_soc
     return PybammCell(module.make_model(), values, module.var_pts(), module.run, summary)
 
 
-def to_thevenin(cell: Cell, branches: int, mission: Log | None) -> Any:
-    """Make a ``thevenin.Simulation`` of a cell; of a pack, that of one cell."""
+def to_thevenin(cell: Cell, branches: int, mission: Any) -> tuple[Any, list[str]]:
+    """Make a ``thevenin.Simulation`` of a cell, of a pack that of one cell, and warnings."""
     thevenin = _imported("thevenin")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell.yaml"
-        _core.export(cell, "thevenin", file, {"branches": branches, "mission": mission})
-        return thevenin.Simulation(str(file))
+        _, warnings = _core.export(
+            cell, "thevenin", file, {"branches": branches, "mission": mission}
+        )
+        return thevenin.Simulation(str(file)), warnings
 
 
 def to_pybop(cell: Cell, log: Log, free: tuple[str, ...], spread: float) -> Any:

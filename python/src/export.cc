@@ -1,15 +1,19 @@
 #include "python/src/export.h"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "identify/export/export_report.h"
 #include "identify/export/law_limits.h"
 #include "identify/export/mission.h"
 #include "identify/export/targets.h"
+#include "identify/logs/reading_request.h"
 #include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
@@ -34,19 +38,19 @@ struct ExportKeywords {
   void Declare(Keywords& keywords) {
     mission =
         keywords.Take("mission",
-                      "Log",
-                      "what the numbers are fitted and compared over; not given: two levels of "
-                      "current with rests");
+                      "Log | Path",
+                      "what the numbers are fitted and compared over, or its file, which may hold "
+                      "time_s,power_W, too; not given: two levels of current with rests");
     keywords.Each(pack);
     keywords.Each(start);
     keywords.Each(request);
   }
 };
 
-nb::object ExportCell(const PythonCell& cell,
-                      const std::string& target_name,
-                      nb::handle output,
-                      const nb::dict& given) {
+nb::tuple ExportCell(const PythonCell& cell,
+                     const std::string& target_name,
+                     nb::handle output,
+                     const nb::dict& given) {
   const ExportTarget& target = FindExportTarget(target_name);
   ExportKeywords made;
   Keywords keywords(given);
@@ -61,9 +65,15 @@ nb::object ExportCell(const PythonCell& cell,
   request.sha256 = Sha256OfBytes(JsonText(CellToJson(cell.cell)));
   request.name = IdentifierOf(cell.cell.name);
   request.stem = std::filesystem::path(path).stem().string();
+  std::vector<std::string> warnings;
   if (made.mission) {
-    const Log log = nb::cast<const PythonLog&>(*made.mission).Lent();
-    request.mission = MissionOf(log.record, log.record.file, made.start.Soc(request.cell));
+    const double soc = made.start.Soc(request.cell);
+    ReadMission read =
+        nb::isinstance<PythonLog>(*made.mission)
+            ? MissionOfLog(request.cell, nb::cast<const PythonLog&>(*made.mission).Lent(), soc)
+            : ReadMissionFile(request.cell, PathOf(*made.mission), ReadingRequest{}.Resolve(), soc);
+    request.mission = std::move(read.mission);
+    warnings = std::move(read.warnings);
   } else if (made.start.given()) {
     throw OptionError("the mission made here starts full: give a mission, or no start");
   } else if (DefaultCurrent_A(request.cell) > 0.0) {
@@ -82,7 +92,7 @@ nb::object ExportCell(const PythonCell& cell,
     summary["files"].push_back(file);
   }
   files.Commit();
-  return ToPython(summary);
+  return nb::make_tuple(ToPython(summary), warnings);
 }
 
 }  // namespace

@@ -107,6 +107,32 @@ def test_an_export_is_that_of_the_program(program: Lipoid, tmp_path: Path) -> No
     assert "thevenin" in lipoid.targets()
 
 
+def test_a_mission_is_a_log_or_its_file_as_of_the_program(
+    program: Lipoid, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    rows = range(0, 2000, 10)
+    current = "time_s,current_A\n" + "".join(f"{t},{t // 100 % 2}\n" for t in rows)
+    power = "time_s,power_W\n" + "".join(f"{t},{4 * (t // 100 % 2)}\n" for t in rows)
+    cell = "gifi-600mAh-1"
+    for name, text in (("current.csv", current), ("power.csv", power)):
+        mission = tmp_path / name
+        mission.write_text(text)
+        words = ["export", cell, "--to", "thevenin", "-o", "theirs.yaml", "--mission", mission]
+        theirs = program(*words, folder=tmp_path)
+        ours = lipoid.export(cell, "thevenin", tmp_path / "ours.yaml", mission=mission)
+        assert (ours["rmse_V"], ours["naive"]) == (theirs["rmse_V"], theirs["naive"]), name
+    log = lipoid.read_log(tmp_path / "current.csv", voltage_optional=True)
+    of_log = lipoid.export(cell, "thevenin", tmp_path / "log.yaml", mission=log)
+    of_path = lipoid.export(
+        cell, "thevenin", tmp_path / "path.yaml", mission=str(tmp_path / "current.csv")
+    )
+    assert of_log["rmse_V"] == of_path["rmse_V"]
+    caplog.clear()
+    log = lipoid.Log(time_s=range(0, 2000, 10), current_A=[1.0] * 200)
+    lipoid.export(cell, "thevenin", tmp_path / "log.yaml", mission=log)
+    assert "the cell reaches its cut-off of 3 V; " in caplog.text
+
+
 def test_the_lists() -> None:
     assert "square" in lipoid.maneuvers()
     assert "mambo-physical" in lipoid.vehicles()

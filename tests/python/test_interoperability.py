@@ -30,14 +30,14 @@ def test_pybamm_has_the_same_voltage() -> None:
 
 
 def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
-    no_log: Any = "mission.csv"
-    message = "option mission: expected a Log, found str"
+    no_log: Any = {"time_s": T}
+    message = "option mission: expected a Log, as lipoid.read_log makes one of a file, found dict"
     with pytest.raises(lipoid.OptionError, match=message):
         lipoid.export("gifi-600mAh-1", "thevenin", tmp_path / "cell.yaml", mission=no_log)
     with pytest.raises(lipoid.OptionError, match=message):
         constant_cell().to_thevenin(mission=no_log)
     campaign = lipoid.synthesize("gifi-600mAh-1", sampling_s=10.0)
-    with pytest.raises(lipoid.OptionError, match="option log: expected a Log, found str"):
+    with pytest.raises(lipoid.OptionError, match="option log: expected a Log, as "):
         campaign.to_pybop("gifi-600mAh-1", log=no_log)
 
 

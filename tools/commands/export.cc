@@ -14,7 +14,6 @@
 #include "identify/pack_request.h"
 #include "model/battery/cell_file.h"
 #include "model/core/atomic_file.h"
-#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 #include "model/export/provenance.h"
@@ -181,13 +180,6 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
     ReadMission read =
         ReadMissionFile(request.cell, mission_file, reading.Resolve(), start.Soc(request.cell));
     for (const auto& warning : read.warnings) line.Message("{}: {}", mission_file, warning);
-    if (read.rows_beyond_cutoff > 0) {
-      line.Message("{}: the cell reaches its cut-off of {:.4g} V; {} of {} left out",
-                   mission_file,
-                   request.cell.series * request.cell.cutoff_V,
-                   read.rows_beyond_cutoff,
-                   Counted(read.rows_of_file, "row"));
-    }
     request.mission = std::move(read.mission);
   }
 
