@@ -13,6 +13,7 @@ from lipoid import _core
 from lipoid._cell import OneCell, as_cell
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._progress import Progress, Reporter
+from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -110,6 +111,11 @@ def endurance(
     >>> lipoid.endurance("gifi-600mAh-1", vehicle="mambo-physical", reserve=0.4).ended_by
     'reserve'
     """
+    if "=" in (mission := str(options.get("mission"))):
+        raise OptionError(
+            f"option mission: expected hover or cruise, found {mission!r}; a file of waypoints is "
+            "given as waypoints=FILE, and powers are given as power=(times_s, powers_W)"
+        )
     one = as_cell(cell)
     with Reporter(progress, "endurance") as tell:
         summary = _core.endurance(

@@ -100,6 +100,13 @@ def test_a_power_is_made_of_numbers(power: Any, message: str) -> None:
         lipoid.endurance("gifi-600mAh-1", power=power)
 
 
+def test_missions_of_the_command_line_name_their_options() -> None:
+    for mission in ("power=pw.csv", "waypoints=wp.toml"):
+        said = rf"^option mission: .* found '{mission}'; .* waypoints=FILE, .* power=\(times_s, "
+        with pytest.raises(lipoid.OptionError, match=said):
+            lipoid.endurance("gifi-600mAh-1", mission=mission)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("options", "flags", "word"),
     [
