@@ -32,6 +32,11 @@
 namespace lipoid {
 namespace {
 
+// Of lithium-polymer cells: from a full one of iron phosphate to beyond those of high voltage.
+constexpr double kUsualFull_V = 4.2;
+constexpr double kLeastFull_V = 3.4;
+constexpr double kMostFull_V = 4.6;
+
 constexpr double kLeast = std::numeric_limits<double>::min();
 
 // A cell without diffusion whose whole drop is filtered by one time constant.
@@ -40,6 +45,10 @@ Cell FilteredCell(double capacity_Ah, double resistance_Ohm, double time_constan
   cell.capacity_Ah = capacity_Ah;
   cell.branches = {{resistance_Ohm, time_constant_s, std::nullopt}};
   return cell;
+}
+
+int LikelySeries(double pack_V) {
+  return std::max(1, static_cast<int>(std::lround(pack_V / kUsualFull_V)));
 }
 
 void NoteUnused(const std::vector<std::string>& names, ImportedCell& imported) {
@@ -59,9 +68,7 @@ ImportedCell FromFrame(const JsonReader& frame, const ImportOptions& options) {
   if (!(capacity_Ah > 0.0))
     capacity.Fail("a capacity above 0 (ArduPilot takes others as a battery without an end)");
   const double resistance_Ohm = frame.At("refBatRes").Number(0.0, kInfinity);
-  constexpr double kUsualFull_V = 4.2;
-  const int series =
-      options.series.value_or(std::max(1, static_cast<int>(std::lround(full_V / kUsualFull_V))));
+  const int series = options.series.value_or(LikelySeries(full_V));
   if (!options.series) {
     imported.notes.push_back(fmt::format(
         "The pack is taken as {} in series, from maxVoltage {:g} V; --series says another "
@@ -440,6 +447,42 @@ ImportedCell FromSdf(const std::string& text,
 
 // ---- which one ----
 
+// A sentence on a cell whose full voltage is that of another number of cells; "" where it is one's.
+std::string DoubtAboutSeries(const ImportedCell& imported) {
+  const Cell& cell = imported.cell;
+  const double full_V = cell.open_circuit_voltage(1.0);
+  if (kLeastFull_V <= full_V && full_V <= kMostFull_V) return "";
+  // The numbers of an equivalent circuit and of a table are those of one cell, whatever the pack.
+  const bool of_pack = imported.format == "ardupilot" || imported.format == "gazebo";
+  const int counted = of_pack ? cell.series : 1;
+  const int likely = LikelySeries(full_V * counted);
+  return fmt::format("warning: {:.4g} V when full is {} for a lithium-polymer cell{}.",
+                     full_V,
+                     full_V < kLeastFull_V ? "low" : "high",
+                     likely == counted ? ""
+                     : of_pack
+                         ? fmt::format(": {:.4g} V looks like {} in series (--series {})",
+                                       full_V * counted,
+                                       likely,
+                                       likely)
+                         : fmt::format(": the file looks like one of {} in series; give voltages "
+                                       "and resistances of one cell",
+                                       likely));
+}
+
+// OptionError for a number that the file has itself.
+void RefuseSecond(const char* option,
+                  std::optional<double> given,
+                  double own,
+                  const std::string& file) {
+  if (!given || *given == own) return;
+  throw OptionError(fmt::format(
+      "option {}: it is for a file without such a number, and {} has {:.6g}; leave the option out",
+      option,
+      file,
+      own));
+}
+
 void CheckBattery(const Cell& cell, const std::string& file) {
   constexpr double kMost_soc = 2.0;
   if (cell.open_circuit_voltage.soc_hi() > kMost_soc) {
@@ -536,7 +579,11 @@ ImportedCell ImportCell(const std::string& text,
   } else if (imported.cell.name.empty()) {
     imported.cell.name = std::filesystem::path(file).stem().string();
   }
+  RefuseSecond("--capacity-Ah", options.capacity_Ah, imported.cell.capacity_Ah, file);
+  RefuseSecond("--cutoff-V", options.cutoff_V, imported.cell.cutoff_V, file);
   CheckBattery(imported.cell, file);
+  if (std::string doubt = DoubtAboutSeries(imported); !doubt.empty())
+    imported.notes.insert(imported.notes.begin(), std::move(doubt));
   return imported;
 }
 

@@ -23,11 +23,11 @@
 namespace lipoid {
 
 struct ImportOptions {
-  std::string name;           ///< empty: that of the file's own, or of the file
-  std::optional<int> series;  ///< of the pack whose numbers the file has
-  std::optional<int> parallel;
-  std::optional<double> capacity_Ah;  ///< of a cell, where the file has none
-  std::optional<double> cutoff_V;     ///< of a cell, where the file has none
+  std::string name = {};           ///< empty: that of the file's own, or of the file
+  std::optional<int> series = {};  ///< of the pack whose numbers the file has
+  std::optional<int> parallel = {};
+  std::optional<double> capacity_Ah = {};  ///< of a cell, where the file has none
+  std::optional<double> cutoff_V = {};     ///< of a cell, where the file has none
 };
 
 struct ImportedCell {
@@ -37,7 +37,9 @@ struct ImportedCell {
 };
 
 /// LoadError with line and column where the text is none of these, has keys that nobody knows,
-/// numbers that are none, or is no battery (capacity 0, full below its cut-off).
+/// numbers that are none, or is no battery (capacity 0, full below its cut-off). OptionError for a
+/// capacity or cut-off that the file has itself. A full voltage that is none of a lithium-polymer
+/// cell is doubted in the first note.
 [[nodiscard]] ImportedCell ImportCell(const std::string& text,
                                       const std::string& file,
                                       const ImportOptions& options = {});

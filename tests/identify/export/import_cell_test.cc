@@ -10,6 +10,7 @@
 #include "identify/export/targets.h"
 #include "model/battery/cell_file.h"
 #include "model/battery/prediction.h"
+#include "model/core/errors.h"
 #include "model/export/ardupilot_law.h"
 #include "model/export/cell_tables.h"
 #include "model/export/curve_nodes.h"
@@ -127,7 +128,12 @@ TEST(ImportCell, AnSdfOfGazeboIsACellWithItsLaw) {
       "is --series right?");
   options.series = 2;
   // Without the numbers of its cells a pack is one cell of its voltage, as ever.
-  EXPECT_NEAR(ImportCell(sdf, "m.sdf", {}).cell.open_circuit_voltage(1.0), 8.3, 1e-12);
+  const ImportedCell of_pack = ImportCell(sdf, "m.sdf", {});
+  EXPECT_NEAR(of_pack.cell.open_circuit_voltage(1.0), 8.3, 1e-12);
+  EXPECT_EQ(
+      of_pack.notes.front(),
+      "warning: 8.3 V when full is high for a lithium-polymer cell: 8.3 V looks like 2 in series "
+      "(--series 2).");
   // What lipoid exports comes back too.
   const Exported exported = Export(FindExportTarget("gazebo"), request);
   EXPECT_EQ(ImportCell(exported.files[0].content, "m.sdf", options).cell.capacity_Ah,
@@ -154,6 +160,51 @@ TEST(ImportCell, CircuitsOfBothDialectsAreTheSameCell) {
   const double expected_V = 4.2 - (1.0 - soc) * 0.8 - 0.1 * (0.15 - 0.02 * soc) - 0.1 * 0.02;
   EXPECT_NEAR(
       Predict(a.cell, time_s, std::vector<double>{0.0, 0.1}).voltage_V[1], expected_V, 1e-9);
+}
+
+TEST(ImportCell, DoubtsCellsThatAreFullAtAnotherVoltage) {
+  const auto first_note = [](const std::string& text, const ImportOptions& options) {
+    const auto notes = ImportCell(text, "f", options).notes;
+    return notes.empty() ? "" : notes.front();
+  };
+  const std::string frame = R"({"maxVoltage":12.588,"battCapacityAh":0.6,"refBatRes":0.4})";
+  EXPECT_EQ(first_note(frame, {.series = 4}),
+            "warning: 3.147 V when full is low for a lithium-polymer cell: 12.59 V looks like 3 in "
+            "series (--series 3).");
+  EXPECT_FALSE(first_note(frame, {.series = 3}).starts_with("warning"));
+  const auto circuit = [](const std::string& full_V) {
+    return R"({"capacity": 0.6, "ocv": {"soc": [0, 1], "voltage_V": [2, )" + full_V +
+           R"(]}, "R0": 0.1, "cutoff_V": 2})";
+  };
+  EXPECT_EQ(
+      first_note(circuit("12.6"), {}),
+      "warning: 12.6 V when full is high for a lithium-polymer cell: the file looks like one of "
+      "3 in series; give voltages and resistances of one cell.");
+  EXPECT_EQ(first_note(circuit("2.7"), {}),
+            "warning: 2.7 V when full is low for a lithium-polymer cell.");
+  EXPECT_EQ(first_note(circuit("3.5"), {.series = 4}), "");
+}
+
+TEST(ImportCell, RefusesNumbersThatTheFileHas) {
+  const std::string circuit =
+      R"({"capacity": 0.6, "ocv": {"soc": [0, 1], "voltage_V": [3, 4.2]}, "R0": 0.1, "cutoff_V": 3})";
+  const auto refusal = [&](const ImportOptions& options) -> std::string {
+    try {
+      (void)ImportCell(circuit, "f", options);
+    } catch (const OptionError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(
+      refusal({.capacity_Ah = 99.0}),
+      "option --capacity-Ah: it is for a file without such a number, and f has 0.6; leave the "
+      "option out");
+  EXPECT_EQ(
+      refusal({.cutoff_V = 50.0}),
+      "option --cutoff-V: it is for a file without such a number, and f has 3; leave the option "
+      "out");
+  EXPECT_EQ(refusal({.capacity_Ah = 0.6, .cutoff_V = 3.0}), "");
 }
 
 TEST(ImportCell, TheDiffusionElementOfPybammIsTheCellsDiffusion) {
