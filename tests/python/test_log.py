@@ -522,3 +522,8 @@ def test_dates_with_and_without_a_zone_are_no_times() -> None:
     mixed = [naive[0].replace(tzinfo=timezone.utc), *naive[1:]]
     with pytest.raises(lipoid.OptionError, match="all have a time zone or none"):
         lipoid.Log(time_s=mixed, current_A=I, voltage_V=V)
+
+
+def test_a_part_that_is_none_says_when_the_log_is() -> None:
+    with pytest.raises(lipoid.LoadError, match=r"found none \(times of the log: 0 to 59 s\)"):
+        lipoid.Log(time_s=range(60), current_A=[1.0] * 60, start_s=100.0)
