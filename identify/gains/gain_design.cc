@@ -294,33 +294,36 @@ GainDesignResult DesignGains(const GainDesign& design,
   const GainProblem problem(design);
   const Eigen::VectorXd from =
       problem.Point(start).cwiseMax(problem.lower()).cwiseMin(problem.upper());
-  const auto& polisher = FindOptimizer("levenberg-marquardt");
-  // Its usual options: those of the search may be what kept it from the answer.
-  OptimizerSettings usual;
-  usual.context = settings.context;
-  const auto minimize = [&](const GainProblem& of) {
-    GainDesignResult result;
-    result.optimization = optimizer.Minimize(of, from, settings);
-    result.start_cost = problem.CostOf(start);
-    const Eigen::VectorXd& x = result.optimization.x.size() == 3 ? result.optimization.x : from;
-    result.gains = problem.Gains(x);
-    result.at_bound = problem.AtBound(x);
-    result.cost = 2.0 * problem.Cost(x);
-    const auto polished = polisher.Minimize(of, x, usual);
-    const bool better = polished.usable() && problem.Stable(problem.Gains(polished.x));
-    result.polished_cost =
-        better ? std::min(result.cost, 2.0 * problem.Cost(polished.x)) : result.cost;
-    result.stable = problem.Stable(result.gains);
-    return result;
-  };
-  GainDesignResult result = minimize(problem);
   // The first weight lets a lack of 0.01/s cost as much as the start, the others more.
   constexpr double kNoticed_per_s = 0.01;
-  double weight = problem.CostOf(start) / (kNoticed_per_s * kNoticed_per_s);
-  for (int round = 0; round < 3 && !result.stable; ++round, weight *= 100.0) {
-    result = minimize(GainProblem(design, weight));
-    result.constrained = true;
-  }
+  const double first = problem.CostOf(start) / (kNoticed_per_s * kNoticed_per_s);
+  const auto point = [](const GainDesignResult& found, const Eigen::VectorXd& otherwise) {
+    return found.optimization.x.size() == 3 ? found.optimization.x : otherwise;
+  };
+  const auto search =
+      [&](const OptimizerEntry& by, const OptimizerSettings& with, const Eigen::VectorXd& begin) {
+        GainDesignResult found;
+        double weight = 0.0;
+        for (int round = 0; round < 4 && !found.stable; ++round) {
+          found.optimization = by.Minimize(GainProblem(design, weight), begin, with);
+          const Eigen::VectorXd x = point(found, begin);
+          found.gains = problem.Gains(x);
+          found.at_bound = problem.AtBound(x);
+          found.cost = 2.0 * problem.Cost(x);
+          found.stable = problem.Stable(found.gains);
+          found.constrained = round > 0;
+          weight = round == 0 ? first : 100.0 * weight;
+        }
+        return found;
+      };
+  GainDesignResult result = search(optimizer, settings, from);
+  result.start_cost = problem.CostOf(start);
+  // The usual options: those of the search may be what kept it from the answer.
+  OptimizerSettings usual;
+  usual.context = settings.context;
+  const auto polished = search(FindOptimizer("levenberg-marquardt"), usual, point(result, from));
+  const bool better = polished.optimization.usable() && polished.stable;
+  result.polished_cost = better ? std::min(result.cost, polished.cost) : result.cost;
   return result;
 }
 
