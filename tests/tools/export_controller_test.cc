@@ -540,15 +540,8 @@ TEST(ExportController, RefusesWhatItCannotExportAndWritesNothing) {
   vehicle.replace(vehicle.find(drag), drag.size(), "torque_coefficient_N_m_s2 = 9.6223e-41");
   std::ofstream(folder + "/small.toml") << vehicle;
   refused({"--vehicle", "small.toml"},
-          "SQUARE_PER_YAW would be 2.59813e+39, and a float holds 1.18e-38 to 3.4e+38. Give "
-          "--precision double, or another vehicle",
-          2);
-  EXPECT_EQ(
-      RunLipoid(
-          folder,
-          {"export-controller", "--vehicle", "small.toml", "--precision", "double", "-o", "code"})
-          .exit_code,
-      0);
+          "torque_coefficient_N_m_s2: expected a torque per square of rad/s from 1e-16 to 1 N m s²",
+          3);
 }
 
 // Gains of zero hold nothing, and at 1 V no Mambo hovers: the code is written, and this is said first.

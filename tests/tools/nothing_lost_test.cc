@@ -421,9 +421,8 @@ TEST(NothingLost, WhatIsPrintedDoesNotMixWithAFileOnStandardOutput) {
   EXPECT_EQ(with({"-o", "-", "--help"}).err, "");
   const auto twice = with({"-o", "-", "--summary", "/dev/fd/1"});
   EXPECT_EQ(twice.exit_code, 2);
-  EXPECT_NE(
-      twice.err.find("options -o and --summary: '/dev/stdout' is named twice; name two files"),
-      std::string::npos)
+  EXPECT_NE(twice.err.find("--output and --summary: '/dev/stdout' is named twice; name two files"),
+            std::string::npos)
       << twice.err;
 }
 
