@@ -48,7 +48,7 @@ struct PlannedExperiment {
 /// How the rows of such a plan follow one another; OptionError where no decimal says it.
 [[nodiscard]] DecimalStep SamplingOf(const SynthesisOptions& options);
 
-/// What a test would record of one cell without noise, to the last row that is not below the
+/// What a test would record of one cell without noise, pulses to the last row that is not below the
 /// cut-off; with temperatures where the plan has one.
 [[nodiscard]] Record RecordOfPlan(const Cell& cell,
                                   const TestPlan& plan,

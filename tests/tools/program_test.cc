@@ -69,11 +69,12 @@ TEST(Program, AFullDiskIsSaid) {
 
 TEST(Program, StandardOutputThatIsAFileIsNotReplaced) {
   const auto folder = TestFolder();
-  const auto run = RunShell(folder, "echo first >all; \"$LIPOID\" list cells --summary - >>all");
+  const auto run =
+      RunShell(folder, "echo first >all; \"$LIPOID\" list cells --summary - >>all 2>said");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const auto all = ReadTextFile(folder + "/all");
   EXPECT_EQ(all.substr(0, 6), "first\n");
-  EXPECT_NE(all.find("gifi-600mAh-1 "), std::string::npos);
+  EXPECT_NE(ReadTextFile(folder + "/said").find("gifi-600mAh-1 "), std::string::npos);
   EXPECT_NE(all.find("\"command\": \"list\""), std::string::npos);
 }
 

@@ -82,9 +82,13 @@ TEST(JointRun, NoiseOfAnInstrumentIsNoBranch) {
   const JointResult result = Identify(logs);
   EXPECT_TRUE(OneSays(result.cautions, "pulses.csv wavers by 0.01 A")) << result.cautions.back();
   ASSERT_EQ(result.cell.branches.size(), 1U);
+  const TrustReport trust = AssessJoint(result);
   for (const char* parameter : {"beta", "r_s", "r_1", "tau_1"}) {
     const double is = *CellParameter(truth, parameter);
-    EXPECT_NEAR(*CellParameter(result.cell, parameter), is, 0.02 * is) << parameter;
+    const QuantityTrust* found = FindQuantity(trust, parameter);
+    ASSERT_NE(found, nullptr) << parameter;
+    EXPECT_LT(std::abs(found->estimate - is), 3.0 * found->standard_error) << parameter;
+    EXPECT_LT(found->standard_error, 0.05 * is) << parameter;
   }
   // The charge of the slow log was counted as the noise has it.
   double squares = 0.0;
@@ -92,8 +96,8 @@ TEST(JointRun, NoiseOfAnInstrumentIsNoBranch) {
   for (std::size_t k = 1; k < slow.size(); ++k)
     squares += std::pow(slow.time_s[k] - slow.time_s[k - 1], 2);
   EXPECT_EQ(logs[3].entry.kind, LogKind::kLowRate);
-  EXPECT_NEAR(result.counting_C, kNoise_A * std::sqrt(squares), 0.02 * result.counting_C);
-  const TrustReport trust = AssessJoint(result);
+  // The noise is the most of any log, and that of a short one is known to some per cent.
+  EXPECT_NEAR(result.counting_C, kNoise_A * std::sqrt(squares), 0.05 * result.counting_C);
   const QuantityTrust* alpha = FindQuantity(trust, "alpha");
   ASSERT_NE(alpha, nullptr);
   EXPECT_GT(alpha->standard_error, result.counting_C);
