@@ -82,6 +82,9 @@ class Studies(PageTest):
         summary, page = self.page("compare", "logs/campaign.toml", "--optimizers",
                                   "levenberg-marquardt,sqp,nelder-mead", "--starts", "6")
         results = summary["results"]
+        fit = summary["best"]["fit"]
+        self.assertIn(f"The cell predicts these logs to {1e3 * fit['rmse_V']:.3g} mV",
+                      page.run("return document.querySelector('main').innerText"))
         charts = page.run(CHARTS)
         self.assertEqual([chart["title"] for chart in charts],
                          ["Cost against time", "Cost against evaluations",

@@ -4,6 +4,7 @@ import { disclosure, element, facts, note, section } from "../dom.js";
 import { count, significant } from "../format.js";
 import { isNumber, listOf, times } from "../numbers.js";
 import { table } from "../table.js";
+import { judgement } from "./identify/header.js";
 
 const COLOURS = 7;
 const DASHES = [undefined, [6, 4], [2, 3]];
@@ -182,6 +183,7 @@ export const compare = {
         !best.optimizer ? "No optimizer found a finite cost."
           : tied.length > 0 ? `A tie: ${[best.optimizer, ...tied].join(", ")} fit equally well, with a cost of ${cost}.`
           : `The best is ${best.optimizer}, with a cost of ${cost}.`),
+      best.fit ? judgement(best.fit, "these logs") : null,
       facts([["Campaign", summary.campaign], ["Rows", count(summary.rows)], ["Points after condensing", count(summary.points)],
              ["alpha / C", significant(summary.alpha_C)], ["from", summary.alpha_source]]),
       listOf(summary.done_instead).map((text) => note(text)),
