@@ -78,6 +78,16 @@ void ReadColumns(const TomlReader& reader, ReadOptions& read) {
   }
 }
 
+void ReadTemperature(const TomlReader& reader, std::string_view key, std::optional<double>& of) {
+  double found_degC = 0.0;
+  if (reader.Number(key,
+                    kTemperatures_degC.lo,
+                    kTemperatures_degC.hi,
+                    "a temperature from -60 to 150 degC",
+                    found_degC))
+    of = found_degC;
+}
+
 CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
   reader.OnlyKeys({"kind",
                    "file",
@@ -139,17 +149,8 @@ CampaignLog ReadEntry(const TomlReader& reader, const fs::path& folder) {
                 "a resistance from 0 to 1000 Ohm",
                 log.read.lead_resistance_Ohm);
   reader.Number("weight", kWeights.lo, kWeights.hi, "a number from 1e-6 to 1e6", log.weight);
-  const auto temperature = [&](std::string_view key, std::optional<double>& of) {
-    double found_degC = 0.0;
-    if (reader.Number(key,
-                      kTemperatures_degC.lo,
-                      kTemperatures_degC.hi,
-                      "a temperature from -60 to 150 degC",
-                      found_degC))
-      of = found_degC;
-  };
-  temperature("ambient_degC", log.ambient_degC);
-  temperature("initial_degC", log.initial_degC);
+  ReadTemperature(reader, "ambient_degC", log.ambient_degC);
+  ReadTemperature(reader, "initial_degC", log.initial_degC);
   return log;
 }
 
@@ -184,14 +185,17 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
   const toml::table document = ParseToml(text, file, "a campaign");
   Campaign campaign;
   campaign.file = file;
+  std::optional<double> ambient_degC;
   const TomlReader top(document, file, problems);
   top.OnlyKeys({"cell", "log"});
   if (const toml::node* node = top.Find("cell")) {
     if (const auto* table = node->as_table()) {
       const TomlReader cell(*table, file, problems);
-      cell.OnlyKeys({"name", "capacity_Ah", "cutoff_V", "series", "parallel", "age"});
+      cell.OnlyKeys(
+          {"name", "capacity_Ah", "cutoff_V", "series", "parallel", "ambient_degC", "age"});
       cell.Text("name", campaign.name);
       cell.Text("age", campaign.age);
+      ReadTemperature(cell, "ambient_degC", ambient_degC);
       cell.Number("capacity_Ah",
                   TomlReader::kAboveZero,
                   1e6,
@@ -225,6 +229,7 @@ Campaign ParseCampaign(const std::string& text, const std::string& file) {
         continue;
       }
       CampaignLog log = ReadEntry(TomlReader(*table, file, problems), folder);
+      if (!log.ambient_degC) log.ambient_degC = ambient_degC;
       const auto twin =
           std::find_if(campaign.logs.begin(), campaign.logs.end(), [&](const CampaignLog& other) {
             return !log.path.empty() && SamePart(log, other);

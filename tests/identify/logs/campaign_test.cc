@@ -87,6 +87,17 @@ void ExpectEveryKey(const Campaign& campaign) {
   EXPECT_EQ(campaign.logs[2].read.units, (std::vector<std::string>{"s", "A", "V"}));
 }
 
+TEST(Campaign, TheSurroundingsOfTheCellAreThoseOfItsLogs) {
+  const Campaign campaign = ParseCampaign(
+      "[cell]\nambient_degC = 20\n"
+      "[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n"
+      "[[log]]\nkind = 'pulses'\nfile = 'b.csv'\nambient_degC = 0\n",
+      "campaign.toml");
+  ASSERT_EQ(campaign.logs.size(), 2U);
+  EXPECT_EQ(campaign.logs[0].ambient_degC, 20.0);
+  EXPECT_EQ(campaign.logs[1].ambient_degC, 0.0);
+}
+
 TEST(Campaign, ReadsEveryKey) {
   const auto campaign = ParseCampaign(kEveryKey, "lab/c.toml");
   EXPECT_EQ(campaign.file, "lab/c.toml");
@@ -161,7 +172,7 @@ TEST(CampaignRefuses, UnknownKeysAndListsTheKnownOnes) {
       RefusalOfCampaign(
           "[cell]\ncutof_V = 3.0\n[[log]]\nkind = 'pulses'\nfile = 'a.csv'\n  fiel = 1\n[lab]\n"),
       "lab/c.toml:2:1: error: expected one of the keys name, capacity_Ah, cutoff_V, series, "
-      "parallel, age, found "
+      "parallel, ambient_degC, age, found "
       "'cutof_V'\n"
       "lab/c.toml:6:3: error: expected one of the keys kind, file, hold, columns, units, "
       "current_sign, steps, "
