@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/constancy.h"
 #include "identify/logs/segments.h"
 #include "model/statistics/order_statistics.h"
@@ -46,18 +47,18 @@ Record FirstRows(const Record& record) {
 }
 
 LevelNoise MeasureNoise(const Record& record) {
+  constexpr double kLargeStep = 0.3;  // of the largest current
   LevelNoise noise;
   const Column& i = record.current_A;
   const Column& v = record.voltage_V;
-  const double largest_A = std::abs(*std::max_element(
-      i.begin(), i.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  const double least_step_A = kLargeStep * LargestMagnitude(i);
   const double row_noise_A = RowNoise({i.data(), i.size()}, 0, i.size() - 1);
   double before_A = 0.0;
   bool after_level = false;
   for (const Segment& segment : FindSegments(record)) {
     const bool level = segment.kind != SegmentKind::kVarying;
     const double step_A = segment.current_A - before_A;
-    if (level && after_level && std::abs(step_A) > 0.3 * largest_A)
+    if (level && after_level && std::abs(step_A) > least_step_A)
       noise.step_Ohm.push_back((v[segment.first - 1] - v[segment.first]) / step_A);
     before_A = segment.current_A;
     after_level = level;

@@ -46,7 +46,8 @@ Record RecordOfPlan(const Cell& cell, const TestPlan& plan, const DecimalStep& s
   Record record;
   record.file = plan.file;
   WalkPlan(cell, plan, sampling, record.hold, kMostRows, [&](const WalkedRow& row) {
-    // A cycler stops pulses at the cut-off; a discharge is one to there by the row that is below.
+    // A cycler stops pulses at the cut-off. A discharge ends in the first row below it: without that row it would
+    // not be one down to the cut-off.
     if (plan.kind == LogKind::kPulses && row.voltage_V < cell.cutoff_V) return;
     record.time_s.push_back(row.time_s);
     record.current_A.push_back(row.current_A);
