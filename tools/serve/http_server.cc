@@ -233,13 +233,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Outgoing& out = *outgoing_;
     if (out.left == 0) return Answered();
     const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(out.left, kPieceBytes));
-    asio::const_buffer piece(out.text.data() + (out.text.size() - out.left), bytes);
+    asio::const_buffer piece;
     if (out.file.is_open()) {
       piece_.resize(bytes);
       Error error;
       // Where a file became shorter than was said, closing is all that tells the client.
       if (out.file.read(piece_.data(), bytes, error) != bytes || error) return;
       piece = asio::const_buffer(piece_.data(), bytes);
+    } else {
+      piece = asio::const_buffer(out.text.data() + (out.text.size() - out.left), bytes);
     }
     out.left -= bytes;
     stream_.expires_after(Seconds(limits_.write_s));
