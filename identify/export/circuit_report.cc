@@ -19,6 +19,7 @@ std::optional<EquivalentCircuit> ReportCircuit(const ExportRequest& request, Exp
         one.reference, one.mission, EquivalentCircuitVoltage(law, one.mission, one.drawn_Ah));
     error.rmse_V *= cell.series;
     error.max_error_V *= cell.series;
+    for (double& law_V : error.law_V) law_V *= cell.series;
     return error;
   };
   exported.error = error_of(circuit);

@@ -41,8 +41,11 @@ Json ExportToJson(const ExportTarget& target,
   summary["series"] = request.cell.series;
   summary["parallel"] = request.cell.parallel;
   summary["parameters"] = Json::object();
-  for (const auto& parameter : exported.parameters)
+  summary["units"] = Json::object();
+  for (const auto& parameter : exported.parameters) {
     summary["parameters"][parameter.name] = NumberOrNull(parameter.value);
+    summary["units"][parameter.name] = parameter.unit;
+  }
   const Json error = ErrorJson(exported.error);
   for (const auto* const key : {"rmse_V", "max_error_V", "worst_s", "worst_soc"})
     summary[key] = error.is_null() ? Json(nullptr) : error[key];

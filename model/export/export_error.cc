@@ -52,7 +52,8 @@ ExportError VoltageError(const ExportReference& cell,
   return {.rmse_V = found.rms,
           .max_error_V = found.most,
           .worst_s = mission.time_s[found.row],
-          .worst_soc = cell.soc[found.row]};
+          .worst_soc = cell.soc[found.row],
+          .law_V = {voltage_V.begin(), voltage_V.end()}};
 }
 
 ExportChargeError ChargeError(const ExportReference& cell,

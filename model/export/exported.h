@@ -82,8 +82,9 @@ struct ExportedParameter {
 struct ExportError {
   double rmse_V = 0.0;
   double max_error_V = 0.0;
-  double worst_s = 0.0;    ///< the time of the largest error
-  double worst_soc = 0.0;  ///< the cell's state of charge there
+  double worst_s = 0.0;            ///< the time of the largest error
+  double worst_soc = 0.0;          ///< the cell's state of charge there
+  std::vector<double> law_V = {};  ///< what the law gives in each row of the mission
 };
 
 /// How far the target's own state of charge, a fraction, is from the cell's over the mission.

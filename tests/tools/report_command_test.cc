@@ -218,8 +218,8 @@ TEST_F(Report, RefusesWhatIsNoSummary) {
   ExpectRefused(
       refused("{\"command\": \"convert\"}\n"),
       "c.json:1:13: error: /command: expected one of the commands whose results can be "
-      "shown (compare, design, endurance, fly, health, identify, inspect, plan, poles, study, validate), "
-      "found \"convert\"");
+      "shown (ageing, compare, design, endurance, export, fly, health, identify, inspect, plan, poles, "
+      "simulate, study, validate, vehicle), found \"convert\"");
   ExpectRefused(refused("{\"command\": \"validate\"}\n"),
                 "c.json:1:1: error: /: expected an object with the key 'edges', found an object");
   ExpectRefused(refused("{\"command\": \"poles\", \"command\": \"poles\"}\n"),

@@ -35,6 +35,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
       "s, each with its change and whether these logs show that it changed.",
       "lipoid ageing new.json after_100_cycles.json after_300_cycles.json");
   line.InputArguments("CELL", files, "cell files of one cell, the youngest first");
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   std::vector<Cell> cells;
@@ -81,6 +82,7 @@ cli::ExitCode AgeingCommand(cli::CommandLine& line) {
   if (const auto doubt = DoubtAboutTemperatures(cells); !doubt.empty()) line.Message("{}", doubt);
   line.summary()["cells"] = std::move(ages);
   line.summary()["quantities"] = std::move(rows);
+  line.summary()["messages"] = line.messages();
   line.Print("{}", table.Text());
   if (!quantities.empty() && quantities.back().unit == "Ohm")
     line.Print(

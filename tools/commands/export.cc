@@ -16,11 +16,13 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "model/export/export_error.h"
 #include "model/export/provenance.h"
 #include "tools/cli/foreign_files.h"
 #include "tools/cli/text_table.h"
 #include "tools/commands.h"
 #include "tools/commands/loaded_cell.h"
+#include "tools/report/thinned_series.h"
 
 namespace lipoid {
 namespace {
@@ -73,6 +75,49 @@ std::string Headline(const ExportTarget& target,
                             request.cell.parallel);
 }
 
+// The files beside the first one. OptionError where they or the first one cannot be.
+std::vector<std::string> CheckOutputs(cli::CommandLine& line,
+                                      const ExportTarget& target,
+                                      const std::string& output) {
+  std::vector<std::string> outputs;
+  for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(FileBeside(output, suffix));
+  const std::filesystem::path first(output);
+  const bool special = output == cli::OutputPath("-") ||
+                       (std::filesystem::exists(first) && !std::filesystem::is_regular_file(first));
+  if (!outputs.empty() && special) {
+    throw OptionError(fmt::format(
+        "option -o: {} writes {} files; name the first one", target.name, outputs.size() + 1));
+  }
+  if (std::find(outputs.begin(), outputs.end(), output) != outputs.end()) {
+    throw OptionError(fmt::format("option -o: the first file of {} is its {}; give {}",
+                                  target.name,
+                                  target.extension,
+                                  FileBeside(output, std::string(target.extension))));
+  }
+  if (!special && first.extension() != target.extension) {
+    line.Message("{}: a file for {} usually ends in {}", output, target.name, target.extension);
+  }
+  line.AddOutputs("-o", outputs);
+  std::vector<std::string> foreign = outputs;
+  std::erase_if(foreign, cli::IsExportOfLipoid);
+  cli::RefuseToReplace(line, foreign);
+  return outputs;
+}
+
+constexpr std::size_t kBytesOfPage = 1'500'000;
+
+// What the page of `--report` draws: the cell and the target's law over the mission.
+Series Drawn(const ExportRequest& request, const Exported& exported) {
+  const ExportMission& mission = request.mission;
+  Series series{.kind = "export", .name = "", .rows = mission.time_s.size()};
+  series.columns = {{"time_s", mission.time_s},
+                    {"current_A", mission.current_A},
+                    {"cell_V", ReferenceOf(request).voltage_V},
+                    {"exported_V", exported.error->law_V}};
+  if (exported.naive) series.columns.push_back({"naive_V", exported.naive->law_V});
+  return Thinned(series, kBytesOfPage);
+}
+
 }  // namespace
 
 cli::ExitCode ExportCommand(cli::CommandLine& line) {
@@ -115,33 +160,14 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
               "rms error of one cell, mV, above which a warning is given");
   line.Each(start);
   line.Each(reading);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   const ExportTarget& target = FindExportTarget(target_name);
   for (const auto* const option : {"branches", "precision", "into"})
     RequireTaken(line, target, option);
   std::vector<std::string> outputs;
-  for (const auto& suffix : target.FurtherSuffixes()) outputs.push_back(FileBeside(output, suffix));
-  const std::filesystem::path first(output);
-  const bool special = output == cli::OutputPath("-") ||
-                       (std::filesystem::exists(first) && !std::filesystem::is_regular_file(first));
-  if (!outputs.empty() && special) {
-    throw OptionError(fmt::format(
-        "option -o: {} writes {} files; name the first one", target.name, outputs.size() + 1));
-  }
-  if (std::find(outputs.begin(), outputs.end(), output) != outputs.end()) {
-    throw OptionError(fmt::format("option -o: the first file of {} is its {}; give {}",
-                                  target.name,
-                                  target.extension,
-                                  FileBeside(output, std::string(target.extension))));
-  }
-  if (!special && first.extension() != target.extension) {
-    line.Message("{}: a file for {} usually ends in {}", output, target.name, target.extension);
-  }
-  line.AddOutputs("-o", outputs);
-  std::vector<std::string> foreign = outputs;
-  std::erase_if(foreign, cli::IsExportOfLipoid);
-  cli::RefuseToReplace(line, foreign);
+  if (line.earlier() == nullptr) outputs = CheckOutputs(line, target, output);
 
   const std::string text = CellText(cell_name);
   Cell cell = ParseCell(text, cell_name);
@@ -187,6 +213,9 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
 
   Json& summary = line.summary();
   summary = ExportToJson(target, request, exported);
+  if (!line.report_file().empty() && exported.error)
+    line.report_series().push_back(Drawn(request, exported));
+  if (line.earlier() != nullptr) return cli::ExitCode::kDone;
   summary["files"] = Json::array();
 
   cli::TextTable table({{"parameter", cli::Align::kLeft}, {"value"}, {"unit", cli::Align::kLeft}});
@@ -198,6 +227,7 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
   if (exported.files.empty()) {
     line.Message("nothing is written: {}",
                  exported.notes.empty() ? "no numbers were found" : exported.notes.back());
+    summary["messages"] = line.messages();
     return cli::ExitCode::kIncomplete;
   }
   for (std::size_t k = 0; k < exported.files.size(); ++k) {
@@ -207,7 +237,6 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
             "every file of a target is declared in its row");
     WriteFileAtomically(path, file.content);
     summary["files"].push_back(path);
-    line.Message("{}: {} bytes", path, file.content.size());
   }
   if (exported.error && !(exported.error->rmse_V <= 1e-3 * limit_mV * request.cell.series)) {
     line.Message(
@@ -226,6 +255,11 @@ cli::ExitCode ExportCommand(cli::CommandLine& line) {
         "mission",
         1e2 * exported.charge_error->rms,
         target.name);
+  }
+  summary["messages"] = line.messages();
+  for (std::size_t k = 0; k < exported.files.size(); ++k) {
+    line.Message(
+        "{}: {} bytes", summary["files"][k].get<std::string>(), exported.files[k].content.size());
   }
   return cli::ExitCode::kDone;
 }

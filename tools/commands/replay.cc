@@ -17,7 +17,8 @@ namespace lipoid {
 namespace {
 
 // The commands whose charts need samples.
-constexpr std::array<std::string_view, 4> kWithSeries{"fly", "identify", "inspect", "validate"};
+constexpr std::array<std::string_view, 6> kWithSeries{
+    "export", "fly", "identify", "inspect", "simulate", "validate"};
 
 // What stands in the way of these files; "" where all are there as they were.
 std::string WhatChanged(const Json& inputs) {
@@ -44,7 +45,7 @@ Json Comparable(const Json& value) {
     return list;
   }
   if (!value.is_object()) return value;
-  constexpr std::array<std::string_view, 3> kOfTheRun{"commit", "version", "wall_s"};
+  constexpr std::array<std::string_view, 4> kOfTheRun{"commit", "output", "version", "wall_s"};
   Json object = Json::object();
   for (const auto& [key, member] : value.items()) {
     if (std::find(kOfTheRun.begin(), kOfTheRun.end(), key) == kOfTheRun.end())

@@ -22,6 +22,7 @@
 #include "tools/commands/ensemble_option.h"
 #include "tools/commands/loaded_cell.h"
 #include "tools/commands/surroundings_options.h"
+#include "tools/report/thinned_series.h"
 
 namespace lipoid {
 namespace {
@@ -97,6 +98,42 @@ class Walk {
   Way way_;
 };
 
+constexpr std::size_t kBytesOfPage = 1'500'000;
+
+// What the page of `--report` draws of the rows that a log holds in memory, before the cut-off.
+Series Simulated(const Record& record,
+                 const Surroundings& surroundings,
+                 const Cell& cell,
+                 const PredictionBand& band,
+                 Walk& walk) {
+  std::vector<double> predicted_V;
+  std::vector<double> open_circuit_V;
+  std::vector<double> soc;
+  std::vector<double> temperature_degC;
+  walk.Rows(record, surroundings, [&](double, double, const PredictedRow& row) {
+    predicted_V.push_back(row.voltage_V);
+    open_circuit_V.push_back(cell.series * row.stepper.OpenCircuit());
+    soc.push_back(row.soc);
+    if (cell.temperature)
+      temperature_degC.push_back(row.stepper.state().temperature_K - kZeroCelsius_K);
+  });
+  Series series{.kind = "simulation", .name = "", .rows = soc.size()};
+  const auto add = [&](const char* name, std::span<const double> values) {
+    const auto until = values.first(std::min(values.size(), soc.size()));
+    if (!until.empty()) series.columns.push_back({name, {until.begin(), until.end()}});
+  };
+  add("time_s", record.time_s);
+  add("current_A", record.current_A);
+  add("voltage_V", record.voltage_V);
+  add("predicted_V", predicted_V);
+  add("open_circuit_V", open_circuit_V);
+  add("soc", soc);
+  add("temperature_degC", temperature_degC);
+  add("voltage_low_V", band.voltage_low_V);
+  add("voltage_high_V", band.voltage_high_V);
+  return Thinned(series, kBytesOfPage);
+}
+
 }  // namespace
 
 cli::ExitCode SimulateCommand(cli::CommandLine& line) {
@@ -130,6 +167,7 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
   line.Each(surroundings_request);
   line.Each(pack);
   line.Each(reading);
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   Cell cell = LoadCell(line, cell_name);
@@ -170,10 +208,15 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     line.summary()["ensemble"].update(WidthOf(band));
   }
 
+  if (!line.report_file().empty()) {
+    Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
+    line.report_series().push_back(Simulated(log.record, surroundings, cell, band, walk));
+  }
   std::string header = "time_s,current_A,voltage_V,open_circuit_V,soc";
   if (cell.temperature) header += ",temperature_degC";
   if (ensemble.asked()) header += ",voltage_low_V,voltage_high_V";
-  CsvWriter csv(output, header);
+  std::optional<CsvWriter> csv;
+  if (line.earlier() == nullptr) csv.emplace(output, header);
   std::vector<double> columns;
   std::size_t outside_band = 0;
   Walk walk(cell, hold, initial_soc, rows_of_log, beyond_cutoff);
@@ -193,10 +236,10 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
                             row.voltage_V <= band.voltage_high_V[k] + kRounding_V;
         if (!within) ++outside_band;
       }
-      csv.RowOf(columns);
+      if (csv) csv->RowOf(columns);
     });
   });
-  csv.Commit();
+  if (csv) csv->Commit();
   const Way& way = walk.way();
   const bool whole = !way.cutoff_s;
 
@@ -218,12 +261,6 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
     told["final_soc"] = way.soc;
     told["final_voltage_V"] = way.voltage_V;
     told["minimum_voltage_V"] = way.lowest_V;
-    line.Message("{}: {}, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
-                 output,
-                 Counted(way.rows, "row"),
-                 initial_soc,
-                 way.soc,
-                 way.lowest_V);
   }
   line.summary()["logs"] = Json::array({std::move(told)});
   if (!whole) {
@@ -245,17 +282,10 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         way.voltage_V,
         cutoff_V);
   }
-  if (ensemble.asked() && way.rows > 0) {
-    const Json& of = line.summary()["ensemble"];
-    line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
-                 ensemble.count,
-                 of["band_mean_V"].get<double>(),
-                 of["band_max_V"].get<double>());
-    if (outside_band > 0) {
-      line.Message("in {} of {} the band leaves out what the cell itself predicts",
-                   outside_band,
-                   Counted(way.rows, "row"));
-    }
+  if (outside_band > 0) {
+    line.Message("in {} of {} the band leaves out what the cell itself predicts",
+                 outside_band,
+                 Counted(way.rows, "row"));
   }
   if (ensemble.asked()) line.summary()["ensemble"]["rows_outside_band"] = outside_band;
   if (const std::string doubt = way.reached.DoubtAboutCurve(); !doubt.empty())
@@ -266,6 +296,22 @@ cli::ExitCode SimulateCommand(cli::CommandLine& line) {
         "the log charges the cell to a soc of {:.3g}, which no cell holds: say whether its current is "
         "the other way round (--current-sign), or how empty the cell begins (--initial-soc)",
         way.reached.overfull());
+  }
+  if (line.earlier() == nullptr) line.summary()["messages"] = line.messages();
+  if (ensemble.asked() && way.rows > 0) {
+    const Json& of = line.summary()["ensemble"];
+    line.Message("95 % of {} cells lie within a band of {:.4f} V on average, {:.4f} V at most",
+                 ensemble.count,
+                 of["band_mean_V"].get<double>(),
+                 of["band_max_V"].get<double>());
+  }
+  if (way.rows > 0) {
+    line.Message("{}: {}, soc {:.4f} to {:.4f}, lowest voltage {:.4f} V",
+                 output,
+                 Counted(way.rows, "row"),
+                 initial_soc,
+                 way.soc,
+                 way.lowest_V);
   }
   return whole && !overfull ? cli::ExitCode::kDone : cli::ExitCode::kIncomplete;
 }

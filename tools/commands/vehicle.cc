@@ -236,6 +236,7 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
       "JX JY JZ",
       "moments of inertia about the axes ahead, right and down, kg m² (default from mass and "
       "frame)");
+  line.ReportOption();
   if (!line.Parse()) return cli::ExitCode::kDone;
 
   required.Check();
@@ -287,6 +288,7 @@ cli::ExitCode VehicleCommand(cli::CommandLine& line) {
   }
   WriteFileAtomically(output, text);
   Report(line, draft, fit);
+  line.summary()["remarks"] = remarks;
   line.summary()["output"] = output;
   line.Message(
       "{}: {} of {:.4g} kg; assumed: {}",
