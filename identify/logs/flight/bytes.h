@@ -24,6 +24,12 @@ template <class T>
   return value;
 }
 
+/// The same as a double, for tables of types.
+template <class T>
+[[nodiscard]] double DoubleAt(std::string_view bytes, std::size_t offset) {
+  return static_cast<double>(NumberAt<T>(bytes, offset));
+}
+
 /// A text of fixed width, up to its first zero byte.
 [[nodiscard]] inline std::string TextAt(std::string_view bytes,
                                         std::size_t offset,

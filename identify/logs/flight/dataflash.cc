@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <optional>
 
 #include "identify/logs/flight/bytes.h"
 #include "identify/logs/flight/message_walk.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -18,84 +21,39 @@ constexpr std::uint8_t kFormatType = 0x80;
 constexpr std::size_t kFormatBytes = 89;
 constexpr double kMostBatteries = 255.0;  // as many as an instance of one byte can tell
 
-std::size_t BytesOf(char letter) {
-  switch (letter) {
-    case 'b':
-    case 'B':
-    case 'M':
-      return 1;
-    case 'h':
-    case 'H':
-    case 'c':
-    case 'C':
-    case 'g':
-      return 2;
-    case 'i':
-    case 'I':
-    case 'e':
-    case 'E':
-    case 'L':
-    case 'f':
-    case 'n':
-      return 4;
-    case 'q':
-    case 'Q':
-    case 'd':
-      return 8;
-    case 'N':
-      return 16;
-    case 'Z':
-    case 'a':
-      return 64;
-    default:
-      return 0;
-  }
-}
+// What a letter of a format means, before hundredths that only the message knows. A text has no number.
+struct FieldType {
+  char letter;
+  std::size_t bytes;
+  double (*number)(std::string_view bytes, std::size_t offset) = nullptr;
+  double factor = 1.0;
+};
 
-// What the letters mean, before hundredths that only the message knows.
-double Number(std::string_view bytes, std::size_t offset, char letter) {
-  switch (letter) {
-    case 'b':
-      return NumberAt<std::int8_t>(bytes, offset);
-    case 'B':
-    case 'M':
-      return NumberAt<std::uint8_t>(bytes, offset);
-    case 'h':
-      return NumberAt<std::int16_t>(bytes, offset);
-    case 'H':
-      return NumberAt<std::uint16_t>(bytes, offset);
-    case 'i':
-      return NumberAt<std::int32_t>(bytes, offset);
-    case 'I':
-      return NumberAt<std::uint32_t>(bytes, offset);
-    case 'q':
-      return static_cast<double>(NumberAt<std::int64_t>(bytes, offset));
-    case 'Q':
-      return static_cast<double>(NumberAt<std::uint64_t>(bytes, offset));
-    case 'f':
-      return NumberAt<float>(bytes, offset);
-    case 'd':
-      return NumberAt<double>(bytes, offset);
-    case 'g':
-      return HalfAt(bytes, offset);
-    case 'c':
-      return 0.01 * NumberAt<std::int16_t>(bytes, offset);
-    case 'C':
-      return 0.01 * NumberAt<std::uint16_t>(bytes, offset);
-    case 'e':
-      return 0.01 * NumberAt<std::int32_t>(bytes, offset);
-    case 'E':
-      return 0.01 * NumberAt<std::uint32_t>(bytes, offset);
-    case 'L':
-      return 1e-7 * NumberAt<std::int32_t>(bytes, offset);
-    default:
-      return std::numeric_limits<double>::quiet_NaN();
-  }
-}
+constexpr FieldType kFieldTypes[] = {{'b', 1, &DoubleAt<std::int8_t>},
+                                     {'B', 1, &DoubleAt<std::uint8_t>},
+                                     {'M', 1, &DoubleAt<std::uint8_t>},
+                                     {'h', 2, &DoubleAt<std::int16_t>},
+                                     {'H', 2, &DoubleAt<std::uint16_t>},
+                                     {'c', 2, &DoubleAt<std::int16_t>, 0.01},
+                                     {'C', 2, &DoubleAt<std::uint16_t>, 0.01},
+                                     {'g', 2, &HalfAt},
+                                     {'i', 4, &DoubleAt<std::int32_t>},
+                                     {'I', 4, &DoubleAt<std::uint32_t>},
+                                     {'e', 4, &DoubleAt<std::int32_t>, 0.01},
+                                     {'E', 4, &DoubleAt<std::uint32_t>, 0.01},
+                                     {'L', 4, &DoubleAt<std::int32_t>, 1e-7},
+                                     {'f', 4, &DoubleAt<float>},
+                                     {'n', 4},
+                                     {'q', 8, &DoubleAt<std::int64_t>},
+                                     {'Q', 8, &DoubleAt<std::uint64_t>},
+                                     {'d', 8, &DoubleAt<double>},
+                                     {'N', 16},
+                                     {'Z', 64},
+                                     {'a', 64}};
 
 struct FieldPlace {
   std::size_t offset = 0;
-  char letter = 'f';
+  FieldType type = kFieldTypes[0];
 };
 
 struct Format {
@@ -120,10 +78,13 @@ Format ParseFormat(std::string_view payload) {
   std::size_t offset = 0;
   for (const char letter : letters) {
     const auto end = std::min(rest.find(','), rest.size());
-    const std::size_t bytes = BytesOf(letter);
-    if (bytes == 0 || kHeadBytes + offset + bytes > format.bytes) break;
-    format.places.emplace(rest.substr(0, end), FieldPlace{offset, letter});
-    offset += bytes;
+    const auto* const type =
+        std::find_if(std::begin(kFieldTypes), std::end(kFieldTypes), [&](const FieldType& each) {
+          return each.letter == letter;
+        });
+    if (type == std::end(kFieldTypes) || kHeadBytes + offset + type->bytes > format.bytes) break;
+    format.places.emplace(rest.substr(0, end), FieldPlace{offset, *type});
+    offset += type->bytes;
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return format;
@@ -181,20 +142,19 @@ class DataflashReader {
 
   static double Value(const Format& format, std::string_view payload, std::string_view field) {
     const auto place = format.Find(field);
-    return place ? Number(payload, place->offset, place->letter)
-                 : std::numeric_limits<double>::quiet_NaN();
+    if (!place || place->type.number == nullptr) return kNaN;
+    return place->type.factor * place->type.number(payload, place->offset);
   }
 
   // Volts or amperes: integers without a unit of their own are hundredths.
   static double Hundredths(const Format& format, std::string_view payload, std::string_view field) {
     const auto place = format.Find(field);
     const double value = Value(format, payload, field);
-    return place && (place->letter == 'h' || place->letter == 'H') ? 0.01 * value : value;
+    return place && (place->type.letter == 'h' || place->type.letter == 'H') ? 0.01 * value : value;
   }
 
   // number 0: as the message says, the first where it does not.
   void TakeBattery(const Format& format, std::string_view payload, int number) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (number == 0) {
       double instance = Value(format, payload, "Inst");
       if (std::isnan(instance)) instance = Value(format, payload, "Instance");
@@ -210,7 +170,7 @@ class DataflashReader {
     track.time_s.push_back(time_s);
     track.voltage_V.push_back(Hundredths(format, payload, "Volt"));
     const double current_A = Hundredths(format, payload, "Curr");
-    track.current_A.push_back(current_A == -1.0 ? kNone : current_A);
+    track.current_A.push_back(current_A == -1.0 ? kNaN : current_A);
     track.temperature_degC.push_back(Value(format, payload, "Temp"));
   }
 
@@ -218,14 +178,14 @@ class DataflashReader {
     const auto name = format.Find("Name");
     if (!name) return;
     // What was set first counts: later ones were changed in flight.
-    parameters_.emplace(TextAt(payload, name->offset, BytesOf(name->letter)),
+    parameters_.emplace(TextAt(payload, name->offset, name->type.bytes),
                         Value(format, payload, "Value"));
   }
 
   void TakeText(const Format& format, std::string_view payload) {
     const auto place = format.Find("Message");
     if (!place) return;
-    const std::string text = TextAt(payload, place->offset, BytesOf(place->letter));
+    const std::string text = TextAt(payload, place->offset, place->type.bytes);
     if (firmware_.empty() && (text.starts_with("Ardu") || text.starts_with("APM:")))
       firmware_ = text;
     constexpr std::string_view kFrame = "Frame: ";
@@ -238,12 +198,10 @@ class DataflashReader {
       const auto parameter = [&](std::string_view name) {
         const auto found = parameters_.find(number == 1 ? fmt::format("BATT_{}", name)
                                                         : fmt::format("BATT{}_{}", number, name));
-        return found == parameters_.end() ? std::numeric_limits<double>::quiet_NaN()
-                                          : found->second;
+        return found == parameters_.end() ? kNaN : found->second;
       };
       constexpr double kVoltageOnly = 3.0;
-      if (parameter("MONITOR") == kVoltageOnly)
-        track.current_A.assign(track.size(), std::numeric_limits<double>::quiet_NaN());
+      if (parameter("MONITOR") == kVoltageOnly) track.current_A.assign(track.size(), kNaN);
       if (const double capacity_mAh = parameter("CAPACITY"); capacity_mAh > 0.0)
         track.capacity_Ah = 1e-3 * capacity_mAh;
       log_.batteries.push_back(std::move(track));

@@ -8,6 +8,7 @@
 
 #include "identify/logs/flight/bytes.h"
 #include "identify/logs/flight/message_walk.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 namespace {
@@ -23,69 +24,30 @@ constexpr std::string_view kTopic = "battery_status";
 constexpr int kMostNesting = 8;
 constexpr std::size_t kMostBytes = 1 << 16;
 
-enum class Type {
-  kInt8,
-  kUint8,
-  kInt16,
-  kUint16,
-  kInt32,
-  kUint32,
-  kInt64,
-  kUint64,
-  kFloat,
-  kDouble
-};
-
-struct NamedType {
+struct BasicType {
   std::string_view name;
-  Type type;
   std::size_t bytes;
+  double (*number)(std::string_view bytes, std::size_t offset);
 };
 
-constexpr NamedType kBasicTypes[] = {{"int8_t", Type::kInt8, 1},
-                                     {"uint8_t", Type::kUint8, 1},
-                                     {"int16_t", Type::kInt16, 2},
-                                     {"uint16_t", Type::kUint16, 2},
-                                     {"int32_t", Type::kInt32, 4},
-                                     {"uint32_t", Type::kUint32, 4},
-                                     {"int64_t", Type::kInt64, 8},
-                                     {"uint64_t", Type::kUint64, 8},
-                                     {"float", Type::kFloat, 4},
-                                     {"double", Type::kDouble, 8},
-                                     {"bool", Type::kUint8, 1},
-                                     {"char", Type::kUint8, 1}};
+constexpr BasicType kBasicTypes[] = {{"int8_t", 1, &DoubleAt<std::int8_t>},
+                                     {"uint8_t", 1, &DoubleAt<std::uint8_t>},
+                                     {"int16_t", 2, &DoubleAt<std::int16_t>},
+                                     {"uint16_t", 2, &DoubleAt<std::uint16_t>},
+                                     {"int32_t", 4, &DoubleAt<std::int32_t>},
+                                     {"uint32_t", 4, &DoubleAt<std::uint32_t>},
+                                     {"int64_t", 8, &DoubleAt<std::int64_t>},
+                                     {"uint64_t", 8, &DoubleAt<std::uint64_t>},
+                                     {"float", 4, &DoubleAt<float>},
+                                     {"double", 8, &DoubleAt<double>},
+                                     {"bool", 1, &DoubleAt<std::uint8_t>},
+                                     {"char", 1, &DoubleAt<std::uint8_t>}};
 
-const NamedType* FindBasicType(std::string_view name) {
-  for (const NamedType& type : kBasicTypes) {
+const BasicType* FindBasicType(std::string_view name) {
+  for (const BasicType& type : kBasicTypes) {
     if (type.name == name) return &type;
   }
   return nullptr;
-}
-
-double Number(std::string_view bytes, std::size_t offset, Type type) {
-  switch (type) {
-    case Type::kInt8:
-      return NumberAt<std::int8_t>(bytes, offset);
-    case Type::kUint8:
-      return NumberAt<std::uint8_t>(bytes, offset);
-    case Type::kInt16:
-      return NumberAt<std::int16_t>(bytes, offset);
-    case Type::kUint16:
-      return NumberAt<std::uint16_t>(bytes, offset);
-    case Type::kInt32:
-      return NumberAt<std::int32_t>(bytes, offset);
-    case Type::kUint32:
-      return NumberAt<std::uint32_t>(bytes, offset);
-    case Type::kInt64:
-      return static_cast<double>(NumberAt<std::int64_t>(bytes, offset));
-    case Type::kUint64:
-      return static_cast<double>(NumberAt<std::uint64_t>(bytes, offset));
-    case Type::kFloat:
-      return NumberAt<float>(bytes, offset);
-    case Type::kDouble:
-      return NumberAt<double>(bytes, offset);
-  }
-  return std::numeric_limits<double>::quiet_NaN();
 }
 
 // "float[14] voltage_cell_v" in pieces.
@@ -115,7 +77,7 @@ std::optional<Declaration> ParseDeclaration(std::string_view text) {
 // Where a number stands in the data of a message.
 struct Place {
   std::size_t offset = 0;
-  NamedType type = kBasicTypes[0];
+  BasicType type = kBasicTypes[0];
 };
 
 // How many cells in series a number says; 0 where it can say none.
@@ -196,15 +158,15 @@ class UlogReader {
       if (message == 'I') texts_.emplace(key->name, value);
       return;
     }
-    const NamedType* type = FindBasicType(key->type);
+    const BasicType* type = FindBasicType(key->type);
     if (type == nullptr || value.size() < type->bytes) return;
     // What was set first counts: later ones were changed in flight.
-    (message == 'I' ? information_ : parameters_).emplace(key->name, Number(value, 0, type->type));
+    (message == 'I' ? information_ : parameters_).emplace(key->name, type->number(value, 0));
   }
 
   // Bytes of a type with all that it nests; nullopt where it cannot be.
   [[nodiscard]] std::optional<std::size_t> BytesOf(std::string_view type, int depth) const {
-    if (const NamedType* basic = FindBasicType(type)) return basic->bytes;
+    if (const BasicType* basic = FindBasicType(type)) return basic->bytes;
     const auto format = formats_.find(type);
     if (format == formats_.end() || depth == kMostNesting) return std::nullopt;
     std::size_t total = 0;
@@ -235,7 +197,7 @@ class UlogReader {
       if (!field) continue;
       const auto each = BytesOf(field->type, 0);
       if (!each) break;  // what comes after it cannot be found
-      if (const NamedType* type = FindBasicType(field->type); type && field->count > 0)
+      if (const BasicType* type = FindBasicType(field->type); type && field->count > 0)
         places.emplace(field->name, Place{offset, *type});
       offset += *each * field->count;
       if (offset > kMostBytes) break;
@@ -272,11 +234,8 @@ class UlogReader {
     if (found == batteries_.end()) return;
     Battery& battery = found->second;
     const auto number = [&](const std::optional<Place>& place) {
-      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-      if (!place) return kNone;
-      return place->offset + place->type.bytes > data.size()
-                 ? kNone
-                 : Number(data, place->offset, place->type.type);
+      if (!place || place->offset + place->type.bytes > data.size()) return kNaN;
+      return place->type.number(data, place->offset);
     };
     const double time_us = number(battery.time_us);
     if (std::isnan(time_us)) return;
@@ -284,8 +243,7 @@ class UlogReader {
     const double current_A = number(battery.current_A);
     track.time_s.push_back(1e-6 * time_us);
     track.voltage_V.push_back(number(battery.voltage_V));
-    track.current_A.push_back(current_A == -1.0 ? std::numeric_limits<double>::quiet_NaN()
-                                                : current_A);
+    track.current_A.push_back(current_A == -1.0 ? kNaN : current_A);
     track.temperature_degC.push_back(number(battery.temperature_degC));
     if (const int cells = CellsOf(number(battery.cells)); cells > 0) track.cells = cells;
   }
@@ -300,7 +258,7 @@ class UlogReader {
           if (found != parameters_.end() && found->second > 0.0) return found->second;
           if (track.number > 1) break;  // BAT_ without a number is the first
         }
-        return std::numeric_limits<double>::quiet_NaN();
+        return kNaN;
       };
       if (track.cells == 0) track.cells = CellsOf(parameter("N_CELLS"));
       track.capacity_Ah = 1e-3 * parameter("CAPACITY");  // mAh
