@@ -4,26 +4,17 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kArbinSignature[] = {
-    "data_point", "test_time", "step_index|step_id", "current", "voltage"};
-
-}  // namespace
 
 constinit const Layout kArbin{
     .name = "arbin",
     .summary = "Arbin MITS Pro CSV: Data_Point, Test_Time(s), Step_Index, Current(A), Voltage(V)",
-    .signature = kArbinSignature,
-    .columns = {{ColumnNames{.names = "test_time", .in_order = true, .known_unit = "s"},
-                 ColumnNames{.names = "current", .in_order = true, .known_unit = "A"},
-                 ColumnNames{.names = "voltage", .in_order = true, .known_unit = "V"},
-                 ColumnNames{.names = "aux_temperature_1|temperature",
-                             .in_order = true,
-                             .known_unit = "degC"},
-                 ColumnNames{.names = "step_index|step_id"},
-                 ColumnNames{.names = "cycle_index|cycle_id"},
-                 ColumnNames{}}},
+    .signature = {{"data_point", "test_time", "step_index|step_id", "current", "voltage"}},
+    .columns = {{{.names = "test_time", .in_order = true, .known_unit = "s"},
+                 {.names = "current", .in_order = true, .known_unit = "A"},
+                 {.names = "voltage", .in_order = true, .known_unit = "V"},
+                 {.names = "aux_temperature_1|temperature", .in_order = true, .known_unit = "degC"},
+                 {.names = "step_index|step_id"},
+                 {.names = "cycle_index|cycle_id"}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

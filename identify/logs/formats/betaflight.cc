@@ -5,23 +5,12 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kBetaflightSignature[] = {"loopiteration", "time", "vbatlatest"};
-
-}  // namespace
 
 constinit const Layout kBetaflight{
     .name = "betaflight",
     .summary = "Betaflight blackbox, decoded to CSV: time (us), vbatLatest (V), amperageLatest (A)",
-    .signature = kBetaflightSignature,
-    .columns = {{ColumnNames{.names = "time"},
-                 ColumnNames{.names = "amperagelatest"},
-                 ColumnNames{.names = "vbatlatest"},
-                 ColumnNames{},
-                 ColumnNames{},
-                 ColumnNames{},
-                 ColumnNames{}}},
+    .signature = {{"loopiteration", "time", "vbatlatest"}},
+    .columns = {{{.names = "time"}, {.names = "amperagelatest"}, {.names = "vbatlatest"}}},
     .discharge_is_positive = true,
 };
 

@@ -5,24 +5,17 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kBiologicSignature[] = {"time/s",
-                                                   "ecell/v|ewe/v|<ewe>/v|<ecell>/v|ewe-ece/v"};
-
-}  // namespace
 
 constinit const Layout kBiologic{
     .name = "biologic",
     .summary = "BioLogic EC-Lab and BT-Lab text export: time/s, Ecell/V or Ewe/V, I/mA",
-    .signature = kBiologicSignature,
-    .columns = {{ColumnNames{.names = "time", .in_order = true},
-                 ColumnNames{.names = "i|<i>", .in_order = true},
-                 ColumnNames{.names = "ecell|ewe-ece|ewe|<ecell>|<ewe>", .in_order = true},
-                 ColumnNames{.names = "temperature", .in_order = true},
-                 ColumnNames{.names = "ns"},
-                 ColumnNames{.names = "cycle_number"},
-                 ColumnNames{}}},
+    .signature = {{"time/s", "ecell/v|ewe/v|<ewe>/v|<ecell>/v|ewe-ece/v"}},
+    .columns = {{{.names = "time", .in_order = true},
+                 {.names = "i|<i>", .in_order = true},
+                 {.names = "ecell|ewe-ece|ewe|<ecell>|<ewe>", .in_order = true},
+                 {.names = "temperature", .in_order = true},
+                 {.names = "ns"},
+                 {.names = "cycle_number"}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

@@ -26,9 +26,6 @@ bool IsBitrodeRow(std::span<const TextCell> cells) {
   return mode == "REST" || mode == "CHRG" || mode == "DCHG" || mode == "PAUS" || mode == "STOP";
 }
 
-constexpr std::string_view kBitrodeSignature[] = {
-    "loop", "step", "steptime", "current", "voltage", "mode"};
-
 }  // namespace
 
 constinit const Layout kBitrode{
@@ -36,14 +33,14 @@ constinit const Layout kBitrode{
     .summary =
         "Bitrode CSV: Exclude,Time(s),Cycle,Loop,Loop,Loop,Step,...,Mode,Data, or the same without "
         "a header",
-    .signature = kBitrodeSignature,
-    .columns = {{ColumnNames{.names = "time", .in_order = true},
-                 ColumnNames{.names = "current", .in_order = true},
-                 ColumnNames{.names = "voltage", .in_order = true},
-                 ColumnNames{},
-                 ColumnNames{.names = "step"},
-                 ColumnNames{.names = "cycle"},
-                 ColumnNames{.names = "mode"}}},
+    .signature = {{"loop", "step", "steptime", "current", "voltage", "mode"}},
+    .columns = {{{.names = "time", .in_order = true},
+                 {.names = "current", .in_order = true},
+                 {.names = "voltage", .in_order = true},
+                 {},
+                 {.names = "step"},
+                 {.names = "cycle"},
+                 {.names = "mode"}}},
     .implied_header = kBitrodeHeader,
     .is_row = &IsBitrodeRow,
 };

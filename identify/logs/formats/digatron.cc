@@ -5,28 +5,23 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kDigatronSignature[] = {"prog_time|program_duration|progtime",
-                                                   "status",
-                                                   "step_time|step_duration|steptime",
-                                                   "procedure|cycle_level"};
-
-}  // namespace
 
 constinit const Layout kDigatron{
     .name = "digatron",
     .summary =
         "Digatron CSV: Prog Time, Step, Status, Voltage, Current over a line of units, or "
         "Current#A and Voltage#V",
-    .signature = kDigatronSignature,
-    .columns = {{ColumnNames{.names = "prog_time|program_duration|progtime", .in_order = true},
-                 ColumnNames{.names = "current", .in_order = true},
-                 ColumnNames{.names = "voltage", .in_order = true},
-                 ColumnNames{.names = "temperature|t1|logtemp001", .in_order = true},
-                 ColumnNames{.names = "step"},
-                 ColumnNames{.names = "cycle"},
-                 ColumnNames{.names = "status"}}},
+    .signature = {{"prog_time|program_duration|progtime",
+                   "status",
+                   "step_time|step_duration|steptime",
+                   "procedure|cycle_level"}},
+    .columns = {{{.names = "prog_time|program_duration|progtime", .in_order = true},
+                 {.names = "current", .in_order = true},
+                 {.names = "voltage", .in_order = true},
+                 {.names = "temperature|t1|logtemp001", .in_order = true},
+                 {.names = "step"},
+                 {.names = "cycle"},
+                 {.names = "status"}}},
     .date_order = DateOrder::kMonthFirst,
 };
 

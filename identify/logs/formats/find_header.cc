@@ -158,7 +158,7 @@ std::optional<FoundHeader> SearchHeader(const std::vector<HeadLine>& lines,
       for (const Layout* layout : formats) {
         header.layout = layout;
         header.levels.clear();
-        if (layout->signature.empty()) continue;
+        if (layout->signature[0].empty()) continue;
         if (Matches(header.names, layout->signature) && FindLevels(lines, index, header))
           return header;
       }

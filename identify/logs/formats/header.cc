@@ -135,9 +135,10 @@ bool Matches(std::span<const HeaderName> header, std::span<const std::string_vie
     const auto holds = [&](std::string_view name) {
       return RankIn(alternatives, name) != alternatives.npos;
     };
-    return std::any_of(header.begin(), header.end(), [&](const HeaderName& column) {
-      return holds(column.name) || holds(column.whole) || holds(column.stem);
-    });
+    return alternatives.empty() ||
+           std::any_of(header.begin(), header.end(), [&](const HeaderName& column) {
+             return holds(column.name) || holds(column.whole) || holds(column.stem);
+           });
   });
 }
 

@@ -48,7 +48,8 @@ struct HeaderMatch {
                                                    Quantity quantity,
                                                    const ColumnNames& names);
 
-/// Every entry ("a|b": any of these) names a column of the header, with or without its unit.
+/// Every entry ("a|b": any of these; "": nothing) names a column of the header, with or without its
+/// unit.
 [[nodiscard]] bool Matches(std::span<const HeaderName> header,
                            std::span<const std::string_view> signature);
 

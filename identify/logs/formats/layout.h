@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "identify/logs/csv/cells.h"
 #include "identify/logs/csv/times.h"
@@ -35,7 +34,7 @@ struct Layout {
   std::string_view summary;
   /// Each entry is a set of alternatives, "a|b"; a header that holds one of each is of this format.
   /// An alternative matches a name with or without its unit.
-  std::span<const std::string_view> signature = {};
+  std::array<std::string_view, 6> signature = {};
   std::array<ColumnNames, kQuantityCount> columns = {};
   /// Names of a clock that runs through all steps when `columns` has none, and restarts with each
   /// step.
@@ -65,10 +64,6 @@ struct Layout {
     return columns[static_cast<std::size_t>(quantity)];
   }
 };
-
-/// +1 for a word that says discharge, -1 for charge, 0 for any other: DCHG, D, CC DChg, Discharge,
-/// ...
-[[nodiscard]] double DirectionOfWord(std::string_view word);
 
 /// Every format is described in its file.
 extern const Layout kArbin;

@@ -6,27 +6,23 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kMaccorSignature[] = {
-    "rec#|rec", "step", "testtime|test_time|test", "es|dpt_time|state|md|step_time|steptime"};
-
-}  // namespace
 
 constinit const Layout kMaccor{
     .name = "maccor",
     .summary =
         "Maccor text and CSV: Rec#, Cyc#, Step, TestTime or Test (Sec), Amps, Volts, State; also "
         "Current [A], Md",
-    .signature = kMaccorSignature,
-    .columns = {{ColumnNames{.names = "testtime|test_time|test", .in_order = true},
-                 ColumnNames{.names = "amps|mamps|current", .in_order = true, .known_unit = "A"},
-                 ColumnNames{.names = "volts|voltage", .in_order = true, .known_unit = "V"},
-                 ColumnNames{
-                     .names = "temperature_cell|temp_1", .in_order = true, .known_unit = "degC"},
-                 ColumnNames{.names = "step"},
-                 ColumnNames{.names = "cyc#|cycle_c|cycle_p", .in_order = true},
-                 ColumnNames{.names = "state|md"}}},
+    .signature = {{"rec#|rec",
+                   "step",
+                   "testtime|test_time|test",
+                   "es|dpt_time|state|md|step_time|steptime"}},
+    .columns = {{{.names = "testtime|test_time|test", .in_order = true},
+                 {.names = "amps|mamps|current", .in_order = true, .known_unit = "A"},
+                 {.names = "volts|voltage", .in_order = true, .known_unit = "V"},
+                 {.names = "temperature_cell|temp_1", .in_order = true, .known_unit = "degC"},
+                 {.names = "step"},
+                 {.names = "cyc#|cycle_c|cycle_p", .in_order = true},
+                 {.names = "state|md"}}},
     .date = {.names = "dpt_time"},
     .date_order = DateOrder::kMonthFirst,
     .millivolts_beside = "mamps",

@@ -10,7 +10,6 @@ namespace {
 constexpr std::string_view kNewareCycleLevel[] = {"cycle_index|cycle_id"};
 constexpr std::string_view kNewareStepLevel[] = {"step_index|step_id|step_number", "step_type"};
 constexpr std::span<const std::string_view> kNewareLevels[] = {kNewareCycleLevel, kNewareStepLevel};
-constexpr std::string_view kNewareSignature[] = {"datapoint|record_number", "current", "voltage"};
 
 }  // namespace
 
@@ -19,14 +18,14 @@ constinit const Layout kNeware{
     .summary =
         "Neware BTSDA CSV, flat or in three levels: DataPoint, Step Type, Time, Total Time, "
         "Current(A), Voltage(V)",
-    .signature = kNewareSignature,
-    .columns = {{ColumnNames{.names = "total_time|cumulative_time", .in_order = true},
-                 ColumnNames{.names = "current", .in_order = true},
-                 ColumnNames{.names = "voltage", .in_order = true},
-                 ColumnNames{.names = "t1", .in_order = true},
-                 ColumnNames{.names = "step_index|step_number|step_id", .in_order = true},
-                 ColumnNames{.names = "cycle_index|cycle_id", .in_order = true},
-                 ColumnNames{.names = "step_type"}}},
+    .signature = {{"datapoint|record_number", "current", "voltage"}},
+    .columns = {{{.names = "total_time|cumulative_time", .in_order = true},
+                 {.names = "current", .in_order = true},
+                 {.names = "voltage", .in_order = true},
+                 {.names = "t1", .in_order = true},
+                 {.names = "step_index|step_number|step_id", .in_order = true},
+                 {.names = "cycle_index|cycle_id", .in_order = true},
+                 {.names = "step_type"}}},
     .step_clock = {.names = "time|step_time", .in_order = true},
     .level_signatures = kNewareLevels,
 };

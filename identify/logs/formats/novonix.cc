@@ -4,25 +4,18 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kNovonixSignature[] = {
-    "run_time", "step_time", "potential", "circuit_temperature|step_position"};
-
-}  // namespace
 
 constinit const Layout kNovonix{
     .name = "novonix",
     .summary =
         "Novonix UHPC CSV: [Summary] ... [Data], then Run Time (h), Current (A), Potential (V)",
-    .signature = kNovonixSignature,
-    .columns = {{ColumnNames{.names = "run_time", .in_order = true},
-                 ColumnNames{.names = "current", .in_order = true},
-                 ColumnNames{.names = "potential", .in_order = true},
-                 ColumnNames{.names = "temperature", .in_order = true},
-                 ColumnNames{.names = "step_number"},
-                 ColumnNames{.names = "cycle_number"},
-                 ColumnNames{}}},
+    .signature = {{"run_time", "step_time", "potential", "circuit_temperature|step_position"}},
+    .columns = {{{.names = "run_time", .in_order = true},
+                 {.names = "current", .in_order = true},
+                 {.names = "potential", .in_order = true},
+                 {.names = "temperature", .in_order = true},
+                 {.names = "step_number"},
+                 {.names = "cycle_number"}}},
 };
 
 }  // namespace lipoid

@@ -35,6 +35,23 @@ bool AreUnits(std::span<const TextCell> cells) {
   return any;
 }
 
+// +1 for a word that says discharge, -1 for charge, 0 for any other: DCHG, D, CC DChg, ...
+double DirectionOfWord(std::string_view word) {
+  const std::string lower = LowerCase(word);
+  const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
+  if (lower == "d" || has("dch") || has("disch") || has("放电")) return 1.0;
+  if (lower == "c" || lower == "cha" || has("charg") || has("chg") || has("chrg") || has("充电"))
+    return -1.0;
+  return 0.0;
+}
+
+// Those of equal ranks stay in the order of their fields.
+std::vector<HeaderMatch> ByRank(std::vector<HeaderMatch> matches) {
+  std::stable_sort(
+      matches.begin(), matches.end(), [](const auto& a, const auto& b) { return a.rank < b.rank; });
+  return matches;
+}
+
 // Resolves the columns of a header, one quantity at a time.
 class Planner {
  public:
@@ -109,9 +126,7 @@ class Planner {
                                     std::vector<HeaderMatch> matches,
                                     bool in_order) const {
     if (matches.empty()) return std::nullopt;
-    std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
-      return a.rank < b.rank;
-    });
+    matches = ByRank(std::move(matches));
     if (matches.size() > 1 && (!in_order || matches[0].rank == matches[1].rank)) {
       const HeaderName& other = header_.names[matches[1].field];
       Fail(other.column,
@@ -345,12 +360,9 @@ class Planner {
   void PlanTemperature() {
     constexpr auto kQuantity = Quantity::kTemperature;
     const bool named = options_.columns.contains(std::string(Key(kQuantity)));
-    auto matches = header_.Find(kQuantity, options_);
+    const auto matches = ByRank(header_.Find(kQuantity, options_));
     if (named) Needed(kQuantity, Choose(kQuantity, matches, false));
     if (matches.empty()) return NameOtherTemperatures();
-    std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
-      return a.rank < b.rank;
-    });
     const HeaderMatch& match = matches.front();
     const auto unit = match.unit_is_wrong ? std::nullopt : UnitOf(kQuantity, match);
     const bool one = matches.size() == 1 ||
@@ -408,10 +420,8 @@ class Planner {
             {.name = name.text, .field = above.front().field, .kind = kind, .level = level});
         return;
       }
-      auto matches = FindColumns(header_.names, quantity, header_.layout->Of(quantity));
-      std::stable_sort(matches.begin(), matches.end(), [](const auto& a, const auto& b) {
-        return a.rank < b.rank;
-      });
+      const auto matches =
+          ByRank(FindColumns(header_.names, quantity, header_.layout->Of(quantity)));
       // A cycler that counts no steps leaves their column empty.
       if (!needed && kind == CellKind::kNumber && !matches.empty() &&
           IsEmptyAtFirst(matches.front().field))

@@ -3,24 +3,14 @@
 #include "identify/logs/formats/layout.h"
 
 namespace lipoid {
-namespace {
-
-constexpr std::string_view kSimulatedFlightSignature[] = {
-    "time_s", "x_m", "battery_v", "battery_a"};
-
-}  // namespace
 
 constinit const Layout kSimulatedFlight{
     .name = "simulated-flight",
     .summary = "a flight of `lipoid fly`: time_s, x_m, ..., battery_V, battery_A",
-    .signature = kSimulatedFlightSignature,
-    .columns = {{ColumnNames{.names = "time"},
-                 ColumnNames{.names = "battery"},  // the unit tells it from the voltage
-                 ColumnNames{.names = "battery"},
-                 ColumnNames{},
-                 ColumnNames{},
-                 ColumnNames{},
-                 ColumnNames{}}},
+    .signature = {{"time_s", "x_m", "battery_v", "battery_a"}},
+    .columns = {{{.names = "time"},
+                 {.names = "battery"},  // the unit tells it from the voltage
+                 {.names = "battery"}}},
     .discharge_is_positive = true,
     .hold = Hold::kForward,
 };

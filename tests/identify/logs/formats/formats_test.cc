@@ -333,7 +333,7 @@ TEST(LogFormats, EachVendorHeaderIsKnownByOneFormat) {
       SplitLine(Unwrapped(line, fixture.delimiter), fixture.delimiter, cells);
       for (const TextCell& cell : cells) names.push_back(ParseHeaderName(cell));
       for (const Layout* layout : LogFormats()) {
-        if (!layout->signature.empty() && Matches(names, layout->signature))
+        if (!layout->signature[0].empty() && Matches(names, layout->signature))
           known.emplace_back(layout->name);
       }
     }
