@@ -301,35 +301,21 @@ std::string CampaignToToml(const Campaign& campaign) {
   return text;
 }
 
-Campaign CampaignFromArguments(const CampaignArguments& arguments) {
-  Campaign campaign{.file = "",
-                    .name = arguments.name,
-                    .capacity_Ah = arguments.capacity_Ah,
-                    .cutoff_V = arguments.cutoff_V,
-                    .series = arguments.series,
-                    .parallel = arguments.parallel,
-                    .age = {},
-                    .logs = {}};
-  const std::pair<LogKind, const std::vector<std::string>*> lists[] = {
-      {LogKind::kConstantCurrent, &arguments.constant_current},
-      {LogKind::kLowRate, &arguments.low_rate},
-      {LogKind::kPulses, &arguments.pulses},
-      {LogKind::kFlight, &arguments.flight},
-      {LogKind::kValidation, &arguments.validation}};
-  for (const auto& [kind, files] : lists) {
-    for (const std::string& file : *files) {
-      CampaignLog log;
-      log.kind = kind;
-      log.file = file;
-      log.path = fs::path(file).lexically_normal().string();
-      log.position.file.clear();
-      log.read = arguments.read;
-      log.initial_soc = arguments.initial_soc;
-      RefuseTwice(campaign, log);
-      campaign.logs.push_back(std::move(log));
-    }
+void AddLogs(Campaign& campaign,
+             LogKind kind,
+             const std::vector<std::string>& files,
+             const ReadOptions& read,
+             double initial_soc) {
+  for (const std::string& file : files) {
+    CampaignLog log;
+    log.kind = kind;
+    log.file = file;
+    log.path = fs::path(file).lexically_normal().string();
+    log.read = read;
+    log.initial_soc = initial_soc;
+    RefuseTwice(campaign, log);
+    campaign.logs.push_back(std::move(log));
   }
-  return campaign;
 }
 
 void CheckCampaign(const Campaign& campaign, bool open_circuit_voltage_given) {

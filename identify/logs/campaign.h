@@ -77,24 +77,13 @@ void RefuseTwice(const Campaign& campaign, const CampaignLog& log);
 /// One [[log]] of it.
 [[nodiscard]] std::string CampaignLogToToml(const CampaignLog& log);
 
-/// Lists of files by kind, as the command line gives them.
-struct CampaignArguments {
-  std::vector<std::string> constant_current;
-  std::vector<std::string> low_rate;
-  std::vector<std::string> pulses;
-  std::vector<std::string> flight;
-  std::vector<std::string> validation;
-  std::string name;
-  double capacity_Ah = 0.0;
-  std::optional<double> cutoff_V;
-  int series = 1;
-  int parallel = 1;
-  ReadOptions read;          ///< of every log
-  double initial_soc = 1.0;  ///< of every log
-};
-
-/// OptionError where a file stands twice under one kind.
-[[nodiscard]] Campaign CampaignFromArguments(const CampaignArguments& arguments);
+/// Files of one kind, as the command line gives them, become logs of the campaign. OptionError where one
+/// stands twice.
+void AddLogs(Campaign& campaign,
+             LogKind kind,
+             const std::vector<std::string>& files,
+             const ReadOptions& read,
+             double initial_soc = 1.0);
 
 /// Whether the logs may be enough to identify a cell: a low-rate log, pulses or a given curve for
 /// v_oc(A); pulses or constant currents; a cut-off for constant currents; a capacity for flights alone. LoadError at the

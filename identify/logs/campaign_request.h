@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "identify/logs/campaign.h"
 #include "model/battery/ranges.h"
 #include "model/core/option_kinds.h"
 #include "model/core/options.h"
@@ -33,8 +34,6 @@ struct CampaignRequest {
     v("parallel", self.parallel, kPackSizes, "cells in parallel in the logs");
   }
 
-  /// Into a Campaign, or CampaignArguments.
-  template <class Campaign>
   void ApplyTo(Campaign& campaign) const {
     campaign.name = name;
     if (capacity_Ah) campaign.capacity_Ah = *capacity_Ah;

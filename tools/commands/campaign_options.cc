@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "model/core/errors.h"
 #include "tools/commands/log_options.h"
 
@@ -10,14 +12,14 @@ namespace {
 
 // The rest voltage before the first row tells where the logs start, once v_oc(A) is known.
 double InitialSoc(const StartRequest& start,
-                  const CampaignArguments& typed,
+                  int series,
                   const std::optional<OpenCircuitVoltage>& curve) {
   if (start.initial_voltage_V && !curve) {
     throw OptionError(
         "option --initial-voltage-V needs v_oc(A): give --open-circuit-voltage FILE too");
   }
   Cell cell;
-  cell.series = typed.series;
+  cell.series = series;
   if (curve) cell.open_circuit_voltage = *curve;
   return start.Soc(cell);
 }
@@ -26,33 +28,34 @@ double InitialSoc(const StartRequest& start,
 
 void CampaignOptions::AddTo(cli::CommandLine& line) {
   line.Inputs("constant-current",
-              typed_.constant_current,
+              files_[LogKind::kConstantCurrent],
               "LOG",
               "discharges at constant current, to cut-off");
-  line.Inputs("low-rate", typed_.low_rate, "LOG", "a discharge so slow that it shows v_oc");
-  line.Inputs("pulses", typed_.pulses, "LOG", "pulses with rests");
+  line.Inputs(
+      "low-rate", files_[LogKind::kLowRate], "LOG", "a discharge so slow that it shows v_oc");
+  line.Inputs("pulses", files_[LogKind::kPulses], "LOG", "pulses with rests");
   line.Inputs(
       "flight",
-      typed_.flight,
+      files_[LogKind::kFlight],
       "LOG",
       "logs of flights: beside lab logs they are fitted with them, each with its own start and sensors; alone they give "
       "v_oc over the range flown, the total resistance and a fast branch");
-  line.Inputs("validation", typed_.validation, "LOG", "logs to judge the cell by, not to fit");
+  line.Inputs(
+      "validation", files_[LogKind::kValidation], "LOG", "logs to judge the cell by, not to fit");
   line.Each(request_);
   line.Each(reading_);
   line.Each(start_);
 }
 
 bool CampaignOptions::ByOptions() const {
-  return !typed_.constant_current.empty() || !typed_.low_rate.empty() || !typed_.pulses.empty() ||
-         !typed_.flight.empty() || !typed_.validation.empty();
+  return std::any_of(
+      files_.begin(), files_.end(), [](const auto& each) { return !each.second.empty(); });
 }
 
 std::vector<Campaign> CampaignOptions::Campaigns(cli::CommandLine& line,
                                                  const std::vector<std::string>& files,
                                                  const std::optional<OpenCircuitVoltage>& curve,
                                                  std::vector<LoadError>* unreadable) {
-  request_.ApplyTo(typed_);
   const bool by_options = ByOptions();
   if (by_options == !files.empty()) {
     throw OptionError(
@@ -80,11 +83,13 @@ std::vector<Campaign> CampaignOptions::Campaigns(cli::CommandLine& line,
       }
     }
   }
-  typed_.read = reading_.Resolve();
+  const ReadOptions read = reading_.Resolve();
   std::vector<Campaign> campaigns;
   if (by_options) {
-    typed_.initial_soc = InitialSoc(start_, typed_, curve);
-    campaigns.push_back(CampaignFromArguments(typed_));
+    Campaign& campaign = campaigns.emplace_back();
+    request_.ApplyTo(campaign);
+    const double initial_soc = InitialSoc(start_, campaign.series, curve);
+    for (const auto& [kind, logs] : files_) AddLogs(campaign, kind, logs, read, initial_soc);
   } else {
     for (const auto& file : files) {
       try {
@@ -96,7 +101,7 @@ std::vector<Campaign> CampaignOptions::Campaigns(cli::CommandLine& line,
     }
   }
   for (Campaign& campaign : campaigns) {
-    for (CampaignLog& log : campaign.logs) log.read.most_rows = typed_.read.most_rows;
+    for (CampaignLog& log : campaign.logs) log.read.most_rows = read.most_rows;
   }
   line.AddInputs(LogFiles(campaigns));
   return campaigns;

@@ -4,6 +4,7 @@
 /// Which logs: the options that all commands share which find parameters of a cell, where its logs
 /// are given by options instead of a campaign file.
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +36,7 @@ class CampaignOptions {
   [[nodiscard]] bool ByOptions() const;
 
  private:
-  CampaignArguments typed_;
+  std::map<LogKind, std::vector<std::string>> files_;
   ReadingRequest reading_;
   StartRequest start_;
   CampaignRequest request_;

@@ -45,11 +45,10 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
   Cell cell = LoadCell(line, cell_name);
   pack.ApplyTo(cell);
   TellWhatSaysNothing(line, cell, surroundings);
-  CampaignArguments arguments;
-  arguments.validation = files;
-  arguments.series = cell.series;
-  arguments.parallel = cell.parallel;
-  arguments.read = reading.Resolve();
+  Campaign campaign;
+  campaign.series = cell.series;
+  campaign.parallel = cell.parallel;
+  AddLogs(campaign, LogKind::kValidation, files, reading.Resolve());
   Cell one = cell;  // the records come as those of one cell
   one.series = one.parallel = 1;
   Json rows = Json::array();
@@ -61,7 +60,7 @@ cli::ExitCode ValidateCommand(cli::CommandLine& line) {
                         {"mean above 10 % / %"},
                         {"rmse above 10 % / V"}},
                        "How well the cell predicts the logs.");
-  auto logs = LoadLogs(line, CampaignFromArguments(arguments));
+  auto logs = LoadLogs(line, campaign);
   std::vector<std::size_t> lengths;
   for (const auto& loaded : logs) {
     (void)CheckPlausible(loaded.log.record, cell.capacity_Ah, cell.series, cell.parallel);

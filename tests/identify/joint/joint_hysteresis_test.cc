@@ -273,15 +273,13 @@ TEST(JointHysteresis, FindsTheOffsetOfACycler) {
   };
   const auto pulses = of("pulse.csv");
   LIPOID_SKIP_WITHOUT(pulses);
-  Campaign campaign = CampaignFromArguments({.constant_current = {of("cc_1c.csv")},
-                                             .low_rate = {of("low_rate.csv")},
-                                             .pulses = {pulses},
-                                             .flight = {},
-                                             .validation = {},
-                                             .name = "panasonic",
-                                             .capacity_Ah = 2.9,
-                                             .cutoff_V = 2.5,
-                                             .read = {}});
+  Campaign campaign;
+  campaign.name = "panasonic";
+  campaign.capacity_Ah = 2.9;
+  campaign.cutoff_V = 2.5;
+  AddLogs(campaign, LogKind::kConstantCurrent, {of("cc_1c.csv")}, {});
+  AddLogs(campaign, LogKind::kLowRate, {of("low_rate.csv")}, {});
+  AddLogs(campaign, LogKind::kPulses, {pulses}, {});
   CampaignLog charge = campaign.logs[1];
   charge.kind = LogKind::kLowRateCharge;
   charge.file = charge.path = of("low_rate_charge.csv");

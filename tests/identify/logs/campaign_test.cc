@@ -328,14 +328,12 @@ TEST(CheckCampaign, NeedsACutOffForConstantCurrents) {
   EXPECT_EQ(SetRefusal("lc", "cutoff_V = 3.0", false), "no error");
 }
 
-TEST(CampaignFromArguments, KeepsKindsAndOptions) {
-  CampaignArguments arguments;
-  arguments.constant_current = {"a/1c.csv", "a/2c.csv"};
-  arguments.low_rate = {"slow.csv"};
-  arguments.cutoff_V = 3.0;
-  arguments.read.units = {"s", "A", "V"};
-  arguments.initial_soc = 0.9;
-  const auto campaign = CampaignFromArguments(arguments);
+TEST(AddLogs, KeepsKindsAndOptions) {
+  Campaign campaign;
+  campaign.cutoff_V = 3.0;
+  const ReadOptions read{.units = {"s", "A", "V"}};
+  AddLogs(campaign, LogKind::kConstantCurrent, {"a/1c.csv", "a/2c.csv"}, read, 0.9);
+  AddLogs(campaign, LogKind::kLowRate, {"slow.csv"}, read, 0.9);
   EXPECT_TRUE(campaign.file.empty());
   ASSERT_EQ(campaign.logs.size(), 3U);
   EXPECT_EQ(campaign.logs[1].path, "a/2c.csv");
@@ -345,20 +343,19 @@ TEST(CampaignFromArguments, KeepsKindsAndOptions) {
   EXPECT_NO_THROW(CheckCampaign(campaign, false));
 }
 
-TEST(CampaignFromArguments, RefusesByOptionAndNotByFile) {
-  const auto refusal = [](const CampaignArguments& arguments) -> std::string {
+TEST(AddLogs, RefusesByOptionAndNotByFile) {
+  const auto refusal = [](const std::vector<std::string>& files) -> std::string {
+    Campaign campaign;
     try {
-      CheckCampaign(CampaignFromArguments(arguments), false);
+      AddLogs(campaign, LogKind::kConstantCurrent, files, {});
+      CheckCampaign(campaign, false);
     } catch (const OptionError& error) {
       return error.what();
     }
     return "no error";
   };
-  CampaignArguments arguments;
-  arguments.constant_current = {"1c.csv", "./1c.csv"};
-  EXPECT_EQ(refusal(arguments), "'./1c.csv' is given twice; name each log once");
-  arguments.constant_current = {"1c.csv"};
-  EXPECT_EQ(refusal(arguments),
+  EXPECT_EQ(refusal({"1c.csv", "./1c.csv"}), "'./1c.csv' is given twice; name each log once");
+  EXPECT_EQ(refusal({"1c.csv"}),
             "expected a low-rate log for the open-circuit voltage, or pulses with rests, found "
             "neither; give one with --low-rate or --pulses, or the curve with "
             "--open-circuit-voltage FILE\n"
