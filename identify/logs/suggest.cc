@@ -11,8 +11,7 @@
 namespace lipoid {
 
 Suggestion SuggestKind(const std::vector<Segment>& segments,
-                       const std::optional<Discharge>& discharge,
-                       double capacity_Ah) {
+                       const std::optional<Discharge>& discharge) {
   std::size_t loads = 0;
   std::size_t pulses = 0;
   std::size_t relaxations = 0;
@@ -39,15 +38,13 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
   }
   if (discharge) {
     const double charge_Ah = discharge->charge_C / 3600.0;
-    const bool nominal = capacity_Ah > 0.0;
-    const double rate_per_h = discharge->current_A / (nominal ? capacity_Ah : charge_Ah);
+    const double rate_per_h = discharge->current_A / charge_Ah;
     const bool low = rate_per_h <= kMaxLowRate_per_h;
     return {low ? LogKind::kLowRate : LogKind::kConstantCurrent,
-            fmt::format("one discharge of {:.4g} Ah at {:.4g} A, {:.2g} C of {}",
+            fmt::format("one discharge of {:.4g} Ah at {:.4g} A, {:.2g} C of its own charge",
                         charge_Ah,
                         discharge->current_A,
-                        rate_per_h,
-                        nominal ? "the capacity" : "its own charge")};
+                        rate_per_h)};
   }
   if (out_C == 0.0) {
     return {{},
@@ -65,10 +62,6 @@ Suggestion SuggestKind(const std::vector<Segment>& segments,
   }
   return {LogKind::kValidation,
           fmt::format("{} without a pulse followed by a rest", Counted(loads, "load"))};
-}
-
-Suggestion SuggestKind(const Record& record, double capacity_Ah) {
-  return SuggestKind(FindSegments(record), WholeDischarge(record), capacity_Ah);
 }
 
 }  // namespace lipoid

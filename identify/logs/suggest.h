@@ -24,12 +24,9 @@ struct Suggestion {
   std::string reason;  ///< one sentence without a full stop
 };
 
-/// `discharge` is that of WholeDischarge(), `segments` those of FindSegments(). Rates are those of
-/// capacity_Ah, or of the discharge's own charge where that is 0.
+/// `discharge` is that of WholeDischarge(), `segments` those of FindSegments(). The rate is that of the
+/// discharge's own charge.
 [[nodiscard]] Suggestion SuggestKind(const std::vector<Segment>& segments,
-                                     const std::optional<Discharge>& discharge,
-                                     double capacity_Ah = 0.0);
-
-[[nodiscard]] Suggestion SuggestKind(const Record& record, double capacity_Ah = 0.0);
+                                     const std::optional<Discharge>& discharge);
 
 }  // namespace lipoid

@@ -11,10 +11,14 @@ namespace {
 
 using test::RecordOfSteps;
 
+Suggestion SuggestedFor(const Record& record) {
+  return SuggestKind(FindSegments(record), WholeDischarge(record));
+}
+
 void ExpectSuggestion(const Record& record,
                       std::optional<LogKind> kind,
                       const std::string& reason) {
-  const auto suggestion = SuggestKind(record);
+  const auto suggestion = SuggestedFor(record);
   EXPECT_EQ(suggestion.kind, kind);
   EXPECT_EQ(suggestion.reason, reason);
 }
@@ -56,7 +60,7 @@ TEST(SuggestKind, ADriveCycleIsForValidation) {
     add(SegmentKind::kPulse, 20, 20.0);
     add(SegmentKind::kRest, 100, 0.0);
   }
-  const Suggestion cycle = SuggestKind(segments, std::nullopt, 2.0);
+  const Suggestion cycle = SuggestKind(segments, std::nullopt);
   EXPECT_EQ(cycle.kind, LogKind::kValidation);
   EXPECT_EQ(cycle.reason, "200 loads, 180 of them varying, as in a drive cycle");
   // Pulses whose current settles over some rows remain pulses.
@@ -66,7 +70,7 @@ TEST(SuggestKind, ADriveCycleIsForValidation) {
     add(SegmentKind::kPulse, 20, 20.0);
     add(SegmentKind::kRest, 100, 0.0);
   }
-  EXPECT_EQ(SuggestKind(segments, std::nullopt, 2.0).kind, LogKind::kPulses);
+  EXPECT_EQ(SuggestKind(segments, std::nullopt).kind, LogKind::kPulses);
 }
 
 TEST(SuggestKind, NoneForRestOrChargingAlone) {
@@ -75,15 +79,6 @@ TEST(SuggestKind, NoneForRestOrChargingAlone) {
                    {},
                    "only charging; a slow charge takes part in a campaign as `low-rate-charge`, "
                    "with its `initial_soc`");
-}
-
-TEST(SuggestKind, RateIsThatOfTheCapacityWhereItIsKnown) {
-  // The first hour of a C/10 discharge looks like 1C to its own charge.
-  const auto record = RecordOfSteps({{60.0, 0.0}, {3600.0, 0.2}});
-  EXPECT_EQ(SuggestKind(record).kind, LogKind::kConstantCurrent);
-  EXPECT_EQ(SuggestKind(record, 2.0).kind, LogKind::kLowRate);
-  EXPECT_EQ(SuggestKind(record, 2.0).reason,
-            "one discharge of 0.2 Ah at 0.2 A, 0.1 C of the capacity");
 }
 
 TEST(SuggestKind, OfRealLogsIsWhatTheirCampaignsSay) {
@@ -104,7 +99,7 @@ TEST(SuggestKind, OfRealLogsIsWhatTheirCampaignsSay) {
   for (const auto& [name, kind] : cases) {
     const auto file = test::LabDataPath(name);
     LIPOID_SKIP_WITHOUT(file);
-    EXPECT_EQ(SuggestKind(test::ReadPlainCsv(file)).kind, kind) << name;
+    EXPECT_EQ(SuggestedFor(test::ReadPlainCsv(file)).kind, kind) << name;
   }
 }
 
