@@ -14,7 +14,6 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
-#include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"

@@ -21,14 +21,11 @@ namespace {
 class Settled {
  public:
   Settled(const Log& log, const ReadOptions& options)
-      : log_(log), options_(options), facts_(*log.report.thinned) {
-    restarts_ = !options.steps.empty() || !options.cycles.empty() ||
-                std::isfinite(options.start_s) || std::isfinite(options.end_s);
-  }
+      : log_(log), options_(options), facts_(*log.report.thinned) {}
 
   void Apply(Record& rows, std::vector<std::int8_t>& directions) {
     if (rows.size() == 0) return;
-    if (restarts_ && rows_ == 0) start_s_ = rows.time_s.front();
+    if (options_.ChoosesPart() && rows_ == 0) start_s_ = rows.time_s.front();
     rows_ += rows.size();
     if (start_s_ != 0.0) {
       for (double& t : rows.time_s) t -= start_s_;
@@ -54,28 +51,20 @@ class Settled {
 
  private:
   void DropSpikes(Record& rows, std::vector<std::int8_t>& directions) {
-    for (; spike_ < facts_.spikes_s.size() && facts_.spikes_s[spike_] <= rows.time_s.back();
-         ++spike_) {
-      const auto& t = rows.time_s;
-      const auto at = std::lower_bound(t.begin(), t.end(), facts_.spikes_s[spike_]) - t.begin();
-      const auto drop = [at](auto& column) {
-        if (column.empty()) return;
-        std::copy(column.begin() + at + 1, column.end(), column.begin() + at);
-        column.pop_back();
-      };
-      drop(rows.current_A);
-      drop(rows.voltage_V);
-      drop(rows.temperature_degC);
-      drop(directions);
-      drop(rows.time_s);
+    const Column& t = rows.time_s;
+    std::vector<std::size_t> spikes;
+    for (; spike_ < facts_.spikes_s.size() && facts_.spikes_s[spike_] <= t.back(); ++spike_) {
+      const auto at = std::lower_bound(t.begin(), t.end(), facts_.spikes_s[spike_]);
+      spikes.push_back(static_cast<std::size_t>(at - t.begin()));
     }
+    DropRows(rows, spikes);
+    DropRows(directions, spikes);
   }
 
   const Log& log_;
   const ReadOptions& options_;
   const ThinningFacts& facts_;
-  bool restarts_ = false;  // time is counted from the first row chosen
-  double start_s_ = 0.0;
+  double start_s_ = 0.0;  // the first row chosen, from which time is counted
   std::size_t rows_ = 0;  // spikes included
   std::size_t spike_ = 0;
 };

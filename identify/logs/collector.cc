@@ -93,9 +93,7 @@ Collector::Collector(const TextSource& source,
       thinning_(plan.layout->hold.value_or(options.hold), options.most_rows) {
   log_.record.file = source.file();
   log_.record.hold = plan.layout->hold.value_or(options.hold);
-  selects_rows_ = !options.steps.empty() || !options.cycles.empty();
   has_labels_ = options.labels && (plan.Of(Quantity::kStep) || plan.Of(Quantity::kCycle));
-  selects_times_ = std::isfinite(options.start_s) || std::isfinite(options.end_s);
 }
 
 void Collector::Take(TableBlock& block) {
@@ -113,7 +111,7 @@ void Collector::Take(TableBlock& block) {
   }
   thinning_.MakeRoom(block.rows, log_.record, directions_, log_.report.labels, Volt());
   Reserve(block);
-  if (selects_rows_ || selects_times_ || has_labels_ || plan_.clock_restarts_with_step ||
+  if (options_.ChoosesPart() || has_labels_ || plan_.clock_restarts_with_step ||
       unix_start_s_ != 0.0 || !Increases(block)) {
     TakeRowByRow(block);
   } else {
@@ -137,7 +135,7 @@ Log Collector::Finish() {
                 !log_.report.thinned,
                 log_.report.warnings);
   }
-  if ((selects_rows_ || selects_times_) && log_.record.time_s.front() != 0.0) {
+  if (options_.ChoosesPart() && log_.record.time_s.front() != 0.0) {
     const double start_s = log_.record.time_s.front();
     for (double& t : log_.record.time_s) t -= start_s;
     if (log_.before) log_.before->time_s -= start_s;
@@ -341,7 +339,7 @@ void Collector::FailUnselected() const {
   if (!options_.steps.empty()) found += fmt::format(" (steps of the file: {})", seen(steps_seen_));
   if (!options_.cycles.empty())
     found += fmt::format(" (cycles of the file: {})", seen(cycles_seen_));
-  if (selects_times_) found += TimesOfLog(first_seen_s_, last_seen_s_);
+  if (options_.ChoosesTimes()) found += TimesOfLog(first_seen_s_, last_seen_s_);
   throw LoadError(
       {source_.file(), plan_.header_line, 1},
       fmt::format("expected rows within steps, cycles, start_s and end_s as given, found none{}",

@@ -58,32 +58,17 @@ class Collector {
   [[nodiscard]] bool unix_clock() const { return unix_start_s_ != 0.0; }
 
  private:
-  // One volt in the units of the record: they may turn out to be millivolts (SettleMillivolts).
   [[nodiscard]] double Volt() const;
-
   double* Column(TableBlock& block, Quantity quantity) const;
-
   void ToSi(TableBlock& block, Quantity quantity) const;
-
-  // Vectors that doubled would hold the log twice for a moment.
   void Reserve(const TableBlock& block);
-
   bool Increases(TableBlock& block) const;
-
   void TakeAll(TableBlock& block);
-
   void TakeRowByRow(TableBlock& block);
-
   void Label(std::size_t row, double step, double cycle);
-
-  // The clock of the test, from one that starts anew with each step: a step begins where the one
-  // before it ended.
   double JoinedTime(std::size_t row, double clock_s, const double* step, const double* cycle);
-
   bool IsSelected(double t_s, double step, double cycle);
-
   [[noreturn]] void FailBackwards(std::size_t row, double fell_s) const;
-
   [[noreturn]] void FailUnselected() const;
 
   const TextSource& source_;
@@ -95,8 +80,6 @@ class Collector {
   double bytes_left_;
   Thinning thinning_;
   std::size_t rows_seen_ = 0;
-  bool selects_rows_ = false;
-  bool selects_times_ = false;
   bool has_labels_ = false;
   bool clock_is_set_ = false;
   bool drops_temperature_ = false;

@@ -16,7 +16,6 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/read_logs.h"
-#include "identify/logs/same_rows.h"
 #include "identify/logs/segments.h"
 #include "identify/logs/staircase.h"
 #include "identify/logs/thinning.h"

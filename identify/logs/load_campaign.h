@@ -15,7 +15,7 @@ namespace lipoid {
 
 struct LoadedLog {
   CampaignLog entry;
-  Log log;  ///< voltages and currents of one cell
+  Log log;                             ///< voltages and currents of one cell
   bool temperature_predicted = false;  ///< by a heat balance: nobody measured it
   bool ambient_doubted = false;        ///< the cell rests far from the ambient_degC of its entry
 };

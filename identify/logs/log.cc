@@ -92,11 +92,6 @@ void SettleMillivolts(Record& record,
   notes.emplace_back("the voltages are in mV, by their size");
 }
 
-bool ChoosesPart(const ReadOptions& options) {
-  return !options.steps.empty() || !options.cycles.empty() || std::isfinite(options.start_s) ||
-         std::isfinite(options.end_s);
-}
-
 constexpr std::string_view kOneDirection =
     "read a part in which the cell is only charged or only discharged, or export the current with its "
     "sign or with a column of states";
@@ -111,10 +106,11 @@ void SettleSign(Log& log,
   Record& record = log.record;
   LogReport& report = log.report;
   const SignFinding states = FindSignFromStates(record, directions);
+  const bool has_states =
+      std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });
   SignFinding found;
   if (!options.current_sign.empty() && options.current_sign != "auto") {
-    if (states.sign == CurrentSign::kUnsigned && record.size() > 0 &&
-        std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; })) {
+    if (states.sign == CurrentSign::kUnsigned && has_states) {
       throw LoadError(
           position,
           fmt::format(
@@ -137,8 +133,6 @@ void SettleSign(Log& log,
              fmt::format("discharge is positive in {} logs", report.format)};
   } else {
     found = states;
-    const bool has_states =
-        std::any_of(directions.begin(), directions.end(), [](auto d) { return d != 0; });
     if (found.sign == CurrentSign::kUnclear && !has_states && !record.voltage_V.empty()) {
       found = FindSignFromPhysics(record);
       if (found.sign != CurrentSign::kUnclear) {
@@ -176,7 +170,7 @@ void SettleSign(Log& log,
                                    : fmt::format(
                                          "say `current_sign` (--current-sign discharge-positive or "
                                          "discharge-negative), or read {} of the log",
-                                         ChoosesPart(options) ? "another part" : "a part");
+                                         options.ChoosesPart() ? "another part" : "a part");
     std::string message = fmt::format(
         "expected a current whose sign the data settle, found that {}{}; {}",
         found.reason,
@@ -244,24 +238,8 @@ void DropSpikes(Log& log, std::vector<std::int8_t>& directions) {
     for (const std::size_t row : spikes)
       log.report.thinned->spikes_s.push_back(std::as_const(record.time_s)[row]);
   }
-  const auto drop = [&](auto& column) {
-    if (column.empty()) return;
-    std::size_t next = 0;
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < column.size(); ++k) {
-      if (next < spikes.size() && spikes[next] == k) {
-        ++next;
-      } else {
-        column[kept++] = column[k];
-      }
-    }
-    column.resize(kept);
-  };
-  drop(record.time_s);
-  drop(record.current_A);
-  drop(record.voltage_V);
-  drop(record.temperature_degC);
-  drop(directions);
+  DropRows(record, spikes);
+  DropRows(directions, spikes);
   log.report.dropped_spikes = spikes.size();
   log.report.rows -= spikes.size();
 }
@@ -459,14 +437,13 @@ void CheckColumns(const Record& record, bool voltage_optional) {
 void TakeRows(Log& log, const ReadOptions& options) {
   Record& record = log.record;
   const Column& time_s = std::as_const(record).time_s;
-  std::vector<std::size_t> kept;
+  std::vector<std::size_t> dropped;
   std::optional<std::size_t> last_before;
-  bool all = true;
   const bool unix_clock = time_s.front() > kUnixClock_s;
   const double clock_s = unix_clock ? time_s.front() : 0.0;
   for (std::size_t k = 0; k < time_s.size(); ++k) {
-    const bool selected =
-        time_s[k] - clock_s >= options.start_s && time_s[k] - clock_s <= options.end_s;
+    const double t_s = time_s[k] - clock_s;
+    const bool selected = t_s >= options.start_s && t_s <= options.end_s;
     const bool after = k == 0 || time_s[k] > time_s[k - 1];
     if (k > 0 && time_s[k] < time_s[k - 1]) {
       throw LoadError({record.file, k + 1, 1},
@@ -474,48 +451,30 @@ void TakeRows(Log& log, const ReadOptions& options) {
                                   time_s[k],
                                   time_s[k - 1]));
     }
-    if (!selected) ++log.report.dropped_unselected;
-    if (time_s[k] - clock_s < options.start_s) last_before = k;
-    if (selected && !after) ++log.report.dropped_repeated_times;
-    if (selected && after) {
-      if (!all) kept.push_back(k);
-      continue;
-    }
-    if (all) {
-      for (std::size_t before = 0; before < k; ++before) kept.push_back(before);
-    }
-    all = false;
+    if (t_s < options.start_s) last_before = k;
+    if (selected && after) continue;
+    ++(selected ? log.report.dropped_repeated_times : log.report.dropped_unselected);
+    dropped.push_back(k);
   }
-  if (!all) {
-    if (kept.empty()) {
-      throw LoadError({record.file},
-                      "expected rows within start_s and end_s, found none" +
-                          TimesOfLog(time_s.front() - clock_s, time_s.back() - clock_s));
-    }
-    if (last_before) {
-      const auto value = [&](const Column& column) {
-        return column.empty() ? kNaN : column[*last_before];
-      };
-      log.before = {time_s[*last_before] - time_s[kept.front()],
-                    value(record.current_A),
-                    value(record.voltage_V),
-                    value(record.temperature_degC)};
-    }
-    const auto keep = [&](Column& column) {
-      if (column.empty()) return;
-      std::vector<double> some;
-      some.reserve(kept.size());
-      for (const std::size_t k : kept) some.push_back(std::as_const(column)[k]);
-      column = std::move(some);
+  if (dropped.size() == time_s.size()) {
+    throw LoadError({record.file},
+                    "expected rows within start_s and end_s, found none" +
+                        TimesOfLog(time_s.front() - clock_s, time_s.back() - clock_s));
+  }
+  if (last_before) {
+    const auto value = [&](const Column& column) {
+      return column.empty() ? kNaN : column[*last_before];
     };
-    keep(record.time_s);
-    keep(record.current_A);
-    keep(record.voltage_V);
-    keep(record.temperature_degC);
+    log.before = {time_s[*last_before],
+                  value(record.current_A),
+                  value(record.voltage_V),
+                  value(record.temperature_degC)};
   }
-  const bool chosen = std::isfinite(options.start_s) || std::isfinite(options.end_s);
-  const double start_s = chosen ? std::as_const(record.time_s).front() : clock_s;
-  if (start_s != 0.0 && (chosen || unix_clock)) {
+  DropRows(record, dropped);
+  const double first_s = time_s.front();
+  if (log.before) log.before->time_s -= first_s;
+  const double start_s = options.ChoosesTimes() ? first_s : clock_s;
+  if (start_s != 0.0) {
     for (double& t : record.time_s) t -= start_s;
   }
   if (unix_clock) log.report.notes.emplace_back("times are counted from the first row");
@@ -525,7 +484,7 @@ void TakeRows(Log& log, const ReadOptions& options) {
 // read(options, others). A part may hold no edge of the current; its file does.
 template <class Read>
 Log ReadWithSignOfWhole(const ReadOptions& options, const SignOfOthers& others, const Read& read) {
-  if (!ChoosesPart(options)) return read(options, others);
+  if (!options.ChoosesPart()) return read(options, others);
   try {
     return read(options, others);
   } catch (const OpenSignError&) {
@@ -603,7 +562,7 @@ Log ReadLogText(std::string_view text,
 Log TakeLog(Record record, const ReadOptions& options) {
   CheckOptions(options);
   CheckColumns(record, options.voltage_optional);
-  if (!ChoosesPart(options)) return TakeColumns(std::move(record), options, {});
+  if (!options.ChoosesPart()) return TakeColumns(std::move(record), options, {});
   return ReadWithSignOfWhole(options, {}, [&](const ReadOptions& what, const SignOfOthers& said) {
     return TakeColumns(record, what, said);
   });

@@ -8,6 +8,7 @@
 /// LoadError with file:line:column. Formats: identify/logs/formats/formats.h. Tests:
 /// tests/identify/logs/.
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -59,6 +60,11 @@ struct ReadOptions {
   std::size_t most_rows = kMostRowsKept;
   /// Told which share of the file was read, now and then, where its size is known.
   std::function<void(double share)> progress = {};
+
+  [[nodiscard]] bool ChoosesTimes() const { return std::isfinite(start_s) || std::isfinite(end_s); }
+  [[nodiscard]] bool ChoosesPart() const {
+    return !steps.empty() || !cycles.empty() || ChoosesTimes();
+  }
 };
 
 /// A stretch of time without rows, far longer than the sampling around it, in which a current may
@@ -110,7 +116,7 @@ struct ThinningFacts {
   double shortest_s = 0.0;
   double median_s = 0.0;
   double longest_s = 0.0;
-  // What was settled by the whole log, for reading its rows once more (log_rows.h).
+  // What was settled by the whole log, for reading its rows once more (all_rows.h).
   bool millivolts = false;
   std::vector<double> spikes_s = {};  ///< times of the rows that were dropped as spikes
 };

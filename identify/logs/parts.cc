@@ -73,14 +73,11 @@ Record RowsOf(const Record& record, const LogPart& part) {
   Record rows;
   rows.file = record.file;
   rows.hold = record.hold;
-  const auto copy = [&](const Column& from, Column& to) {
-    if (from.empty()) return;
-    to = Column(from.begin() + part.first, from.begin() + part.last + 1);
-  };
-  copy(record.time_s, rows.time_s);
-  copy(record.current_A, rows.current_A);
-  copy(record.voltage_V, rows.voltage_V);
-  copy(record.temperature_degC, rows.temperature_degC);
+  for (const auto column : kRecordColumns) {
+    const Column& from = record.*column;
+    if (!from.empty())
+      rows.*column = Column(from.begin() + part.first, from.begin() + part.last + 1);
+  }
   const double start_s = rows.time_s.empty() ? 0.0 : rows.time_s.front();
   for (double& t : rows.time_s) t -= start_s;
   return rows;

@@ -4,6 +4,11 @@
 
 namespace lipoid {
 
+bool HoldTheSameRows(const Record& one, const Record& other) {
+  return one.time_s == other.time_s && one.voltage_V == other.voltage_V &&
+         one.current_A == other.current_A;
+}
+
 void DivideByPack(Record& record, int series, int parallel) {
   Require(series >= 1 && parallel >= 1,
           "series >= 1 and parallel >= 1",

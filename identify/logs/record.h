@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/logs/column.h"
@@ -24,6 +25,33 @@ struct Record {
 
   [[nodiscard]] std::size_t size() const { return time_s.size(); }
 };
+
+/// For what is done with every column of a record.
+inline constexpr Column Record::*kRecordColumns[] = {
+    &Record::time_s, &Record::current_A, &Record::voltage_V, &Record::temperature_degC};
+
+/// Leaves rows, which rise, out of a column that has any.
+template <class Values>
+void DropRows(Values& column, const std::vector<std::size_t>& rows) {
+  if (column.empty() || rows.empty()) return;
+  std::vector<typename Values::value_type> kept;
+  kept.reserve(column.size() - rows.size());
+  auto next = rows.begin();
+  for (std::size_t k = 0; k < column.size(); ++k) {
+    if (next != rows.end() && *next == k) {
+      ++next;
+    } else {
+      kept.push_back(std::as_const(column)[k]);
+    }
+  }
+  column = std::move(kept);
+}
+inline void DropRows(Record& record, const std::vector<std::size_t>& rows) {
+  for (const auto column : kRecordColumns) DropRows(record.*column, rows);
+}
+
+/// Whether two records hold the same rows, as a log and its copy under another name do.
+[[nodiscard]] bool HoldTheSameRows(const Record& one, const Record& other);
 
 /// Voltages over the cells in series, currents over those in parallel.
 void DivideByPack(Record& record, int series, int parallel);

@@ -224,10 +224,7 @@ struct Thinning::Rows {
     const auto resize = [size](auto& column) {
       if (!column.empty()) column.resize(size);
     };
-    resize(record.time_s);
-    resize(record.current_A);
-    resize(record.voltage_V);
-    resize(record.temperature_degC);
+    for (const auto column : kRecordColumns) resize(record.*column);
     resize(directions);
     // Of several labels of one row the last one is right.
     const auto last = std::unique(labels.rbegin(), labels.rend(), [](const auto& a, const auto& b) {
@@ -263,9 +260,7 @@ std::optional<ThinningFacts> Thinning::Finish(Record& record,
   report_.group = group_;
   report_.tolerance_A = tolerance_A_;
   // The room of the rows that are gone is given back.
-  for (Column* column :
-       {&record.time_s, &record.current_A, &record.voltage_V, &record.temperature_degC})
-    *column = column->ToVector();
+  for (const auto column : kRecordColumns) record.*column = (record.*column).ToVector();
   return report_;
 }
 

@@ -331,8 +331,7 @@ Log FlightLog(const std::string& file,
       std::any_of(kept.begin(), kept.end(), [&](std::size_t k) {
         return track.temperature_degC[k] != 0.0;
       });
-  const bool from_start = std::isfinite(options.start_s) || std::isfinite(options.end_s);
-  const double zero_s = from_start ? track.time_s[kept.front()] : 0.0;
+  const double zero_s = options.ChoosesTimes() ? track.time_s[kept.front()] : 0.0;
   for (const std::size_t k : kept) {
     record.time_s.push_back(track.time_s[k] - zero_s);
     record.current_A.push_back(track.current_A[k]);
