@@ -299,30 +299,19 @@ FlightFit FlightSearch::Fit(const SearchEnd& end) {
   // The normal matrix with the lag among the unknowns.
   const int n = static_cast<int>(end.scaled.size());
   const Eigen::MatrixXd at_rows = problem_.AtRows(end.scaled);
-  Eigen::MatrixXd columns(flight_.voltage_V.size(), n + 1);
-  columns.leftCols(n) = flight_.InWindows(at_rows.leftCols(n), fit.lag_s);
-  columns.col(n) = flight_.LagSlope(at_rows.col(n), fit.lag_s);
-  problem_.noise.Whiten(flight_.time_s, columns);
+  const Eigen::MatrixXd columns = problem_.WithLag(at_rows);
   Eigen::MatrixXd normal = columns.transpose() * columns;
   normal.diagonal().head(n).array() += 1.0;
   normal(n, n) += 1.0 / (sensors_.lag_s * sensors_.lag_s);
   const Eigen::MatrixXd covariance = InverseOfPositive(normal);
   fit.unknowns = Unknowns(end);
-  fit.prior_deviation = problem_.deviation.head(p);
   fit.covariance = problem_.deviation.head(p).asDiagonal() * covariance.topLeftCorner(p, p) *
                    problem_.deviation.head(p).asDiagonal();
   fit.lag_deviation_s = std::sqrt(covariance(n, n));
 
-  fit.voltage_V = at_rows.col(n);
-  fit.soc = model_.Predict(fit.unknowns).soc;
-  const Eigen::VectorXd at_fresh = flight_.AtFresh(fit.voltage_V, fit.lag_s);
-  for (std::size_t f = 0; f < flight_.fresh.size(); ++f) {
-    const double measured_V = record.voltage_V[flight_.fresh[f]];
-    const double error =
-        100.0 * std::abs(at_fresh[static_cast<Eigen::Index>(f)] / measured_V - 1.0);
-    fit.mean_error_percent += error / static_cast<double>(flight_.fresh.size());
-    fit.max_error_percent = std::max(fit.max_error_percent, error);
-  }
+  const auto errors = flight_.ErrorsOf(at_rows.col(n), fit.lag_s);
+  fit.mean_error_percent = errors.mean_percent;
+  fit.max_error_percent = errors.max_percent;
   return fit;
 }
 

@@ -29,7 +29,6 @@ struct FlightFit {
   bool converged = false;
   Eigen::VectorXd unknowns;    ///< those of flight_model.h
   Eigen::MatrixXd covariance;  ///< of them
-  Eigen::VectorXd prior_deviation;
   /// ln of the capacity of another end of the search, over the reference's, where that end is nearly as likely
   /// and widens the error of the capacity by a quarter or more.
   std::optional<double> nearly_as_likely;
@@ -41,8 +40,6 @@ struct FlightFit {
   double max_error_percent = 0.0;
   double charge_C = 0.0;  ///< from the first row to the last, as shown
   double duration_s = 0.0;
-  Eigen::VectorXd soc;        ///< at every row, while its current flows
-  Eigen::VectorXd voltage_V;  ///< predicted, at every row
 };
 
 [[nodiscard]] FlightFit FitFlight(const ReferenceCell& reference,

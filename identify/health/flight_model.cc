@@ -169,7 +169,7 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
   for (int u = 0; u < U::kCount; ++u) x.emplace_back(unknowns[u], u);
   const Eigen::VectorXd nodes_V = curve_ * unknowns.segment(U::kCount, kCurveNodes);
   const auto rows = static_cast<Eigen::Index>(record_.size());
-  FlightPrediction out{Eigen::VectorXd(rows), Eigen::MatrixXd(rows, size()), Eigen::VectorXd(rows)};
+  FlightPrediction out{Eigen::VectorXd(rows), Eigen::MatrixXd(rows, size())};
   Walk(reference_.cell.Parameters(),
        x,
        record_,
@@ -180,7 +180,6 @@ FlightPrediction FlightModel::Predict(const Eigen::VectorXd& unknowns) const {
          const auto [lower, share] = ShareOf(soc.a);
          const double rise_V = nodes_V[lower + 1] - nodes_V[lower];
          const bool within = soc.a > 0.0 && soc.a < 1.0;
-         out.soc[k] = soc.a;
          out.voltage_V[k] = voltage_V.a + nodes_V[lower] + share * rise_V;
          const double curve_slope_V = within ? rise_V * (kCurveNodes - 1) : 0.0;
          out.slope.row(k).head(U::kCount) = (voltage_V.v + curve_slope_V * soc.v).transpose();

@@ -42,7 +42,6 @@ inline constexpr int kCurveNodes = 11;  ///< at A = 0, 0.1, ..., 1
 struct FlightPrediction {
   Eigen::VectorXd voltage_V;  ///< at every row
   Eigen::MatrixXd slope;      ///< rows x (FlightUnknowns::kCount + kCurveNodes)
-  Eigen::VectorXd soc;        ///< at every row
 };
 
 struct ResistanceAt {

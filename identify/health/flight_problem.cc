@@ -142,6 +142,13 @@ Eigen::MatrixXd FlightProblem::InWindows(const Eigen::MatrixXd& at_rows, double 
   return columns;
 }
 
+Eigen::MatrixXd FlightProblem::WithLag(const Eigen::MatrixXd& at_rows) const {
+  Eigen::MatrixXd columns = flight_.InWindows(at_rows, lag_s);
+  columns.col(size()) = flight_.LagSlope(at_rows.col(size()), lag_s);
+  noise.Whiten(flight_.time_s, columns);
+  return columns;
+}
+
 Eigen::MatrixXd FlightProblem::Whitened(const Eigen::VectorXd& scaled) const {
   Eigen::MatrixXd columns = InWindows(AtRows(scaled), lag_s);
   if (columns.allFinite()) noise.Whiten(flight_.time_s, columns);

@@ -89,7 +89,9 @@ class FlightProblem final : public LeastSquaresProblem {
   [[nodiscard]] Eigen::MatrixXd AtRows(const Eigen::VectorXd& scaled) const;
   /// The same in the windows, with the residuals, predicted less measured, in the place of the voltage.
   [[nodiscard]] Eigen::MatrixXd InWindows(const Eigen::MatrixXd& at_rows, double lag) const;
-  /// The same whitened. Not finite where the parameters are none of a cell.
+  /// From the columns at the rows the whitened slopes in the scaled parameters and, last, in the lag.
+  [[nodiscard]] Eigen::MatrixXd WithLag(const Eigen::MatrixXd& at_rows) const;
+  /// The columns in the windows, whitened. Not finite where the parameters are none of a cell.
   [[nodiscard]] Eigen::MatrixXd Whitened(const Eigen::VectorXd& scaled) const;
   /// Of the whitened residuals and of what was known before.
   [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& scaled, bool jacobian) const override;

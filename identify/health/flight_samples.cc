@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/logs/columns.h"
 #include "identify/logs/flight/updates.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/staircase.h"
@@ -23,21 +24,16 @@ constexpr double kUnpluggedFall = 0.03;
 constexpr std::size_t kUnplugRows = 3;
 
 Record Thinned(const Record& record) {
+  const auto temperature_degC = WithoutSteps(record.time_s, record.temperature_degC);
+  const bool warm = !temperature_degC.empty();
+  if (MedianInterval(record.time_s) >= kShortestStep_s) {
+    Record all = record;
+    all.temperature_degC = temperature_degC;
+    return all;
+  }
   Record thin;
   thin.file = record.file;
   thin.hold = record.hold;
-  const auto temperature_degC = WithoutSteps(record.time_s, record.temperature_degC);
-  const bool warm = !temperature_degC.empty();
-  const double row_s = MedianInterval(record.time_s);
-  if (row_s >= kShortestStep_s) {
-    for (std::size_t k = 0; k < record.size(); ++k) {
-      thin.time_s.push_back(record.time_s[k]);
-      thin.current_A.push_back(record.current_A[k]);
-      thin.voltage_V.push_back(record.voltage_V[k]);
-      if (warm) thin.temperature_degC.push_back(temperature_degC[k]);
-    }
-    return thin;
-  }
   for (std::size_t k = 0; k < record.size();) {
     const double end_s = record.time_s[k] + kShortestStep_s;
     double rows = 0.0, time_s = 0.0, current_A = 0.0, voltage_V = 0.0, sum_degC = 0.0;
@@ -65,9 +61,7 @@ std::size_t TrimUnplugging(Record& record) {
     const double usual_V = Median(std::move(before));
     const bool fell = record.voltage_V[last] < (1.0 - kUnpluggedFall) * usual_V;
     if (!fell || record.current_A[last] > record.current_A[last - 1]) break;
-    for (auto* column : {&record.time_s, &record.current_A, &record.voltage_V})
-      column->resize(last);
-    if (!record.temperature_degC.empty()) record.temperature_degC.resize(last);
+    DropRows(record, {last});
     ++dropped;
   }
   return dropped;
@@ -198,8 +192,7 @@ FlightSamples SampleFlight(const Log& log) {
   flight.dropped_rows = TrimUnplugging(record);
   flight.voltage_update_s = UpdateInterval(record.time_s, record.voltage_V);
   flight.current_update_s = UpdateInterval(record.time_s, record.current_A);
-  for (std::size_t k = 0; k < record.size(); ++k)
-    flight.largest_A = std::max(flight.largest_A, std::abs(record.current_A[k]));
+  flight.largest_A = LargestMagnitude(record.current_A);
   for (const Gap& gap : FindGaps(record)) flight.gap_C += gap.unknown_C;
   flight.fresh = FreshRows(record, flight.voltage_update_s);
   ChooseWindows(flight);
@@ -239,15 +232,19 @@ Eigen::VectorXd FlightSamples::LagSlope(const Eigen::VectorXd& at_rows, double a
          (2.0 * half_s);
 }
 
-Eigen::VectorXd FlightSamples::AtFresh(const Eigen::VectorXd& at_rows, double after_s) const {
-  Eigen::VectorXd at(static_cast<Eigen::Index>(fresh.size()));
+FlightSamples::Errors FlightSamples::ErrorsOf(const Eigen::VectorXd& predicted_V,
+                                              double after_s) const {
+  Errors errors;
   Follower follow(record.time_s);
-  for (std::size_t f = 0; f < fresh.size(); ++f) {
-    const auto [row, share] = follow(record.time_s[fresh[f]] - after_s);
+  for (const std::size_t measured : fresh) {
+    const auto [row, share] = follow(record.time_s[measured] - after_s);
     const auto k = static_cast<Eigen::Index>(row);
-    at[static_cast<Eigen::Index>(f)] = (1.0 - share) * at_rows[k] + share * at_rows[k + 1];
+    const double at_V = (1.0 - share) * predicted_V[k] + share * predicted_V[k + 1];
+    const double percent = 100.0 * std::abs(at_V / record.voltage_V[measured] - 1.0);
+    errors.mean_percent += percent / static_cast<double>(fresh.size());
+    errors.max_percent = std::max(errors.max_percent, percent);
   }
-  return at;
+  return errors;
 }
 
 }  // namespace lipoid

@@ -41,8 +41,12 @@ struct FlightSamples {
   [[nodiscard]] Eigen::MatrixXd InWindows(const Eigen::MatrixXd& at_rows, double after_s) const;
   /// The slope of that in the lag.
   [[nodiscard]] Eigen::VectorXd LagSlope(const Eigen::VectorXd& at_rows, double after_s) const;
-  /// The same values at the rows of `fresh`.
-  [[nodiscard]] Eigen::VectorXd AtFresh(const Eigen::VectorXd& at_rows, double after_s) const;
+  /// Relative errors, at the rows of `fresh`, of a prediction at all rows, taken `after_s` earlier.
+  struct Errors {
+    double mean_percent = 0.0;
+    double max_percent = 0.0;
+  };
+  [[nodiscard]] Errors ErrorsOf(const Eigen::VectorXd& predicted_V, double after_s) const;
 };
 
 /// Windows grow until the changes agree so well, within the lag; below the second, they do not.

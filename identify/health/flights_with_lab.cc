@@ -157,13 +157,8 @@ class AllFlights final : public LeastSquaresProblem {
     normal.diagonal().head(n).setOnes();
     for (std::size_t f = 0; f < flying_.size(); ++f) {
       const OnCell on = On(f, scaled, true);
-      const FlightProblem& problem = *on.problem;
-      const Eigen::MatrixXd at_rows = problem.AtRows(Of(f, scaled));
       const Eigen::Index own = Unknowns() + coordinates_;
-      Eigen::MatrixXd columns(flying_[f].samples.voltage_V.size(), own + 1);
-      columns.leftCols(own) = flying_[f].samples.InWindows(at_rows.leftCols(own), problem.lag_s);
-      columns.col(own) = flying_[f].samples.LagSlope(at_rows.col(own), problem.lag_s);
-      problem.noise.Whiten(flying_[f].samples.time_s, columns);
+      const Eigen::MatrixXd columns = on.problem->WithLag(on.problem->AtRows(Of(f, scaled)));
       Eigen::VectorXi place(own + 1);
       for (Eigen::Index k = 0; k < Unknowns(); ++k) place[k] = static_cast<int>(First(f) + k);
       for (Eigen::Index k = 0; k < coordinates_; ++k) place[Unknowns() + k] = static_cast<int>(k);
@@ -226,22 +221,6 @@ std::vector<Flying> Prepare(const Cell& cell,
     one.alone = FitFlight(reference, one.samples, model, SensorSpread());
   });
   return flying;
-}
-
-void AddErrors(const FlightSamples& samples,
-               const FlightProblem& problem,
-               const Eigen::VectorXd& own,
-               FlightsWithLab::Flight& flight) {
-  const Eigen::MatrixXd at_rows = problem.AtRows(own);
-  const Eigen::VectorXd predicted_V =
-      samples.AtFresh(at_rows.col(at_rows.cols() - 1), problem.lag_s);
-  for (std::size_t f = 0; f < samples.fresh.size(); ++f) {
-    const double measured_V = samples.record.voltage_V[samples.fresh[f]];
-    const double error =
-        100.0 * std::abs(predicted_V[static_cast<Eigen::Index>(f)] / measured_V - 1.0);
-    flight.mean_error_percent += error / static_cast<double>(samples.fresh.size());
-    flight.max_error_percent = std::max(flight.max_error_percent, error);
-  }
 }
 
 // How far the coordinates are from those of the lab, over how far they may be, in the directions of which the
@@ -327,8 +306,11 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
     flight.coherence = one_flying.samples.coherence;
     flight.temperature_known = one_flying.temperature_known;
     flight.noise = one_flying.alone.noise;
-    AddErrors(
-        one_flying.samples, *problem.On(f, scaled, false).problem, problem.Of(f, scaled), flight);
+    const Eigen::MatrixXd at_rows =
+        problem.On(f, scaled, false).problem->AtRows(problem.Of(f, scaled));
+    const auto errors = one_flying.samples.ErrorsOf(at_rows.rightCols(1), one_flying.alone.lag_s);
+    flight.mean_error_percent = errors.mean_percent;
+    flight.max_error_percent = errors.max_percent;
     if (flight.coherence < kCoherent) {
       flight.cautions.push_back(fmt::format(
           "voltage and current are not of the same instant (their changes agree to {:.0f} %)",
