@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -11,6 +10,7 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "model/core/errors.h"
+#include "model/statistics/order_statistics.h"
 
 namespace lipoid {
 namespace {
@@ -21,54 +21,39 @@ constexpr std::size_t kNeighbours = 5;
 // when something changes.
 constexpr double kIrregular = 3.0;
 
-// The differences of neighbouring rows that end at rows first .. last, without row `gap`.
-struct Neighbours {
-  std::array<double, 2 * kNeighbours> values{};
-  std::size_t count = 0;
-
-  void Add(std::span<const double> column, std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k <= last && k < column.size() && count < values.size(); ++k)
-      values[count++] = std::abs(column[k] - column[k - 1]);
-  }
-  [[nodiscard]] double Median() {
-    if (count == 0) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(values.begin(), middle, values.begin() + static_cast<std::ptrdiff_t>(count));
-    return *middle;
-  }
-  [[nodiscard]] double Largest() const {
-    return count == 0 ? 0.0 : *std::max_element(values.begin(), values.begin() + count);
-  }
-  [[nodiscard]] double Least() const {
-    return count == 0 ? 0.0 : *std::min_element(values.begin(), values.begin() + count);
-  }
-};
+// How much rows first .. last, as far as there are such, differ from those before them.
+std::vector<double> Differences(std::span<const double> column,
+                                std::size_t first,
+                                std::size_t last) {
+  std::vector<double> differences;
+  for (std::size_t k = first; k <= last && k < column.size(); ++k)
+    differences.push_back(std::abs(column[k] - column[k - 1]));
+  return differences;
+}
 
 std::size_t FirstBefore(std::size_t row) { return row > kNeighbours ? row - kNeighbours : 1; }
 
-// The rows that end up to five intervals before and after the one that ends at `row`.
-Neighbours Around(std::span<const double> column, std::size_t row) {
-  Neighbours around;
-  around.Add(column, FirstBefore(row), row - 1);
-  around.Add(column, row + 1, row + kNeighbours);
+// Of the rows up to five intervals before and after the one that ends at `row`; there is one before.
+std::vector<double> Around(std::span<const double> column, std::size_t row) {
+  std::vector<double> around = Differences(column, FirstBefore(row), row - 1);
+  const std::vector<double> after = Differences(column, row + 1, row + kNeighbours);
+  around.insert(around.end(), after.begin(), after.end());
   return around;
 }
 
 bool OutOfProportion(std::span<const double> time_s, std::size_t row) {
-  Neighbours before;
-  before.Add(time_s, FirstBefore(row), row - 1);
-  Neighbours after;
-  after.Add(time_s, row + 1, row + kNeighbours);
-  return time_s[row] - time_s[row - 1] > kLonger * std::max(before.Median(), after.Median());
+  const double before_s = UpperMedian(Differences(time_s, FirstBefore(row), row - 1));
+  const double after_s = UpperMedian(Differences(time_s, row + 1, row + kNeighbours));
+  return time_s[row] - time_s[row - 1] > kLonger * std::fmax(before_s, after_s);
 }
 
 // A logger that writes a row when something changes had nothing to write.
 bool NothingChanged(const Record& record, std::size_t row) {
-  const Neighbours intervals = Around(record.time_s, row);
-  if (!(intervals.Largest() > kIrregular * intervals.Least())) return false;
+  const Extent intervals = FindExtent(Around(record.time_s, row));
+  if (!(intervals.most > kIrregular * intervals.least)) return false;
   const auto moved_no_more = [row](std::span<const double> column) {
     return column.empty() ||
-           std::abs(column[row] - column[row - 1]) <= Around(column, row).Largest();
+           std::abs(column[row] - column[row - 1]) <= LargestMagnitude(Around(column, row));
   };
   return moved_no_more(record.current_A) && moved_no_more(record.voltage_V);
 }
@@ -82,8 +67,8 @@ bool HidesALoad(const Record& record, std::size_t row, double rest_A) {
   const Column& voltage_V = record.voltage_V;
   if (voltage_V.empty()) return false;
   const double fall_V = voltage_V[row - 1] - voltage_V[row];
-  if (std::abs(fall_V) <=
-      std::max(kOfVoltage * std::abs(voltage_V[row - 1]), kNoise * Around(voltage_V, row).Median()))
+  if (std::abs(fall_V) <= std::max(kOfVoltage * std::abs(voltage_V[row - 1]),
+                                   kNoise * UpperMedian(Around(voltage_V, row))))
     return false;
   std::size_t load = row - 1;
   while (load > 0 && std::abs(record.current_A[load]) <= rest_A) --load;

@@ -1,6 +1,8 @@
 #include "identify/logs/log_writer.h"
 
+#include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -31,19 +33,12 @@ void LogWriter::Add(const Record& rows) {
               rows.temperature_degC.size() == (has_temperature_ ? rows.size() : 0),
           "columns of equal length");
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double i_A = format_ == LogFileFormat::kBdf ? 0.0 - rows.current_A[k] : rows.current_A[k];
-    if (states_) {
-      const std::string_view state = StateOf(rows.current_A[k]);
-      if (has_temperature_) {
-        csv_->RowWithWord(state, rows.time_s[k], i_A, rows.voltage_V[k], rows.temperature_degC[k]);
-      } else {
-        csv_->RowWithWord(state, rows.time_s[k], i_A, rows.voltage_V[k]);
-      }
-    } else if (has_temperature_) {
-      csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k], rows.temperature_degC[k]);
-    } else {
-      csv_->Row(rows.time_s[k], i_A, rows.voltage_V[k]);
-    }
+    const double i_A = rows.current_A[k];
+    const std::array numbers{rows.time_s[k],
+                             format_ == LogFileFormat::kBdf ? 0.0 - i_A : i_A,
+                             rows.voltage_V[k],
+                             has_temperature_ ? rows.temperature_degC[k] : 0.0};
+    csv_->RowOf(std::span(numbers).first(has_temperature_ ? 4 : 3), states_ ? StateOf(i_A) : "");
   }
 }
 

@@ -35,17 +35,10 @@ class CsvWriter {
     (Number(numbers), ...);
     EndRow();
   }
-  /// The same with a word behind the numbers, which needs no quotes.
-  template <class... Numbers>
-  void RowWithWord(std::string_view word, Numbers... numbers) {
-    (Number(numbers), ...);
-    buffer_.append(word);
-    buffer_.push_back(',');
-    EndRow();
-  }
-  /// The same of at least one number in a list.
-  void RowOf(std::span<const double> numbers) {
+  /// The same of at least one number in a list, and of a word behind them that needs no quotes, if any.
+  void RowOf(std::span<const double> numbers, std::string_view word = {}) {
     for (const double number : numbers) Number(number);
+    if (!word.empty()) buffer_.append(word).push_back(',');
     EndRow();
   }
 
