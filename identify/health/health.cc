@@ -11,7 +11,6 @@
 #include "identify/health/refuse_flight.h"
 #include "identify/joint/held_shape.h"
 #include "identify/logs/columns.h"
-#include "identify/logs/draft.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"

@@ -144,22 +144,6 @@ std::vector<std::string> FilesOfFolder(const std::string& folder) {
   return files;
 }
 
-int CellsInSeries(double highest_V) {
-  constexpr double kFullCell_V = 4.2;
-  constexpr double kHighestCell_V = 4.45;
-  constexpr double kOneCell_V = 5.0;
-  constexpr double kMost_V = 2000.0;
-  if (!(highest_V > kOneCell_V) || highest_V > kMost_V) return 1;
-  const double least = std::ceil(highest_V / kHighestCell_V);
-  return static_cast<int>(std::max(least, std::round(highest_V / kFullCell_V)));
-}
-
-int CellsInSeries(const Inspection& log) {
-  const int told = log.report.flight ? log.report.flight->cells : 0;
-  if (told > 0) return told;
-  return log.voltage_V ? CellsInSeries(log.voltage_V->largest) : 1;
-}
-
 namespace {
 
 // The inspected tests of all files, as those of one cell.

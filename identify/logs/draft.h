@@ -47,12 +47,6 @@ struct DraftOptions {
 /// endings. LoadError where it cannot be read or holds none.
 [[nodiscard]] std::vector<std::string> FilesOfFolder(const std::string& folder);
 
-/// How many lithium cells in series have this voltage at most, in V: those of 3 to 4.45 V each.
-[[nodiscard]] int CellsInSeries(double highest_V);
-
-/// Of an inspected log: as its autopilot was told, else by its voltage.
-[[nodiscard]] int CellsInSeries(const Inspection& log);
-
 /// `campaign_file` is where the draft will be written: paths are relative to it.
 [[nodiscard]] CampaignDraft DraftCampaign(const std::vector<InspectedFile>& files,
                                           const std::string& name,

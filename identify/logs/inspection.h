@@ -2,7 +2,15 @@
 
 /// @file
 /// What is in a log: how it was read, what it covers, which segments it has, which kind it looks
-/// like. Tests: tests/identify/logs/inspection_test.cc.
+/// like.
+///
+///   low-rate           one constant discharge, no faster than kMaxLowRate_per_h
+///   constant-current   one constant discharge, faster
+///   pulses             loads of which at least one is a pulse followed by a rest
+///   validation         any other load
+///
+/// A record of rest or charging alone is none of these. Tests:
+/// tests/identify/logs/inspection_test.cc.
 
 #include <cstddef>
 #include <functional>
@@ -12,10 +20,10 @@
 #include <utility>
 #include <vector>
 
+#include "identify/logs/campaign.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/log.h"
 #include "identify/logs/parts.h"
-#include "identify/logs/suggest.h"
 #include "model/core/errors.h"
 
 namespace lipoid {
@@ -26,6 +34,16 @@ struct Spread {
   double median = 0.0;
   double largest = 0.0;
 };
+
+struct Suggestion {
+  std::optional<LogKind> kind;
+  std::string reason;  ///< one sentence without a full stop
+};
+
+/// `discharge` is that of WholeDischarge(), `segments` those of FindSegments(). The rate is that of the
+/// discharge's own charge.
+[[nodiscard]] Suggestion SuggestKind(const std::vector<Segment>& segments,
+                                     const std::optional<Discharge>& discharge);
 
 /// Of a log that was read; the rows themselves are not kept.
 struct Inspection {
@@ -52,6 +70,9 @@ struct Inspection {
   double part_end_s = 0.0;
   std::vector<Inspection> parts;  ///< the tests within, where there are several (FindParts)
 };
+
+/// How many lithium cells in series its voltage is that of, or as its autopilot was told.
+[[nodiscard]] int CellsInSeries(const Inspection& log);
 
 [[nodiscard]] Inspection InspectRecord(const Record& record, const LogReport& report);
 

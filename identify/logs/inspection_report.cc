@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "identify/logs/draft.h"
 #include "model/core/counted.h"
 #include "model/core/options.h"
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "identify/logs/columns.h"
-#include "identify/logs/draft.h"
 #include "identify/logs/formats/quantity.h"
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"

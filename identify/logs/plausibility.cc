@@ -7,7 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "identify/logs/draft.h"
 #include "model/battery/arrhenius.h"
 #include "model/battery/ranges.h"
 
@@ -52,6 +51,15 @@ std::string LargerPack(std::string_view option, int cells) {
 }
 
 }  // namespace
+
+int CellsInSeries(double highest_V) {
+  constexpr double kFullCell_V = 4.2;
+  constexpr double kHighestCell_V = 4.45;
+  constexpr double kOneCell_V = 5.0;
+  if (!(highest_V > kOneCell_V) || highest_V > kMostPack_V) return 1;
+  const double least = std::ceil(highest_V / kHighestCell_V);
+  return static_cast<int>(std::max(least, std::round(highest_V / kFullCell_V)));
+}
 
 std::string DoubtAboutTime(const Record& record) {
   constexpr std::size_t kFewest = 20;

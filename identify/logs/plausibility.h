@@ -21,6 +21,9 @@ inline constexpr double kMostPack_V = 2000.0;
 /// One cell, from a half cell at rest to a lithium cell under fast charge.
 inline constexpr double kMostCell_V = 6.0;
 
+/// How many lithium cells in series have this voltage at most, in V: those of 3 to 4.45 V each.
+[[nodiscard]] int CellsInSeries(double highest_V);
+
 /// Where the columns of a record are named in its file.
 struct ColumnPositions {
   SourcePosition time;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "identify/logs/csv/cells.h"
-#include "identify/logs/draft.h"
 #include "identify/logs/plausibility.h"
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"

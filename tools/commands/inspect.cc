@@ -10,6 +10,7 @@
 #include "identify/logs/draft.h"
 #include "identify/logs/inspection.h"
 #include "identify/logs/inspection_report.h"
+#include "identify/logs/plausibility.h"
 #include "identify/logs/reading_request.h"
 #include "identify/logs/thinning.h"
 #include "identify/pack_request.h"

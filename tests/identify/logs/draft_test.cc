@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "identify/logs/plausibility.h"
 #include "tests/support/load_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/plain_csv.h"
