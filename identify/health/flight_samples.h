@@ -8,7 +8,7 @@
 /// current, and single rows show a resistance that is too small. The rows whose voltage is new are
 /// therefore averaged over windows: the shortest ones over which the changes of the voltage follow
 /// those of the current, after the lag with which they follow best. Tests:
-/// tests/identify/health/flight_samples_test.cc.
+/// tests/identify/health/flight_samples_test.cc, tests/tools/health_test.cc.
 
 #include <Eigen/Core>
 #include <string>
@@ -54,6 +54,10 @@ inline constexpr double kCoherentEnough = 0.97;
 inline constexpr double kCoherent = 0.9;
 /// The largest lag that is looked for, either way.
 inline constexpr double kLargestLag_s = 1.5;
+
+/// LoadError for a flight that says nothing of a battery: too short, too idle, too slowly sampled. The
+/// record and the capacity are of the same pack, or of one cell.
+void RefuseIdleFlight(const Record& record, double capacity_Ah);
 
 /// The log is that of one cell, with a voltage.
 [[nodiscard]] FlightSamples SampleFlight(const Log& log);

@@ -11,7 +11,6 @@
 #include "identify/fit/linearized_fit.h"
 #include "identify/health/flight_problem.h"
 #include "identify/health/flight_samples.h"
-#include "identify/health/refuse_flight.h"
 #include "identify/joint/joint_sweep.h"
 #include "identify/trust/cell_uncertainty.h"
 #include "model/battery/cell_file.h"

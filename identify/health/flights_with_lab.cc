@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "identify/health/flight_problem.h"
-#include "identify/health/refuse_flight.h"
 #include "identify/logs/plausibility.h"
 #include "identify/optimizers/levenberg_marquardt.h"
 #include "model/battery/cell_parameters.h"

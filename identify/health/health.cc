@@ -8,7 +8,6 @@
 
 #include "identify/fit_quality.h"
 #include "identify/health/flight_problem.h"
-#include "identify/health/refuse_flight.h"
 #include "identify/joint/held_shape.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/gaps.h"
