@@ -12,6 +12,7 @@
 #include "model/battery/cell_parameters.h"
 #include "model/battery/prediction.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/core/counted.h"
 #include "model/statistics/quantiles.h"
 
 namespace lipoid {
@@ -194,9 +195,8 @@ std::string FlightsWithLabText(const FlightsWithLab& found) {
     least = one.error / one.by_lab_error;
     best = &one;
   }
-  std::string text = fmt::format("The cell is that of the lab logs and of {} flight{} together. ",
-                                 found.flights.size(),
-                                 found.flights.size() == 1 ? "" : "s");
+  std::string text = fmt::format("The cell is that of the lab logs and of {} together. ",
+                                 Counted(found.flights.size(), "flight"));
   if (best != nullptr) {
     text += fmt::format(
         "The flights add most to {}: {:.4g} +- {:.2g} {} by the lab logs, {:.4g} +- {:.2g} with the "

@@ -82,12 +82,10 @@ Found LookForDischarge(const Record& record) {
   }
   if (rest_s > kMaxRestShare * (last.end_s - first->start_s)) {
     return {{},
-            fmt::format(
-                "{} rest{} inside it, {:.6g} s of {:.6g} s; a log of pulses is of kind \"pulses\"",
-                rests,
-                rests == 1 ? "" : "s",
-                rest_s,
-                last.end_s - first->start_s)};
+            fmt::format("{} inside it, {:.6g} s of {:.6g} s; a log of pulses is of kind \"pulses\"",
+                        Counted(rests, "rest"),
+                        rest_s,
+                        last.end_s - first->start_s)};
   }
   const Constancy constancy = MeasureConstancy(record, first->first, last.last);
   if (!constancy.constant()) {
@@ -293,11 +291,10 @@ std::vector<Segment> FindPulses(const Record& record) {
     Refuse(record,
            "expected pulses, found no current but rest over " + Counted(record.size(), "row"));
   Refuse(record,
-         fmt::format("expected pulses with rests between them, found {} load{} and no rest after "
+         fmt::format("expected pulses with rests between them, found {} and no rest after "
                      "any; a discharge is of kind \"constant-current\", any other load of kind "
                      "\"validation\"",
-                     loads,
-                     loads == 1 ? "" : "s"));
+                     Counted(loads, "load")));
 }
 
 }  // namespace lipoid

@@ -10,6 +10,7 @@
 #include <limits>
 #include <numbers>
 
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/statistics/factorizations.h"
 #include "model/statistics/quantiles.h"
@@ -240,11 +241,10 @@ void CheckOperatingPoints(const BenchTable& table, int channels, int unknowns) {
   const int least = unknowns / channels + 1;
   if (points >= least) return;
   throw OptionError(fmt::format(
-      "the bench table has {} operating point{}, and a fit of {} numbers needs {}: give rows "
+      "the bench table has {}, and a fit of {} numbers needs {}: give rows "
       "at other throttles, or leave --bench-table out and say what is known of motor and "
       "propeller",
-      points,
-      points == 1 ? "" : "s",
+      Counted(points, "operating point"),
       unknowns,
       least));
 }

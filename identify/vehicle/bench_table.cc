@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "identify/logs/csv/cells.h"
+#include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/json.h"
 
@@ -21,15 +22,14 @@ constexpr double kPerRpm_rad_per_s = std::numbers::pi / 30.0;
 
 struct Unit {
   std::string_view name;
-  double factor;
+  double factor = 0.0;
   double offset = 0.0;  // subtracted first
 };
 
 struct Column {
   std::string_view what;
   std::array<std::string_view, 3> begins;  // what a header's name begins with, in lower case
-  std::array<Unit, 11> units;              // the first `units_known`; "": a header without a unit
-  std::size_t units_known;
+  std::array<Unit, 11> units;              // "": a header without a unit; of factor 0 none
   double BenchRow::*member;
   std::string_view expected;
   bool required;
@@ -39,21 +39,18 @@ constexpr Column kColumns[] = {
     {"throttle",
      {"throttle", "duty", "throttle"},
      {{{"%", 0.01}, {"us", 1e-3, 1000.0}, {"", 1.0}, {"percent", 0.01}, {"µs", 1e-3, 1000.0}}},
-     5,
      &BenchRow::throttle,
      "%, us, or no unit for a fraction",
      true},
     {"voltage",
      {"volt", "battery voltage", "voltage"},
      {{{"v", 1.0}, {"mv", 1e-3}, {"volt", 1.0}, {"volts", 1.0}}},
-     4,
      &BenchRow::voltage_V,
      "V or mV",
      true},
     {"current",
      {"current", "battery current", "amp"},
      {{{"a", 1.0}, {"ma", 1e-3}, {"amp", 1.0}, {"amps", 1.0}, {"ampere", 1.0}}},
-     5,
      &BenchRow::current_A,
      "A or mA",
      true},
@@ -64,7 +61,6 @@ constexpr Column kColumns[] = {
        {"kg", kStandardGravity_m_per_s2},
        {"gf", 1e-3 * kStandardGravity_m_per_s2},
        {"kgf", kStandardGravity_m_per_s2}}},
-     5,
      &BenchRow::thrust_N,
      "g, kg or N",
      true},
@@ -81,7 +77,6 @@ constexpr Column kColumns[] = {
        {"hz", 60.0 * kPerRpm_rad_per_s},
        {"rps", 60.0 * kPerRpm_rad_per_s},
        {"rad_per_s", 1.0}}},
-     11,
      &BenchRow::speed_rad_per_s,
      "rpm, krpm, Hz or rad/s",
      false},
@@ -120,8 +115,8 @@ std::optional<Found> Find(const Column& column,
       return found.name.starts_with(begin);
     });
     if (!named) continue;
-    for (std::size_t k = 0; k < column.units_known; ++k) {
-      if (column.units[k].name == found.unit) return Found{field, column.units[k]};
+    for (const Unit& unit : column.units) {
+      if (unit.factor != 0.0 && unit.name == found.unit) return Found{field, unit};
     }
     // A speed that is that of the air is no column of ours.
     constexpr std::string_view kOfAir[] = {"m/s", "km/h", "kn", "kt", "mph", "ft/s", "m_per_s"};
@@ -257,8 +252,7 @@ BenchTable ParseBenchTable(const std::string& text, const std::string& file) {
   }
   const auto remark = [&](std::size_t rows, std::string_view what) {
     if (rows == 0) return;
-    table.remarks.push_back(
-        fmt::format("{} row{} of {} {}", rows, rows == 1 ? "" : "s", file, what));
+    table.remarks.push_back(fmt::format("{} of {} {}", Counted(rows, "row"), file, what));
   };
   remark(standing, "left out: no thrust, the propeller stands");
   remark(

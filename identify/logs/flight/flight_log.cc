@@ -219,19 +219,17 @@ void CheckFlown(const SourcePosition& position, const Record& record) {
 void NoteReading(const AutopilotLog& flight, LogReport& report) {
   if (flight.damaged_places > 0) {
     report.warnings.push_back(fmt::format(
-        "{} bytes of damaged messages were passed over, in {} place{}; reading went on at the next "
+        "{} bytes of damaged messages were passed over, in {}; reading went on at the next "
         "message that holds together",
         flight.skipped_bytes,
-        flight.damaged_places,
-        flight.damaged_places == 1 ? "" : "s"));
+        Counted(flight.damaged_places, "place")));
   }
   if (flight.cut_last_message)
     report.notes.emplace_back("the log ends inside a message and was read to its last whole one");
   if (flight.dropouts > 0) {
-    report.notes.push_back(fmt::format("the autopilot could not log for {:.3g} s in all, {} time{}",
+    report.notes.push_back(fmt::format("the autopilot could not log for {:.3g} s in all, {}",
                                        flight.dropped_out_s,
-                                       flight.dropouts,
-                                       flight.dropouts == 1 ? "" : "s"));
+                                       Counted(flight.dropouts, "time")));
   }
 }
 

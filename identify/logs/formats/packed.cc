@@ -13,9 +13,9 @@ using namespace std::string_view_literals;
 
 struct Packed {
   std::string_view magic;
-  std::size_t offset;
   std::string_view what;
   std::string_view advice;
+  std::size_t offset = 0;
 };
 
 constexpr std::string_view kUnpack = "unpack it and name the log inside";
@@ -24,42 +24,38 @@ constexpr std::string_view kExportCsv = "write the columns time, current and vol
 
 constexpr Packed kPacked[] = {
     {"BIO-LOGIC MODULAR FILE"sv,
-     0,
      "a BioLogic binary file (.mpr)",
      "export it as text (.mpt) in EC-Lab or BT-Lab"},
-    {"\x1f\x8b"sv, 0, "a gzip file", kUnpack},
-    {"BZh"sv, 0, "a bzip2 file", kUnpack},
-    {"\xFD\x37zXZ\0"sv, 0, "an xz file", kUnpack},
-    {"\x28\xB5\x2F\xFD"sv, 0, "a zstd file", kUnpack},
-    {"7z\xBC\xAF\x27\x1C"sv, 0, "a 7z archive", kUnpack},
-    {"Rar!\x1A"sv, 0, "a rar archive", kUnpack},
-    {"ustar"sv, 257, "a tar archive", kUnpack},
+    {"\x1f\x8b"sv, "a gzip file", kUnpack},
+    {"BZh"sv, "a bzip2 file", kUnpack},
+    {"\xFD\x37zXZ\0"sv, "an xz file", kUnpack},
+    {"\x28\xB5\x2F\xFD"sv, "a zstd file", kUnpack},
+    {"7z\xBC\xAF\x27\x1C"sv, "a 7z archive", kUnpack},
+    {"Rar!\x1A"sv, "a rar archive", kUnpack},
+    {"ustar"sv, "a tar archive", kUnpack, 257},
     {"Standard Jet DB"sv,
-     4,
      "an Access database (Arbin .res or .mdb)",
-     "export the channel as CSV in Arbin MITS Pro"},
+     "export the channel as CSV in Arbin MITS Pro",
+     4},
     {"Standard ACE DB"sv,
-     4,
      "an Access database (.accdb)",
-     "export the channel as CSV in Arbin MITS Pro"},
-    {"NEWARE"sv, 0, "a Neware binary file (.nda)", "export it as CSV in BTSDA"},
-    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv, 0, "an old Office document (.xls)", kSaveAsCsv},
-    {"MATLAB 5.0 MAT-file"sv, 0, "a MATLAB file (.mat)", kExportCsv},
-    {"MATLAB 7.3 MAT-file"sv, 0, "a MATLAB file (.mat)", kExportCsv},
-    {"\x89HDF\r\n\x1a\n"sv, 0, "an HDF5 file", kExportCsv},
-    {"PAR1"sv, 0, "a Parquet file", kExportCsv},
-    {"ARROW1"sv, 0, "an Arrow file", kExportCsv},
-    {"SQLite format 3"sv, 0, "an SQLite database", kExportCsv},
-    {"TDSm"sv, 0, "a LabVIEW binary file (.tdms)", kExportCsv},
-    {"%PDF-"sv, 0, "a PDF document", "export the data of the test as CSV"},
-    {"\xFF\xFE"sv, 0, "UTF-16 text", "save it as UTF-8"},
-    {"\xFE\xFF"sv, 0, "UTF-16 text", "save it as UTF-8"},
-    {"version https://git-lfs"sv,
-     0,
-     "a Git LFS pointer",
-     "fetch the file itself with `git lfs pull`"},
-    {"<!DOCTYPE"sv, 0, "a web page", "download the file itself"},
-    {"<html"sv, 0, "a web page", "download the file itself"},
+     "export the channel as CSV in Arbin MITS Pro",
+     4},
+    {"NEWARE"sv, "a Neware binary file (.nda)", "export it as CSV in BTSDA"},
+    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv, "an old Office document (.xls)", kSaveAsCsv},
+    {"MATLAB 5.0 MAT-file"sv, "a MATLAB file (.mat)", kExportCsv},
+    {"MATLAB 7.3 MAT-file"sv, "a MATLAB file (.mat)", kExportCsv},
+    {"\x89HDF\r\n\x1a\n"sv, "an HDF5 file", kExportCsv},
+    {"PAR1"sv, "a Parquet file", kExportCsv},
+    {"ARROW1"sv, "an Arrow file", kExportCsv},
+    {"SQLite format 3"sv, "an SQLite database", kExportCsv},
+    {"TDSm"sv, "a LabVIEW binary file (.tdms)", kExportCsv},
+    {"%PDF-"sv, "a PDF document", "export the data of the test as CSV"},
+    {"\xFF\xFE"sv, "UTF-16 text", "save it as UTF-8"},
+    {"\xFE\xFF"sv, "UTF-16 text", "save it as UTF-8"},
+    {"version https://git-lfs"sv, "a Git LFS pointer", "fetch the file itself with `git lfs pull`"},
+    {"<!DOCTYPE"sv, "a web page", "download the file itself"},
+    {"<html"sv, "a web page", "download the file itself"},
 };
 
 bool Contains(std::string_view text, std::string_view part) {

@@ -38,19 +38,27 @@ constexpr UnitRow kUnitRows[] = {
     {Quantity::kTemperature, "k|kelvin", {.offset = -273.15}},
 };
 
+struct Words {
+  std::string_view name, key, units;
+};
+
+const Words& WordsOf(Quantity quantity) {
+  static constexpr std::array<Words, kQuantityCount> kWords{
+      {{"time", "time_s", "s, ms, min, h"},
+       {"current", "current_A", "A, mA"},
+       {"voltage", "voltage_V", "V, mV"},
+       {"temperature", "temperature_degC", "degC, degF, K"},
+       {"step", "", ""},
+       {"cycle", "", ""},
+       {"state", "", ""}}};
+  return kWords[static_cast<std::size_t>(quantity)];
+}
+
 }  // namespace
 
-std::string_view Name(Quantity quantity) {
-  constexpr std::array<std::string_view, kQuantityCount> kNames{
-      "time", "current", "voltage", "temperature", "step", "cycle", "state"};
-  return kNames[static_cast<std::size_t>(quantity)];
-}
-
-std::string_view Key(Quantity quantity) {
-  constexpr std::array<std::string_view, kQuantityCount> kKeys{
-      "time_s", "current_A", "voltage_V", "temperature_degC", "", "", ""};
-  return kKeys[static_cast<std::size_t>(quantity)];
-}
+std::string_view Name(Quantity quantity) { return WordsOf(quantity).name; }
+std::string_view Key(Quantity quantity) { return WordsOf(quantity).key; }
+std::string_view UsualUnits(Quantity quantity) { return WordsOf(quantity).units; }
 
 std::optional<Unit> FindUnit(Quantity quantity, std::string_view name) {
   std::string ascii;
@@ -65,12 +73,6 @@ std::optional<Unit> FindUnit(Quantity quantity, std::string_view name) {
     if (row.quantity == quantity && RankIn(row.names, plain) != plain.npos) return row.unit;
   }
   return std::nullopt;
-}
-
-std::string_view UsualUnits(Quantity quantity) {
-  constexpr std::array<std::string_view, kQuantityCount> kUsual{
-      "s, ms, min, h", "A, mA", "V, mV", "degC, degF, K", "", "", ""};
-  return kUsual[static_cast<std::size_t>(quantity)];
 }
 
 }  // namespace lipoid
