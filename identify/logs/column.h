@@ -95,16 +95,9 @@ class Column {
   void push_back(double number) {
     Change([&](auto& own) { own.push_back(number); });
   }
-  void pop_back() {
-    Change([&](auto& own) { own.pop_back(); });
-  }
   template <class Iterator>
   void append(Iterator first, Iterator last) {
     Change([&](auto& own) { own.insert(own.end(), first, last); });
-  }
-  template <class... Arguments>
-  void assign(Arguments&&... arguments) {
-    *this = Column(std::vector<double>(std::forward<Arguments>(arguments)...));
   }
 
   friend bool operator==(const Column& a, const Column& b) {

@@ -179,7 +179,7 @@ TEST(HealthTrend, ARefusedFlightKeepsItsPlace) {
     plan.seed = logs.size();
     logs.push_back(
         FlyAndLog(cell, kSeries, plan, LikePx4(), "flight_" + std::to_string(logs.size())).log);
-    if (capacity == 0.0) logs.back().record.current_A.assign(logs.back().record.size(), 0.0);
+    if (capacity == 0.0) logs.back().record.current_A = Column(logs.back().record.size(), 0.0);
   }
   HealthOptions options;
   options.series = kSeries;

@@ -131,7 +131,7 @@ TEST(HeatFit, APlanKnowsTheScatterOfItsEstimates) {
 TEST(HeatFit, NoneWhereNothingWarms) {
   auto logs = LogsOf(WarmingCell(0.0));
   const Cell cell = WarmingCell(0.0);
-  for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 20.0);
+  for (LoadedLog& log : logs) log.log.record.temperature_degC = Column(log.log.record.size(), 20.0);
   EXPECT_FALSE(FitHeat(cell, logs));
   for (LoadedLog& log : logs) log.log.record.temperature_degC.clear();
   EXPECT_FALSE(FitHeat(cell, logs));

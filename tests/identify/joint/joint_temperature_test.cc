@@ -496,7 +496,7 @@ TEST(JointTemperature, IsRefusedWhereALogHasNone) {
 TEST(JointTemperature, AColumnAloneChangesNothing) {
   auto logs = test::SyntheticLogs(test::Truth(), 10.0, 0.0005);
   const Cell plain = IdentifyJoint(test::CampaignOf(logs), logs).cell;
-  for (LoadedLog& log : logs) log.log.record.temperature_degC.assign(log.log.record.size(), 23.0);
+  for (LoadedLog& log : logs) log.log.record.temperature_degC = Column(log.log.record.size(), 23.0);
   const Cell with = IdentifyJoint(test::CampaignOf(logs), logs).cell;
   EXPECT_EQ(with.reference_degC, 23.0);
   // Their run records differ in how long they took.

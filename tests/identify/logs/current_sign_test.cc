@@ -160,9 +160,9 @@ TEST(CurrentSign, IsNeverWrongOnWindowsOfRealLogs) {
       const auto first = static_cast<std::ptrdiff_t>(random() % (whole.size() - rows + 1));
       const auto last = first + static_cast<std::ptrdiff_t>(rows);
       Record window;
-      window.time_s.assign(whole.time_s.begin() + first, whole.time_s.begin() + last);
-      window.current_A.assign(whole.current_A.begin() + first, whole.current_A.begin() + last);
-      window.voltage_V.assign(whole.voltage_V.begin() + first, whole.voltage_V.begin() + last);
+      window.time_s = Column(whole.time_s.begin() + first, whole.time_s.begin() + last);
+      window.current_A = Column(whole.current_A.begin() + first, whole.current_A.begin() + last);
+      window.voltage_V = Column(whole.voltage_V.begin() + first, whole.voltage_V.begin() + last);
       ++tried;
       const auto as_it_is = Find(window, Written::kAsItIs);
       found += as_it_is == CurrentSign::kDischargePositive ? 1 : 0;

@@ -66,7 +66,7 @@ TEST(LogWriter, TheTextIsPlain) {
 TEST(LogWriter, RefusesAFolderThatIsMissingAndColumnsOfUnequalLength) {
   Record record = DischargeOfRows(5);
   EXPECT_THROW(WriteLog(record, "/nonexistent/folder/x.csv"), OptionError);
-  record.voltage_V.pop_back();
+  record.voltage_V.resize(record.size() - 1);
   EXPECT_THROW(WriteLog(record, test::WriteText("out.csv", "")), PreconditionError);
 }
 
