@@ -14,14 +14,9 @@ namespace {
 using U = FlightUnknowns;
 using Jet = ceres::Jet<double, U::kCount>;
 
-double Exp(double x) { return std::exp(x); }
-Jet Exp(const Jet& x) { return ceres::exp(x); }
-
 template <class T>
 std::vector<T> As(const std::vector<double>& values) {
-  std::vector<T> as;
-  for (const double value : values) as.push_back(T(value));
-  return as;
+  return {values.begin(), values.end()};
 }
 
 template <class T>
@@ -37,13 +32,14 @@ Resistance<T> Scaled(const Resistance<double>& resistance, const T& factor) {
 // The reference with the unknowns in it.
 template <class T>
 CellParameters<T> WithUnknowns(const CellParameters<double>& p, const std::vector<T>& x) {
-  const T series = Exp(x[U::kSeries]);
-  const T branches = Exp(x[U::kBranches]);
-  const T slower = Exp(x[U::kTau]);
+  using std::exp;
+  const T series = exp(x[U::kSeries]);
+  const T branches = exp(x[U::kBranches]);
+  const T slower = exp(x[U::kTau]);
   CellParameters<T> q;
-  q.alpha_C = p.alpha_C * Exp(x[U::kCapacity]);
+  q.alpha_C = p.alpha_C * exp(x[U::kCapacity]);
   q.diffusion = p.diffusion;
-  q.beta_per_sqrt_s = p.beta_per_sqrt_s * Exp(x[U::kBeta]);
+  q.beta_per_sqrt_s = p.beta_per_sqrt_s * exp(x[U::kBeta]);
   q.terms = p.terms;
   q.tail = p.tail;
   q.series_resistance_Ohm = Scaled(p.series_resistance_Ohm, series);
@@ -68,8 +64,8 @@ CellParameters<T> WithUnknowns(const CellParameters<double>& p, const std::vecto
     term.diffusion_J_per_mol = T(t.diffusion_J_per_mol);
     term.charge_transfer_J_per_mol = T(t.charge_transfer_J_per_mol);
     if (t.heat) {
-      term.heat = HeatBalance<T>{t.heat->heat_capacity_J_per_K * Exp(-x[U::kWarming]),
-                                 t.heat->thermal_resistance_K_per_W * Exp(x[U::kWarming])};
+      term.heat = HeatBalance<T>{t.heat->heat_capacity_J_per_K * exp(-x[U::kWarming]),
+                                 t.heat->thermal_resistance_K_per_W * exp(x[U::kWarming])};
     }
     if (t.entropy) {
       auto& entropy = term.entropy.emplace();

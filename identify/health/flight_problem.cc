@@ -3,11 +3,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
 
 namespace lipoid {
@@ -157,9 +157,7 @@ Eigen::MatrixXd FlightProblem::Whitened(const Eigen::VectorXd& scaled) const {
 
 Eigen::MatrixXd FlightProblem::Factor(const Eigen::VectorXd& scaled, bool jacobian) const {
   const Eigen::MatrixXd columns = Whitened(scaled);
-  if (!columns.allFinite())
-    return Eigen::MatrixXd::Constant(
-        size() + 1, size() + 1, std::numeric_limits<double>::quiet_NaN());
+  if (!columns.allFinite()) return Eigen::MatrixXd::Constant(size() + 1, size() + 1, kNaN);
   const auto n = columns.rows();
   Eigen::MatrixXd all(n + size(), size() + 1);
   all.topRows(n) = columns;
