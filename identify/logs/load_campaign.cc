@@ -123,29 +123,24 @@ void RefuseOverfull(const Campaign& campaign,
 // where its rows are taken.
 void RefuseOtherWay(const CampaignLog& entry, const Record& record) {
   constexpr double kLeastShare = 0.5;  // of what left on the way, and did not come back
-  if (entry.kind != LogKind::kLowRateCharge && entry.kind != LogKind::kLowRate) return;
+  const bool charge = entry.kind == LogKind::kLowRateCharge;
+  if (!charge && entry.kind != LogKind::kLowRate) return;
   const ChargeMoved moved = CountCharge(record);
-  if (entry.kind == LogKind::kLowRate) {
-    if (!(moved.charge_C < kLeastShare * moved.least_C) ||
-        moved.most_C > kLeastShare * moved.range_C())
-      return;
-    throw LoadError(
-        {record.file},
-        fmt::format(
-            "expected a slow discharge, as kind \"low-rate\" says, found {:.4g} Ah that "
-            "flow in; a slow charge is of kind \"low-rate-charge\", and of a discharge turn the "
-            "current round (`current_sign`)",
-            -moved.charge_C / 3600.0));
-  }
-  if (!(moved.charge_C > kLeastShare * moved.most_C) ||
-      -moved.least_C > kLeastShare * moved.range_C())
-    return;
+  const double wrong_C = charge ? moved.charge_C : -moved.charge_C;
+  const double farthest_C = charge ? moved.most_C : -moved.least_C;
+  const double right_C = charge ? -moved.least_C : moved.most_C;
+  if (!(wrong_C > kLeastShare * farthest_C) || right_C > kLeastShare * moved.range_C()) return;
   throw LoadError(
       {record.file},
-      fmt::format("expected a slow charge, as kind \"low-rate-charge\" says, found {:.4g} Ah that "
-                  "flow out; a slow discharge is of kind \"low-rate\", and of a charge turn the "
-                  "current round (`current_sign`)",
-                  moved.charge_C / 3600.0));
+      fmt::format(
+          "expected a slow {0}, as kind \"{1}\" says, found {2:.4g} Ah that flow {3}; a slow "
+          "{4} is of kind \"{5}\", and of a {0} turn the current round (`current_sign`)",
+          charge ? "charge" : "discharge",
+          charge ? "low-rate-charge" : "low-rate",
+          wrong_C / 3600.0,
+          charge ? "out" : "in",
+          charge ? "discharge" : "charge",
+          charge ? "low-rate" : "low-rate-charge"));
 }
 
 // A cell that rests has the temperature of its surroundings, unless it was just put there; where nobody said
