@@ -109,7 +109,7 @@ void Collector::Take(TableBlock& block) {
     const double first_s = Column(block, Quantity::kTime)[0];
     if (first_s > kUnixClock_s) unix_start_s_ = first_s;
   }
-  thinning_.MakeRoom(block.rows, log_.record, directions_, log_.report.labels, Volt());
+  thinning_.MakeRoom(block.rows, {log_.record, directions_, log_.report.labels, Volt()});
   Reserve(block);
   if (options_.ChoosesPart() || has_labels_ || plan_.clock_restarts_with_step ||
       unix_start_s_ != 0.0 || !Increases(block)) {
@@ -128,7 +128,7 @@ Log Collector::Finish() {
                         : "expected rows below the header, found none");
   }
   if (log_.record.size() == 0) FailUnselected();
-  log_.report.thinned = thinning_.Finish(log_.record, directions_, log_.report.labels, Volt());
+  log_.report.thinned = thinning_.Finish({log_.record, directions_, log_.report.labels, Volt()});
   if (drops_temperature_) {
     SettleHoles(log_.record.time_s,
                 log_.record.temperature_degC,

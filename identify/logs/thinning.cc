@@ -203,57 +203,44 @@ std::size_t ThinRows(const View& rows,
   return to;
 }
 
-}  // namespace
-
-// A record whose columns may be written over and get shorter.
-struct Thinning::Rows {
-  Record& record;
-  std::vector<std::int8_t>& directions;
-  std::vector<RowLabel>& labels;
-  double volt;
-
-  [[nodiscard]] View Columns() const {
-    const auto data = [](auto& column) { return column.empty() ? nullptr : &*column.begin(); };
-    return {.time_s = data(record.time_s),
-            .current_A = data(record.current_A),
-            .voltage_V = data(record.voltage_V),
-            .temperature_degC = data(record.temperature_degC),
-            .direction = data(directions)};
-  }
-  void Resize(std::size_t size) const {
-    const auto resize = [size](auto& column) {
-      if (!column.empty()) column.resize(size);
-    };
-    for (const auto column : kRecordColumns) resize(record.*column);
-    resize(directions);
-    // Of several labels of one row the last one is right.
-    const auto last = std::unique(labels.rbegin(), labels.rend(), [](const auto& a, const auto& b) {
-      return a.row == b.row;
-    });
-    labels.erase(labels.begin(), last.base());
-  }
-};
-
-void Thinning::MakeRoom(std::size_t rows,
-                        Record& record,
-                        std::vector<std::int8_t>& directions,
-                        std::vector<RowLabel>& labels,
-                        double volt) {
-  const std::size_t size = record.size();
-  if (group_ == 1) {
-    if (size + rows <= most_rows_ || size < 3) return;
-  } else if (size - thinned_ + rows <= std::min(kTail, most_rows_ / 4)) {
-    return;
-  }
-  ThinTail({record, directions, labels, volt});
+View ViewOf(Thinning::Rows rows) {
+  const auto data = [](auto& column) { return column.empty() ? nullptr : &*column.begin(); };
+  return {.time_s = data(rows.record.time_s),
+          .current_A = data(rows.record.current_A),
+          .voltage_V = data(rows.record.voltage_V),
+          .temperature_degC = data(rows.record.temperature_degC),
+          .direction = data(rows.directions)};
 }
 
-std::optional<ThinningFacts> Thinning::Finish(Record& record,
-                                              std::vector<std::int8_t>& directions,
-                                              std::vector<RowLabel>& labels,
-                                              double volt) {
+void Resize(Thinning::Rows rows, std::size_t size) {
+  const auto resize = [size](auto& column) {
+    if (!column.empty()) column.resize(size);
+  };
+  for (const auto column : kRecordColumns) resize(rows.record.*column);
+  resize(rows.directions);
+  // Of several labels of one row the last one is right.
+  auto& labels = rows.labels;
+  const auto last = std::unique(
+      labels.rbegin(), labels.rend(), [](const auto& a, const auto& b) { return a.row == b.row; });
+  labels.erase(labels.begin(), last.base());
+}
+
+}  // namespace
+
+void Thinning::MakeRoom(std::size_t more, Rows rows) {
+  const std::size_t size = rows.record.size();
+  if (group_ == 1) {
+    if (size + more <= most_rows_ || size < 3) return;
+  } else if (size - thinned_ + more <= std::min(kTail, most_rows_ / 4)) {
+    return;
+  }
+  ThinTail(rows);
+}
+
+std::optional<ThinningFacts> Thinning::Finish(Rows rows) {
+  Record& record = rows.record;
   if (group_ == 1 && record.size() <= most_rows_) return std::nullopt;
-  if (record.size() > thinned_) ThinTail({record, directions, labels, volt});
+  if (record.size() > thinned_) ThinTail(rows);
   report_.rows = record.size();
   report_.rows_of_log = record.size() + dropped_;
   report_.most_rows = most_rows_;
@@ -301,9 +288,9 @@ void Thinning::ThinTail(Rows rows) {
                   .jump_V = kJump_V * rows.volt,
                   .all_alike = false};
   const std::size_t size = record.size();
-  thinned_ = ThinRows(rows.Columns(), thinned_, size, rows.labels, rule, changed_s_);
+  thinned_ = ThinRows(ViewOf(rows), thinned_, size, rows.labels, rule, changed_s_);
   dropped_ += size - thinned_;
-  rows.Resize(thinned_);
+  Resize(rows, thinned_);
   while (thinned_ > most_rows_ / 2) Regroup(rows);
 }
 
@@ -318,9 +305,9 @@ void Thinning::Regroup(Rows rows) {
                   .share_of_age = share_of_age_,
                   .jump_V = kJump_V * rows.volt,
                   .all_alike = tolerance_A_ > 2.0 * largest_A};
-  thinned_ = ThinRows(rows.Columns(), 0, size, rows.labels, rule, changed_s);
+  thinned_ = ThinRows(ViewOf(rows), 0, size, rows.labels, rule, changed_s);
   dropped_ += size - thinned_;
-  rows.Resize(thinned_);
+  Resize(rows, thinned_);
   group_ *= 2;
   constexpr double kTooMany = 0.75;
   if (static_cast<double>(thinned_) <= kTooMany * static_cast<double>(size)) return;

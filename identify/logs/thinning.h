@@ -36,24 +36,24 @@ class Thinning {
   /// Of the time since the current stepped that one row may stand for.
   static constexpr double kShareOfAge = 1.0 / 64.0;
 
+  /// The rows that were taken; `directions` and `labels` are theirs, or empty. One volt is `volt` in the
+  /// units of the record.
+  struct Rows {
+    Record& record;
+    std::vector<std::int8_t>& directions;
+    std::vector<RowLabel>& labels;
+    double volt = 1.0;
+  };
+
   /// `most_rows` are kept as they are; more become at most half as many.
   Thinning(Hold hold, std::size_t most_rows) : hold_(hold), most_rows_(most_rows) {}
 
-  /// Makes room for so many rows more. `directions` and `labels` are those of the rows, or empty.
-  /// One volt is `volt` in the units of the record.
-  void MakeRoom(std::size_t rows,
-                Record& record,
-                std::vector<std::int8_t>& directions,
-                std::vector<RowLabel>& labels,
-                double volt);
+  /// Makes room for so many rows more.
+  void MakeRoom(std::size_t more, Rows rows);
   /// After the last row: what is reported, none where every row was kept.
-  [[nodiscard]] std::optional<ThinningFacts> Finish(Record& record,
-                                                    std::vector<std::int8_t>& directions,
-                                                    std::vector<RowLabel>& labels,
-                                                    double volt);
+  [[nodiscard]] std::optional<ThinningFacts> Finish(Rows rows);
 
  private:
-  struct Rows;
   void Begin(const Record& record);
   void Count(const Record& record);
   void ThinTail(Rows rows);
