@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -518,17 +519,13 @@ std::string DraftToToml(const CampaignDraft& draft) {
   for (const auto& entry : draft.entries) {
     text += "\n" + Comment(entry.reason);
     for (const auto& remark : entry.remarks) text += Comment(remark);
-    const std::string lines = CampaignLogToToml(entry.log);
+    std::istringstream lines(CampaignLogToToml(entry.log));
     if (entry.left_out.empty()) {
-      text += lines;
+      text += lines.str();
       continue;
     }
     text += Comment(fmt::format("Left out: {}.", entry.left_out));
-    for (std::size_t start = 0; start < lines.size();) {
-      const std::size_t end = lines.find('\n', start);
-      text += Comment(lines.substr(start, end - start));
-      start = end + 1;
-    }
+    for (std::string line; std::getline(lines, line);) text += Comment(line);
   }
   if (!draft.unused.empty()) text += "\n# Not used:\n";
   for (const auto& [file, reason] : draft.unused) {
