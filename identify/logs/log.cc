@@ -270,38 +270,6 @@ void AddNotes(const TextSource& source,
   }
 }
 
-}  // namespace
-
-std::vector<std::string> DoubtsAboutPack(const FlightFacts& told, int series, double capacity_Ah) {
-  constexpr double kAnother = 1.5;  // a pack that was renamed, or an option in another unit
-  std::vector<std::string> doubts;
-  if (told.cells > 0 && told.cells != series) {
-    doubts.push_back(fmt::format(
-        "`series` is {}, and the autopilot was told {}: look which of the two the pack has",
-        series,
-        told.cells));
-  }
-  if (capacity_Ah > 0.0 && told.capacity_Ah > 0.0 &&
-      std::max(capacity_Ah / told.capacity_Ah, told.capacity_Ah / capacity_Ah) > kAnother) {
-    doubts.push_back(fmt::format(
-        "the capacity is {:.4g} Ah, and the autopilot was told {:.4g} Ah: look which of the two the "
-        "pack has",
-        capacity_Ah,
-        told.capacity_Ah));
-  }
-  return doubts;
-}
-
-OpenSignError::OpenSignError(SourcePosition position,
-                             std::string message,
-                             std::string format,
-                             std::string current_column)
-    : LoadError(std::move(position), std::move(message)),
-      format_(std::move(format)),
-      current_column_(std::move(current_column)) {}
-
-namespace {
-
 // The same for every table, once its numbers are columns: what cannot be, spikes, sign.
 void SettleTable(Log& log,
                  std::vector<std::int8_t>& directions,
@@ -534,6 +502,26 @@ Log TakeColumns(Record record, const ReadOptions& options, const SignOfOthers& o
 }
 
 }  // namespace
+
+std::vector<std::string> DoubtsAboutPack(const FlightFacts& told, int series, double capacity_Ah) {
+  constexpr double kAnother = 1.5;  // a pack that was renamed, or an option in another unit
+  std::vector<std::string> doubts;
+  if (told.cells > 0 && told.cells != series) {
+    doubts.push_back(fmt::format(
+        "`series` is {}, and the autopilot was told {}: look which of the two the pack has",
+        series,
+        told.cells));
+  }
+  if (capacity_Ah > 0.0 && told.capacity_Ah > 0.0 &&
+      std::max(capacity_Ah / told.capacity_Ah, told.capacity_Ah / capacity_Ah) > kAnother) {
+    doubts.push_back(fmt::format(
+        "the capacity is {:.4g} Ah, and the autopilot was told {:.4g} Ah: look which of the two the "
+        "pack has",
+        capacity_Ah,
+        told.capacity_Ah));
+  }
+  return doubts;
+}
 
 Log ReadLog(const std::string& file, const ReadOptions& options, const SignOfOthers& others) {
   CheckOptions(options);

@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "identify/logs/current_sign.h"
@@ -177,7 +178,10 @@ class OpenSignError : public LoadError {
   OpenSignError(SourcePosition position,
                 std::string message,
                 std::string format,
-                std::string current_column);
+                std::string current_column)
+      : LoadError(std::move(position), std::move(message)),
+        format_(std::move(format)),
+        current_column_(std::move(current_column)) {}
 
   [[nodiscard]] const std::string& format() const { return format_; }
   [[nodiscard]] const std::string& current_column() const { return current_column_; }
