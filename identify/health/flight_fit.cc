@@ -5,7 +5,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "identify/health/flight_problem.h"
@@ -13,6 +12,7 @@
 #include "identify/optimizers/optimizers.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/uncertain_cell.h"
+#include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
 
 namespace lipoid {
@@ -118,9 +118,8 @@ struct SearchEnd {
   Eigen::VectorXd log_noise;
   double lag_s = 0.0;
   bool converged = false;
-  double cost = std::numeric_limits<double>::infinity();  // of the last search, at its noise
-  double minus_log_likelihood =
-      std::numeric_limits<double>::infinity();  // marginal, priors included
+  double cost = kInfinity;                  // of the last search, at its noise
+  double minus_log_likelihood = kInfinity;  // marginal, priors included
 };
 
 // Two searches of one end differ by less, in the logarithm of the likelihood.
@@ -251,7 +250,7 @@ bool FlightSearch::Round(SearchEnd& at, bool first) {
 // The lag, with everything else following to first order.
 void FlightSearch::LookForLag(const Eigen::MatrixXd& at_rows, double reach, SearchEnd& at) const {
   const double step_s = std::max(0.005, 0.25 * std::min(flight_.voltage_update_s, 1.0));
-  double best = std::numeric_limits<double>::infinity();
+  double best = kInfinity;
   const double from_s = at.lag_s;
   for (int k = -12; k <= 12; ++k) {
     const double lag_s = std::clamp(from_s + reach * k * step_s, -kLargestLag_s, kLargestLag_s);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "identify/fit_quality.h"
 #include "identify/health/flight_problem.h"
@@ -465,8 +464,7 @@ HealthReport AssessHealth(const Cell& cell, std::vector<Log> logs, const HealthO
   ReferenceCell reference = MakeReference(cell, options.parallel, capacity_Ah);
   if (guessed) reference.spread.log_capacity = kGuessedLogCapacity;
   report.reference = cell.name;
-  report.new_capacity_Ah =
-      guessed ? std::numeric_limits<double>::quiet_NaN() : reference.cell.alpha_C() / 3600.0;
+  report.new_capacity_Ah = guessed ? kNaN : reference.cell.alpha_C() / 3600.0;
   report.activation_energy_J_per_mol = reference.cell.temperature->series_J_per_mol;
   report.reference_degC = CelsiusOf(reference.cell.temperature->reference_K);
   report.temperature_assumed = reference.cell.temperature_assumed;

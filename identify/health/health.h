@@ -6,7 +6,6 @@
 /// flights can tell and what not. Tests: tests/tools/health_test.cc,
 /// tests/identify/health/coverage_test.cc.
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +17,7 @@
 #include "model/battery/ranges.h"
 #include "model/core/errors.h"
 #include "model/core/options.h"
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -65,8 +65,7 @@ struct FlightHealth {
   /// Of the pack, at once, at the middle of the charge that the flight took; where the flight tells its
   /// temperature that at the reference's.
   WithInterval resistance_Ohm;
-  double new_resistance_Ohm =
-      std::numeric_limits<double>::quiet_NaN();  ///< the reference's there; NaN: not known
+  double new_resistance_Ohm = kNaN;  ///< the reference's there; NaN: not known
   WithInterval counted_resistance_Ohm;
   double log_capacity = 0.0;  ///< over the reference, as fitted, whether that is known or not
   double log_capacity_deviation = 0.0;  ///< of the counted ones, for a trend
