@@ -240,7 +240,7 @@ void Thinning::MakeRoom(std::size_t more, Rows rows) {
 std::optional<ThinningFacts> Thinning::Finish(Rows rows) {
   Record& record = rows.record;
   if (group_ == 1 && record.size() <= most_rows_) return std::nullopt;
-  if (record.size() > thinned_) ThinTail(rows);
+  ThinTail(rows);
   report_.rows = record.size();
   report_.rows_of_log = record.size() + dropped_;
   report_.most_rows = most_rows_;
@@ -279,6 +279,7 @@ void Thinning::Count(const Record& record) {
 
 void Thinning::ThinTail(Rows rows) {
   Record& record = rows.record;
+  if (record.size() == thinned_) return;  // blocks behind the chosen part bring no rows
   if (group_ == 1) Begin(record);
   Count(record);
   const Rule rule{.hold = hold_,

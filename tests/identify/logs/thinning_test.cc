@@ -186,6 +186,17 @@ TEST(Thinning, GapsAreThoseOfEveryRow) {
   EXPECT_EQ(log.report.thinned->longest_s, every.report.gaps[0].length_s);
 }
 
+TEST(Thinning, AChosenPartMayEndLongBeforeItsLog) {
+  Bench bench;
+  bench.Write();
+  constexpr double kEnd_s = 300.0;  // of 1200
+  const Log log = bench.Read(4096, {.end_s = kEnd_s});
+  const Log every = bench.Read(kEveryRow, {.end_s = kEnd_s});
+  ASSERT_TRUE(log.report.thinned);
+  EXPECT_EQ(log.report.rows, every.record.size());
+  EXPECT_EQ(log.record.time_s.back(), every.record.time_s.back());
+}
+
 TEST(Thinning, SpikesAreDroppedAllTheSame) {
   Bench bench;
   bench.Write([](std::string& to, std::size_t k, double current_A, double voltage_V) {
