@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "identify/optimizers/levenberg_marquardt.h"
-#include "identify/stages/discharge_times_problem.h"
 #include "model/battery/discharge_time.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
@@ -26,6 +26,12 @@ struct Estimate {
   double alpha_standard_error_C = kNaN;
   double lag_standard_error_s = kNaN;
 };
+
+// 1 or 1/L, times the root of the weight of its square.
+double TimeWeight(const DischargeTime& discharge, TimeWeighting weighting) {
+  return std::sqrt(discharge.weight) *
+         (weighting == TimeWeighting::kRelative ? 1.0 / discharge.time_s : 1.0);
+}
 
 // Weighted design of the linear form: L = alpha (A_0/I) - c.
 Estimate FitSteady(const std::vector<DischargeTime>& discharges,
@@ -74,12 +80,94 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   return estimate;
 }
 
+// 1 + 2 sum_k e^{-k² z}, by (4.31) where z is small.
+double Theta(double z) {
+  if (z <= 0.0) return kInfinity;
+  const bool small = z < 1.0;
+  const double q = small ? std::numbers::pi * std::numbers::pi / z : z;
+  double sum = 1.0;
+  for (int k = 1; k < 8; ++k) sum += 2.0 * std::exp(-k * k * q);
+  return small ? std::sqrt(std::numbers::pi / z) * sum : sum;
+}
+
+// A time and its slopes.
+struct Time {
+  double time_s, per_lag, per_alpha_s_per_C;
+};
+
+// d L/d alpha and d L/d lag follow from F(L, alpha, beta) = L + U(L; beta) - alpha/I = 0, (4.37),
+// with dU/dL = theta(beta² L) - 1 = 2 sum e^{-beta² k² L} and U = lag u(beta² L), beta² = pi²/(3
+// lag).
+Time ExactTime(double alpha_C, double lag_s, double current_A) {
+  const double beta = BetaOfSteadyLag(lag_s);
+  const double time_s = ExactDischargeTime(alpha_C, beta, current_A);
+  const double z = beta * beta * time_s;
+  const double theta = Theta(z);
+  // U = lag u(z), z = pi² L/(3 lag): dU/dlag at fixed L = U/lag - z u'(z), u' = 3/pi² (theta - 1).
+  const double per_lag = UnavailableLag(beta, time_s) / lag_s -
+                         z * 3.0 / (std::numbers::pi * std::numbers::pi) * (theta - 1.0);
+  return {time_s, -per_lag / theta, 1.0 / (current_A * theta)};
+}
+
+// The squared errors of the times over the logarithms of the lag c = pi²/(3 beta²) and, where it is
+// not given, of alpha, so that both stay positive.
+class ExactTimesProblem : public LeastSquaresProblem {
+ public:
+  ExactTimesProblem(const std::vector<DischargeTime>& discharges,
+                    TimeWeighting weighting,
+                    std::optional<double> given_alpha_C)
+      : discharges_(discharges), weighting_(weighting), given_alpha_C_(given_alpha_C) {}
+
+  [[nodiscard]] int size() const override { return given_alpha_C_ ? 1 : 2; }
+  [[nodiscard]] Eigen::VectorXd lower() const override {
+    Eigen::VectorXd bound = -upper();
+    bound[0] = std::log(SteadyLag(kLargestBeta));
+    return bound;
+  }
+  [[nodiscard]] Eigen::VectorXd upper() const override {
+    constexpr double kFurthest = 700.0;  // of a logarithm: exp() stays finite
+    return Eigen::VectorXd::Constant(size(), kFurthest);
+  }
+
+  [[nodiscard]] Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool) const override {
+    const double lag_s = Lag(x);
+    const double alpha_C = Alpha(x);
+    const auto count = static_cast<Eigen::Index>(discharges_.size());
+    Eigen::MatrixXd rows =
+        Eigen::MatrixXd::Zero(std::max<Eigen::Index>(count, size() + 1), size() + 1);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& d = discharges_[static_cast<std::size_t>(k)];
+      const double w = TimeWeight(d, weighting_);
+      const Time time = ExactTime(alpha_C, lag_s, d.of_full_A());
+      rows(k, 0) = -w * time.per_lag * lag_s;                                   // -dL/dlog(lag)
+      if (!given_alpha_C_) rows(k, 1) = -w * time.per_alpha_s_per_C * alpha_C;  // -dL/dlog(alpha)
+      rows(k, size()) = w * (d.time_s - time.time_s);
+    }
+    return TriangularFactor(rows);
+  }
+
+  [[nodiscard]] Eigen::VectorXd Point(double alpha_C, double lag_s) const {
+    Eigen::VectorXd x(size());
+    x[0] = std::log(lag_s);
+    if (!given_alpha_C_) x[1] = std::log(alpha_C);
+    return x;
+  }
+  [[nodiscard]] double Alpha(const Eigen::VectorXd& x) const {
+    return given_alpha_C_ ? *given_alpha_C_ : std::exp(x[1]);
+  }
+  [[nodiscard]] static double Lag(const Eigen::VectorXd& x) { return std::exp(x[0]); }
+
+ private:
+  const std::vector<DischargeTime>& discharges_;
+  TimeWeighting weighting_;
+  std::optional<double> given_alpha_C_;
+};
+
 Estimate FitExact(const std::vector<DischargeTime>& discharges,
                   TimeWeighting weighting,
                   std::optional<double> given_alpha_C,
                   const Estimate& steady) {
-  const DischargeTimesProblem problem(
-      discharges, {.form = DischargeForm::kExact, .weighting = weighting}, given_alpha_C);
+  const ExactTimesProblem problem(discharges, weighting, given_alpha_C);
   const auto fit = MinimizeLevenbergMarquardt(
       problem, problem.Point(std::max(steady.alpha_C, 1e-300), steady.lag_s));
   Estimate estimate;

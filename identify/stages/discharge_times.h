@@ -93,6 +93,7 @@ struct DischargeTimesResult {
 
 /// From where stage 3 starts when nothing is known of beta: Tables 4.8-4.13 give 0.18 to 0.21.
 inline constexpr double kTypicalBeta = 0.2;
+inline constexpr double kLargestBeta = 1.0;  ///< (4.53)
 
 /// Two currents that differ by more than this share are different.
 inline constexpr double kCurrentTolerance = 0.02;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/stages/discharge_times_problem.h"
+#include "identify/stages/discharge_times.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
