@@ -55,17 +55,16 @@ Identification IdentifyByStages(const Campaign& campaign,
   found.converged = found.staged->converged;
   found.trust = found.staged->trust;
   {
-    std::vector<const LoadedLog*> fitted;
-    for (const LoadedLog& log : logs) {
-      if (log.entry.kind == found.staged->fitted_kind) fitted.push_back(&log);
-    }
     const JointSetup setup{.alpha_C = found.staged->alpha_C,
                            .diffusion = options.staged.pulses.diffusion,
                            .terms = options.staged.pulses.terms,
                            .tail = options.staged.pulses.tail,
                            .open_circuit_voltage = found.cell.open_circuit_voltage};
-    const JointLogs points = MakeJointLogs(
-        fitted, setup.alpha_C, setup.open_circuit_voltage, {.charge_uncertainty = 0.0});
+    const JointLogs points = MakeJointLogs(logs,
+                                           setup.alpha_C,
+                                           setup.open_circuit_voltage,
+                                           {.charge_uncertainty = 0.0},
+                                           found.staged->fitted_kind);
     JointSolution solution = found.staged->pulses.solution;
     solution.x *= points.typical_A;
     found.expected_error = ExpectErrorOf(points, setup, options.given.parameters, solution);

@@ -187,7 +187,6 @@ JointLog MakePoints(const LoadedLog& loaded, bool whole) {
   return log;
 }
 
-// Weights of rows, then of the log.
 // A slow discharge shows v_oc, and no resistance beside it.
 void FindLoads(JointLogs& all, double alpha_C) {
   constexpr double kLoad = 0.2;
@@ -208,6 +207,7 @@ void FindLoads(JointLogs& all, double alpha_C) {
   all.highest_loaded_soc = highest < 1.0 - kWide ? highest : kInfinity;
 }
 
+// Weights of rows, then of the log.
 void WeighLog(JointLog& log,
               double alpha_C,
               const OpenCircuitVoltage& curve,
@@ -342,25 +342,19 @@ bool BothWays(const JointLogs& logs) {
 JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
                         double alpha_C,
                         const OpenCircuitVoltage& curve,
-                        const JointWeights& weights) {
-  std::vector<const LoadedLog*> all;
-  for (const LoadedLog& log : logs) all.push_back(&log);
-  return MakeJointLogs(all, alpha_C, curve, weights);
-}
-
-JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
-                        double alpha_C,
-                        const OpenCircuitVoltage& curve,
-                        const JointWeights& weights) {
-  JointLogs all = MakeJointPoints(logs);
+                        const JointWeights& weights,
+                        std::optional<LogKind> only) {
+  JointLogs all = MakeJointPoints(logs, only);
   Weigh(all, alpha_C, curve, weights);
   return all;
 }
 
-JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs) {
+JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs, std::optional<LogKind> only) {
   std::vector<const LoadedLog*> used;
-  for (const LoadedLog* log : logs) {
-    if (log->entry.kind != LogKind::kValidation && log->log.record.size() > 1) used.push_back(log);
+  for (const LoadedLog& log : logs) {
+    const LogKind kind = log.entry.kind;
+    const bool takes_part = only ? kind == *only : kind != LogKind::kValidation;
+    if (takes_part && log.log.record.size() > 1) used.push_back(&log);
   }
   JointLogs all;
   all.logs.resize(used.size());

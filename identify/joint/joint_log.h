@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -107,9 +108,10 @@ struct JointLogs {
   double highest_loaded_soc = kInfinity;
 };
 
-/// The points of the logs, which no alpha moves and which have no weight yet. Logs of kind validation
-/// do not enter.
-[[nodiscard]] JointLogs MakeJointPoints(const std::vector<const LoadedLog*>& logs);
+/// The points of the logs, which no alpha moves and which have no weight yet: of all but those of kind
+/// validation, or of those of one kind only.
+[[nodiscard]] JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs,
+                                        std::optional<LogKind> only = {});
 /// Weighs the points, again for another alpha, by the slope of `curve` at 1 - charge/alpha.
 void Weigh(JointLogs& logs,
            double alpha_C,
@@ -117,14 +119,11 @@ void Weigh(JointLogs& logs,
            const JointWeights& weights);
 
 /// Both.
-[[nodiscard]] JointLogs MakeJointLogs(const std::vector<const LoadedLog*>& logs,
-                                      double alpha_C,
-                                      const OpenCircuitVoltage& curve,
-                                      const JointWeights& weights);
 [[nodiscard]] JointLogs MakeJointLogs(const std::vector<LoadedLog>& logs,
                                       double alpha_C,
                                       const OpenCircuitVoltage& curve,
-                                      const JointWeights& weights);
+                                      const JointWeights& weights,
+                                      std::optional<LogKind> only = {});
 
 /// Whether charge went out and in at low rate: only such logs can disagree by what a sensor adds.
 [[nodiscard]] bool BothWays(const JointLogs& logs);

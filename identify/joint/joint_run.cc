@@ -244,11 +244,8 @@ class JointRun {
           AtNodes(Rescaled(setup.open_circuit_voltage, staged.alpha_C, alpha_C),
                   OnAxis(VoltageNodes(options_.voltage_nodes), LowestSoc(alpha_C)));
     }
-    if (result_.logs.logs.empty()) {  // alpha is searched, and the points stay
-      std::vector<const LoadedLog*> all;
-      for (const LoadedLog& log : logs_) all.push_back(&log);
-      result_.logs = MakeJointPoints(all);
-    }
+    // alpha is searched, and the points stay.
+    if (result_.logs.logs.empty()) result_.logs = MakeJointPoints(logs_);
     Weigh(result_.logs,
           alpha_C,
           CurveOfWeights(alpha_C),
@@ -1035,7 +1032,7 @@ class JointRun {
   std::string source_of_start_;    // of the alpha from which that of the cut-off is looked for
   std::vector<double> deepest_C_;  // charge that has left each log at most
   std::string file_of_least_alpha_;
-  JointSolution rough_;            // of the search for alpha
+  JointSolution rough_;                            // of the search for alpha
   std::optional<OpenCircuitVoltage> rough_curve_;  // its v_oc(A), by an alpha of
   double rough_alpha_C_ = 0.0;
   JointResult result_;
