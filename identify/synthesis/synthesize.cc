@@ -76,30 +76,12 @@ struct Signals {
   std::uint64_t seed;
 };
 
-// Charge delivered so far over all logs, for the progress bar.
-class SharedProgress {
- public:
-  SharedProgress(double total_C, const std::function<void(double)>& report)
-      : total_C_(total_C), report_(report) {}
-  void Add(double charge_C) {
-    if (!report_) return;
-    double sum_C = done_C_.load();
-    while (!done_C_.compare_exchange_weak(sum_C, sum_C + charge_C)) {
-    }
-    report_((sum_C + charge_C) / total_C_);
-  }
-
- private:
-  double total_C_;
-  const std::function<void(double)>& report_;
-  std::atomic<double> done_C_{0.0};
-};
-
+// `delivered` is told the charge of the cell, bit by bit.
 SynthesizedFile WriteLog(const TestPlan& plan,
                          std::size_t index,
                          const Signals& signals,
                          CsvWriter& csv,
-                         SharedProgress& progress) {
+                         const std::function<void(double)>& delivered) {
   constexpr std::int64_t kRowsPerReport = 100'000;
   const Cell& cell = signals.cell;
   Noise voltage_noise(signals.seed, index, 0, signals.options.voltage_noise_V);
@@ -117,12 +99,12 @@ SynthesizedFile WriteLog(const TestPlan& plan,
       csv.Row(row.time_s, shown_A, voltage_V);
     }
     if (row.index % kRowsPerReport == 0) {
-      progress.Add(state.delivered_C - reported_C);
+      delivered(state.delivered_C - reported_C);
       reported_C = state.delivered_C;
     }
   };
   WalkPlan(cell, plan, signals.sampling, signals.options.hold, kMaxRows, write);
-  progress.Add(cell.alpha_C() - reported_C);
+  delivered(cell.alpha_C() - reported_C);
   csv.Flush();
   return {plan.file, csv.rows(), csv.bytes()};
 }
@@ -223,13 +205,17 @@ std::vector<SynthesizedFile> Synthesize(const Cell& cell,
     logs.push_back(std::make_unique<CsvWriter>(path(plan.file), columns));
   }
   std::vector<SynthesizedFile> written(plans.size());
-  SharedProgress shared(static_cast<double>(plans.size()) * cell.alpha_C(), progress);
+  const double total_C = static_cast<double>(plans.size()) * cell.alpha_C();
+  std::atomic<double> done_C = 0.0;
+  const auto delivered = [&](double charge_C) {
+    if (progress) progress((done_C.fetch_add(charge_C) + charge_C) / total_C);
+  };
   tbb::parallel_for(
       std::size_t{0},
       plans.size(),
       [&](std::size_t k) {
         const std::size_t log = plans.size() - 1 - k;  // the long logs stand last: begin with them
-        written[log] = WriteLog(plans[log], log, signals, *logs[log], shared);
+        written[log] = WriteLog(plans[log], log, signals, *logs[log], delivered);
       },
       tbb::simple_partitioner{});
 
