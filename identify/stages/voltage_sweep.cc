@@ -45,8 +45,6 @@ class LogSweep {
               CurveSlope::kOfSegments) {
     Require(CellRows::Plain(structure), "a structure of constant resistances and a given curve");
   }
-  LogSweep(const LogSweep&) = delete;
-  LogSweep& operator=(const LogSweep&) = delete;
 
   template <class Visitor>
   void Run(Visitor&& visitor) {
@@ -191,43 +189,32 @@ class LogSweep {
   std::vector<double> at_row_;
 };
 
-// Adds up the rows of [J r].
-class FactorVisitor {
+// Adds up the rows of [J r] at the unknowns x.
+class FactorSum {
  public:
-  FactorVisitor(const double* x, int branches, double weight, bool jacobian)
+  double square = 0.0;  // what the blocks' polynomials leave: a residual that no parameter moves
+
+  FactorSum(const double* x, int branches, bool jacobian)
       : x_(x),
         branches_(branches),
-        weight_(weight),
         jacobian_(jacobian),
         factor_(VoltageSweep::Columns(branches) + 1) {}
 
-  void Row(std::size_t, double, const CellRow& row) { Add(row, weight_); }
-  void Begin(const CondensedPiece& piece, const BlockShape&) {
-    remainder_ += weight_ * piece.remainder;
-  }
-  void Node(
-      const CondensedPiece&, const BlockShape& shape, Eigen::Index j, double, const CellRow& row) {
-    Add(row, weight_ * shape.weight[j]);
-  }
-  void End(const CondensedPiece&, const BlockShape&) {}
-
-  // What the blocks' polynomials leave is a residual that no parameter moves.
   [[nodiscard]] Eigen::MatrixXd Result() {
     const Eigen::Index last = VoltageSweep::Columns(branches_);
     if (!jacobian_) {
       Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(last + 1, last + 1);
-      factor(last, last) = std::sqrt(sum_of_squares_ + remainder_);
+      factor(last, last) = std::sqrt(sum_of_squares_ + square);
       return factor;
     }
     double* row = factor_.NextRow();
     for (Eigen::Index j = 0; j < last; ++j) row[j * factor_.stride()] = 0.0;
-    row[last * factor_.stride()] = std::sqrt(remainder_);
+    row[last * factor_.stride()] = std::sqrt(square);
     factor_.Push();
     return factor_.Factor();
   }
 
- private:
-  void Add(const CellRow& row, double weight) {
+  void Add(double weight, const CellRow& row) {
     const double residual = row.Residual(x_);  // (4.61)
     if (!jacobian_) {
       sum_of_squares_ += weight * residual * residual;
@@ -246,13 +233,12 @@ class FactorVisitor {
     factor_.Push();
   }
 
+ private:
   const double* x_;
   int branches_;
-  double weight_;
   bool jacobian_;
   RowFactor factor_;
   double sum_of_squares_ = 0.0;
-  double remainder_ = 0.0;
 };
 
 // Adds up the sums of a fit. What the blocks' polynomials leave no parameter moves.
@@ -554,9 +540,11 @@ Eigen::MatrixXd VoltageSweep::Factor(const SweepParameters& parameters, bool jac
   const JointSolution at = SolutionOf(parameters);
   StopIfAsked();
   ParallelFor(logs_.size(), [&](std::size_t k) {
-    FactorVisitor visitor(at.x.data(), branches, logs_[k].weight, jacobian);
+    const auto add = [](FactorSum& sum, double w, const CellRow& row) { sum.Add(w, row); };
+    const FactorSum zero(at.x.data(), branches, jacobian);
+    SumVisitor visitor(logs_[k].weight, zero, add);
     Sweep(k, at.structure, at.rates, jacobian ? &at.x : nullptr, visitor);
-    factors[k] = visitor.Result();
+    factors[k] = visitor.sum().Result();
   });
   if (factors.size() == 1) return factors[0];
   // Joined in the order of the logs, whatever the threads did.
