@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "identify/fit/cell_of_solution.h"
 #include "identify/logs/columns.h"
 #include "identify/logs/discharge.h"
 #include "identify/logs/segments.h"
@@ -291,7 +292,7 @@ class StagedRun {
                         .hold_beta = true,
                         .data = result_.start,
                         .coarse = &coarse};
-    const bool beta_is_free = options_.pulses.diffusion && !IsFixed("beta");
+    const bool beta_is_free = options_.pulses.diffusion && !given_.parameters.Fixed("beta");
     if (beta_is_free) {
       // For comparison, and where the next one starts: held at a beta that is off, residuals are
       // large, and each further digit of the cost would take two passes over all rows.
@@ -314,7 +315,6 @@ class StagedRun {
 
   void MakeCell() {
     Cell& cell = result_.cell;
-    const SweepParameters& p = result_.pulses.parameters;
     cell.name = campaign_.name;
     cell.series = campaign_.series;
     cell.parallel = campaign_.parallel;
@@ -334,21 +334,10 @@ class StagedRun {
                       cell.cutoff_V));
     }
     if (options_.pulses.diffusion) {
-      cell.diffusion = Cell::Diffusion{.alpha_C = result_.alpha_C,
-                                       .beta_per_sqrt_s = p.beta_per_sqrt_s,
-                                       .terms = options_.pulses.terms,
-                                       .tail = options_.pulses.tail};
+      cell.diffusion = Cell::Diffusion{
+          .alpha_C = result_.alpha_C, .terms = options_.pulses.terms, .tail = options_.pulses.tail};
     }
-    cell.series_resistance_Ohm = p.series_resistance_Ohm;
-    for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
-      Cell::Branch branch;
-      branch.resistance_Ohm = p.resistance_Ohm[j];
-      branch.time_constant_s = p.time_constant_s[j];
-      // A branch without resistance has no capacitance to speak of: its time constant is kept.
-      if (p.resistance_Ohm[j] > 0.0)
-        branch.capacitance_F = p.time_constant_s[j] / p.resistance_Ohm[j];
-      cell.branches.push_back(std::move(branch));
-    }
+    PutInto(cell, result_.pulses.solution, 1.0);
   }
 
   void ValidateCell() {
@@ -404,7 +393,7 @@ class StagedRun {
     for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
       const double tau = p.time_constant_s[j];
       const auto name = fmt::format("r_{}", j + 1);
-      if (!IsFixed(name) && p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
+      if (!given_.parameters.Fixed(name) && p.resistance_Ohm[j] <= 1e-3 * p.series_resistance_Ohm) {
         say.push_back(
             fmt::format("branch {} was not found: its resistance went to zero, and its time "
                         "constant is arbitrary",
@@ -447,10 +436,6 @@ class StagedRun {
           "{} is at a limit of its range: these logs would be fitted as well or better beyond it",
           name));
     }
-  }
-
-  [[nodiscard]] bool IsFixed(const std::string& name) const {
-    return given_.parameters.fixed.find(name) != given_.parameters.fixed.end();
   }
 
   const Campaign& campaign_;

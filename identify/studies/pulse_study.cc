@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "identify/fit/cell_of_solution.h"
 #include "model/battery/prediction.h"
 
 namespace lipoid {
@@ -52,17 +53,10 @@ std::vector<std::vector<double>> PulseStudy::Residuals(const VoltageSweep& sweep
   Cell cell = before_.cell;
   cell.series = cell.parallel = 1;  // the records are those of one cell
   if (cell.diffusion) {
-    cell.diffusion->beta_per_sqrt_s = p.beta_per_sqrt_s;
     cell.diffusion->terms = sweep.setup().terms;
     cell.diffusion->tail = sweep.setup().tail;
   }
-  cell.series_resistance_Ohm = p.series_resistance_Ohm;
-  cell.branches.clear();
-  for (std::size_t j = 0; j < p.time_constant_s.size(); ++j) {
-    cell.branches.push_back({.resistance_Ohm = Resistance<double>(p.resistance_Ohm[j]),
-                             .time_constant_s = p.time_constant_s[j],
-                             .capacitance_F = {}});
-  }
+  PutInto(cell, SolutionOf(p), 1.0);
   std::vector<std::vector<double>> residuals;
   for (const SweepLog& log : sweep.logs()) {
     const Record& record = *log.record;
