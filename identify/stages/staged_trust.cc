@@ -2,7 +2,6 @@
 
 #include "identify/fit/pulse_resistance.h"
 #include "identify/trust/cell_uncertainty.h"
-#include "identify/trust/trust_sentence.h"
 
 namespace lipoid {
 TrustReport AssessStaged(const VoltageSweep& sweep,

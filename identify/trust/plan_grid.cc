@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "identify/trust/campaign_plan.h"
-#include "identify/trust/profile.h"
 #include "identify/trust/trust_report.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"

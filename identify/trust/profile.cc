@@ -8,7 +8,6 @@
 
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
-#include "model/statistics/quantiles.h"
 
 namespace lipoid {
 namespace {
@@ -44,19 +43,6 @@ void Keep(ProfileCost& best, const ProfileCost& other) {
 }
 
 }  // namespace
-
-const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& name) {
-  for (const QuantityTrust& quantity : trust.quantities) {
-    if (quantity.name == name) return &quantity;
-  }
-  return nullptr;
-}
-
-double Reach95(const QuantityTrust& quantity) {
-  if (!std::isfinite(quantity.standard_error) || !(quantity.degrees_of_freedom > 0.0))
-    return quantity.standard_error;
-  return quantity.standard_error * Reach95(quantity.degrees_of_freedom);
-}
 
 std::vector<double> ProfileGrid(const ProfileTask& task, const TrustReport& trust) {
   const double estimate = task.estimate;

@@ -60,12 +60,6 @@ struct ProfileTask {
 
 inline constexpr int kProfilePointsPerSide = 10;
 
-/// The trust in a parameter; nullptr where the report does not have it.
-[[nodiscard]] const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& name);
-
-/// How far the 95 % interval reaches to either side; NaN or infinite as the standard error.
-[[nodiscard]] double Reach95(const QuantityTrust& quantity);
-
 /// Rising values around the estimate, which is one of them: half as far again as the 95 % interval,
 /// some three standard errors. Where that is unknown or wider than the estimate itself
 /// from a fifth to five times it, in equal ratios; around zero as far as `typical_reach`.

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "identify/trust/local_noise.h"
-#include "identify/trust/trust_sentence.h"
 #include "model/battery/uncertain_cell.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
@@ -698,6 +697,19 @@ QuantityTrust TrustOfEstimate(std::string name,
                       ? Verdict::kIdentified
                       : Verdict::kWeak;
   return trust;
+}
+
+const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& name) {
+  for (const QuantityTrust& quantity : trust.quantities) {
+    if (quantity.name == name) return &quantity;
+  }
+  return nullptr;
+}
+
+double Reach95(const QuantityTrust& quantity) {
+  if (!std::isfinite(quantity.standard_error) || !(quantity.degrees_of_freedom > 0.0))
+    return quantity.standard_error;
+  return quantity.standard_error * Reach95(quantity.degrees_of_freedom);
 }
 
 }  // namespace lipoid

@@ -165,4 +165,15 @@ struct TrustReport {
                                             double standard_error,
                                             double degrees_of_freedom);
 
+/// What a user should do next, in one sentence: which parameters cannot be told apart by these
+/// logs, and which experiment would tell them. The physics is in the names: beta, r_s, r_j, tau_j,
+/// c_j, alpha. Tests: tests/identify/trust/trust_sentence_test.cc.
+[[nodiscard]] std::string TrustSentence(const TrustReport& report);
+
+/// The trust in a parameter; nullptr where the report does not have it.
+[[nodiscard]] const QuantityTrust* FindQuantity(const TrustReport& trust, const std::string& name);
+
+/// How far the 95 % interval reaches to either side; NaN or infinite as the standard error.
+[[nodiscard]] double Reach95(const QuantityTrust& quantity);
+
 }  // namespace lipoid

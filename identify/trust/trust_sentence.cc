@@ -1,11 +1,11 @@
-#include "identify/trust/trust_sentence.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string_view>
+
+#include "identify/trust/trust.h"
 
 namespace lipoid {
 namespace {
@@ -60,13 +60,6 @@ class Advisor {
   }
 
  private:
-  const QuantityTrust* Find(const std::string& name) const {
-    for (const auto& q : report_.quantities) {
-      if (q.name == name) return &q;
-    }
-    return nullptr;
-  }
-
   // Quantities of a branch, of which no more is to be said.
   void Done(std::string_view branch) {
     for (const auto& q : report_.quantities) {
@@ -84,8 +77,8 @@ class Advisor {
       const Name name = Split(q.name);
       if (name.family != "r" || name.branch.empty()) continue;
       const std::string branch(name.branch);
-      const auto* inertia = Find("tau_" + branch);
-      if (inertia == nullptr) inertia = Find("c_" + branch);
+      const auto* inertia = FindQuantity(report_, "tau_" + branch);
+      if (inertia == nullptr) inertia = FindQuantity(report_, "c_" + branch);
       const bool at_zero = q.verdict == Verdict::kAtBound && !(q.estimate > 0.0);
       // Noise leaves a branch that is not there a little resistance.
       const bool maybe_zero = q.verdict == Verdict::kWeak && !(q.low > 0.0);
@@ -166,7 +159,7 @@ class Advisor {
     // Diffusion goes on long after a branch has relaxed: rests show which of the two it was.
     if (has("beta") && !branches.empty()) return "longer rests would";
     if (has("r_s") && !branches.empty()) {
-      const auto* tau = Find("tau_" + branches[0]);
+      const auto* tau = FindQuantity(report_, "tau_" + branches[0]);
       if (tau != nullptr && tau->estimate < kNearSampling * report_.sampling_s)
         return "faster sampling at the edges of the pulses would";
       return "faster sampling at the edges, or longer pulses, would";
@@ -175,7 +168,7 @@ class Advisor {
     if (has("beta") && has("r_s")) return "longer pulses and rests would";
     if (branches.size() > 1) return "longer rests would, or one branch less";
     if (branches.size() == 1) {
-      const auto* tau = Find("tau_" + branches[0]);
+      const auto* tau = FindQuantity(report_, "tau_" + branches[0]);
       const bool fast = tau != nullptr && tau->estimate < kNearSampling * report_.sampling_s;
       return fast ? "faster sampling at the edges of the pulses would"
                   : "pulses and rests of several time constants would";
@@ -208,7 +201,9 @@ class Advisor {
       if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q)) continue;
       if (q.verdict == Verdict::kOnlyInCombination) continue;  // said, or its partner was
       // A capacitance is as weak as the two that it is made of.
-      if (Split(q.name).family == "c" && Find("tau_" + std::string(Split(q.name).branch))) continue;
+      if (Split(q.name).family == "c" &&
+          FindQuantity(report_, "tau_" + std::string(Split(q.name).branch)))
+        continue;
       ++weak;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
         worst = &q;

@@ -1,10 +1,10 @@
-#include "identify/trust/trust_sentence.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "identify/trust/trust.h"
 
 namespace lipoid {
 namespace {
