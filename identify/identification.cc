@@ -21,7 +21,6 @@
 #include "identify/stages/staged_profile.h"
 #include "identify/stages/staged_report.h"
 #include "identify/trust/cell_uncertainty.h"
-#include "identify/trust/profile_report.h"
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"

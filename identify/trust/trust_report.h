@@ -1,8 +1,10 @@
 #pragma once
 
 /// @file
-/// Trust as JSON, for --summary and cell files. Tests: tests/identify/trust/trust_report_test.cc.
+/// Trust and profiles as JSON, for --summary and cell files. Tests:
+/// tests/identify/trust/trust_report_test.cc, profile_test.cc.
 
+#include "identify/trust/profile.h"
 #include "identify/trust/trust.h"
 #include "model/core/json.h"
 
@@ -17,5 +19,10 @@ namespace lipoid {
 
 /// The array `resistance`: soc, after_s, current_A, resistance_Ohm, interval_95.
 [[nodiscard]] Json PulseResistancesToJson(const TrustReport& report);
+
+/// The array `profiles`: name, unit, estimate, points [{value, cost, rmse_V}], interval_95 with an
+/// end of null where the cost does not rise enough within the points, objective_rise_95,
+/// objective_rise_of.
+[[nodiscard]] Json ProfilesToJson(const std::vector<Profile>& profiles);
 
 }  // namespace lipoid

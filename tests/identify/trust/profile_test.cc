@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "identify/trust/profile_report.h"
+#include "identify/trust/trust_report.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 
