@@ -23,10 +23,16 @@ class LeastSquaresProblem : public OptimizationProblem {
   [[nodiscard]] virtual Eigen::MatrixXd Factor(const Eigen::VectorXd& x, bool jacobian) const = 0;
 
   /// 1/2 ||r||².
-  [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override;
+  [[nodiscard]] double Cost(const Eigen::VectorXd& x) const override {
+    return 0.5 * Factor(x, false).rightCols(1).squaredNorm();
+  }
 
   /// J'r, from the factor.
-  double Gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override;
+  double Gradient(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) const override {
+    const Eigen::MatrixXd factor = Factor(x, true);
+    gradient = factor.leftCols(x.size()).transpose() * factor.rightCols(1);
+    return 0.5 * factor.rightCols(1).squaredNorm();
+  }
 };
 
 }  // namespace lipoid

@@ -59,8 +59,6 @@ class Monitor {
 
   [[nodiscard]] const Eigen::VectorXd& best() const { return best_.x; }  ///< free parameters
   [[nodiscard]] double best_cost() const { return best_.cost; }
-  [[nodiscard]] int evaluations() const { return summary_.evaluations; }
-  [[nodiscard]] int gradient_evaluations() const { return summary_.gradient_evaluations; }
 
   void CountIterations(int count = 1) { summary_.iterations += count; }
   [[nodiscard]] int iterations() const { return summary_.iterations; }

@@ -38,13 +38,6 @@ constexpr Method MethodOf(NloptMethod method) {
   return {NLOPT_LN_BOBYQA, false, true};
 }
 
-struct Limits {
-  double step_tolerance = 0.0;
-  double function_tolerance = 0.0;
-  int iterations_per_variable = 0;
-  double initial_step = 0.0;  // relative to |x|; 0: the library's
-};
-
 struct Evaluation {
   Monitor& monitor;
   nlopt_opt library;
@@ -139,12 +132,14 @@ OptimizationSummary Ended(
                         why != nullptr ? why : "NLopt found no step that helps.");
 }
 
+// The initial step is relative to |x|; 0: the library's.
 OptimizationSummary Minimize(const Method& method,
                              const OptimizationProblem& problem,
                              const Eigen::VectorXd& start,
-                             const Limits& limits) {
+                             const LocalSearchOptions& stop,
+                             double initial_step) {
   Monitor monitor(problem, start);
-  const int most = limits.iterations_per_variable * monitor.size();
+  const int most = stop.iterations_per_variable * monitor.size();
   if (auto done = monitor.Begin(method.uses_gradient, most)) return *std::move(done);
 
   const NloptHandle library(nlopt_create(method.algorithm, static_cast<unsigned>(monitor.size())));
@@ -159,10 +154,10 @@ OptimizationSummary Minimize(const Method& method,
   nlopt_set_min_objective(library.get(), &CostOf, &call);
   nlopt_set_lower_bounds(library.get(), BoundsOf(monitor.lower()).data());
   nlopt_set_upper_bounds(library.get(), BoundsOf(monitor.upper()).data());
-  nlopt_set_xtol_rel(library.get(), limits.step_tolerance);
-  nlopt_set_ftol_rel(library.get(), limits.function_tolerance);
-  if (limits.initial_step > 0.0) {
-    nlopt_set_initial_step(library.get(), InitialSteps(monitor, limits.initial_step).data());
+  nlopt_set_xtol_rel(library.get(), stop.step_tolerance);
+  nlopt_set_ftol_rel(library.get(), stop.function_tolerance);
+  if (initial_step > 0.0) {
+    nlopt_set_initial_step(library.get(), InitialSteps(monitor, initial_step).data());
   }
   std::vector<double> x(monitor.start().begin(), monitor.start().end());
   double cost = 0.0;
@@ -180,12 +175,7 @@ OptimizationSummary MinimizeWithNlopt(NloptMethod method,
                                       const OptimizationProblem& problem,
                                       const Eigen::VectorXd& start,
                                       const LocalSearchOptions& options) {
-  return Minimize(MethodOf(method),
-                  problem,
-                  start,
-                  {.step_tolerance = options.step_tolerance,
-                   .function_tolerance = options.function_tolerance,
-                   .iterations_per_variable = options.iterations_per_variable});
+  return Minimize(MethodOf(method), problem, start, options, 0.0);
 }
 
 OptimizationSummary MinimizeWithNlopt(NloptMethod method,
@@ -196,8 +186,9 @@ OptimizationSummary MinimizeWithNlopt(NloptMethod method,
                   problem,
                   start,
                   {.step_tolerance = options.step_tolerance,
-                   .iterations_per_variable = options.iterations_per_variable,
-                   .initial_step = options.initial_step});
+                   .function_tolerance = 0.0,
+                   .iterations_per_variable = options.iterations_per_variable},
+                  options.initial_step);
 }
 
 }  // namespace lipoid

@@ -21,11 +21,6 @@ constexpr bool IsBound(double bound) { return bound > -1e300 && bound < 1e300; }
 
 class OptimizationProblem {
  public:
-  OptimizationProblem() = default;
-  OptimizationProblem(const OptimizationProblem&) = default;
-  OptimizationProblem(OptimizationProblem&&) = default;
-  OptimizationProblem& operator=(const OptimizationProblem&) = default;
-  OptimizationProblem& operator=(OptimizationProblem&&) = default;
   virtual ~OptimizationProblem() = default;
 
   [[nodiscard]] virtual int size() const = 0;
