@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "identify/optimizers/global_search.h"
 #include "identify/optimizers/interior_point.h"
 #include "identify/optimizers/local_search.h"
 #include "identify/optimizers/pagmo_methods.h"
