@@ -12,31 +12,21 @@ namespace {
 
 // The parameters that stand at a bound and would gain nothing by leaving it: the slope points
 // outward, or what it promises, g²/(2 J'J), is below the tolerance.
-class CostBounds {
- public:
-  CostBounds(const Monitor& monitor, double function_tolerance)
-      : lower_(monitor.lower()), upper_(monitor.upper()), function_tolerance_(function_tolerance) {}
-
-  [[nodiscard]] std::vector<bool> Held(const Eigen::VectorXd& x,
-                                       const Eigen::MatrixXd& factor) const {
-    const Eigen::Index n = x.size();
-    const auto residual = factor.col(n);
-    std::vector<bool> held(static_cast<std::size_t>(n));
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double slope = factor.col(k).dot(residual);
-      const bool worthless = slope * slope <= function_tolerance_ * residual.squaredNorm() *
-                                                  factor.col(k).squaredNorm();
-      held[static_cast<std::size_t>(k)] = (x[k] <= lower_[k] && (slope >= 0.0 || worthless)) ||
-                                          (x[k] >= upper_[k] && (slope <= 0.0 || worthless));
-    }
-    return held;
+std::vector<bool> HeldAt(const Eigen::VectorXd& x, double function_tolerance, Monitor& monitor) {
+  const Eigen::MatrixXd& factor = monitor.Factor(x);
+  const Eigen::Index n = x.size();
+  const auto residual = factor.col(n);
+  std::vector<bool> held(static_cast<std::size_t>(n));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double slope = factor.col(k).dot(residual);
+    const bool worthless =
+        slope * slope <= function_tolerance * residual.squaredNorm() * factor.col(k).squaredNorm();
+    held[static_cast<std::size_t>(k)] =
+        (x[k] <= monitor.lower()[k] && (slope >= 0.0 || worthless)) ||
+        (x[k] >= monitor.upper()[k] && (slope <= 0.0 || worthless));
   }
-
- private:
-  const Eigen::VectorXd& lower_;
-  const Eigen::VectorXd& upper_;
-  double function_tolerance_;
-};
+  return held;
+}
 
 // The problem on its free parameters; Ceres sees n+1 residuals, the rows of the factor.
 class FactorCost : public ceres::CostFunction {
@@ -80,14 +70,17 @@ class BoundWatch : public ceres::IterationCallback {
   BoundWatch(const FactorCost& cost,
              const double* part,
              const std::vector<bool>& held,
-             const CostBounds& bounds,
+             double function_tolerance,
              Monitor& monitor)
-      : cost_(cost), part_(part), held_(held), bounds_(bounds), monitor_(monitor) {}
+      : cost_(cost),
+        part_(part),
+        held_(held),
+        function_tolerance_(function_tolerance),
+        monitor_(monitor) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
     if (!iteration.step_is_successful) return ceres::SOLVER_CONTINUE;
-    const Eigen::VectorXd x = cost_.Whole(part_);
-    const auto now = bounds_.Held(x, monitor_.Factor(x));
+    const auto now = HeldAt(cost_.Whole(part_), function_tolerance_, monitor_);
     for (std::size_t k = 0; k < now.size(); ++k) {
       if (now[k] && !held_[k]) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     }
@@ -98,7 +91,7 @@ class BoundWatch : public ceres::IterationCallback {
   const FactorCost& cost_;
   const double* part_;
   const std::vector<bool>& held_;
-  const CostBounds& bounds_;
+  double function_tolerance_;
   Monitor& monitor_;
 };
 
@@ -132,18 +125,20 @@ OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
   // Always with the Jacobian: what accepts a step wants it next, and most steps are accepted.
   Monitor monitor(problem, start);
   if (auto done = monitor.Begin(true, options.max_iterations)) return *std::move(done);
-  const CostBounds bounds(monitor, options.function_tolerance);
+  const auto held_at = [&](const Eigen::VectorXd& x) {
+    return HeldAt(x, options.function_tolerance, monitor);
+  };
   ceres::Solver::Options solver = SolverOptions(options);
 
   // Rounds of Ceres on the free parameters. A bound takes hold as soon as it is reached, and lets
   // go only when the others have converged.
   Eigen::VectorXd x = monitor.start();
-  std::vector<bool> held = bounds.Held(x, monitor.Factor(x));
+  std::vector<bool> held = held_at(x);
   while (true) {
     std::vector<int> free = Free(held);
     if (free.empty()) {
       // A bound that took hold on the way here may be worth leaving by now.
-      held = bounds.Held(x, monitor.Factor(x));
+      held = held_at(x);
       free = Free(held);
     }
     if (free.empty()) {
@@ -161,7 +156,7 @@ OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
       ceres_problem.SetParameterUpperBound(
           part.data(), static_cast<int>(k), monitor.upper()[free[k]]);
     }
-    BoundWatch watch(cost, part.data(), held, bounds, monitor);
+    BoundWatch watch(cost, part.data(), held, options.function_tolerance, monitor);
     solver.callbacks = {&watch};
     solver.max_num_iterations = options.max_iterations - monitor.iterations();
     ceres::Solver::Summary summary;
@@ -173,7 +168,7 @@ OptimizationSummary MinimizeLevenbergMarquardt(const LeastSquaresProblem& proble
       return monitor.Finish(Termination::kFailure, summary.message);
     }
 
-    auto now = bounds.Held(x, monitor.Factor(x));
+    auto now = held_at(x);
     const bool stopped_at_bound = summary.termination_type == ceres::USER_SUCCESS;
     for (std::size_t k = 0; stopped_at_bound && k < now.size(); ++k) now[k] = now[k] || held[k];
     if (summary.termination_type == ceres::CONVERGENCE && now == held) {
