@@ -26,36 +26,6 @@ class Nodes {
         rates_(rates),
         size_(rates + layout_.size()) {}
 
-  // The cell has the nodes that rows reached, on an axis of its own alpha.
-  void AddResistance(const std::string& name,
-                     const Resistance<double>& in_cell,
-                     int table,
-                     std::vector<NamedCombination>& to) const {
-    AddTable(name,
-             in_cell.soc,
-             result_.choice.best.structure.resistance_soc,
-             table,
-             1.0 / result_.logs.typical_A,
-             to);
-  }
-  void AddEntropy(std::vector<NamedCombination>& to) const {
-    const auto& entropy = result_.cell.temperature->entropy;
-    AddTable("dv_dT",
-             entropy->soc,
-             result_.choice.best.structure.entropy_soc,
-             layout_.entropy(),
-             1.0 / kEntropyScale_K,
-             to);
-  }
-  void AddHysteresis(std::vector<NamedCombination>& to) const {
-    AddTable("M",
-             result_.cell.hysteresis->soc,
-             result_.choice.best.structure.hysteresis_soc,
-             layout_.hysteresis(),
-             1.0,
-             to);
-  }
-
   // The unknowns are rises: a node is the sum of those up to it.
   void AddVoltages(std::vector<NamedCombination>& to) const {
     const auto& nodes = result_.choice.best.structure.voltage_soc;
@@ -72,8 +42,8 @@ class Nodes {
     }
   }
 
- private:
-  // A table of one node is a number, and among the quantities.
+  // The cell has the nodes that rows reached, on an axis of its own alpha. A table of one node is a number, and among
+  // the quantities.
   void AddTable(const std::string& name,
                 const std::vector<double>& in_cell,
                 const std::vector<double>& nodes,
@@ -97,6 +67,7 @@ class Nodes {
     }
   }
 
+ private:
   [[nodiscard]] Eigen::VectorXd Spread(
       const std::function<double(const JointSolution&)>& value) const {
     return SpreadOverStructures(result_.choice, value);
@@ -136,11 +107,20 @@ std::vector<NamedCombination> DrawnOfJoint(const JointResult& result,
       return ValueIn(in, one.name, result.logs.typical_A, best, result.Axis(), match);
     });
   }
+  const Cell& cell = result.cell;
+  const JointStructure& s = best.structure;
+  const double per_A = 1.0 / result.logs.typical_A;
   int t = 0;  // tables stand in the order in which a cell names its resistances
-  for (const std::string& name : CellResistanceNames(result.cell))
-    nodes.AddResistance(name, *CellResistance(result.cell, name), layout.table(t++), drawn);
-  if (layout.entropies() > 0) nodes.AddEntropy(drawn);
-  if (layout.hystereses() > 0) nodes.AddHysteresis(drawn);
+  for (const std::string& name : CellResistanceNames(cell)) {
+    const auto& in_cell = CellResistance(cell, name)->soc;
+    nodes.AddTable(name, in_cell, s.resistance_soc, layout.table(t++), per_A, drawn);
+  }
+  if (layout.entropies() > 0) {
+    const auto& in_cell = cell.temperature->entropy->soc;
+    nodes.AddTable("dv_dT", in_cell, s.entropy_soc, layout.entropy(), 1.0 / kEntropyScale_K, drawn);
+  }
+  if (layout.hystereses() > 0)
+    nodes.AddTable("M", cell.hysteresis->soc, s.hysteresis_soc, layout.hysteresis(), 1.0, drawn);
   nodes.AddVoltages(drawn);
   return drawn;
 }

@@ -78,9 +78,9 @@ double ValueIn(const JointSolution& solution,
   if (bracket != std::string::npos) {
     soc = {axis(std::strtod(name.c_str() + bracket + 1, nullptr))};
   }
-  const auto mean = [&](const Resistance<double>& r) {
+  const auto mean = [&](const auto& at) {
     double sum = 0.0;
-    for (const double a : soc) sum += r(a) / static_cast<double>(soc.size());
+    for (const double a : soc) sum += at(a) / static_cast<double>(soc.size());
     return sum;
   };
   if (what == "r_total") {
@@ -118,17 +118,11 @@ double ValueIn(const JointSolution& solution,
   if (const Resistance<double>* r = CellResistance(cell, what)) return mean(*r);
   if (what == "M") {
     if (!cell.hysteresis) return 0.0;
-    double sum_V = 0.0;
-    for (const double a : soc)
-      sum_V += cell.hysteresis->Voltage(a, 1.0) / static_cast<double>(soc.size());
-    return sum_V;
+    return mean([&](double a) { return cell.hysteresis->Voltage(a, 1.0); });
   }
   if (what == "dv_dT") {
     if (!cell.temperature || !cell.temperature->entropy) return kNaN;
-    double sum_V_per_K = 0.0;
-    for (const double a : soc)
-      sum_V_per_K += (*cell.temperature->entropy)(a) / static_cast<double>(soc.size());
-    return sum_V_per_K;
+    return mean(*cell.temperature->entropy);
   }
   return CellParameter(cell, what).value_or(kNaN);
 }
