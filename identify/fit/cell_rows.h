@@ -50,8 +50,6 @@ struct SocSpan {
 class SocState {
  public:
   /// At the reference temperature.
-  SocState(const JointSetup& setup, double beta_per_sqrt_s, double delivered_C, bool slopes)
-      : SocState(setup, setup.alpha_C, beta_per_sqrt_s, delivered_C, slopes) {}
   SocState(const JointSetup& setup,
            double alpha_C,
            double beta_per_sqrt_s,
@@ -213,72 +211,68 @@ struct CellRow {
   }
 };
 
-namespace cell_rows_internal {
-
-// The low pass of one branch, of the current shared out to the nodes of its resistance.
-struct BranchState {
-  std::vector<double> share;  // of each node
-  int first = 0, last = -1;   // nodes whose share is not zero
-  double slope_tau = 0.0;     // of the voltage, in tau_j
-  SocSlopes slope;            // and in what moves the state of charge that r_j is taken at
-  double slope_energy = 0.0;  // in E_j
-
-  void Reset(int nodes) {
-    share.assign(static_cast<std::size_t>(nodes), 0.0);
-    first = 0;
-    last = -1;
-    slope_tau = slope_energy = 0.0;
-    slope = {};
-  }
-  [[nodiscard]] double Voltage(const double* x) const {
-    double sum = 0.0;
-    for (int m = first; m <= last; ++m) sum += share[m] * x[m];
-    return sum;
-  }
-  // Of a constant resistance: one node, which is always there.
-  void Follow(double decay, double drive) {
-    share[0] = decay * share[0] + (drive + kAlive);
-    last = 0;
-  }
-  // Of a table.
-  void Decay(double decay) {
-    // Shares that are smaller than this, in volts per volt, are zero.
-    constexpr double kGone = 1e-13;
-    for (int m = first; m <= last; ++m) share[m] *= decay;
-    while (first <= last && std::abs(share[first]) < kGone) share[first++] = 0.0;
-    while (first <= last && std::abs(share[last]) < kGone) share[last--] = 0.0;
-  }
-  void Drive(const NodeShare& where, double drive) {
-    const int upper = where.lower + 1;
-    if (first > last) {
-      first = where.lower;
-      last = upper;
-    } else {
-      first = std::min(first, where.lower);
-      last = std::max(last, upper);
-    }
-    share[where.lower] += (1.0 - where.share) * drive;
-    share[upper] += where.share * drive;
-  }
-};
-
-// A table of resistances at a point, in the unknowns x of its nodes.
-struct TableAt {
-  double value, slope;  // slope in the state of charge; 0 beyond the ends
-};
-inline TableAt ValueAt(const double* x, const NodeShare& at, const std::vector<double>& nodes) {
-  if (nodes.size() == 1) return {x[0], 0.0};
-  const double low = x[at.lower];
-  const double high = x[at.lower + 1];
-  const bool within = at.share > 0.0 && at.share < 1.0;
-  return {(1.0 - at.share) * low + at.share * high,
-          within ? (high - low) / (nodes[at.lower + 1] - nodes[at.lower]) : 0.0};
-}
-
-}  // namespace cell_rows_internal
-
 /// Makes the rows of one log, point by point. Structure, setup and x must outlive it.
 class CellRows {
+  // The low pass of one branch, of the current shared out to the nodes of its resistance.
+  struct BranchState {
+    std::vector<double> share;  // of each node
+    int first = 0, last = -1;   // nodes whose share is not zero
+    double slope_tau = 0.0;     // of the voltage, in tau_j
+    SocSlopes slope;            // and in what moves the state of charge that r_j is taken at
+    double slope_energy = 0.0;  // in E_j
+
+    void Reset(int nodes) {
+      share.assign(static_cast<std::size_t>(nodes), 0.0);
+      first = 0;
+      last = -1;
+      slope_tau = slope_energy = 0.0;
+      slope = {};
+    }
+    [[nodiscard]] double Voltage(const double* x) const {
+      double sum = 0.0;
+      for (int m = first; m <= last; ++m) sum += share[m] * x[m];
+      return sum;
+    }
+    // Of a constant resistance: one node, which is always there.
+    void Follow(double decay, double drive) {
+      share[0] = decay * share[0] + (drive + kAlive);
+      last = 0;
+    }
+    // Of a table.
+    void Decay(double decay) {
+      // Shares that are smaller than this, in volts per volt, are zero.
+      constexpr double kGone = 1e-13;
+      for (int m = first; m <= last; ++m) share[m] *= decay;
+      while (first <= last && std::abs(share[first]) < kGone) share[first++] = 0.0;
+      while (first <= last && std::abs(share[last]) < kGone) share[last--] = 0.0;
+    }
+    void Drive(const NodeShare& where, double drive) {
+      const int upper = where.lower + 1;
+      if (first > last) {
+        first = where.lower;
+        last = upper;
+      } else {
+        first = std::min(first, where.lower);
+        last = std::max(last, upper);
+      }
+      share[where.lower] += (1.0 - where.share) * drive;
+      share[upper] += where.share * drive;
+    }
+  };
+
+  // A table of resistances at a point, in the unknowns x of its nodes.
+  struct TableAt {
+    double value, slope;  // slope in the state of charge; 0 beyond the ends
+  };
+  static TableAt ValueAt(const double* x, const NodeShare& at, const std::vector<double>& nodes) {
+    if (nodes.size() == 1) return {x[0], 0.0};
+    const double low = x[at.lower];
+    const double high = x[at.lower + 1];
+    const bool within = at.share > 0.0 && at.share < 1.0;
+    return {(1.0 - at.share) * low + at.share * high,
+            within ? (high - low) / (nodes[at.lower + 1] - nodes[at.lower]) : 0.0};
+  }
+
  public:
   /// A step, or a point: the current that flows, its slope in the offset of the sensor, the length of
   /// the step, and the state of charge (at the start of the step, under its current) with its slopes.
@@ -361,9 +355,6 @@ class CellRows {
   /// A step of column `at` of the steps.
   template <bool plain = false>
   void Step(const ModeSteps& steps, Eigen::Index at, const At& step) {
-    using cell_rows_internal::BranchState;
-    using cell_rows_internal::TableAt;
-    using cell_rows_internal::ValueAt;
     const double current_A = step.current_A;
     const auto decay = steps.decay.col(at);
     const auto gain = steps.gain.col(at);
@@ -426,9 +417,6 @@ class CellRows {
   /// The point at which voltage_V was measured.
   template <bool plain = false>
   CellRow MakeRow(const At& point, double voltage_V) {
-    using cell_rows_internal::BranchState;
-    using cell_rows_internal::TableAt;
-    using cell_rows_internal::ValueAt;
     const double current_A = point.current_A;
     const double soc = point.soc;
     int entries = 0;
@@ -609,7 +597,7 @@ class CellRows {
   NodeFinder of_start_;
   std::vector<double> reference_V_;                       // at the nodes
   std::vector<std::pair<double, double>> curve_slope_V_;  // of v_oc at both ends of a segment
-  std::vector<cell_rows_internal::BranchState> branches_;
+  std::vector<BranchState> branches_;
   double thermal_state_A2_ = 0.0;
   double thermal_slope_ = 0.0;  // in tau_h
   double thermal_by_offset_A_ = 0.0;
