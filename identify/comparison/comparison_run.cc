@@ -53,8 +53,7 @@ ComparisonRunResult RunComparison(const Campaign& campaign,
                         task.data,
                         {.branches = request.staged.options.pulses.branches,
                          .beta_start_per_sqrt_s = task.beta_start_per_sqrt_s,
-                         .unknown = request.time_constants ? BranchUnknown::kTimeConstant
-                                                           : BranchUnknown::kCapacitance,
+                         .capacitances = !request.time_constants,
                          .scale = request.options.scaling},
                         request.staged.given.parameters);
   if (unknowns.variables.empty()) {

@@ -52,12 +52,8 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   JointStructure structure;
   structure.branches = options.branches;
   for (int j = 0; j < options.branches; ++j) {
-    // Spread over the decades around what relaxes most.
-    const double spread = j - 0.5 * (options.branches - 1);
     known.start.try_emplace(fmt::format("tau_{}", j + 1),
-                            std::clamp(typical.relaxation_s * std::pow(5.0, spread),
-                                       typical.shortest_tau_s,
-                                       typical.longest_tau_s));
+                            typical.TimeConstant(j, options.branches));
   }
 
   // Many starts on a coarse view of the logs; then all rows decide.
@@ -117,8 +113,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   if (!diffusion) result.parameters.beta_per_sqrt_s = 0.0;
   result.termination = best.termination;
   const std::size_t unknowns = (diffusion ? 2U : 1U) + 2U * best.structure.branches;
-  result.message =
-      result.fixed.size() == unknowns ? "Every parameter was given." : best.message;
+  result.message = result.fixed.size() == unknowns ? "Every parameter was given." : best.message;
   const auto at_bound = [&](const std::string& name, bool is) {
     if (is) result.at_bound.push_back(name);
   };

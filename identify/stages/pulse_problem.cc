@@ -52,6 +52,11 @@ void FollowCapacitances(PulseParameters& p) {
   }
 }
 
+double PulseScales::TimeConstant(int j, int branches) const {
+  const double spread = j - 0.5 * (branches - 1);
+  return std::clamp(relaxation_s * std::pow(5.0, spread), shortest_tau_s, longest_tau_s);
+}
+
 PulseScales FindPulseScales(const StartValues& data, double alpha_C) {
   PulseScales scales{};
   scales.series_resistance_Ohm = data.series_resistance_Ohm > 0.0
@@ -82,12 +87,8 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
   start.sweep.series_resistance_Ohm = series;
   start.sweep.resistance_Ohm.assign(n, share_Ohm);
   start.capacitance_F.assign(n, kNaN);
-  for (std::size_t j = 0; j < n; ++j) {
-    // Spread over the decades around what relaxes most.
-    const double spread = static_cast<double>(j) - 0.5 * static_cast<double>(n - 1);
-    start.sweep.time_constant_s.push_back(std::clamp(
-        scales.relaxation_s * std::pow(5.0, spread), scales.shortest_tau_s, scales.longest_tau_s));
-  }
+  for (int j = 0; j < options.branches; ++j)
+    start.sweep.time_constant_s.push_back(scales.TimeConstant(j, options.branches));
 
   const auto logarithmic = [&](const PulseVariable& v) {
     return options.scale == ParameterScale::kLog ||
@@ -131,9 +132,7 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
   for (std::size_t j = 0; j < n; ++j) {
     const auto c = fmt::format("c_{}", j + 1);
     const auto tau = fmt::format("tau_{}", j + 1);
-    const bool by_capacitance =
-        known.Mentions(c) ||
-        (options.unknown == BranchUnknown::kCapacitance && !known.Mentions(tau));
+    const bool by_capacitance = known.Mentions(c) || (options.capacitances && !known.Mentions(tau));
     if (by_capacitance) {
       // The time constants of the start, whatever the resistance is held at.
       const double r = std::max(start.sweep.resistance_Ohm[j], 1e-6 * series);

@@ -23,13 +23,6 @@
 
 namespace lipoid {
 
-/// Which unknown stands beside r_j.
-enum class BranchUnknown { kTimeConstant, kCapacitance };
-constexpr std::array<std::pair<BranchUnknown, std::string_view>, 2> OptionNames(BranchUnknown) {
-  return {{{BranchUnknown::kTimeConstant, "time-constant"},
-           {BranchUnknown::kCapacitance, "capacitance"}}};
-}
-
 /// What the optimizer moves instead of a parameter p.
 enum class ParameterScale {
   kNatural,  ///< p itself, in SI units
@@ -84,13 +77,17 @@ struct PulseScales {
   double relaxation_s;    ///< the time constant that relaxes most
   double shortest_tau_s;  ///< time constants lie between these two
   double longest_tau_s;
+
+  /// Where the search for that of branch j of so many begins: spread over the decades around what
+  /// relaxes most.
+  [[nodiscard]] double TimeConstant(int j, int branches) const;
 };
 [[nodiscard]] PulseScales FindPulseScales(const StartValues& data, double alpha_C);
 
 struct PulseProblemOptions {
   int branches = 1;
   double beta_start_per_sqrt_s = 0.2;
-  BranchUnknown unknown = BranchUnknown::kTimeConstant;
+  bool capacitances = false;  ///< c_j stands beside r_j, in place of tau_j
   ParameterScale scale = ParameterScale::kMixed;
 };
 

@@ -47,12 +47,11 @@ class CompareOptimizersTest : public testing::Test {
                                const ComparisonOptions& options = {},
                                const GivenParameters& known = {}) const {
     const VoltageSweep sweep(setup_, {{.record = &record_}});
-    const PulseUnknowns unknowns = FindPulseUnknowns(setup_,
-                                                     FindStartValues({&record_}),
-                                                     {.beta_start_per_sqrt_s = 0.3,
-                                                      .unknown = BranchUnknown::kCapacitance,
-                                                      .scale = options.scaling},
-                                                     known);
+    const PulseUnknowns unknowns = FindPulseUnknowns(
+        setup_,
+        FindStartValues({&record_}),
+        {.beta_start_per_sqrt_s = 0.3, .capacitances = true, .scale = options.scaling},
+        known);
     std::vector<const OptimizerEntry*> optimizers;
     for (const auto& name : names) optimizers.push_back(&FindOptimizer(name));
     OptimizerSettings settings;

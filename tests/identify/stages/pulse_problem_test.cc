@@ -15,8 +15,6 @@ namespace {
 
 using PulseJet = ceres::Jet<double, 6>;
 
-constexpr BranchUnknown kBranchUnknowns[] = {BranchUnknown::kTimeConstant,
-                                             BranchUnknown::kCapacitance};
 constexpr ParameterScale kScales[] = {ParameterScale::kNatural,
                                       ParameterScale::kTypical,
                                       ParameterScale::kLog,
@@ -77,7 +75,7 @@ PulseJet CostByJets(const Record& record, const PulseParameters& p) {
 }
 
 struct Case {
-  BranchUnknown unknown;
+  bool capacitances;
   ParameterScale scale;
 };
 
@@ -85,14 +83,15 @@ template <class Check>
 void ForEveryCase(const GivenParameters& known, Check&& check) {
   const Record record = Pulses();
   const VoltageSweep sweep(SmallSetup(), {{.record = &record}});
-  for (const BranchUnknown unknown : kBranchUnknowns) {
+  for (const bool capacitances : {false, true}) {
     for (const ParameterScale scale : kScales) {
-      SCOPED_TRACE(testing::Message() << "unknown " << static_cast<int>(unknown) << ", scale "
-                                      << static_cast<int>(scale));
-      const auto unknowns = FindPulseUnknowns(sweep.setup(),
-                                              FindStartValues({&record}),
-                                              {.branches = 2, .unknown = unknown, .scale = scale},
-                                              known);
+      SCOPED_TRACE(testing::Message()
+                   << "capacitances " << capacitances << ", scale " << static_cast<int>(scale));
+      const auto unknowns =
+          FindPulseUnknowns(sweep.setup(),
+                            FindStartValues({&record}),
+                            {.branches = 2, .capacitances = capacitances, .scale = scale},
+                            known);
       check(record, unknowns, PulseProblem(sweep, unknowns.variables, unknowns.start));
     }
   }
@@ -206,13 +205,13 @@ TEST(PulseProblem, ABranchThatTheUserNamesByItsCapacitanceGoesByIt) {
   const Record record = Pulses();
   const auto unknowns = FindPulseUnknowns(SmallSetup(),
                                           FindStartValues({&record}),
-                                          {.branches = 2, .unknown = BranchUnknown::kTimeConstant},
+                                          {.branches = 2},
                                           {.bounds = {{"c_2", {10.0, 1e5}}}});
   EXPECT_EQ(unknowns.variables[4].name, "tau_1");  // after beta, r_s, r_1 and r_2
   EXPECT_EQ(unknowns.variables[5].name, "c_2");
   const auto other = FindPulseUnknowns(SmallSetup(),
                                        FindStartValues({&record}),
-                                       {.branches = 1, .unknown = BranchUnknown::kCapacitance},
+                                       {.branches = 1, .capacitances = true},
                                        {.fixed = {{"tau_1", 20.0}}});
   EXPECT_EQ(other.variables.back().name, "r_1");  // tau_1 is held, and no c_1 stands in its place
   EXPECT_EQ(other.start.sweep.time_constant_s[0], 20.0);
