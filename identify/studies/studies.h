@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "identify/studies/study.h"
+#include "model/core/nearest_name.h"
 
 namespace lipoid {
 
@@ -20,6 +21,8 @@ static_assert(std::is_sorted(std::begin(kStudies),
                              [](const auto& a, const auto& b) { return a.name < b.name; }));
 
 /// OptionError that names the nearest where there is none of that name.
-[[nodiscard]] const Study& FindStudy(std::string_view name);
+[[nodiscard]] inline const Study& FindStudy(std::string_view name) {
+  return FindNamed("study", name, kStudies);
+}
 
 }  // namespace lipoid
