@@ -1,12 +1,12 @@
-#include "identify/stages/curve_in_basis.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
+#include "identify/stages/curve_forms.h"
 #include "identify/stages/row_factor.h"
 
 namespace lipoid {
@@ -110,10 +110,10 @@ OpenCircuitVoltage FitFourier(const CurveRows& rows, const Share& shown, int har
     static_cast<void>(solve(frequency, &norm));
     return norm;
   };
-  constexpr double kPi = 3.14159265358979323846;
+
   constexpr int kGrid = 12;
-  const double least = 0.5 * kPi / (hi - lo);  // a quarter of a period over the range
-  const double most = 2.0 * kPi / (hi - lo);   // one period
+  const double least = 0.5 * std::numbers::pi / (hi - lo);  // a quarter of a period over the range
+  const double most = 2.0 * std::numbers::pi / (hi - lo);   // one period
   const double step = (most - least) / kGrid;
   int best = 0;
   double best_cost = cost(least);
@@ -124,12 +124,12 @@ OpenCircuitVoltage FitFourier(const CurveRows& rows, const Share& shown, int har
       best = k;
     }
   }
-  const auto [frequency, unused] =
+  const double frequency =
       boost::math::tools::brent_find_minima(cost,
                                             std::max(least, least + (best - 1) * step),
                                             std::min(most, least + (best + 1) * step),
-                                            16);
-  static_cast<void>(unused);
+                                            16)
+          .first;
   const Eigen::VectorXd solution = solve(frequency, nullptr);
   std::vector<double> cosine{solution[0]};
   std::vector<double> sine;

@@ -1,9 +1,8 @@
-#include "identify/stages/curve_on_nodes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "identify/stages/curve_forms.h"
 #include "model/core/parallel.h"
 #include "model/core/stop.h"
 

@@ -9,8 +9,7 @@
 
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
-#include "identify/stages/curve_in_basis.h"
-#include "identify/stages/curve_on_nodes.h"
+#include "identify/stages/curve_forms.h"
 #include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"

@@ -1,17 +1,42 @@
 #pragma once
 
 /// @file
-/// A curve v_oc(A) on nodes: where the nodes stand, and the values there by least squares over rows,
-/// with straight lines between. Nodes stand densely where the curve falls fast, for they share out
-/// its length.
+/// Forms of a curve v_oc(A), each by least squares over rows under load, of which a fit may be shown
+/// all or a part.
+///
+/// On nodes, with straight lines between (curve_on_nodes.cc): nodes stand densely where the curve
+/// falls fast, for they share out its length. Of smooth functions over the whole range
+/// (curve_in_basis.cc): Chebyshev polynomials, or harmonics whose frequency is found, too.
 /// Tests: tests/identify/stages/open_circuit_voltage_fit_test.cc.
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
-#include "identify/stages/curve_rows.h"
+#include "model/battery/open_circuit_voltage.h"
 
 namespace lipoid {
+
+/// Rows under load, in the order of time, and the range that the curve is to span.
+struct CurveRows {
+  std::span<const double> soc;
+  std::span<const double> voltage_V;
+  double lo = 0.0;
+  double hi = 1.0;
+
+  [[nodiscard]] std::size_t size() const { return soc.size(); }
+};
+
+/// The rows that a fit is shown: all, or all but every n-th.
+struct Share {
+  int every = 0;  ///< 0: all rows are shown
+
+  // The held-out rows.
+  [[nodiscard]] std::size_t first() const { return static_cast<std::size_t>(every / 2); }
+  [[nodiscard]] std::size_t step() const { return static_cast<std::size_t>(every); }
+
+  [[nodiscard]] bool Has(std::size_t row) const { return every == 0 || row % step() != first(); }
+};
 
 /// Least squares over the values at the nodes: a tridiagonal system, summed over rows.
 struct NodeSums {
@@ -51,5 +76,13 @@ struct CurveNodes {
 
 /// The nearest values that do not fall: noise must not make a curve that is to be monotone go back.
 void MakeMonotone(std::vector<double>& values);
+
+[[nodiscard]] OpenCircuitVoltage FitPolynomial(const CurveRows& rows,
+                                               const Share& shown,
+                                               int degree);
+
+[[nodiscard]] OpenCircuitVoltage FitFourier(const CurveRows& rows,
+                                            const Share& shown,
+                                            int harmonics);
 
 }  // namespace lipoid
