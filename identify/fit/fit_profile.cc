@@ -24,7 +24,7 @@ Held HeldAt(const std::string& name, const ProfiledFit& of) {
   const JointLayout layout(of.solution.structure);
   const auto ohms = [&](int table) { return of.solution.x[table] / of.scales.typical_A; };
   Held held;
-  for (const JointFit::Rate& rate :
+  for (const JointRate& rate :
        JointFit(of.seen, of.known, of.scales).Rates(of.solution.structure)) {
     if (rate.name != name) continue;
     JointRates rates = of.solution.rates;
@@ -57,8 +57,7 @@ class HeldFit {
     known_.fixed[name_] = value;
     const JointFit fit(of_.seen, known_, of_.scales);
     JointRates rates = fit.Base(last_.structure);
-    for (const JointFit::Rate& rate : fit.Rates(last_.structure))
-      rate.In(rates) = rate.In(last_.rates);
+    for (const JointRate& rate : fit.Rates(last_.structure)) rate.In(rates) = rate.In(last_.rates);
     JointSolution found =
         of_.refit(fit, fit.Solve(last_.structure, rates, last_.smoothness, last_.active));
     if (found.x.size() == 0 || !std::isfinite(found.cost)) return {};

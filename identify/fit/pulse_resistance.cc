@@ -125,8 +125,7 @@ void TakePulseResistances(const std::vector<double>& values_Ohm,
       const double variance = trust.drawn_covariance(index, index);
       if (freedom > 0.0 && variance > 0.0) reach_Ohm = Reach95(freedom) * std::sqrt(variance);
     }
-    trust.resistance.push_back({.soc = question.asked_soc,
-                                .after_s = question.after_s[k],
+    trust.resistance.push_back({.after_s = question.after_s[k],
                                 .current_A = question.current_A,
                                 .temperature_degC = question.temperature_degC,
                                 .resistance_Ohm = values_Ohm[k],

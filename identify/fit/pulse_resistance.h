@@ -17,11 +17,10 @@
 
 namespace lipoid {
 
-/// What is asked: the state of charge as the cell counts it and on the axis of the fit, the current,
-/// and after how long.
+/// What is asked: half charge, which may stand elsewhere on the axis of the fit, the current, and
+/// after how long.
 struct PulseQuestion {
-  double asked_soc = 0.5;
-  double soc = 0.5;
+  double soc = 0.5;  ///< on the axis of the fit
   double current_A = 1.0;
   std::vector<double> after_s{1.0, 10.0, 30.0};
   std::optional<double> temperature_degC = {};  ///< of a cell that knows temperature

@@ -714,10 +714,7 @@ class Choosing {
       if (k == choice_.taken) {
         row.weight = 0.5;
       } else if (row.solution.x.size() > 0 && !Zigzags(row.solution)) {
-        row.weight =
-            CompareErrors(
-                choice_.tried[choice_.taken].errors.unit_V, row.errors.unit_V, logs_.unit_weight)
-                .Probability();
+        row.weight = Gain(choice_.taken, k).Probability();
       }
       sum += row.weight;
     }

@@ -171,7 +171,7 @@ class RatesProblem : public LeastSquaresProblem {
   const JointFit& fit_;
   mutable JointSolution best_;  // one thread asks
   mutable JointSolution last_;  // its active bounds are the guess for the next
-  std::vector<JointFit::Rate> rates_;
+  std::vector<JointRate> rates_;
 };
 
 }  // namespace
@@ -215,7 +215,7 @@ JointRates JointFit::Base(const JointStructure& structure) const {
   rates.time_constant_s.resize(static_cast<std::size_t>(structure.branches));
   if (structure.temperature && structure.shared_energies == SharedEnergies::kNone)
     rates.branch_J_per_mol.resize(rates.time_constant_s.size());
-  for (const Rate& rate : AllRates(structure, setup_, scales_)) {
+  for (const JointRate& rate : AllRates(structure, setup_, scales_)) {
     rate.In(rates) = known_.Fixed(rate.name).value_or(known_.Start(rate.name).value_or(rate.start));
   }
   for (int j = 1; j <= structure.branches; ++j) {
@@ -227,15 +227,15 @@ JointRates JointFit::Base(const JointStructure& structure) const {
   return rates;
 }
 
-std::vector<JointFit::Rate> JointFit::Rates(const JointStructure& structure) const {
-  std::vector<Rate> rates = AllRates(structure, setup_, scales_);
-  std::erase_if(rates, [&](const Rate& rate) {
+std::vector<JointRate> JointFit::Rates(const JointStructure& structure) const {
+  std::vector<JointRate> rates = AllRates(structure, setup_, scales_);
+  std::erase_if(rates, [&](const JointRate& rate) {
     if (known_.Fixed(rate.name)) return true;
     if (!rate.name.starts_with("tau_") || rate.name == "tau_h") return false;
     return known_.Fixed(fmt::format("r_{}", rate.index + 1)) &&
            known_.Fixed(fmt::format("c_{}", rate.index + 1));
   });
-  for (Rate& rate : rates) {
+  for (JointRate& rate : rates) {
     const auto bounds = known_.Bounds(rate.name);
     if (!bounds) continue;
     if (bounds->first > 0.0) rate.lower = bounds->first;  // its logarithm is searched
@@ -409,7 +409,7 @@ JointSolution JointFit::Solve(const JointStructure& structure,
   const NormalEquations all = rows->Sum(structure, rates);
   Eigen::MatrixXd information;
   JointSolution solution = SolveSums(structure, rates, smoothness, all, guess, &information);
-  const std::vector<Rate> searched = Rates(structure);
+  const std::vector<JointRate> searched = Rates(structure);
   solution.at_bound = AtBound(searched, rates);
   if (slopes == nullptr || solution.x.size() == 0) return solution;
 
@@ -438,7 +438,7 @@ JointSolution JointFit::Solve(const JointStructure& structure,
       information.selfadjointView<Eigen::Lower>().toDenseMatrix()(free, free);
   if (smoothness == 0.0 && layout.voltages() == 0) Refine(free, part, sums, solution);
   std::vector<int> slot;
-  for (const Rate& rate : searched) slot.push_back(rate.slot);
+  for (const JointRate& rate : searched) slot.push_back(rate.slot);
   Eigen::MatrixXd with_linear = sums.with_linear(slot, Eigen::all);
   ToRises(with_linear, layout.voltages());
   const Eigen::MatrixXd across = with_linear(Eigen::all, free).transpose();
@@ -467,7 +467,7 @@ void JointFit::Refine(const std::vector<int>& free,
 
 std::vector<double> JointFit::BetaGrid(const JointStructure& structure,
                                        const JointRates* near) const {
-  for (const Rate& rate : Rates(structure)) {
+  for (const JointRate& rate : Rates(structure)) {
     if (rate.name != "beta") continue;
     const double lower = std::max(rate.lower, std::min(0.01, rate.upper));
     if (near == nullptr) return GeometricGrid(lower, rate.upper, 9);
@@ -495,7 +495,7 @@ std::vector<JointRates> JointFit::RatesGrid(const JointStructure& structure,
   double lower_tau_s = scales_.shortest_tau_s;
   double upper_tau_s = scales_.longest_start_tau_s;
   const RateSlots slots(structure);
-  for (const Rate& rate : Rates(structure)) {
+  for (const JointRate& rate : Rates(structure)) {
     if (rate.slot == slots.beta()) continue;
     if (rate.slot < slots.tau(structure.branches)) {
       branches.push_back(rate.index);

@@ -104,8 +104,7 @@ class JointFit {
   [[nodiscard]] const Observations& seen() const { return seen_; }
 
   /// Those that are searched, within the bounds that were given.
-  using Rate = JointRate;
-  [[nodiscard]] std::vector<Rate> Rates(const JointStructure& structure) const;
+  [[nodiscard]] std::vector<JointRate> Rates(const JointStructure& structure) const;
   /// Rates that are not searched stand in what this returns.
   [[nodiscard]] JointRates Base(const JointStructure& structure) const;
 

@@ -48,9 +48,7 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   }
   const double least_lag = SteadyLag(kLargestBeta);
   Estimate estimate;
-  const auto alpha_for = [&](double lag) {
-    return design.col(0).dot(times - design.col(1) * lag) / design.col(0).squaredNorm();
-  };
+
   if (given_alpha_C) {
     estimate.alpha_C = *given_alpha_C;
     const Eigen::VectorXd rest = times - design.col(0) * *given_alpha_C;
@@ -68,7 +66,10 @@ Estimate FitSteady(const std::vector<DischargeTime>& discharges,
   estimate.alpha_C = solution[0];
   estimate.unconstrained_lag_s = solution[1];
   estimate.lag_s = std::max(solution[1], least_lag);
-  if (estimate.lag_s != solution[1]) estimate.alpha_C = alpha_for(estimate.lag_s);
+  if (estimate.lag_s != solution[1]) {
+    estimate.alpha_C =
+        design.col(0).dot(times - design.col(1) * estimate.lag_s) / design.col(0).squaredNorm();
+  }
   if (count > 2) {
     const double variance =
         (times - design * solution).squaredNorm() / static_cast<double>(count - 2);

@@ -64,7 +64,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   result.starts = options.starts;
   if (start.previous != nullptr) {
     JointRates rates = quick.Base(structure);
-    for (const JointFit::Rate& rate : quick.Rates(structure)) {
+    for (const JointRate& rate : quick.Rates(structure)) {
       JointRates previous = SolutionOf(*start.previous).rates;
       *rate.entry(rates, rate.index) = *rate.entry(previous, rate.index);
     }

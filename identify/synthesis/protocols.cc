@@ -1,7 +1,6 @@
 #include "identify/synthesis/protocols.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -62,16 +61,10 @@ double HighestSuitableRate(const Cell& cell, const std::vector<double>& ambient_
       AtOneTemperature(cell, *std::min_element(ambient_degC.begin(), ambient_degC.end())));
 }
 
-std::vector<double> ParseTemperatures(const std::string& text) {
-  return text.empty() ? std::vector<double>{} : ParseList("ambient_degC", text, kTemperatures_degC);
-}
-
-std::string TemperaturesAsText(const std::vector<double>& ambient_degC) {
-  return fmt::format("{}", fmt::join(ambient_degC, ","));
-}
-
 std::vector<TestPlan> ThesisProtocol(const Cell& cell, const SynthesisOptions& options) {
-  const std::vector<double> ambients_degC = ParseTemperatures(options.ambient_degC);
+  std::vector<double> ambients_degC;
+  if (!options.ambient_degC.empty())
+    ambients_degC = ParseList("ambient_degC", options.ambient_degC, kTemperatures_degC);
   const double highest_C = HighestSuitableRate(cell, ambients_degC);
   std::vector<double> rates_C;
   if (options.rates_C.empty()) {

@@ -122,9 +122,4 @@ inline constexpr Protocol kProtocols[] = {
 /// The same at the coldest of these temperatures.
 [[nodiscard]] double HighestSuitableRate(const Cell& cell, const std::vector<double>& ambient_degC);
 
-/// "25,0,-20" as numbers. OptionError where one is no temperature, or stands twice.
-[[nodiscard]] std::vector<double> ParseTemperatures(const std::string& text);
-/// The same as text.
-[[nodiscard]] std::string TemperaturesAsText(const std::vector<double>& ambient_degC);
-
 }  // namespace lipoid

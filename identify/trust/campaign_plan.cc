@@ -96,14 +96,6 @@ QuantityTrust NotIdentifiable(const Cell& cell, const std::string& name) {
   return quantity;
 }
 
-std::vector<std::string> EnergyNames(const Cell& cell) {
-  std::vector<std::string> names;
-  for (const std::string& name : CellParameterNames(cell)) {
-    if (name.starts_with("E_")) names.push_back(name);
-  }
-  return names;
-}
-
 }  // namespace
 
 std::vector<LoadedLog> PlannedLogs(const Cell& cell,
@@ -161,8 +153,9 @@ PlannedExperiment PlanCampaign(const Cell& cell,
   auto& quantities = plan.trust.quantities;
   const auto heat = told ? PlanHeat(planned, logs, noise.temperature_K) : std::nullopt;
   if (!told) {
-    for (const std::string& name : EnergyNames(planned))
-      quantities.push_back(NotIdentifiable(planned, name));
+    for (const std::string& name : CellParameterNames(planned)) {
+      if (name.starts_with("E_")) quantities.push_back(NotIdentifiable(planned, name));
+    }
   }
   if (heat) {
     quantities.push_back(TrustOfEstimate("C_th",

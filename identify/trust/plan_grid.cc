@@ -189,7 +189,7 @@ class Variations {
       return;
     }
     const DecimalStep sampling = SamplingOf(options);
-    options.ambient_degC = TemperaturesAsText(ambients_degC_);
+    options.ambient_degC = fmt::format("{}", fmt::join(ambients_degC_, ","));
     const std::vector<TestPlan> tests = ThesisProtocol(seen, options);
     const std::size_t first = result_.variations.size();
     if (Push(options, PlanCampaign(seen, tests, sampling, result_.noise)) == nullptr) return;

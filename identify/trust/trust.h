@@ -120,7 +120,7 @@ struct QuantityTrust {
 /// What a pulse test would measure from rest: (v_b(0) - v_b(t))/i
 /// (identify/fit/pulse_resistance.h).
 struct PulseResistance {
-  double soc = 0.5;
+  double soc = 0.5;  ///< as the cell counts it
   double after_s = 0.0;
   double current_A = 0.0;
   std::optional<double> temperature_degC = {};  ///< none: the cell knows no temperature
