@@ -9,7 +9,6 @@
 
 #include "identify/optimizers/levenberg_marquardt.h"
 #include "model/battery/discharge_time.h"
-#include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 #include "model/statistics/factorizations.h"
@@ -290,9 +289,7 @@ DischargeTimesResult FitDischargeTimes(const std::vector<DischargeTime>& dischar
                            predicted_s,
                            100.0 * std::abs(d.time_s - predicted_s) / d.time_s});  // (4.56)
   }
-  result.mean_error_percent = errors.Result().mean_error_percent;
-  result.max_error_percent = errors.Result().max_error_percent;
-  result.rmse_s = errors.Result().rmse;
+  result.errors = errors.Result();
   return result;
 }
 

@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/battery/error_metrics.h"
 #include "model/core/options.h"
 
 namespace lipoid {
@@ -86,9 +87,7 @@ struct DischargeTimesResult {
   /// From where stage 3 starts: beta, or a value at or above the bound.
   double beta_start_per_sqrt_s = std::numeric_limits<double>::quiet_NaN();
   std::vector<Row> rows;
-  double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
-  double max_error_percent = std::numeric_limits<double>::quiet_NaN();
-  double rmse_s = std::numeric_limits<double>::quiet_NaN();
+  ErrorMetrics errors;  ///< of the times
 };
 
 /// From where stage 3 starts when nothing is known of beta: Tables 4.8-4.13 give 0.18 to 0.21.

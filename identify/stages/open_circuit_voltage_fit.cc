@@ -10,7 +10,6 @@
 #include "identify/logs/columns.h"
 #include "identify/logs/segments.h"
 #include "identify/stages/curve_forms.h"
-#include "model/battery/error_metrics.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/statistics/order_statistics.h"
@@ -152,9 +151,7 @@ OcvFitResult FitOpenCircuitVoltage(const Record& record,
   ErrorAccumulator errors;
   for (std::size_t k = shown.first(); k < rows.size(); k += std::max<std::size_t>(shown.step(), 1))
     errors.Add(rows.voltage_V[k], judged(rows.soc[k]));
-  result.mean_error_percent = errors.Result().mean_error_percent;
-  result.max_error_percent = errors.Result().max_error_percent;
-  result.rmse_V = errors.Result().rmse;
+  result.errors = errors.Result();
   result.curve = FitCurve(rows, {}, task, options);
   result.rows = rows.size();
   // The median load, of rows enough.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "identify/logs/record.h"
+#include "model/battery/error_metrics.h"
 #include "model/battery/open_circuit_voltage.h"
 #include "model/core/options.h"
 
@@ -53,10 +54,7 @@ struct OcvFitOptions {
 
 struct OcvFitResult {
   OpenCircuitVoltage curve;
-  /// On the held-out rows.
-  double mean_error_percent = std::numeric_limits<double>::quiet_NaN();
-  double max_error_percent = std::numeric_limits<double>::quiet_NaN();
-  double rmse_V = std::numeric_limits<double>::quiet_NaN();
+  ErrorMetrics errors;     ///< of the voltage, on the held-out rows
   std::size_t rows = 0;    ///< shown to the final fit
   double charge_C = 0.0;   ///< that the log delivered
   double current_A = 0.0;  ///< its median under load

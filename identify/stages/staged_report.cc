@@ -29,18 +29,18 @@ Json DischargeTimesToJson(const DischargeTimesResult& stage) {
       {"reason", stage.identifiable ? Json(nullptr) : Json(stage.reason)},
       {"beta_lower_bound_per_sqrt_s", NumberOrNull(stage.beta_lower_bound_per_sqrt_s)},
       {"beta_start_per_sqrt_s", NumberOrNull(stage.beta_start_per_sqrt_s)},
-      {"mean_error_percent", NumberOrNull(stage.mean_error_percent)},
-      {"max_error_percent", NumberOrNull(stage.max_error_percent)},
-      {"rmse_s", NumberOrNull(stage.rmse_s)},
+      {"mean_error_percent", NumberOrNull(stage.errors.mean_error_percent)},
+      {"max_error_percent", NumberOrNull(stage.errors.max_error_percent)},
+      {"rmse_s", NumberOrNull(stage.errors.rmse)},
       {"logs", logs}};
 }
 
 Json OcvToJson(const OcvFitResult& stage) {
   return {{"source", "low-rate"},
           {"method", options_internal::ToText(stage.curve.method())},
-          {"mean_error_percent", NumberOrNull(stage.mean_error_percent)},
-          {"max_error_percent", NumberOrNull(stage.max_error_percent)},
-          {"rmse_V", NumberOrNull(stage.rmse_V)},
+          {"mean_error_percent", NumberOrNull(stage.errors.mean_error_percent)},
+          {"max_error_percent", NumberOrNull(stage.errors.max_error_percent)},
+          {"rmse_V", NumberOrNull(stage.errors.rmse)},
           {"nodes", stage.curve.soc().size()},
           {"rows", stage.rows},
           {"charge_C", stage.charge_C},

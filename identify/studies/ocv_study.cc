@@ -135,9 +135,9 @@ StudyResult StudyOcv(const StudyInput& input, const StudyProgress& progress) {
                            {"mean_error_percent", errors.mean_error_percent},
                            {"max_error_percent", errors.max_error_percent},
                            {"rmse_V", errors.rmse},
-                           {"left_out_mean_error_percent", fit.mean_error_percent},
-                           {"left_out_max_error_percent", fit.max_error_percent},
-                           {"left_out_rmse_V", fit.rmse_V}});
+                           {"left_out_mean_error_percent", fit.errors.mean_error_percent},
+                           {"left_out_max_error_percent", fit.errors.max_error_percent},
+                           {"left_out_rmse_V", fit.errors.rmse}});
   }
   result.facts = {
       {"file", log.entry.file}, {"charge_C", alpha_C * soc}, {"data_rows", record.size()}};

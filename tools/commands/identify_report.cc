@@ -58,9 +58,9 @@ std::string DischargeTimesText(const StagedResult& result) {
   }
   text += table.Text();
   return text + fmt::format("   mean {} %, max {} %, rmse {} s\n",
-                            Significant(stage.mean_error_percent, 3),
-                            Significant(stage.max_error_percent, 3),
-                            Significant(stage.rmse_s, 3));
+                            Significant(stage.errors.mean_error_percent, 3),
+                            Significant(stage.errors.max_error_percent, 3),
+                            Significant(stage.errors.rmse, 3));
 }
 
 std::string FromRestsText(const OcvFromRests& stage) {
@@ -102,9 +102,9 @@ std::string OpenCircuitVoltageText(const StagedResult& result) {
               : fmt::format("   {}, {} nodes", method, stage.curve.soc().size());
   text += fmt::format(" from {}; on held-out rows: mean {} %, max {} %, rmse {} mV\n",
                       Counted(stage.rows, "row"),
-                      Significant(stage.mean_error_percent, 3),
-                      Significant(stage.max_error_percent, 3),
-                      Significant(1e3 * stage.rmse_V, 3));
+                      Significant(stage.errors.mean_error_percent, 3),
+                      Significant(stage.errors.max_error_percent, 3),
+                      Significant(1e3 * stage.errors.rmse, 3));
   return text + fmt::format("   charge of the log {} C; alpha is {} of it\n",
                             Significant(result.low_rate_charge_C, 5),
                             Significant(result.alpha_C / result.low_rate_charge_C, 5));

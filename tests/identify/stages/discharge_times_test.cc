@@ -89,7 +89,7 @@ TEST(DischargeTimes, RecoverTheirTruthInBothForms) {
         EXPECT_TRUE(fit.identifiable) << fit.reason;
         EXPECT_EQ(fit.reason, "");
         EXPECT_EQ(fit.beta_start_per_sqrt_s, fit.beta_per_sqrt_s);
-        EXPECT_LT(fit.rmse_s, 1e-6);
+        EXPECT_LT(fit.errors.rmse, 1e-6);
       }
     }
   }
@@ -108,7 +108,7 @@ TEST(DischargeTimes, KnowHowFullADischargeBegins) {
     EXPECT_NEAR(fit.alpha_C, kLineAlpha_C, 1e-8 * kLineAlpha_C);
     EXPECT_NEAR(fit.beta_per_sqrt_s, kLineBeta, 1e-7 * kLineBeta);
     EXPECT_EQ(fit.rows[0].current_A, kCurrents_A[0]);
-    EXPECT_LT(fit.rmse_s, 1e-6);
+    EXPECT_LT(fit.errors.rmse, 1e-6);
   }
 }
 
@@ -156,10 +156,11 @@ TEST(DischargeTimes, OfRealCellsAgreeWithAnotherImplementation) {
     EXPECT_NEAR(nissan.rows[k].predicted_s - nissan.rows[k].measured_s, off_s[k], 6e-4);
     EXPECT_NEAR(nissan.rows[k].error_percent, off_percent[k], 6e-4);
   }
-  EXPECT_NEAR(nissan.mean_error_percent, (0.112 + 0.908 + 1.066) / 3.0, 6e-4);
-  EXPECT_NEAR(nissan.max_error_percent, 1.066, 6e-4);
-  EXPECT_NEAR(
-      nissan.rmse_s, std::sqrt((4.002 * 4.002 + 16.008 * 16.008 + 12.006 * 12.006) / 3.0), 1e-3);
+  EXPECT_NEAR(nissan.errors.mean_error_percent, (0.112 + 0.908 + 1.066) / 3.0, 6e-4);
+  EXPECT_NEAR(nissan.errors.max_error_percent, 1.066, 6e-4);
+  EXPECT_NEAR(nissan.errors.rmse,
+              std::sqrt((4.002 * 4.002 + 16.008 * 16.008 + 12.006 * 12.006) / 3.0),
+              1e-3);
 
   const auto dmegc = FitDischargeTimes(kDmegc);
   EXPECT_NEAR(dmegc.alpha_C, 9353.88696, 0.01);  // its currents are printed to 7 digits

@@ -66,7 +66,7 @@ TEST(OcvFit, FindsAPolynomialAgain) {
     EXPECT_EQ(fit.curve.method(), OcvMethod::kPolynomial);
     EXPECT_EQ(fit.curve.coefficients_V().size(), 10U);
     EXPECT_LT(WorstDifference(fit.curve, truth, 0.0, 1.0), kExact_V);
-    EXPECT_LT(fit.rmse_V, kExact_V);
+    EXPECT_LT(fit.errors.rmse, kExact_V);
     EXPECT_EQ(fit.rows, static_cast<std::size_t>(rows));
   }
   // Averages of 10 neighbours: v'' h²/24 with h = 1e-4 and v'' of at most 70 V at the ends.
@@ -87,7 +87,7 @@ TEST(OcvFit, FindsAFourierSeriesAgain) {
   // mV.
   EXPECT_LT(WorstDifference(fit.curve, truth, 0.0, 1.0), 1e-5);
   EXPECT_NEAR(fit.curve.frequency_rad(), 3.9, 1e-3);
-  EXPECT_LT(fit.rmse_V, 1e-5);
+  EXPECT_LT(fit.errors.rmse, 1e-5);
 }
 
 TEST(OcvFit, JoinsTheRowsOfAShortLog) {
@@ -101,7 +101,7 @@ TEST(OcvFit, JoinsTheRowsOfAShortLog) {
     EXPECT_DOUBLE_EQ(fit.curve.soc_hi(), 1.0);
     EXPECT_NEAR(fit.curve.soc_lo(), 0.0, 1e-12);
     // Rows left out lie on the lines between the others but beside a kink.
-    EXPECT_LT(fit.rmse_V, 1e-4);
+    EXPECT_LT(fit.errors.rmse, 1e-4);
     EXPECT_EQ(fit.current_A, 0.5);
     EXPECT_NEAR(fit.charge_C, kCurveAlpha_C, 1e-6);
   }
@@ -130,7 +130,7 @@ TEST(OcvFit, FitsNodesToALongLog) {
     const auto fit =
         FitOpenCircuitVoltage(DischargeAlong(line, 20000), kCurveAlpha_C, 1.0, {.method = method});
     EXPECT_LT(WorstDifference(fit.curve, line, 0.0, 1.0), kExact_V);
-    EXPECT_LT(fit.rmse_V, kExact_V);
+    EXPECT_LT(fit.errors.rmse, kExact_V);
   }
   // Kinks lie between nodes: off by at most a quarter of the interval times the change of slope,
   // and only there.
@@ -171,16 +171,17 @@ TEST(OcvFit, ErrorsOnRowsLeftOutAreHonest) {
   };
   // 2000 rows are left out: their rms is known to 1/sqrt(4000) = 1.6 %.
   const auto few = FitOpenCircuitVoltage(record, kCurveAlpha_C, 1.0);
-  EXPECT_NEAR(few.rmse_V, kNoise_V, 0.05 * kNoise_V);
-  EXPECT_NEAR(few.mean_error_percent, 100.0 * kNoise_V * std::sqrt(2.0 / M_PI) / 3.85, 0.1 * 0.021);
-  EXPECT_GT(few.max_error_percent, 3.0 * kNoise_V / 3.85 * 100.0);
+  EXPECT_NEAR(few.errors.rmse, kNoise_V, 0.05 * kNoise_V);
+  EXPECT_NEAR(
+      few.errors.mean_error_percent, 100.0 * kNoise_V * std::sqrt(2.0 / M_PI) / 3.85, 0.1 * 0.021);
+  EXPECT_GT(few.errors.max_error_percent, 3.0 * kNoise_V / 3.85 * 100.0);
   const auto smooth = FitOpenCircuitVoltage(
       record, kCurveAlpha_C, 1.0, {.method = OcvMethod::kPolynomial, .degree = 25});
-  EXPECT_NEAR(smooth.rmse_V, kNoise_V, 0.05 * kNoise_V);
+  EXPECT_NEAR(smooth.errors.rmse, kNoise_V, 0.05 * kNoise_V);
   // A node for every third row follows the noise it is shown, and is caught.
   const auto many = FitOpenCircuitVoltage(record, kCurveAlpha_C, 1.0, {.knots = 100000});
   EXPECT_LT(seen(many.curve), 0.9 * kNoise_V);
-  EXPECT_GT(many.rmse_V, 1.15 * kNoise_V);
+  EXPECT_GT(many.errors.rmse, 1.15 * kNoise_V);
 }
 
 TEST(OcvFit, LeavesOutRestRows) {
@@ -205,7 +206,7 @@ TEST(OcvFit, LeavesOutRestRows) {
   const auto fit = FitOpenCircuitVoltage(with_rests, kCurveAlpha_C, 1.0);
   EXPECT_EQ(fit.rows, 2000U);
   EXPECT_LT(WorstDifference(fit.curve, Smooth, 0.0, 1.0), 1e-3);
-  EXPECT_LT(fit.rmse_V, 1e-3);
+  EXPECT_LT(fit.errors.rmse, 1e-3);
 }
 
 TEST(OcvFit, CountsChargeThatComesBack) {
@@ -225,7 +226,7 @@ TEST(OcvFit, CountsChargeThatComesBack) {
     const auto fit =
         FitOpenCircuitVoltage(record, kCurveAlpha_C, 1.0, {.interpolate_up_to = interpolate_up_to});
     EXPECT_LT(WorstDifference(fit.curve, Smooth, 0.01, 0.98), 1e-3);
-    EXPECT_LT(fit.rmse_V, 1e-3);
+    EXPECT_LT(fit.errors.rmse, 1e-3);
   }
 }
 
@@ -341,14 +342,14 @@ TEST(OcvFit, OfRealLogsIsAsSharpAsTheInstrument) {
   LIPOID_SKIP_WITHOUT(nissan);
   // 1 mV steps are 0.29 mV rms; rows at 60 s on the knee add to it.
   const auto leaf = FitOpenCircuitVoltage(test::ReadPlainCsv(nissan), 111739.59167, 1.0);
-  EXPECT_LT(leaf.rmse_V, 6e-4);
-  EXPECT_LT(leaf.mean_error_percent, 0.01);
+  EXPECT_LT(leaf.errors.rmse, 6e-4);
+  EXPECT_LT(leaf.errors.mean_error_percent, 0.01);
   EXPECT_NEAR(leaf.charge_C, 108175.15, 0.1);
   EXPECT_NEAR(leaf.current_A, 2.17, 0.01);
   // 0.1 mV steps.
   const auto cell = FitOpenCircuitVoltage(test::ReadPlainCsv(dmegc), 9353.88696, 1.0);
-  EXPECT_LT(cell.rmse_V, 1e-4);
-  EXPECT_LT(cell.mean_error_percent, 0.002);
+  EXPECT_LT(cell.errors.rmse, 1e-4);
+  EXPECT_LT(cell.errors.mean_error_percent, 0.002);
   EXPECT_NEAR(cell.charge_C, 9909.25, 0.1);
   EXPECT_NEAR(cell.curve.soc_lo(),
               -0.0594,
