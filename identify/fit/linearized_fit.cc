@@ -25,9 +25,7 @@ class Quantities {
         known_(known),
         searched_(searched),
         layout_(solution.structure),
-        typical_A_(scales.typical_A),
-        lowest_soc_(scales.lowest_loaded_soc),
-        highest_soc_(scales.highest_loaded_soc),
+        scales_(scales),
         axis_(axis) {}
 
   void Fill() {
@@ -43,7 +41,7 @@ class Quantities {
       AddRate("i_0", solution_.rates.charge_transfer_A);
     }
     AddOtherRates();
-    for (const JointTable& table : OtherTables(solution_.structure, typical_A_)) {
+    for (const JointTable& table : OtherTables(solution_.structure, scales_.typical_A)) {
       if (!table.name.empty()) AddOther(table);
     }
     if (solution_.structure.self_heating) AddRate("tau_h", solution_.rates.heating_time_constant_s);
@@ -67,12 +65,10 @@ class Quantities {
   // Far from every load a resistance goes on by assumption, and so would its interval.
   [[nodiscard]] bool Loaded(double soc) const {
     constexpr double kFar = 0.05;
-    return soc >= lowest_soc_ - kFar && soc <= highest_soc_ + kFar;
+    return soc >= scales_.lowest_loaded_soc - kFar && soc <= scales_.highest_loaded_soc + kFar;
   }
 
-  void AddRate(const std::string& rate, double value, double scale = 1.0) {
-    AddRate(rate, rate, value, scale);
-  }
+  void AddRate(const std::string& rate, double value) { AddRate(rate, rate, value, 1.0); }
   // The parameter of this name, which is that rate.
   void AddRate(const std::string& name, const std::string& rate, double value, double scale) {
     const Eigen::Index at = Searched(rate);
@@ -127,7 +123,7 @@ class Quantities {
 
   void AddTable(const std::string& name, int table) {
     if (known_.Fixed(name)) return;
-    const double per_A = 1.0 / typical_A_;
+    const double per_A = 1.0 / scales_.typical_A;
     const auto& nodes = solution_.structure.resistance_soc;
     if (nodes.size() == 1) {
       TrustedQuantity q = fit_.Quantity(name, "Ohm", solution_.x[table] * per_A);
@@ -165,7 +161,7 @@ class Quantities {
     const auto name = fmt::format("c_{}", j + 1);
     const auto rate = fmt::format("tau_{}", j + 1);
     const double tau_s = solution_.rates.time_constant_s[j];
-    const double r = solution_.x[layout_.branch(j)] / typical_A_;
+    const double r = solution_.x[layout_.branch(j)] / scales_.typical_A;
     const Eigen::Index at = Searched(rate);
     const bool r_held = known_.Fixed(fmt::format("r_{}", j + 1)).has_value();
     if (layout_.nodes() != 1 || !(r > 0.0) || known_.Fixed(name) || (at < 0 && r_held)) return;
@@ -173,7 +169,7 @@ class Quantities {
     q.at_bound = Follows(j);
     if (!q.at_bound) {
       if (at >= 0) q.combination[at] = 1.0 / r;
-      q.combination[fit_.Linear(layout_.branch(j))] = -tau_s / (r * r) / typical_A_;
+      q.combination[fit_.Linear(layout_.branch(j))] = -tau_s / (r * r) / scales_.typical_A;
     }
     fit_.quantities.push_back(std::move(q));
   }
@@ -183,9 +179,7 @@ class Quantities {
   const GivenParameters& known_;
   const std::vector<JointRate>& searched_;
   JointLayout layout_;
-  double typical_A_;
-  double lowest_soc_;  // where there were loads, on the axis of the fit
-  double highest_soc_;
+  const FitScales& scales_;
   FitAxis axis_;
 };
 

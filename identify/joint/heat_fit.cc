@@ -45,6 +45,7 @@ Warming WarmingOf(const Cell& cell, const LoadedLog& log) {
 
 // R_th and the squared error for a time constant; logs count the same.
 struct AtTau {
+  double tau_s = 0.0;
   double thermal_resistance_K_per_W = 0.0;
   double mean_square_K2 = std::numeric_limits<double>::infinity();
 };
@@ -68,15 +69,11 @@ AtTau Solve(const std::vector<const Warming*>& logs, double tau_s) {
     }
   }
   if (!(with_itself > 0.0) || !(with_rest > 0.0)) return {};
-  return {with_rest / with_itself, std::max(rest - with_rest * with_rest / with_itself, 0.0)};
+  return {
+      tau_s, with_rest / with_itself, std::max(rest - with_rest * with_rest / with_itself, 0.0)};
 }
 
-struct Found {
-  double tau_s = 0.0;
-  AtTau at;
-};
-
-Found Search(const std::vector<const Warming*>& logs) {
+AtTau Search(const std::vector<const Warming*>& logs) {
   constexpr double kShortest_s = 30.0;
   constexpr double kLongest_s = 3e4;
   constexpr int kPoints = 24;
@@ -96,7 +93,7 @@ Found Search(const std::vector<const Warming*>& logs) {
   std::uintmax_t most = 60;
   const double log_tau =
       boost::math::tools::brent_find_minima(cost, best - width, best + width, kBits, most).first;
-  return {std::exp(log_tau), Solve(logs, std::exp(log_tau))};
+  return Solve(logs, std::exp(log_tau));
 }
 
 // The covariance of two estimates over what leaving one out gives, Tukey's jackknife.
@@ -119,7 +116,8 @@ struct AllWarming {
   double largest_rise_K = 0.0;
 };
 
-AllWarming WarmingOfAll(const Cell& one, const std::vector<LoadedLog>& logs) {
+AllWarming WarmingOfAll(Cell one, const std::vector<LoadedLog>& logs) {
+  one.series = one.parallel = 1;
   std::vector<const LoadedLog*> used;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;
@@ -146,24 +144,24 @@ std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& 
   if (fit.largest_rise_K < kLeastRise_K) return std::nullopt;
   std::vector<const Warming*> seen;
   for (const Warming& log : all.logs) seen.push_back(&log);
-  const Found best = Search(seen);
-  if (!std::isfinite(best.at.mean_square_K2)) return std::nullopt;
-  const auto balance_of = [](const Found& found) {
+  const AtTau best = Search(seen);
+  if (!std::isfinite(best.mean_square_K2)) return std::nullopt;
+  const auto balance_of = [](const AtTau& found) {
     return HeatBalance<double>{
-        .heat_capacity_J_per_K = found.tau_s / found.at.thermal_resistance_K_per_W,
-        .thermal_resistance_K_per_W = found.at.thermal_resistance_K_per_W};
+        .heat_capacity_J_per_K = found.tau_s / found.thermal_resistance_K_per_W,
+        .thermal_resistance_K_per_W = found.thermal_resistance_K_per_W};
   };
   fit.balance = balance_of(best);
-  fit.rmse_K = std::sqrt(best.at.mean_square_K2);
+  fit.rmse_K = std::sqrt(best.mean_square_K2);
   std::vector<double> capacities;
   std::vector<double> resistances;
   for (std::size_t l = 0; l < seen.size() && seen.size() > 2; ++l) {
     auto rest = seen;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(l));
-    const Found without = Search(rest);
-    if (!std::isfinite(without.at.mean_square_K2)) continue;
+    const AtTau without = Search(rest);
+    if (!std::isfinite(without.mean_square_K2)) continue;
     capacities.push_back(balance_of(without).heat_capacity_J_per_K);
-    resistances.push_back(without.at.thermal_resistance_K_per_W);
+    resistances.push_back(without.thermal_resistance_K_per_W);
   }
   fit.heat_capacity_standard_error_J_per_K = std::sqrt(Jackknife(capacities, capacities));
   fit.thermal_resistance_standard_error_K_per_W = std::sqrt(Jackknife(resistances, resistances));
@@ -176,7 +174,6 @@ std::optional<HeatFit> FitHeatOf(const Cell& one, const std::vector<LoadedLog>& 
 std::optional<HeatFit> FitHeat(const Cell& cell, const std::vector<LoadedLog>& logs) {
   Require(cell.temperature.has_value(), "a cell that knows temperature");
   Cell one = cell;
-  one.series = one.parallel = 1;
   auto with = FitHeatOf(one, logs);
   if (with) with->rmse_reversible_K = with->rmse_K;
   if (!one.temperature->entropy) return with;
@@ -192,9 +189,7 @@ std::optional<HeatFit> PlanHeat(const Cell& cell,
                                 const std::vector<LoadedLog>& logs,
                                 double temperature_noise_K) {
   if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
-  Cell one = cell;
-  one.series = one.parallel = 1;
-  const AllWarming all = WarmingOfAll(one, logs);
+  const AllWarming all = WarmingOfAll(cell, logs);
   HeatFit fit;
   fit.balance = *cell.temperature->heat;
   fit.logs = all.logs.size();

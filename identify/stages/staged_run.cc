@@ -118,8 +118,7 @@ class StagedRun {
     std::vector<const LoadedLog*> all = constant;
     all.insert(all.end(), low_rate.begin(), low_rate.end());
     all.insert(all.end(), pulses.begin(), pulses.end());
-    std::vector<std::optional<DischargeTime>> discharges(constant.size());
-    std::vector<double> shortest_pulse_s(pulses.size(), shortest_pulse_s_);
+    discharges_.resize(constant.size());
     pulse_segments_.resize(pulses.size());
     const auto place = [](const auto& of, const LoadedLog& log) {
       return static_cast<std::size_t>(std::find(of.begin(), of.end(), &log) - of.begin());
@@ -129,36 +128,32 @@ class StagedRun {
       switch (log.entry.kind) {
         case LogKind::kConstantCurrent: {
           const Discharge d = FindDischarge(log.log.record, *campaign_.cutoff_V);
-          discharges[place(constant, log)] = {.file = log.entry.file,
-                                              .current_A = d.current_A,
-                                              .time_s = d.time_s(),
-                                              .initial_soc = StartOfDischarge(log.entry),
-                                              .weight = log.entry.weight};
+          discharges_[place(constant, log)] = {.file = log.entry.file,
+                                               .current_A = d.current_A,
+                                               .time_s = d.time_s(),
+                                               .initial_soc = StartOfDischarge(log.entry),
+                                               .weight = log.entry.weight};
           break;
         }
         case LogKind::kLowRate:
           if (&log == low_rate_)
             low_rate_discharge_ = FindLowRateDischarge(log.log.record, campaign_.capacity_Ah);
           break;
-        case LogKind::kPulses: {
-          const std::size_t k = place(pulses, log);
-          pulse_segments_[k] = FindPulses(log.log.record);
-          for (const Segment& segment : pulse_segments_[k]) {
-            double& shortest_s = shortest_pulse_s[k];
-            if (segment.kind == SegmentKind::kPulse)
-              shortest_s = std::min(shortest_s, segment.duration_s());
-          }
+        case LogKind::kPulses:
+          pulse_segments_[place(pulses, log)] = FindPulses(log.log.record);
           break;
-        }
         case LogKind::kLowRateCharge:
         case LogKind::kFlight:
         case LogKind::kValidation:
           break;
       }
     });
-    for (auto& discharge : discharges) discharges_.push_back(std::move(*discharge));
-    for (const double shortest_s : shortest_pulse_s)
-      shortest_pulse_s_ = std::min(shortest_pulse_s_, shortest_s);
+    for (const auto& segments : pulse_segments_) {
+      for (const Segment& segment : segments) {
+        if (segment.kind == SegmentKind::kPulse)
+          shortest_pulse_s_ = std::min(shortest_pulse_s_, segment.duration_s());
+      }
+    }
     if (low_rate_ != nullptr) result_.low_rate_charge_C = low_rate_discharge_.charge_C;
     if (low_rate.size() > 1) {
       result_.done_instead.push_back(
