@@ -10,6 +10,7 @@
 
 #include "identify/joint/joint_model.h"
 #include "model/battery/cell_file.h"
+#include "model/battery/cell_model.h"
 
 namespace lipoid::test {
 
@@ -39,6 +40,29 @@ inline JointExample ExampleOfTables() {
   e.cell.branches = {{table(0.02), 8.0, {}}, {table(0.03), 200.0, {}}};
   e.cell.charge_transfer = Cell::ChargeTransfer{.current_A = 1.3, .resistance_Ohm = table(0.05)};
   return e;
+}
+
+/// Its cell as simulations step it, in a scalar that carries its derivatives: those in beta and in both
+/// time constants stand at 0 to 2, that in i_0 where it is told.
+template <class Jet>
+CellParameters<Jet> DifferentiableTables(const Cell& cell, int of_transfer) {
+  const CellParameters<double> p = cell.Parameters();
+  const auto table = [](const Resistance<double>& r) {
+    return Resistance<Jet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
+  };
+  CellParameters<Jet> jets;
+  jets.alpha_C = Jet(p.alpha_C);
+  jets.beta_per_sqrt_s = Jet(p.beta_per_sqrt_s, 0);
+  jets.terms = p.terms;
+  jets.tail = p.tail;
+  jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
+  for (int j = 0; j < 2; ++j)
+    jets.branches.push_back(
+        {table(p.branches[j].resistance_Ohm), Jet(p.branches[j].time_constant_s, 1 + j)});
+  jets.open_circuit_voltage = p.open_circuit_voltage;
+  jets.charge_transfer = ChargeTransfer<Jet>{Jet(p.charge_transfer->current_A, of_transfer),
+                                             table(p.charge_transfer->resistance_Ohm)};
+  return jets;
 }
 
 inline void AddSelfHeating(JointExample& e) {

@@ -53,24 +53,10 @@ TEST(JointSweep, RowsAreThoseOfTheCellModel) {
 // The cell that simulations step, in a scalar that carries its derivatives.
 using RateJet = ceres::Jet<double, 5>;
 CellParameters<RateJet> DifferentiableInRates(const JointExample& e) {
-  const CellParameters<double> p = e.cell.Parameters();
-  const auto table = [](const Resistance<double>& r) {
-    return Resistance<RateJet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
-  };
-  CellParameters<RateJet> jets;
-  jets.alpha_C = RateJet(p.alpha_C);
-  jets.beta_per_sqrt_s = RateJet(p.beta_per_sqrt_s, 0);
-  jets.terms = p.terms;
-  jets.tail = p.tail;
-  jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
-  for (int j = 0; j < 2; ++j)
-    jets.branches.push_back(
-        {table(p.branches[j].resistance_Ohm), RateJet(p.branches[j].time_constant_s, 1 + j)});
-  jets.open_circuit_voltage = p.open_circuit_voltage;
-  jets.self_heating = SelfHeating<RateJet>{RateJet(p.self_heating->time_constant_s, 3),
-                                           RateJet(p.self_heating->resistance_drop_Ohm_per_A2)};
-  jets.charge_transfer = ChargeTransfer<RateJet>{RateJet(p.charge_transfer->current_A, 4),
-                                                 table(p.charge_transfer->resistance_Ohm)};
+  CellParameters<RateJet> jets = test::DifferentiableTables<RateJet>(e.cell, 4);
+  const SelfHeating<double>& term = *e.cell.self_heating;
+  jets.self_heating = SelfHeating<RateJet>{RateJet(term.time_constant_s, 3),
+                                           RateJet(term.resistance_drop_Ohm_per_A2)};
   return jets;
 }
 

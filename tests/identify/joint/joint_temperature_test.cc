@@ -81,21 +81,7 @@ TEST(JointTemperature, RowsAreThoseOfTheCellModel) {
 using EnergyJet = ceres::Jet<double, 9>;
 CellParameters<EnergyJet> DifferentiableInEnergies(const JointExample& e) {
   const CellParameters<double> p = e.cell.Parameters();
-  const auto table = [](const Resistance<double>& r) {
-    return Resistance<EnergyJet>(r.soc, {r.resistance_Ohm.begin(), r.resistance_Ohm.end()});
-  };
-  CellParameters<EnergyJet> jets;
-  jets.alpha_C = EnergyJet(p.alpha_C);
-  jets.beta_per_sqrt_s = EnergyJet(p.beta_per_sqrt_s, 0);
-  jets.terms = p.terms;
-  jets.tail = p.tail;
-  jets.series_resistance_Ohm = table(p.series_resistance_Ohm);
-  for (int j = 0; j < 2; ++j)
-    jets.branches.push_back(
-        {table(p.branches[j].resistance_Ohm), EnergyJet(p.branches[j].time_constant_s, 1 + j)});
-  jets.open_circuit_voltage = p.open_circuit_voltage;
-  jets.charge_transfer = ChargeTransfer<EnergyJet>{EnergyJet(p.charge_transfer->current_A, 3),
-                                                   table(p.charge_transfer->resistance_Ohm)};
+  CellParameters<EnergyJet> jets = test::DifferentiableTables<EnergyJet>(e.cell, 3);
   TemperatureDependence<EnergyJet>& term = jets.temperature.emplace();
   term.diffusion_J_per_mol = EnergyJet(p.temperature->diffusion_J_per_mol, 4);
   term.series_J_per_mol = EnergyJet(p.temperature->series_J_per_mol, 5);
