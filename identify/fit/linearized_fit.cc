@@ -51,10 +51,6 @@ class Quantities {
   [[nodiscard]] bool Active(int unknown) const {
     return solution_.active[static_cast<std::size_t>(unknown)] != 0;
   }
-  [[nodiscard]] bool AtBound(const std::string& rate) const {
-    const auto& names = solution_.at_bound;
-    return std::find(names.begin(), names.end(), rate) != names.end();
-  }
   /// -1: it was given.
   [[nodiscard]] Eigen::Index Searched(const std::string& rate) const {
     const auto found = std::find(fit_.rates.begin(), fit_.rates.end(), rate);
@@ -79,7 +75,7 @@ class Quantities {
     if (name == "beta") q.upper = 1.0;
     if (name == "i_off") q.lower = -std::numeric_limits<double>::infinity();
     q.combination[at] = scale;
-    q.at_bound = AtBound(rate);
+    q.at_bound = solution_.AtBound(rate);
     fit_.quantities.push_back(std::move(q));
   }
 
@@ -224,9 +220,7 @@ LinearizedFit Linearize(const Observations& seen,
   for (const JointRate& rate : searched) {
     all.rates.push_back(rate.name);
     all.slots.push_back(rate.slot);
-    const auto& names = solution.at_bound;
-    if (std::find(names.begin(), names.end(), rate.name) != names.end())
-      all.held.push_back(all.Linear(0) - 1);
+    if (solution.AtBound(rate.name)) all.held.push_back(all.Linear(0) - 1);
   }
   for (int k = 0; k < layout.size(); ++k) {
     if (solution.active[static_cast<std::size_t>(k)]) all.held.push_back(all.Linear(k));

@@ -12,6 +12,7 @@
 /// v_oc it takes them from the reference curve. lambda, the smoothness, only decides where the data
 /// do not. Tests: tests/identify/joint/joint_fit_test.cc.
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 #include <string>
@@ -38,6 +39,10 @@ struct JointSolution {
   std::vector<std::string> at_bound;                        ///< rates that stand at a bound
   Termination termination = Termination::kNotRun;           ///< of the last polish
   std::string message;                                      ///< why that ended
+
+  [[nodiscard]] bool AtBound(const std::string& rate) const {
+    return std::find(at_bound.begin(), at_bound.end(), rate) != at_bound.end();
+  }
 };
 
 /// The same solution with its branches by rising time constant, those without resistance last: the

@@ -544,8 +544,7 @@ class JointRun {
     if (!result_.setup.diffusion || given_.reference || known_.Bounds("beta") ||
         best.structure.temperature || result_.logs.groups < 2)
       return false;
-    return std::find(best.at_bound.begin(), best.at_bound.end(), "beta") != best.at_bound.end() &&
-           best.rates.beta_per_sqrt_s > kShowsNone_per_sqrt_s;
+    return best.AtBound("beta") && best.rates.beta_per_sqrt_s > kShowsNone_per_sqrt_s;
   }
 
   // From the beginning: tables and branches may follow what diffusion at its limit gets wrong.

@@ -89,7 +89,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     const auto c = fmt::format("c_{}", j + 1);
     if (known.Fixed(r) || known.Fixed(tau) || known.Fixed(c)) continue;
     const double tau_s = best.rates.time_constant_s[static_cast<std::size_t>(j)];
-    const bool instant = !known.Fixed("r_s") && !known.Bounds(tau) && Has(best.at_bound, tau) &&
+    const bool instant = !known.Fixed("r_s") && !known.Bounds(tau) && best.AtBound(tau) &&
                          tau_s < 2.0 * scales.shortest_tau_s;
     if (!instant && best.x[1 + j] > kNothing * typical.series_resistance_Ohm) continue;
     rest.bounds.erase(r);
@@ -117,7 +117,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
   const auto at_bound = [&](const std::string& name, bool is) {
     if (is) result.at_bound.push_back(name);
   };
-  at_bound("beta", Has(best.at_bound, "beta"));
+  at_bound("beta", best.AtBound("beta"));
   at_bound("r_s", best.active[0] && !Has(result.fixed, "r_s"));
   for (int j = 0; j < options.branches; ++j) {
     const auto r = fmt::format("r_{}", j + 1);
@@ -126,7 +126,7 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     const bool follows = best.follows[static_cast<std::size_t>(j)];
     const bool free = !Has(result.fixed, r);
     at_bound(r, free && best.active[static_cast<std::size_t>(1 + j)] && !follows);
-    at_bound(tau, best.x[1 + j] > 0.0 && Has(best.at_bound, tau));
+    at_bound(tau, best.x[1 + j] > 0.0 && best.AtBound(tau));
     at_bound(c, follows && !Has(result.fixed, c));
   }
   result.solution = std::move(best);
