@@ -69,18 +69,6 @@ double KeepNested(PulseFitResult& fit,
   return mean_square_before;
 }
 
-std::vector<double> Criterion(const std::vector<PulseFitResult>& fits,
-                              const std::vector<double>& mean_square,
-                              const PulseStudy& study,
-                              double effective_rows) {
-  std::vector<double> criterion;
-  criterion.reserve(fits.size());
-  for (std::size_t n = 0; n < fits.size(); ++n)
-    criterion.push_back(effective_rows * std::log(mean_square[n]) +
-                        study.FreeParameters(fits[n]) * std::log(effective_rows));
-  return criterion;
-}
-
 }  // namespace
 
 StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress) {
@@ -111,8 +99,13 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
                                      idle_s));
   }
   const double effective_rows = EffectiveRows(study.Residuals(sweep, fits.back().parameters));
-  const auto criterion = Criterion(fits, mean_square, study, effective_rows);
-  const auto best = std::min_element(criterion.begin(), criterion.end()) - criterion.begin();
+  std::vector<double> above;  // of the criterion, above its least
+  for (std::size_t n = 0; n < fits.size(); ++n)
+    above.push_back(effective_rows * std::log(mean_square[n]) +
+                    study.FreeParameters(fits[n]) * std::log(effective_rows));
+  const auto best = std::min_element(above.begin(), above.end()) - above.begin();
+  for (const double least = above[static_cast<std::size_t>(best)]; double& criterion : above)
+    criterion -= least;
 
   StudyResult result;
   result.columns = {{"branches", "branches"},
@@ -128,19 +121,18 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
   for (std::size_t n = 0; n < fits.size(); ++n) {
     const auto& fit = fits[n];
     named.push_back({fmt::format("{} branch{}", n, n == 1 ? "" : "es"), &fit});
-    result.rows.push_back(
-        {{"branches", n},
-         {"wall_s", fit.wall_s},
-         {"mean_error_percent", fit.errors.mean_error_percent},
-         {"max_error_percent", fit.errors.max_error_percent},
-         {"rmse_V", fit.errors.rmse},
-         {"free_parameters", study.FreeParameters(fit)},
-         {"information_criterion", criterion[n] - criterion[static_cast<std::size_t>(best)]},
-         {"recommended", static_cast<std::ptrdiff_t>(n) == best},
-         {"termination", options_internal::ToText(fit.termination)},
-         {"at_bound", fit.at_bound},
-         {"evaluations", fit.evaluations},
-         {"parameters", study.Parameters(fit.parameters)}});
+    result.rows.push_back({{"branches", n},
+                           {"wall_s", fit.wall_s},
+                           {"mean_error_percent", fit.errors.mean_error_percent},
+                           {"max_error_percent", fit.errors.max_error_percent},
+                           {"rmse_V", fit.errors.rmse},
+                           {"free_parameters", study.FreeParameters(fit)},
+                           {"information_criterion", above[n]},
+                           {"recommended", static_cast<std::ptrdiff_t>(n) == best},
+                           {"termination", options_internal::ToText(fit.termination)},
+                           {"at_bound", fit.at_bound},
+                           {"evaluations", fit.evaluations},
+                           {"parameters", study.Parameters(fit.parameters)}});
   }
   result.facts = {{"recommended_branches", best},
                   {"data_rows", fits.back().errors.rows},
@@ -154,12 +146,11 @@ StudyResult StudyBranches(const StudyInput& input, const StudyProgress& progress
                   fits.back().errors.rows,
                   effective_rows));
   for (std::size_t n = 0; n < fits.size(); ++n) {
-    const double above = criterion[n] - criterion[static_cast<std::size_t>(best)];
-    if (static_cast<std::ptrdiff_t>(n) == best || above >= kHardlyWorse) continue;
+    if (static_cast<std::ptrdiff_t>(n) == best || above[n] >= kHardlyWorse) continue;
     result.remarks.push_back(fmt::format(
         "{} would do nearly as well ({:.3g} above): these logs hardly decide between the two",
         n,
-        above));
+        above[n]));
   }
   return result;
 }

@@ -24,34 +24,23 @@ struct Form {
 // errors go.
 std::vector<Form> Forms(const OcvFitOptions& options) {
   std::vector<Form> forms;
-  const auto add = [&](std::string name, OcvMethod method, int OcvFitOptions::*size, int value) {
-    OcvFitOptions form = options;
-    form.method = method;
-    form.*size = value;
-    form.interpolate_up_to = 0;  // nodes as many as the row says, however few rows there are
-    forms.push_back({std::move(name), form});
+  const auto add = [&](std::string_view words,
+                       OcvMethod method,
+                       int OcvFitOptions::*size,
+                       std::initializer_list<int> sizes) {
+    for (const int value : sizes) {
+      OcvFitOptions form = options;
+      form.method = method;
+      form.*size = value;
+      form.interpolate_up_to = 0;  // nodes as many as the row says, however few rows there are
+      forms.push_back({fmt::format(fmt::runtime(words), value), form});
+    }
   };
-  for (const int knots : {25, 50, 100, 200, 400}) {
-    add(fmt::format("linear, {} nodes", knots), OcvMethod::kLinear, &OcvFitOptions::knots, knots);
-  }
-  for (const int knots : {25, 50, 100, 200}) {
-    add(fmt::format("monotone cubic, {} nodes", knots),
-        OcvMethod::kMonotoneCubic,
-        &OcvFitOptions::knots,
-        knots);
-  }
-  for (const int degree : {3, 5, 7, 9, 12, 15, 20}) {
-    add(fmt::format("polynomial, degree {}", degree),
-        OcvMethod::kPolynomial,
-        &OcvFitOptions::degree,
-        degree);
-  }
-  for (const int harmonics : {3, 5, 7, 9, 12}) {
-    add(fmt::format("Fourier, {} harmonics", harmonics),
-        OcvMethod::kFourier,
-        &OcvFitOptions::harmonics,
-        harmonics);
-  }
+  using Of = OcvFitOptions;
+  add("linear, {} nodes", OcvMethod::kLinear, &Of::knots, {25, 50, 100, 200, 400});
+  add("monotone cubic, {} nodes", OcvMethod::kMonotoneCubic, &Of::knots, {25, 50, 100, 200});
+  add("polynomial, degree {}", OcvMethod::kPolynomial, &Of::degree, {3, 5, 7, 9, 12, 15, 20});
+  add("Fourier, {} harmonics", OcvMethod::kFourier, &Of::harmonics, {3, 5, 7, 9, 12});
   return forms;
 }
 
