@@ -121,15 +121,15 @@ PlannedExperiment PlanCampaign(const Cell& cell,
   const Cell planned = AsPlanned(cell);
   PlannedExperiment plan;
   for (const TestPlan& test : plans) {
-    if (test.kind == LogKind::kPulses) plan.refused = WhyNoPulses(planned, test, sampling);
+    if (test.kind != LogKind::kPulses) continue;
+    plan.refused = WhyNoPulses(planned, test, sampling);
     if (!plan.refused.empty()) return plan;
+    plan.current_A = test.stages[0].current_A;
   }
   const std::vector<LoadedLog> logs = PlannedLogs(planned, plans, sampling);
   plan.coldest_degC = kInfinity;
   plan.warmest_degC = -kInfinity;
-  for (const TestPlan& test : plans) {
-    if (test.kind == LogKind::kPulses) plan.current_A = test.stages[0].current_A;
-  }
+
   double sum_degC = 0.0;
   for (const LoadedLog& log : logs) {
     const Record& record = log.log.record;

@@ -66,8 +66,8 @@ class Advisor {
       if (Split(q.name).branch == branch) done_.push_back(q.name);
     }
   }
-  [[nodiscard]] bool Open(const QuantityTrust& q) const {
-    return std::find(done_.begin(), done_.end(), q.name) == done_.end();
+  [[nodiscard]] bool Open(const std::string& name) const {
+    return std::find(done_.begin(), done_.end(), name) == done_.end();
   }
 
   // The thesis' situation: r_j -> 0 leaves tau_j (or c_j) at its start.
@@ -102,7 +102,7 @@ class Advisor {
   std::optional<std::string> BranchTooFast() {
     for (const auto& q : report_.quantities) {
       const Name name = Split(q.name);
-      if (name.family != "tau" || !Open(q) || q.verdict == Verdict::kIdentified) continue;
+      if (name.family != "tau" || !Open(q.name) || q.verdict == Verdict::kIdentified) continue;
       if (!(q.estimate < report_.sampling_s)) continue;
       const std::string branch(name.branch);
       Done(branch);
@@ -122,12 +122,10 @@ class Advisor {
     // The widest of them, with its partners.
     const QuantityTrust* worst = nullptr;
     for (const auto& q : report_.quantities) {
-      if (q.verdict != Verdict::kOnlyInCombination || !Open(q)) continue;
+      if (q.verdict != Verdict::kOnlyInCombination || !Open(q.name)) continue;
       // A partner of which all is said already tells nothing new.
-      if (std::all_of(q.with.begin(), q.with.end(), [&](const auto& name) {
-            return std::find(done_.begin(), done_.end(), name) != done_.end();
-          }))
-        continue;
+      const auto is_open = [&](const auto& name) { return Open(name); };
+      if (std::none_of(q.with.begin(), q.with.end(), is_open)) continue;
       if (worst == nullptr || q.relative_standard_error > worst->relative_standard_error)
         worst = &q;
     }
@@ -138,7 +136,7 @@ class Advisor {
       const bool related = std::any_of(q.with.begin(), q.with.end(), [&](const auto& name) {
         return std::find(group.begin(), group.end(), name) != group.end();
       });
-      if (related && std::find(group.begin(), group.end(), q.name) == group.end() && Open(q))
+      if (related && std::find(group.begin(), group.end(), q.name) == group.end() && Open(q.name))
         group.push_back(q.name);
     }
     done_.insert(done_.end(), group.begin(), group.end());
@@ -181,7 +179,7 @@ class Advisor {
   std::optional<std::string> AtBound() {
     std::vector<std::string> names;
     for (const auto& q : report_.quantities) {
-      if (q.verdict == Verdict::kAtBound && Open(q)) names.push_back(q.name);
+      if (q.verdict == Verdict::kAtBound && Open(q.name)) names.push_back(q.name);
     }
     if (names.empty()) return std::nullopt;
     return names.size() == 1
@@ -198,7 +196,8 @@ class Advisor {
     const QuantityTrust* worst = nullptr;
     std::size_t weak = 0;
     for (const auto& q : report_.quantities) {
-      if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q)) continue;
+      if (q.verdict == Verdict::kIdentified || q.verdict == Verdict::kAtBound || !Open(q.name))
+        continue;
       if (q.verdict == Verdict::kOnlyInCombination) continue;  // said, or its partner was
       // A capacitance is as weak as the two that it is made of.
       if (Split(q.name).family == "c" &&
