@@ -16,10 +16,6 @@ namespace {
 // Closer than this to zero, beside the typical series resistance, no data would tell the difference.
 constexpr double kNothing = 1e-6;
 
-bool Has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 }  // namespace
 
 FitScales PulseFitScales(const VoltageSweep& sweep, const StartValues& data) {
@@ -118,16 +114,16 @@ PulseFitResult FitPulses(const VoltageSweep& sweep,
     if (is) result.at_bound.push_back(name);
   };
   at_bound("beta", best.AtBound("beta"));
-  at_bound("r_s", best.active[0] && !Has(result.fixed, "r_s"));
+  at_bound("r_s", best.active[0] && !known.Fixed("r_s"));
   for (int j = 0; j < options.branches; ++j) {
     const auto r = fmt::format("r_{}", j + 1);
     const auto tau = fmt::format("tau_{}", j + 1);
     const auto c = fmt::format("c_{}", j + 1);
     const bool follows = best.follows[static_cast<std::size_t>(j)];
-    const bool free = !Has(result.fixed, r);
+    const bool free = !known.Fixed(r);
     at_bound(r, free && best.active[static_cast<std::size_t>(1 + j)] && !follows);
     at_bound(tau, best.x[1 + j] > 0.0 && best.AtBound(tau));
-    at_bound(c, follows && !Has(result.fixed, c));
+    at_bound(c, follows && !known.Fixed(c));
   }
   result.solution = std::move(best);
   const SweepErrors errors = sweep.Errors(result.parameters);

@@ -90,10 +90,6 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
   for (int j = 0; j < options.branches; ++j)
     start.sweep.time_constant_s.push_back(scales.TimeConstant(j, options.branches));
 
-  const auto logarithmic = [&](const PulseVariable& v) {
-    return options.scale == ParameterScale::kLog ||
-           (options.scale == ParameterScale::kMixed && !v.resistive());
-  };
   const auto add = [&](PulseVariable v) {
     double& entry = Entry(start, v);
     if (const auto fixed = known.Fixed(v.name)) {
@@ -101,7 +97,8 @@ PulseUnknowns FindPulseUnknowns(const JointSetup& setup,
       return;
     }
     if (const auto begin = known.Start(v.name)) entry = *begin;
-    v.logarithmic = logarithmic(v);
+    v.logarithmic = options.scale == ParameterScale::kLog ||
+                    (options.scale == ParameterScale::kMixed && !v.resistive());
     // A logarithm never reaches 0: far below what any log could show stands for it.
     if (v.logarithmic && v.lower == 0.0) v.lower = 1e-6 * v.unit;
     if (const auto bounds = known.Bounds(v.name)) {
