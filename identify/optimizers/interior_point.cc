@@ -159,24 +159,16 @@ class BarrierProblem : public Ipopt::TNLP {
 
 Ipopt::ApplicationReturnStatus Solve(BarrierProblem* problem, int most) {
   Ipopt::IpoptApplication ipopt(false);  // no console
-  auto set = [&](const char* name, auto value) {
-    if constexpr (std::is_same_v<decltype(value), int>) {
-      ipopt.Options()->SetIntegerValue(name, value);
-    } else if constexpr (std::is_same_v<decltype(value), double>) {
-      ipopt.Options()->SetNumericValue(name, value);
-    } else {
-      ipopt.Options()->SetStringValue(name, value);
-    }
-  };
-  set("print_level", 0);
-  set("sb", "yes");
-  set("option_file_name", "");
-  set("max_iter", most);
-  set("tol", 1e-11);
-  set("bound_relax_factor", 0.0);
-  set("nlp_lower_bound_inf", -1e300);
-  set("nlp_upper_bound_inf", 1e300);
-  set("hessian_approximation", problem->newton() ? "exact" : "limited-memory");
+  const auto options = ipopt.Options();
+  options->SetIntegerValue("print_level", 0);
+  options->SetStringValue("sb", "yes");
+  options->SetStringValue("option_file_name", "");
+  options->SetIntegerValue("max_iter", most);
+  options->SetNumericValue("tol", 1e-11);
+  options->SetNumericValue("bound_relax_factor", 0.0);
+  options->SetNumericValue("nlp_lower_bound_inf", -1e300);
+  options->SetNumericValue("nlp_upper_bound_inf", 1e300);
+  options->SetStringValue("hessian_approximation", problem->newton() ? "exact" : "limited-memory");
   const auto status = ipopt.Initialize();
   if (status != Ipopt::Solve_Succeeded) return status;
   return ipopt.OptimizeTNLP(problem);

@@ -41,8 +41,7 @@ constexpr Method MethodOf(NloptMethod method) {
 struct Evaluation {
   Monitor& monitor;
   nlopt_opt library;
-  bool uses_gradient;
-  bool smooth;
+  const Method& method;
   int max_iterations;
   double unit;     // NLopt sees costs relative to that of the start: some tolerances are absolute
   double highest;  // cost seen
@@ -62,12 +61,12 @@ double CostOf(unsigned n, const double* x, double* gradient, void* data) {
     if (!std::isfinite(cost)) slope.setZero();
     Eigen::Map<Eigen::VectorXd>(gradient, size) = slope / call.unit;
   }
-  if (gradient != nullptr || !call.uses_gradient) call.monitor.CountIterations();
+  if (gradient != nullptr || !call.method.uses_gradient) call.monitor.CountIterations();
   if (call.monitor.must_stop() || call.monitor.iterations() >= call.max_iterations) {
     nlopt_force_stop(call.library);
   }
   // A quadratic model cannot pass through infinity: there the wall is as high as the hills.
-  if (!std::isfinite(cost)) return call.smooth ? call.highest / call.unit : HUGE_VAL;
+  if (!std::isfinite(cost)) return call.method.smooth ? call.highest / call.unit : HUGE_VAL;
   call.highest = std::max(call.highest, cost);
   return cost / call.unit;
 }
@@ -146,8 +145,7 @@ OptimizationSummary Minimize(const Method& method,
   if (library == nullptr) throw std::bad_alloc();
   Evaluation call{.monitor = monitor,
                   .library = library.get(),
-                  .uses_gradient = method.uses_gradient,
-                  .smooth = method.smooth,
+                  .method = method,
                   .max_iterations = most,
                   .unit = Unit(monitor, method.uses_gradient),
                   .highest = monitor.best_cost()};
