@@ -42,8 +42,8 @@ class Nodes {
     }
   }
 
-  // The cell has the nodes that rows reached, on an axis of its own alpha. A table of one node is a number, and among
-  // the quantities.
+  // The cell has the nodes that rows reached, on an axis of its own alpha. A table of one node is a
+  // number, and among the quantities.
   void AddTable(const std::string& name,
                 const std::vector<double>& in_cell,
                 const std::vector<double>& nodes,

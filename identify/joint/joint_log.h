@@ -108,8 +108,8 @@ struct JointLogs {
   double highest_loaded_soc = kInfinity;
 };
 
-/// The points of the logs, which no alpha moves and which have no weight yet: of all but those of kind
-/// validation, or of those of one kind only.
+/// The points of the logs, which no alpha moves and which have no weight yet: of all but those of
+/// kind validation, or of those of one kind only.
 [[nodiscard]] JointLogs MakeJointPoints(const std::vector<LoadedLog>& logs,
                                         std::optional<LogKind> only = {});
 /// Weighs the points, again for another alpha, by the slope of `curve` at 1 - charge/alpha.

@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// Forms of a curve v_oc(A), each by least squares over rows under load, of which a fit may be shown
-/// all or a part.
+/// Forms of a curve v_oc(A), each by least squares over rows under load, of which a fit may be
+/// shown all or a part.
 ///
 /// On nodes, with straight lines between (curve_on_nodes.cc): nodes stand densely where the curve
 /// falls fast, for they share out its length. Of smooth functions over the whole range

@@ -42,8 +42,8 @@ inline JointExample ExampleOfTables() {
   return e;
 }
 
-/// Its cell as simulations step it, in a scalar that carries its derivatives: those in beta and in both
-/// time constants stand at 0 to 2, that in i_0 where it is told.
+/// Its cell as simulations step it, in a scalar that carries its derivatives: those in beta and in
+/// both time constants stand at 0 to 2, that in i_0 where it is told.
 template <class Jet>
 CellParameters<Jet> DifferentiableTables(const Cell& cell, int of_transfer) {
   const CellParameters<double> p = cell.Parameters();

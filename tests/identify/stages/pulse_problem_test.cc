@@ -43,9 +43,9 @@ JointSetup SmallSetup() {
   return {.alpha_C = 2000.0, .terms = 6, .tail = true, .open_circuit_voltage = CurveOfPolynomial()};
 }
 
-// Two branches of which the first is described by its capacitance where capacitances are the unknowns: value
-// and gradient of 1/2 ||r||² in natural parameters (beta, r_s, r_1, r_2, then what stands beside),
-// by automatic differentiation of the cell itself.
+// Two branches of which the first is described by its capacitance where those are the unknowns:
+// value and gradient of 1/2 ||r||² in natural parameters (beta, r_s, r_1, r_2, then what stands
+// beside), by automatic differentiation of the cell itself.
 PulseJet CostByJets(const Record& record, const PulseParameters& p) {
   CellParameters<PulseJet> cell;
   const JointSetup setup = SmallSetup();
