@@ -123,26 +123,27 @@ void GainProblem::Run(std::size_t k, const BasicErrorGains<T>& gains, Visit&& vi
 }
 
 GainProblem::Parameterised GainProblem::At(const Eigen::VectorXd& x) const {
-  const double error = x[0] * bounds_.proportional;
-  const double integral = x[1] * bounds_.integral;
-  const double rate = x[2] * bounds_.derivative;
   if (!regulator_) {
-    return {{.proportional = error, .integral = integral, .derivative = rate},
+    return {{.proportional = x[0] * bounds_.proportional,
+             .integral = x[1] * bounds_.integral,
+             .derivative = x[2] * bounds_.derivative},
             {ErrorGains{.proportional = bounds_.proportional},
              ErrorGains{.integral = bounds_.integral},
              ErrorGains{.derivative = bounds_.derivative}}};
   }
   const RegulatorGains of =
-      AxisRegulator({.error_per_s2 = error, .integral_per_s3 = integral, .rate_per_s = rate});
+      AxisRegulator({.error_per_s2 = std::sqrt(std::max(x[0], 0.0)) * bounds_.proportional,
+                     .integral_per_s3 = x[1] * bounds_.integral,
+                     .rate_per_s = std::sqrt(std::max(x[2], 0.0)) * bounds_.derivative});
   const auto times = [](const ErrorGains& gains, double factor) {
     return ErrorGains{.proportional = gains.proportional * factor,
                       .integral = gains.integral * factor,
                       .derivative = gains.derivative * factor};
   };
   return {of.gains,
-          {times(of.per_error, bounds_.proportional),
+          {times(of.per_error, bounds_.proportional * bounds_.proportional),
            times(of.per_integral, bounds_.integral),
-           times(of.per_rate, bounds_.derivative)}};
+           times(of.per_rate, bounds_.derivative * bounds_.derivative)}};
 }
 
 ErrorGains GainProblem::Gains(const Eigen::VectorXd& x) const { return At(x).gains; }
@@ -164,17 +165,18 @@ std::vector<GainBound> GainProblem::AtBound(const Eigen::VectorXd& x) const {
 }
 
 Eigen::VectorXd GainProblem::Point(const ErrorGains& gains) const {
-  Eigen::Vector3d x(gains.proportional, gains.integral, gains.derivative);
+  Eigen::Vector3d x = Eigen::Vector3d(gains.proportional, gains.integral, gains.derivative)
+                          .cwiseQuotient(Eigen::Vector3d(
+                              bounds_.proportional, bounds_.integral, bounds_.derivative));
   if (regulator_) {
     // The nearest weights: not all gains are those of a regulator.
     const double error =
         gains.proportional * gains.proportional - 2.0 * gains.derivative * gains.integral;
     const double rate = gains.derivative * gains.derivative - 2.0 * gains.proportional;
-    x[0] = std::sqrt(std::max(error, 0.0));
-    x[2] = std::sqrt(std::max(rate, 0.0));
+    x[0] = std::max(error, 0.0) / (bounds_.proportional * bounds_.proportional);
+    x[2] = std::max(rate, 0.0) / (bounds_.derivative * bounds_.derivative);
   }
-  return x.cwiseQuotient(
-      Eigen::Vector3d(bounds_.proportional, bounds_.integral, bounds_.derivative));
+  return x;
 }
 
 // How much faster the loop grows than it may.
@@ -297,33 +299,36 @@ GainDesignResult DesignGains(const GainDesign& design,
   // The first weight lets a lack of 0.01/s cost as much as the start, the others more.
   constexpr double kNoticed_per_s = 0.01;
   const double first = problem.CostOf(start) / (kNoticed_per_s * kNoticed_per_s);
-  const auto point = [](const GainDesignResult& found, const Eigen::VectorXd& otherwise) {
-    return found.optimization.x.size() == 3 ? found.optimization.x : otherwise;
+  const auto search = [&](const OptimizerEntry& by,
+                          const OptimizerSettings& with,
+                          const Eigen::VectorXd& begin,
+                          OptimizationSummary& ended) {
+    FoundGains found;
+    double weight = 0.0;
+    for (int round = 0; round < 4 && !found.stable; ++round) {
+      ended = by.Minimize(GainProblem(design, weight), begin, with);
+      if (ended.x.size() != 3) ended.x = begin;
+      found.gains = problem.Gains(ended.x);
+      found.at_bound = problem.AtBound(ended.x);
+      found.cost = 2.0 * problem.Cost(ended.x);
+      found.stable = problem.Stable(found.gains);
+      found.constrained = round > 0;
+      weight = round == 0 ? first : 100.0 * weight;
+    }
+    return found;
   };
-  const auto search =
-      [&](const OptimizerEntry& by, const OptimizerSettings& with, const Eigen::VectorXd& begin) {
-        GainDesignResult found;
-        double weight = 0.0;
-        for (int round = 0; round < 4 && !found.stable; ++round) {
-          found.optimization = by.Minimize(GainProblem(design, weight), begin, with);
-          const Eigen::VectorXd x = point(found, begin);
-          found.gains = problem.Gains(x);
-          found.at_bound = problem.AtBound(x);
-          found.cost = 2.0 * problem.Cost(x);
-          found.stable = problem.Stable(found.gains);
-          found.constrained = round > 0;
-          weight = round == 0 ? first : 100.0 * weight;
-        }
-        return found;
-      };
-  GainDesignResult result = search(optimizer, settings, from);
+  GainDesignResult result;
+  result.search = search(optimizer, settings, from, result.optimization);
   result.start_cost = problem.CostOf(start);
   // The usual options: those of the search may be what kept it from the answer.
   OptimizerSettings usual;
   usual.context = settings.context;
-  const auto polished = search(FindOptimizer("levenberg-marquardt"), usual, point(result, from));
-  const bool better = polished.optimization.usable() && polished.stable;
-  result.polished_cost = better ? std::min(result.cost, polished.cost) : result.cost;
+  OptimizationSummary ended;
+  result.polished =
+      search(FindOptimizer("levenberg-marquardt"), usual, result.optimization.x, ended);
+  const bool better =
+      ended.usable() && result.polished.stable && result.polished.cost < result.search.cost;
+  if (!better) result.polished = result.search;
   return result;
 }
 

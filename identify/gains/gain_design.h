@@ -102,8 +102,8 @@ struct GainBound {
 };
 
 /// Parameters are the gains over their bounds; 1/2 ||r||² is half of the cost. For the control law
-/// lqr they are the roots of the regulator's weights (RegulatorWeights) over the same bounds, from
-/// which the gains follow.
+/// lqr they are the regulator's weights over the same bounds, from which the gains follow: w_I, and
+/// the squares of w_e and w_d, for no gradient leaves a root that is 0.
 class GainProblem : public LeastSquaresProblem {
  public:
   /// Each xi adds the square of what its loop lacks in stability, in 1/s, times this weight.
@@ -156,16 +156,25 @@ class GainProblem : public LeastSquaresProblem {
   std::vector<FlightCommand> commands_;
 };
 
-struct GainDesignResult {
+/// Where a search ended.
+struct FoundGains {
   ErrorGains gains;
   std::vector<GainBound> at_bound;  ///< of the control law lqr these are roots of weights
   double cost = 0.0;                ///< of gains, as CostOf
-  double start_cost = 0.0;          ///< of the gains it started from
+  bool stable = false;              ///< with kStabilityMargin at every xi; false: no answer
+  bool constrained = false;         ///< the least error alone did not keep the margin
+};
+
+struct GainDesignResult {
+  FoundGains search;  ///< what the optimizer found
+  /// What Levenberg-Marquardt finds from there on; the same where that is nothing better.
+  FoundGains polished;
+  double start_cost = 0.0;  ///< of the gains it started from
   OptimizationSummary optimization;
-  /// Of Levenberg-Marquardt from the answer on: what the optimizer left on the table, at least.
-  double polished_cost = 0.0;
-  bool stable = false;       ///< with kStabilityMargin at every xi; false: no answer
-  bool constrained = false;  ///< the least error alone did not keep the margin
+
+  /// The search ended beside the least error: more than a hundredth of its cost was left.
+  [[nodiscard]] bool missed() const { return polished.cost < 0.99 * search.cost; }
+  [[nodiscard]] const FoundGains& answer() const { return missed() ? polished : search; }
 };
 
 [[nodiscard]] GainDesignResult DesignGains(const GainDesign& design,

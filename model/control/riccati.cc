@@ -64,9 +64,8 @@ RegulatorGains AxisRegulator(const RegulatorWeights& weights) {
   // K_edot² - 2 K_e = w_d², K_e² - 2 K_edot K_eI = w_e², K_eI = w_I, differentiated.
   Eigen::Matrix2d left;  // of dK_e, dK_edot
   left << -2.0, 2.0 * g.derivative, 2.0 * g.proportional, -2.0 * g.integral;
-  const auto slopes = [&](double d_rate, double d_error, double d_integral) -> ErrorGains {
-    const Eigen::Vector2d right(2.0 * rate * d_rate,
-                                2.0 * error * d_error + 2.0 * g.derivative * d_integral);
+  const auto slopes = [&](double d_rate2, double d_error2, double d_integral) -> ErrorGains {
+    const Eigen::Vector2d right(d_rate2, d_error2 + 2.0 * g.derivative * d_integral);
     const Eigen::Vector2d d = left.inverse() * right;
     return {.proportional = d[0], .integral = d_integral, .derivative = d[1]};
   };

@@ -34,11 +34,12 @@ struct RegulatorWeights {
 /// weights follow from the equations that the Riccati equation comes to for this chain,
 ///
 ///   K_eI = w_I,   K_e² - 2 K_edot K_eI = w_e²,   K_edot² - 2 K_e = w_d²
+/// The slopes are those in w_e² and w_d², which do not vanish where a weight does.
 struct RegulatorGains {
   ErrorGains gains;
-  ErrorGains per_error;  ///< slopes in w_e
-  ErrorGains per_integral;
-  ErrorGains per_rate;
+  ErrorGains per_error;     ///< in w_e²
+  ErrorGains per_integral;  ///< in w_I
+  ErrorGains per_rate;      ///< in w_d²
 };
 [[nodiscard]] RegulatorGains AxisRegulator(const RegulatorWeights& weights);
 

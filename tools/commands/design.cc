@@ -230,6 +230,8 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   line.progress().Update(0.0, "designing");
   const GainDesignResult result = DesignGains(design, from, optimizer, settings);
 
+  const FoundGains& answer = result.answer();
+
   Json& summary = line.summary();
   summary["loop"] = loop_name;
   summary["vehicle"] = design.vehicle.name;
@@ -237,15 +239,16 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   summary["xi"] = Json::array();
   for (const auto& [xi, weight] : design.xi) summary["xi"].push_back(xi);
   summary["controller"] = design.controller.law;
-  summary["gains"] = ToJson(result.gains);
-  summary["costs"] = problem.CostsOf(result.gains);
+  summary["gains"] = ToJson(answer.gains);
+  summary["costs"] = problem.CostsOf(answer.gains);
   summary["bounds"] = ToJson(problem.bounds());
   summary["at_bound"] = Json::array();
-  for (const GainBound& at : result.at_bound) summary["at_bound"].push_back(at.gain);
-  summary["cost"] = result.cost;
+  for (const GainBound& at : answer.at_bound) summary["at_bound"].push_back(at.gain);
+  summary["cost"] = answer.cost;
+  summary["search"] = {{"gains", ToJson(result.search.gains)}, {"cost", result.search.cost}};
   summary["start"] = {
       {"gains", ToJson(from)}, {"cost", result.start_cost}, {"costs", problem.CostsOf(from)}};
-  summary["polished_cost"] = result.polished_cost;
+  summary["polished_cost"] = result.polished.cost;
   summary["evaluations"] = result.optimization.evaluations;
   summary["gradient_evaluations"] = result.optimization.gradient_evaluations;
   summary["termination"] = options_internal::ToText(result.optimization.termination);
@@ -260,12 +263,12 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
   }
   Gains found = start;
   found.name = fmt::format("{} {}", loop_name, aware ? "aware" : "unaware");
-  (altitude ? found.altitude : found.attitude) = result.gains;
+  (altitude ? found.altitude : found.attitude) = answer.gains;
   const auto hovers = HoversOf(design, found);
-  summary["stable"] = result.stable;
-  summary["constrained"] = result.constrained;
+  summary["stable"] = answer.stable;
+  summary["constrained"] = answer.constrained;
   summary["loops"] = StabilityToJson(hovers);
-  summary["poles"] = PolesToJson(design, start, result.gains);
+  summary["poles"] = PolesToJson(design, start, answer.gains);
   summary["start"]["poles"] = PolesToJson(design, start, from);
 
   const std::string unit = altitude ? "m² s" : "rad² s";
@@ -279,9 +282,10 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                Significant(cost)});
   };
   row("start: " + start.name, from, result.start_cost);
-  row("found", result.gains, result.cost);
+  row("found", result.search.gains, result.search.cost);
+  if (result.missed()) row("from there on", answer.gains, answer.cost);
   const auto gap_percent = [&](double other) {
-    return other > 0.0 ? 100.0 * (result.cost - other) / other : 0.0;
+    return other > 0.0 ? 100.0 * (result.search.cost - other) / other : 0.0;
   };
   const double longer_s = 10.0 * result.optimization.wall_s;
   const bool longer_run =
@@ -294,12 +298,12 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
     line.progress().Update(0.0, "checking with a run ten times longer");
     const GainDesignResult longer =
         DesignGains(design, from, optimizer, TenTimesLonger(optimizer, settings));
-    row("ten times longer", longer.gains, longer.cost);
-    summary["longer_run"] = {{"gains", ToJson(longer.gains)},
-                             {"cost", longer.cost},
+    row("ten times longer", longer.search.gains, longer.search.cost);
+    summary["longer_run"] = {{"gains", ToJson(longer.search.gains)},
+                             {"cost", longer.search.cost},
                              {"evaluations", longer.optimization.evaluations},
                              {"wall_s", longer.optimization.wall_s},
-                             {"gap_percent", gap_percent(longer.cost)}};
+                             {"gap_percent", gap_percent(longer.search.cost)}};
   }
   const std::string no_answer = optimizer.WhyNoAnswer(result.optimization);
   if (!no_answer.empty()) line.Message("{}: these gains are where it stopped", no_answer);
@@ -311,8 +315,12 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
                result.optimization.wall_s,
                options_internal::ToText(result.optimization.termination),
                result.optimization.message);
-  line.Message("Levenberg-Marquardt from there on finds {:.3g} % less",
-               100.0 * (result.cost - result.polished_cost) / result.cost);
+  line.Message("Levenberg-Marquardt from there on finds {:.3g} % less{}",
+               100.0 * (result.search.cost - result.polished.cost) / result.search.cost,
+               result.missed()
+                   ? ": the search ended beside the least error, and the gains are those "
+                     "found from there on"
+                   : "");
   if (longer_run) {
     const auto& longer = summary["longer_run"];
     line.Message("a run ten times longer ({} evaluations, {:.1f} s) leaves a gap of {:.3g} %",
@@ -336,7 +344,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         1.0 / design.attitude_decay_per_s,
         1.0 / kAttitudeDecayOfPlaced);
   }
-  if (!result.stable) {
+  if (!answer.stable) {
     line.Message(
         "no gains within the bounds keep the {} loop stable with {:g} times its gain or its lag{}; "
         "give higher bounds (--set design.proportional_bound=...) or another start. Nothing is "
@@ -346,7 +354,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         decay);
     return cli::ExitCode::kIncomplete;
   }
-  if (result.constrained) {
+  if (answer.constrained) {
     line.Message(
         "the gains of the least error would not keep the {} loop stable with {:g} times its gain "
         "or its lag{}; these have the least error among those that do",
@@ -354,7 +362,7 @@ cli::ExitCode DesignCommand(cli::CommandLine& line) {
         kStabilityMargin,
         decay);
   }
-  if (const std::string text = AtBoundText(result.at_bound, design.controller.law); !text.empty())
+  if (const std::string text = AtBoundText(answer.at_bound, design.controller.law); !text.empty())
     line.Message("{}", text);
   for (const std::string& warning : StabilityWarnings(hovers)) line.Message("{}", warning);
   if (!output.empty()) WriteFileAtomically(output, JsonText(GainsToJson(found)));

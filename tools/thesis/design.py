@@ -40,7 +40,8 @@ def design(lipoid, equation, loop, gains, optimizer):
         "equation": equation, "loop": loop, "printed_set": gains, "optimizer": optimizer,
         "command": lipoid.shown(*words),
         "printed": found["start"],
-        **{key: found[key] for key in ("gains", "bounds", "cost", "polished_cost", "evaluations",
-                                       "termination", "message", "wall_s")},
+        **found["search"],
+        **{key: found[key] for key in ("bounds", "polished_cost", "evaluations", "termination",
+                                       "message", "wall_s")},
         "longer_run": found["longer_run"],
     }

@@ -76,15 +76,15 @@ TEST(GainDesign, OfARegulatorSearchesItsWeights) {
     EXPECT_NEAR(gradient[k], slope.value, 1e-5 * gradient.norm() + 10.0 * slope.error) << k;
   }
   const auto result = DesignGains(design, gains, FindOptimizer("levenberg-marquardt"), {});
-  EXPECT_TRUE(result.stable);
-  EXPECT_LT(result.cost, result.start_cost);
+  EXPECT_TRUE(result.answer().stable);
+  EXPECT_LT(result.answer().cost, result.start_cost);
   // Gains that no weights have: the search starts elsewhere, and what is said of them is their own cost.
   const ErrorGains of_thesis{.proportional = 0.95, .integral = 0.25, .derivative = 0.54};
   EXPECT_EQ(DesignGains(design, of_thesis, FindOptimizer("levenberg-marquardt"), {}).start_cost,
             problem.CostOf(of_thesis));
   // Of a regulator: K_e² >= 2 K_edot K_eI and K_edot² >= 2 K_e.
   constexpr double kRounding = 1e-9;
-  const ErrorGains& found = result.gains;
+  const ErrorGains& found = result.answer().gains;
   EXPECT_GE(found.proportional * found.proportional * (1.0 + kRounding),
             2.0 * found.derivative * found.integral);
   EXPECT_GE(found.derivative * found.derivative * (1.0 + kRounding), 2.0 * found.proportional);
@@ -117,10 +117,10 @@ TEST(GainDesign, EveryLocalMethodFindsTheSameGains) {
     if (optimizer.global) continue;
     const auto result = DesignGains(design, LoadGains("aware").altitude, optimizer, {});
     EXPECT_TRUE(result.optimization.usable()) << optimizer.name;
-    EXPECT_LE(result.cost, result.start_cost);
-    EXPECT_LE(result.polished_cost, result.cost);
-    costs.emplace_back(optimizer.name, result.cost);
-    best = std::min(best, result.cost);
+    EXPECT_LE(result.search.cost, result.start_cost);
+    EXPECT_LE(result.polished.cost, result.search.cost);
+    costs.emplace_back(optimizer.name, result.search.cost);
+    best = std::min(best, result.search.cost);
   }
   ASSERT_GE(costs.size(), 6U);
   for (const auto& [name, cost] : costs) {
@@ -139,9 +139,42 @@ TEST(GainDesign, WhatIsLeftIsFoundWhateverTheSearchWasAllowed) {
                          std::vector<WeightedXi>{{0.8, 1.0}, {1.0, 1.0}}}) {
     const GainDesign design = Design(Loop::kAltitude, xi);
     const auto stopped = DesignGains(design, start, optimizer, none);
-    EXPECT_EQ(stopped.cost, stopped.start_cost);
-    EXPECT_EQ(stopped.polished_cost, DesignGains(design, start, optimizer, {}).cost) << xi.size();
+    EXPECT_EQ(stopped.search.cost, stopped.start_cost);
+    EXPECT_EQ(stopped.polished.cost, DesignGains(design, start, optimizer, {}).search.cost)
+        << xi.size();
   }
+}
+
+// At the start the weight of the rate is 0, for K_edot² is less than 2 K_e.
+TEST(GainDesign, AWeightThatStartsAtNothingIsFound) {
+  for (const auto& [loop, xi] :
+       {std::pair(Loop::kAltitude, std::vector<WeightedXi>{{1.0, 1.0}}),
+        std::pair(Loop::kAttitude, std::vector<WeightedXi>{{0.8, 1.0}, {1.0, 1.0}})}) {
+    GainDesign design = Design(loop, xi);
+    design.controller.law = "lqr";
+    const Gains unaware = LoadGains("unaware");
+    const ErrorGains start = loop == Loop::kAltitude ? unaware.altitude : unaware.attitude;
+    EXPECT_EQ(GainProblem(design).Point(start)[2], 0.0);
+    const auto of = [&](const char* optimizer) {
+      return DesignGains(design, start, FindOptimizer(optimizer), {}).search.cost;
+    };
+    const double without_slopes = of("bobyqa");
+    EXPECT_LT(of("levenberg-marquardt"), 1.001 * without_slopes);
+    EXPECT_LT(of("sqp"), 1.001 * without_slopes);
+  }
+}
+
+TEST(GainDesign, WhatASearchMissedIsTheAnswer) {
+  OptimizerSettings none;
+  none.levenberg_marquardt.iterations_per_variable = 0;
+  const GainDesign design = Design(Loop::kAltitude, {{0.8, 1.0}, {1.0, 1.0}});
+  const auto result =
+      DesignGains(design, LoadGains("aware").altitude, FindOptimizer("levenberg-marquardt"), none);
+  EXPECT_TRUE(result.missed());
+  EXPECT_EQ(result.answer().cost, result.polished.cost);
+  EXPECT_NEAR(GainProblem(design).CostOf(result.answer().gains),
+              result.answer().cost,
+              1e-12 * result.answer().cost);
 }
 
 // On the way from here every gain stands at a bound at once, in a corner that is no minimum.
@@ -172,10 +205,10 @@ TEST(GainDesign, TheSwarmFindsItToo) {
   const ErrorGains start = LoadGains("unaware").altitude;
   const auto swarm = DesignGains(design, start, FindOptimizer("particle-swarm"), settings);
   const auto again = DesignGains(design, start, FindOptimizer("particle-swarm"), settings);
-  EXPECT_LT(swarm.cost, 1.001 * swarm.polished_cost);
-  EXPECT_EQ(swarm.cost, again.cost);
-  EXPECT_LE(swarm.gains.proportional, problem.bounds().proportional);
-  EXPECT_LT(swarm.cost, problem.CostOf(start));
+  EXPECT_LT(swarm.search.cost, 1.001 * swarm.polished.cost);
+  EXPECT_EQ(swarm.search.cost, again.search.cost);
+  EXPECT_LE(swarm.search.gains.proportional, problem.bounds().proportional);
+  EXPECT_LT(swarm.search.cost, problem.CostOf(start));
 }
 
 TEST(GainDesign, BoundsAreTheThesisOrTheUsers) {
@@ -216,15 +249,15 @@ TEST(GainDesign, NeverReturnsGainsThatAreUnstable) {
   ASSERT_TRUE(alone.usable());
   EXPECT_FALSE(problem.Stable(problem.Gains(alone.x)));
   const auto result = DesignGains(design, start, optimizer, {});
-  EXPECT_TRUE(result.constrained);
-  EXPECT_TRUE(result.stable);
-  EXPECT_TRUE(problem.Stable(result.gains));
-  EXPECT_LT(result.cost, result.start_cost);
+  EXPECT_TRUE(result.answer().constrained);
+  EXPECT_TRUE(result.answer().stable);
+  EXPECT_TRUE(problem.Stable(result.answer().gains));
+  EXPECT_LT(result.answer().cost, result.start_cost);
   // The margin costs little, since it is the least error that is just beyond it.
-  EXPECT_LT(result.cost, 1.1 * 2.0 * alone.cost);
+  EXPECT_LT(result.answer().cost, 1.1 * 2.0 * alone.cost);
   // The poles themselves, with motor lag, at all voltages.
   Gains gains = LoadGains("aware");
-  gains.attitude = result.gains;
+  gains.attitude = result.answer().gains;
   for (const auto& [xi, weight] : design.xi) {
     EXPECT_LT(PolesAt(Loop::kAttitude, design.vehicle, gains, xi).full.front().real(), 0.0) << xi;
   }
@@ -245,10 +278,10 @@ TEST(GainDesign, TheAltitudeKeepsAnIntegralThatFollowsTheBattery) {
     ASSERT_EQ(problem.Gains(alone.x).integral, 0.0) << name;
     EXPECT_FALSE(problem.Stable(problem.Gains(alone.x))) << name;
     const auto result = DesignGains(design, gains.altitude, optimizer, {});
-    EXPECT_TRUE(result.stable) << name;
-    EXPECT_TRUE(result.constrained) << name;
-    EXPECT_LT(result.cost, result.start_cost) << name;
-    gains.altitude = result.gains;
+    EXPECT_TRUE(result.answer().stable) << name;
+    EXPECT_TRUE(result.answer().constrained) << name;
+    EXPECT_LT(result.answer().cost, result.start_cost) << name;
+    gains.altitude = result.answer().gains;
     const auto poles = PolesAt(Loop::kAltitude, design.vehicle, gains, 1.0).full;
     EXPECT_LT(poles.front().real(), -kAltitudeDecay_per_s) << name;
     // The supply falls by 0.5 % of the nominal voltage a second: a drop of the thrust at which the
@@ -273,10 +306,10 @@ TEST(GainDesign, TheAttitudeIsHeld) {
     EXPECT_TRUE(GainProblem(design).Stable(gains.attitude)) << name;
     const auto result =
         DesignGains(design, gains.attitude, FindOptimizer("levenberg-marquardt"), {});
-    EXPECT_TRUE(result.stable) << name;
-    EXPECT_TRUE(result.constrained) << name;
-    EXPECT_LT(result.cost, result.start_cost) << name;
-    gains.attitude = result.gains;
+    EXPECT_TRUE(result.answer().stable) << name;
+    EXPECT_TRUE(result.answer().constrained) << name;
+    EXPECT_LT(result.answer().cost, result.start_cost) << name;
+    gains.attitude = result.answer().gains;
     const auto poles = PolesAt(Loop::kAttitude, design.vehicle, gains, 1.0).full;
     EXPECT_LT(poles.front().real(), -design.attitude_decay_per_s) << name;
   }
@@ -293,8 +326,8 @@ TEST(GainDesign, SaysWhereNoGainsWithinTheBoundsAreStable) {
   const auto result =
       DesignGains(design, LoadGains("aware").attitude, FindOptimizer("levenberg-marquardt"), {});
   // K_e > 0 needs K_edot > lag K_e; the step aims at a decay of 1e-3/s.
-  EXPECT_EQ(result.stable, GainProblem(design).Stable(result.gains));
-  EXPECT_TRUE(result.constrained);
+  EXPECT_EQ(result.answer().stable, GainProblem(design).Stable(result.answer().gains));
+  EXPECT_TRUE(result.answer().constrained);
 }
 
 TEST(GainDesign, TheRowsOfTheMarginHaveExactSlopes) {
@@ -366,9 +399,9 @@ TEST(GainDesign, OfSixAndEightRotorsKeepsItsPromiseInFlight) {
     WidenBounds(design, gains.attitude);
     const GainDesignResult found =
         DesignGains(design, gains.attitude, FindOptimizer("levenberg-marquardt"), {});
-    EXPECT_TRUE(found.stable);
-    EXPECT_LT(found.cost, 0.9 * found.start_cost);
-    gains.attitude = found.gains;
+    EXPECT_TRUE(found.answer().stable);
+    EXPECT_LT(found.answer().cost, 0.9 * found.start_cost);
+    gains.attitude = found.answer().gains;
     double flown = 0.0;
     for (const auto& [xi, weight] : design.xi) {
       FlightSetup setup;
@@ -384,7 +417,8 @@ TEST(GainDesign, OfSixAndEightRotorsKeepsItsPromiseInFlight) {
       });
     }
     constexpr double kRounding = 1e-6;  // of the loops, reduced_loops_test.cc
-    EXPECT_NEAR(found.cost, flown, kRounding * flown) << design.vehicle.rotor_count() << " rotors";
+    EXPECT_NEAR(found.answer().cost, flown, kRounding * flown)
+        << design.vehicle.rotor_count() << " rotors";
   }
 }
 

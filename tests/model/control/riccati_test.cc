@@ -93,7 +93,10 @@ TEST(Riccati, TheRegulatorOfAnAxisFactorsItsSpectrum) {
 TEST(Riccati, TheSlopesOfARegulatorAreThoseOfItsDifferences) {
   const RegulatorWeights at{3.0, 2.0, 1.5};
   const RegulatorGains regulator = AxisRegulator(at);
-  const auto expect_slopes = [&](double RegulatorWeights::*weight, const ErrorGains& slopes) {
+  // d/d(w²) = 1/(2 w) d/dw
+  const auto expect_slopes = [&](double RegulatorWeights::*weight,
+                                 const ErrorGains& slopes,
+                                 double power) {
     for (double ErrorGains::*gain :
          {&ErrorGains::proportional, &ErrorGains::integral, &ErrorGains::derivative}) {
       const auto along = [&](double value) {
@@ -101,12 +104,13 @@ TEST(Riccati, TheSlopesOfARegulatorAreThoseOfItsDifferences) {
         moved.*weight = value;
         return AxisRegulator(moved).gains.*gain;
       };
-      EXPECT_NEAR(slopes.*gain, test::Ridders(along, at.*weight, 0.1).value, 1e-8);
+      const double per_weight = test::Ridders(along, at.*weight, 0.1).value;
+      EXPECT_NEAR(slopes.*gain, power == 2.0 ? per_weight / (2.0 * at.*weight) : per_weight, 1e-8);
     }
   };
-  expect_slopes(&RegulatorWeights::error_per_s2, regulator.per_error);
-  expect_slopes(&RegulatorWeights::integral_per_s3, regulator.per_integral);
-  expect_slopes(&RegulatorWeights::rate_per_s, regulator.per_rate);
+  expect_slopes(&RegulatorWeights::error_per_s2, regulator.per_error, 2.0);
+  expect_slopes(&RegulatorWeights::integral_per_s3, regulator.per_integral, 1.0);
+  expect_slopes(&RegulatorWeights::rate_per_s, regulator.per_rate, 2.0);
 }
 
 }  // namespace
