@@ -111,7 +111,8 @@ def _parser() -> argparse.ArgumentParser:
         type=float,
         default=4.0,
         help="robust standard "
-        "deviations from the median from which a value stands out; 1 .. 100 (default 4)",
+        "deviations from the median from which a value stands out, more of few cells, whose "
+        "deviation is itself off; 1 .. 100 (default 4)",
     )
     return made
 

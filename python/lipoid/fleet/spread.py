@@ -26,9 +26,11 @@ MOST_FOR_SLOPE = 1500
 MOST_FOR_COUNT = 30
 # The slopes of all quantities together are wrong by chance once in so many reports.
 CHANCE_OF_DRIFT = 0.05
-# The width of fewer cells is no yardstick: in one quantity of ten or more, chance alone takes a
-# normally distributed value four widths off.
+# The width of fewer cells is no yardstick.
 FEWEST_FOR_OUTLIERS = 10
+# A value over the robust width of n normally distributed ones is distributed about as Student's t
+# with (n - 1)/2 degrees of freedom.
+FREEDOM_OF_WIDTH = 0.5
 # A difference between batches counts where chance would show one like it once in so many reports.
 CHANCE = 0.001
 BINS = 40
@@ -85,9 +87,16 @@ class Quantity:
             f"{furthest['value']:.10g}{unit}, is of {furthest['campaign']}."
         )
 
+    def limit(self, sigmas: float) -> float:
+        """Return how many widths off chance takes a value as rarely as so many true deviations."""
+        from scipy import stats
+
+        freedom = FREEDOM_OF_WIDTH * (self.identified - 1)
+        return float(stats.t.isf(stats.norm.sf(sigmas), freedom))
+
     def outliers(self, sigmas: float) -> pd.DataFrame:
-        """Return the cells that deviate from the center by more than that, worst first."""
-        far = self.values[self.values["deviation"].abs() > sigmas]
+        """Return the cells that deviate from the center by more than limit(), worst first."""
+        far = self.values[self.values["deviation"].abs() > self.limit(sigmas)]
         return far.sort_values("deviation", key=abs, ascending=False, kind="stable")
 
 
