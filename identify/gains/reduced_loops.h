@@ -51,7 +51,7 @@ class ErrorLoop {
   ErrorLoop(const BasicErrorGains<T>& gains, double integral_term)
       : gains_(gains), integral_term_(T(integral_term)) {}
 
-  [[nodiscard]] T PseudoControl(const ReferenceModel::Output& reference,
+  [[nodiscard]] T PseudoControl(const LoopReference<double>& reference,
                                 const T& error,
                                 const T& rate) const {
     return T(reference.acceleration) + integral_term_ + gains_.proportional * error +

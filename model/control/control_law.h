@@ -8,16 +8,10 @@
 #include "model/control/command_generation.h"
 #include "model/control/dynamic_inversion.h"
 #include "model/control/gains.h"
+#include "model/control/reference_model.h"
 #include "model/vehicle/allocation.h"
 
 namespace lipoid {
-
-template <class T>
-struct LoopReference {
-  T value{};
-  T rate{};
-  T acceleration{};
-};
 
 /// What the controller knows of the vehicle: measured, or perfect.
 template <class T>

@@ -27,10 +27,6 @@ ReferenceModel PositionReference(const References& references, const Gains& gain
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-LoopReference<double> Reference(const ReferenceModel::Output& out) {
-  return {out.value, out.rate, out.acceleration};
-}
-
 }  // namespace
 
 double MotorLag_s(const Vehicle& vehicle) {
@@ -168,10 +164,10 @@ MotorValues FlightController::Step(const FlightCommand& command, const MeasuredS
   const TiltCommand tilt = command.hold_position ? Tilt(command, state)
                                                  : TiltCommand{.roll_rad = command.roll_rad,
                                                                .pitch_rad = command.pitch_rad};
-  references_.down = Reference(down_.Step(altitude_reach_.Cut(-command.altitude_m, down_.value())));
-  references_.angles = {Reference(angles_[0].Step(tilt.roll_rad)),
-                        Reference(angles_[1].Step(tilt.pitch_rad)),
-                        Reference(angles_[2].Step(command.yaw_rad))};
+  references_.down = down_.Step(altitude_reach_.Cut(-command.altitude_m, down_.value()));
+  references_.angles = {angles_[0].Step(tilt.roll_rad),
+                        angles_[1].Step(tilt.pitch_rad),
+                        angles_[2].Step(command.yaw_rad)};
   const InnerLoopState<double> inner{
       state.position_m[2], state.velocity_m_per_s[2], state.angles_rad, state.body_rates_rad_per_s};
   output_ = law_->inner_loops(vehicle_, gains_, inner, references_, integrals_);

@@ -37,14 +37,14 @@ ReferenceModel::ReferenceModel(double omega_rad_per_s, double damping, double st
   per_rate_ = (-change.trace() - 0.5 * both) / step_s;
 }
 
-ReferenceModel::Output ReferenceModel::Step(double command) {
+LoopReference<double> ReferenceModel::Step(double command) {
   const double gap = value_ - command;
   // (3.59) settles at the rate omega_0/(2 zeta_0) times the gap. Where sqrt(2 kBrake limit |gap|),
   // from which braking still ends at the command, is less, the gap counts only as far as that.
   const double felt =
       std::abs(gap) <= far_ ? gap : std::copysign(std::sqrt(far_ * std::abs(gap)), gap);
   const double wanted = -(per_gap_ * felt + per_rate_ * rate_);
-  const Output now{value_, rate_, std::clamp(wanted, -limit_, limit_)};
+  const LoopReference<double> now{value_, rate_, std::clamp(wanted, -limit_, limit_)};
   value_ += step_s_ * (rate_ + 0.5 * step_s_ * now.acceleration);
   rate_ += step_s_ * now.acceleration;
   return now;

@@ -18,14 +18,15 @@
 
 namespace lipoid {
 
+template <class T>
+struct LoopReference {
+  T value{};
+  T rate{};
+  T acceleration{};  ///< held over the coming step
+};
+
 class ReferenceModel {
  public:
-  struct Output {
-    double value;
-    double rate;
-    double acceleration;  ///< held over the coming step
-  };
-
   /// omega_0 > 0, zeta_0 > 0, step > 0; limit > 0 of |y_ref''|.
   ReferenceModel(double omega_rad_per_s,
                  double damping,
@@ -38,7 +39,7 @@ class ReferenceModel {
     rate_ = 0.0;
   }
   /// The reference now; moves on by one step under the command.
-  Output Step(double command);
+  LoopReference<double> Step(double command);
 
   [[nodiscard]] double value() const { return value_; }
   [[nodiscard]] double rate() const { return rate_; }

@@ -145,7 +145,7 @@ TEST(ReferenceModel, KeepsWithinItsLimitAndArrives) {
     SCOPED_TRACE(command);
     ReferenceModel model(100.0, 1.0, kStep_s, kLimit);
     model.Reset(0.0);
-    std::vector<ReferenceModel::Output> path;
+    std::vector<LoopReference<double>> path;
     for (int k = 0; k < 400; ++k) path.push_back(model.Step(command));
     for (int k = 0; k < 5; ++k) {
       const double t = k * kStep_s;
