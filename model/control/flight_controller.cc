@@ -32,9 +32,7 @@ constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 double MotorLag_s(const Vehicle& vehicle) {
   const double speed =
       std::sqrt(vehicle.mass_kg * kGravity_m_per_s2 / vehicle.total_thrust_coefficient_N_s2());
-  const Vehicle driven = WithControllers(vehicle);
-  return driven.rotor_inertia_kg_m2 / (driven.speed_slope() / driven.armature_resistance_Ohm +
-                                       2.0 * driven.torque_coefficient_N_m_s2 * speed);
+  return SpeedConstant_s(WithControllers(vehicle), speed);
 }
 
 References ReferencesOf(const References& of_gains, const ControllerOptions& options) {
