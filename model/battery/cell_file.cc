@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include "generated/shipped_cells.h"
-#include "model/battery/cell_limits.h"
 #include "model/battery/cell_parameters.h"
 #include "model/battery/ranges.h"
 #include "model/battery/uncertain_cell.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "model/battery/cell_file.h"
-#include "model/battery/cell_limits.h"
 #include "model/battery/ranges.h"
 
 namespace lipoid {

@@ -20,6 +20,12 @@ inline constexpr Range kAirTemperatures_degC{-60.0, 60.0};
 /// Of a resistance, or of a rate.
 inline constexpr Range kActivationEnergies_J_per_mol{0.0, 2e5};
 
+/// The size of any number of a cell file in its unit, far beyond any cell: what is computed from
+/// several of them stays finite.
+inline constexpr double kMostOfACell = 1e12;
+/// Of a capacitance, a time constant over a resistance that may be next to nothing.
+inline constexpr double kMostCapacitance_F = 1e30;
+
 /// Cells in series or in parallel.
 inline constexpr Range kPackSizes{1.0, 100000.0};
 
