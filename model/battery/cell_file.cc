@@ -27,13 +27,6 @@ int Within(const JsonReader& json, const Range& range) {
 
 constexpr double kLeast = std::numeric_limits<double>::min();  // of what must be above 0
 
-std::string MethodName(OcvMethod method) {
-  for (const auto& [value, name] : OptionNames(OcvMethod{})) {
-    if (value == method) return std::string(name);
-  }
-  return "?";
-}
-
 // Strictly increasing numbers; a table that is not sorted is refused at its first offender.
 std::vector<double> Increasing(const JsonReader& list) {
   auto numbers = list.Numbers(-kMostOfACell, kMostOfACell);
@@ -83,7 +76,7 @@ OpenCircuitVoltage ReadCurve(const JsonReader& json) {
 }
 
 Json CurveToJson(const OpenCircuitVoltage& curve) {
-  Json json = {{"method", MethodName(curve.method())}};
+  Json json = {{"method", options_internal::ToText(curve.method())}};
   switch (curve.method()) {
     case OcvMethod::kLinear:
     case OcvMethod::kMonotoneCubic:

@@ -1,5 +1,7 @@
 #include "model/core/options.h"
 
+#include <fmt/ranges.h>
+
 #include <charconv>
 #include <cmath>
 
@@ -7,17 +9,6 @@
 #include "model/core/nearest_name.h"
 
 namespace lipoid::options_internal {
-namespace {
-
-std::string Join(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-}  // namespace
-
-std::string FormatDouble(double value) { return fmt::format("{}", value); }
 
 std::string FormatRange(const Range& range, bool integral) {
   const bool lower = std::isfinite(range.lo);
@@ -69,7 +60,7 @@ void ThrowUnknownChoice(std::string_view name,
                         const std::vector<std::string>& choices) {
   throw OptionError(fmt::format("option {}: expected one of {}, found '{}'{}{}",
                                 name,
-                                Join(choices),
+                                fmt::join(choices, ", "),
                                 text,
                                 Nearest(text, choices).empty() ? "" : ".",
                                 DidYouMean(text, choices)));

@@ -56,7 +56,6 @@ struct OptionDescription {
 
 namespace options_internal {
 
-std::string FormatDouble(double value);
 std::string FormatRange(const Range& range, bool integral);
 double ParseDouble(std::string_view name, std::string_view text, const Range& range);
 int ParseInt(std::string_view name, std::string_view text, const Range& range);
@@ -82,8 +81,6 @@ std::string ToText(const T& value) {
     return "?";
   } else if constexpr (std::is_same_v<T, bool>) {
     return value ? "true" : "false";
-  } else if constexpr (std::is_same_v<T, double>) {
-    return FormatDouble(value);
   } else {
     return fmt::format("{}", value);
   }
