@@ -2,29 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include <memory>
+#include <deque>
 
 #include "model/core/errors.h"
 #include "model/core/stop.h"
 #include "model/statistics/interval_95.h"
 
 namespace lipoid {
-namespace {
-
-// One cell on its way along the rows.
-struct Walk {
-  Walk(const Cell& cell, double initial_soc, Hold hold, const Surroundings& surroundings)
-      : series(cell.series),
-        parallel(cell.parallel),
-        model(cell.Parameters()),
-        stepper(model, hold, StartAmong(model, initial_soc, surroundings)) {}
-
-  double series, parallel;
-  CellModel<double> model;
-  RecordStepper<double> stepper;
-};
-
-}  // namespace
 
 PredictionBand PredictBand(std::span<const Cell> cells,
                            std::span<const double> initial_soc,
@@ -34,9 +18,8 @@ PredictionBand PredictBand(std::span<const Cell> cells,
                            const Surroundings& surroundings) {
   Require(!cells.empty() && initial_soc.size() == cells.size(), "cells, each with its start");
   Require(time_s.size() == current_A.size(), "as many times as currents");
-  std::vector<std::unique_ptr<Walk>> walks;
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    walks.push_back(std::make_unique<Walk>(cells[c], initial_soc[c], hold, surroundings));
+  std::deque<RowPredictor> walks;
+  for (std::size_t c = 0; c < cells.size(); ++c) walks.emplace_back(cells[c], hold, initial_soc[c]);
   PredictionBand band;
   band.voltage_low_V.resize(time_s.size());
   band.voltage_high_V.resize(time_s.size());
@@ -45,16 +28,16 @@ PredictionBand PredictBand(std::span<const Cell> cells,
   std::vector<double> voltage_V(kRows * cells.size());
   for (std::size_t from = 0; from < time_s.size(); from += kRows) {
     const std::size_t rows = std::min(kRows, time_s.size() - from);
+    Surroundings block = surroundings;
+    if (!block.measured_degC.empty()) block.measured_degC = block.measured_degC.subspan(from, rows);
     tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t c) {
       StopIfAsked();
-      Walk& walk = *walks[c];
-      for (std::size_t k = 0; k < rows; ++k) {
-        walk.stepper.Row(time_s[from + k], current_A[from + k] / walk.parallel);
-        if (!surroundings.measured_degC.empty()) {
-          walk.stepper.SetTemperature(surroundings.measured_degC[from + k] + kZeroCelsius_K);
-        }
-        voltage_V[k * cells.size() + c] = walk.series * walk.stepper.Voltage();
-      }
+      walks[c].Rows(time_s.subspan(from, rows),
+                    current_A.subspan(from, rows),
+                    block,
+                    [&](std::size_t k, const PredictedRow& row) {
+                      voltage_V[k * cells.size() + c] = row.voltage_V;
+                    });
     });
     tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t k) {
       const auto [low_V, high_V] =
