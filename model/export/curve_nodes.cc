@@ -58,15 +58,23 @@ OpenCircuitVoltage StraightLines(const OpenCircuitVoltage& curve) {
   return OpenCircuitVoltage::Linear(std::move(nodes.soc), std::move(nodes.voltage_V));
 }
 
-CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve) {
+CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve, double beyond) {
   CurveNodes nodes = NodesOf(curve);
-  const double below = nodes.soc.front() - kBeyondCurve;
-  const double above = nodes.soc.back() + kBeyondCurve;
+  const double below = nodes.soc.front() - beyond;
+  const double above = nodes.soc.back() + beyond;
   nodes.soc.insert(nodes.soc.begin(), below);
   nodes.voltage_V.insert(nodes.voltage_V.begin(), curve(below));
   nodes.soc.push_back(above);
   nodes.voltage_V.push_back(curve(above));
   return nodes;
+}
+
+Resistance<double> FarExtended(Resistance<double> table) {
+  table.soc.insert(table.soc.begin(), table.soc.front() - kFarBeyondCurve);
+  table.resistance_Ohm.insert(table.resistance_Ohm.begin(), table.resistance_Ohm.front());
+  table.soc.push_back(table.soc.back() + kFarBeyondCurve);
+  table.resistance_Ohm.push_back(table.resistance_Ohm.back());
+  return table;
 }
 
 }  // namespace lipoid

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/battery/open_circuit_voltage.h"
+#include "model/battery/resistance.h"
 
 namespace lipoid {
 
@@ -27,9 +28,12 @@ inline constexpr double kCurveTolerance_V = 1e-5;
 /// The same with a node `beyond` before the first and after the last one, on the end slopes: for
 /// programs that hold the end value instead.
 inline constexpr double kBeyondCurve = 0.5;  // in states of charge
-[[nodiscard]] CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve);
+[[nodiscard]] CurveNodes ExtendedNodesOf(const OpenCircuitVoltage& curve,
+                                         double beyond = kBeyondCurve);
 
 /// How far the first and last line of a table go on where the iterations of a solver may go far.
 inline constexpr double kFarBeyondCurve = 10.0;
+/// A table of resistances that goes on so far with its end values, as they do.
+[[nodiscard]] Resistance<double> FarExtended(Resistance<double> table);
 
 }  // namespace lipoid

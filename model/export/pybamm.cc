@@ -35,15 +35,6 @@ std::string PythonList(const std::vector<double>& values) {
   return text + "]";
 }
 
-// Flat beyond its ends, as the cell's tables are; Interpolant would go on with the last slope.
-Resistance<double> Extended(Resistance<double> table) {
-  table.soc.insert(table.soc.begin(), table.soc.front() - kFarBeyondCurve);
-  table.resistance_Ohm.insert(table.resistance_Ohm.begin(), table.resistance_Ohm.front());
-  table.soc.push_back(table.soc.back() + kFarBeyondCurve);
-  table.resistance_Ohm.push_back(table.resistance_Ohm.back());
-  return table;
-}
-
 // How the module is called that -o names, and how a program imports it.
 struct ModuleName {
   std::string file;  // without .py
@@ -69,7 +60,8 @@ class Module {
   // The name of a constant table in the module and the expression of its value at `soc`.
   std::string Ohms(const std::string& name, const Resistance<double>& resistance) {
     if (resistance.resistance_Ohm.size() == 1) return CNumber(resistance.resistance_Ohm[0]);
-    const auto table = Extended(resistance);
+    // Flat beyond its ends, as the cell's tables are: Interpolant would go on with the last slope.
+    const auto table = FarExtended(resistance);
     tables += fmt::format("{0}_SOC = {1}\n{0}_OHM = {2}\n",
                           name,
                           PythonList(table.soc),
@@ -315,12 +307,7 @@ Exported ExportPybamm(const ExportRequest& request) {
 
   Module module;
   const OpenCircuitVoltage& lines = in_lines.open_circuit_voltage;
-  std::vector<double> soc = lines.soc();
-  std::vector<double> voltage_V = lines.voltage_V();
-  soc.insert(soc.begin(), soc.front() - kFarBeyondCurve);
-  voltage_V.insert(voltage_V.begin(), lines(soc.front()));
-  soc.push_back(soc.back() + kFarBeyondCurve);
-  voltage_V.push_back(lines(soc.back()));
+  const CurveNodes curve = ExtendedNodesOf(lines, kFarBeyondCurve);
 
   const std::string series = module.Ohms("SERIES_RESISTANCE", cell.series_resistance_Ohm);
   if (cell.charge_transfer || !cell.series_resistance_Ohm.constant()) {
@@ -368,7 +355,6 @@ Exported ExportPybamm(const ExportRequest& request) {
   if (cell.series_resistance_Ohm.constant())
     exported.parameters.push_back({"R0 [Ohm]", cell.series_resistance_Ohm(0.5), "Ohm"});
 
-  const auto& ocv_V = voltage_V;
   const std::string name = Identifier(request.name);
   const ModuleName called = NameOf(request, name);
   exported.files.push_back(
@@ -385,8 +371,8 @@ Exported ExportPybamm(const ExportRequest& request) {
                {"points", fmt::to_string(kPybammPoints)},
                {"branches", fmt::to_string(cell.branches.size())},
                {"diffusion", cell.diffusion ? "true" : "false"},
-               {"ocv_soc", PythonList(soc)},
-               {"ocv_V", PythonList(ocv_V)},
+               {"ocv_soc", PythonList(curve.soc)},
+               {"ocv_V", PythonList(curve.voltage_V)},
                {"tables", module.tables},
                {"functions", module.functions},
                {"values", module.values},

@@ -141,23 +141,13 @@ class Circuit {
   }
   [[nodiscard]] std::string Table(const Resistance<double>& ohms) const {
     if (ohms.resistance_Ohm.size() == 1) return Number(ohms.resistance_Ohm[0]);
-    std::vector<double> x = ohms.soc;
-    std::vector<double> y = ohms.resistance_Ohm;
-    x.insert(x.begin(), x.front() - kFarBeyondCurve);
-    y.insert(y.begin(), y.front());
-    x.push_back(x.back() + kFarBeyondCurve);
-    y.push_back(y.back());
-    return Points(x, y);
+    const Resistance<double> far = FarExtended(ohms);
+    return Points(far.soc, far.resistance_Ohm);
   }
   [[nodiscard]] std::string Curve() const {
-    const OpenCircuitVoltage lines = StraightLines(cell_.open_circuit_voltage);
-    std::vector<double> x = lines.soc();
-    std::vector<double> y = lines.voltage_V();
-    x.insert(x.begin(), x.front() - kFarBeyondCurve);
-    y.insert(y.begin(), lines(x.front()));
-    x.push_back(x.back() + kFarBeyondCurve);
-    y.push_back(lines(x.back()));
-    return Points(x, y);
+    const CurveNodes nodes =
+        ExtendedNodesOf(StraightLines(cell_.open_circuit_voltage), kFarBeyondCurve);
+    return Points(nodes.soc, nodes.voltage_V);
   }
 
   const CellNumbers& n_;
