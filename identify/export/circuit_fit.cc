@@ -80,12 +80,11 @@ class LinearPart {
     Eigen::VectorXd state = Eigen::VectorXd::Zero(columns_);  // the branches' part of a row
     double soc = 1.0;
     const auto& mission = one_.mission;
-    const bool backward = mission.hold == Hold::kBackward;
     for (std::size_t k = 0; k < mission.time_s.size(); ++k) {
       const double before = soc;
       soc = 1.0 - one_.drawn_Ah[k] / circuit.capacity_Ah;
       if (k > 0) {
-        const double flow_A = mission.current_A[backward ? k : k - 1];
+        const double flow_A = mission.FlowBefore_A(k);
         const double steps = std::max(1.0, std::ceil(std::abs(soc - before) / kLargestSocStep));
         const double dt_s = (mission.time_s[k] - mission.time_s[k - 1]) / steps;
         for (std::size_t j = 0; j < circuit.branches.size(); ++j) {

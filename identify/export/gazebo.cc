@@ -31,7 +31,7 @@ Power PowerOf(const ExportMission& mission, const ExportReference& pack) {
   double energy_J = 0.0;
   double busy_s = 0.0;
   for (std::size_t k = 1; k < mission.time_s.size(); ++k) {
-    const double current_A = mission.current_A[mission.hold == Hold::kBackward ? k : k - 1];
+    const double current_A = mission.FlowBefore_A(k);
     power.row_W.push_back(current_A * pack.voltage_V[k]);
     if (current_A > 0.0) {
       const double dt_s = mission.time_s[k] - mission.time_s[k - 1];

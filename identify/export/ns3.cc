@@ -62,7 +62,7 @@ double MeanDischarge(const ExportMission& mission) {
   double charge_C = 0.0;
   double busy_s = 0.0;
   for (std::size_t k = 1; k < mission.time_s.size(); ++k) {
-    const double current_A = mission.current_A[mission.hold == Hold::kBackward ? k : k - 1];
+    const double current_A = mission.FlowBefore_A(k);
     if (!(current_A > 0.0)) continue;
     const double dt_s = mission.time_s[k] - mission.time_s[k - 1];
     charge_C += current_A * dt_s;

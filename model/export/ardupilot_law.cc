@@ -39,11 +39,6 @@ T Resting(T percent) {
 
 constexpr double kFilter_s = 1.0 / (2.0 * std::numbers::pi * 10.0);
 
-// The current that flowed over the interval that ends with row k.
-double Flow(const ExportMission& mission, std::size_t k) {
-  return mission.current_A[mission.hold == Hold::kBackward ? k : k - 1];
-}
-
 }  // namespace
 
 double ArduPilotRestingVoltage(double percent) { return Resting(percent); }
@@ -74,7 +69,7 @@ std::vector<double> ArduPilotVoltage(const ArduPilotBattery& battery,
     const double dt_s = mission.time_s[k] - mission.time_s[k - 1];
     const double steps = std::max(1.0, std::rint(dt_s * kArduPilotSteps_per_s));
     const auto dt = static_cast<float>(dt_s / steps);
-    const auto current_A = static_cast<float>(Flow(mission, k));
+    const auto current_A = static_cast<float>(mission.FlowBefore_A(k));
     const float step_Ah = current_A * dt / 3600.0F;
     const float share = dt / (dt + filter_s);
     for (double n = 0.0; n < steps; n += 1.0) {
@@ -98,7 +93,7 @@ std::vector<double> ArduPilotVoltageSmooth(const ArduPilotBattery& battery,
   volts[0] = rest(drawn_Ah[0]);
   for (std::size_t k = 1; k < volts.size(); ++k) {
     const double decay = std::exp(-(mission.time_s[k] - mission.time_s[k - 1]) / kFilter_s);
-    const double goal_V = rest(drawn_Ah[k]) - battery.resistance_Ohm * Flow(mission, k);
+    const double goal_V = rest(drawn_Ah[k]) - battery.resistance_Ohm * mission.FlowBefore_A(k);
     volts[k] = goal_V + decay * (volts[k - 1] - goal_V);
   }
   return volts;

@@ -183,9 +183,6 @@ std::vector<double> Rows(const Cell& cell,
   std::vector<Real> gain(states);
   relax(law.get(), x.data(), carry.data(), static_cast<Real>(mission.initial_soc));
   std::vector<double> voltage_V;
-  const auto current = [&](std::size_t k) {
-    return static_cast<Real>(mission.current_A[k] / cell.parallel);
-  };
   double prepared_s = -1.0;
   for (std::size_t k = 0; k < mission.time_s.size(); ++k) {
     if (k > 0) {
@@ -193,11 +190,12 @@ std::vector<double> Rows(const Cell& cell,
       if (dt_s != prepared_s)
         prepare(law.get(), static_cast<Real>(dt_s / steps_of_row), loss.data(), gain.data());
       prepared_s = dt_s;
-      const Real flows_A = mission.hold == Hold::kBackward ? current(k) : current(k - 1);
+      const auto flows_A = static_cast<Real>(mission.FlowBefore_A(k) / cell.parallel);
       for (int n = 0; n < steps_of_row; ++n)
         advance(law.get(), x.data(), carry.data(), loss.data(), gain.data(), flows_A);
     }
-    voltage_V.push_back(cell.series * double(voltage(law.get(), x.data(), current(k), Real(1))));
+    const auto now_A = static_cast<Real>(mission.current_A[k] / cell.parallel);
+    voltage_V.push_back(cell.series * double(voltage(law.get(), x.data(), now_A, Real(1))));
   }
   return voltage_V;
 }

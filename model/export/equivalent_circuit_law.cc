@@ -17,7 +17,6 @@ double Interpolated(const std::vector<double>& soc, const std::vector<double>& v
 std::vector<double> EquivalentCircuitVoltage(const EquivalentCircuit& circuit,
                                              const ExportMission& mission,
                                              const std::vector<double>& drawn_Ah) {
-  const bool backward = mission.hold == Hold::kBackward;
   std::vector<double> branch_V(circuit.branches.size(), 0.0);
   std::vector<double> volts(mission.time_s.size());
   double soc = 1.0;
@@ -25,7 +24,7 @@ std::vector<double> EquivalentCircuitVoltage(const EquivalentCircuit& circuit,
     const double before = soc;
     soc = 1.0 - drawn_Ah[k] / circuit.capacity_Ah;
     if (k > 0) {
-      const double flow_A = mission.current_A[backward ? k : k - 1];
+      const double flow_A = mission.FlowBefore_A(k);
       const double steps = std::max(1.0, std::ceil(std::abs(soc - before) / kLargestSocStep));
       const double dt_s = (mission.time_s[k] - mission.time_s[k - 1]) / steps;
       for (std::size_t j = 0; j < branch_V.size(); ++j) {

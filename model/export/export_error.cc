@@ -67,13 +67,10 @@ ExportChargeError ChargeError(const ExportReference& cell,
 }
 
 std::vector<double> ChargeDrawn_Ah(const Cell& cell, const ExportMission& mission) {
-  const bool backward = mission.hold == Hold::kBackward;
   double drawn_C = cell.parallel * cell.alpha_C() * (1.0 - mission.initial_soc);
   std::vector<double> drawn_Ah(mission.time_s.size());
   for (std::size_t k = 0; k < drawn_Ah.size(); ++k) {
-    if (k > 0)
-      drawn_C +=
-          (mission.time_s[k] - mission.time_s[k - 1]) * mission.current_A[backward ? k : k - 1];
+    if (k > 0) drawn_C += (mission.time_s[k] - mission.time_s[k - 1]) * mission.FlowBefore_A(k);
     drawn_Ah[k] = drawn_C / 3600.0;
   }
   return drawn_Ah;

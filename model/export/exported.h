@@ -28,6 +28,11 @@ struct ExportMission {
   std::vector<double> current_A;  ///< of the whole pack, discharge positive
   Hold hold = Hold::kBackward;
   double initial_soc = 1.0;
+
+  /// The current over the interval that ends with row k > 0.
+  [[nodiscard]] double FlowBefore_A(std::size_t k) const {
+    return current_A[hold == Hold::kBackward ? k : k - 1];
+  }
 };
 
 enum class ExportPrecision { kDouble, kSingle };

@@ -28,7 +28,6 @@ double VoltageOf(const GazeboBattery& battery, double drawn_Ah, double smooth_A)
 std::vector<double> GazeboVoltage(const GazeboBattery& battery,
                                   const ExportMission& mission,
                                   const std::vector<double>& drawn_Ah) {
-  const bool backward = mission.hold == Hold::kBackward;
   std::vector<double> volts(mission.time_s.size());
   if (volts.empty()) return volts;
   double smooth_A = 0.0;
@@ -40,7 +39,7 @@ std::vector<double> GazeboVoltage(const GazeboBattery& battery,
   double length_s = -1.0;
   double left = 0.0;
   for (std::size_t k = 1; k < volts.size(); ++k) {
-    const double current_A = mission.current_A[backward ? k : k - 1];
+    const double current_A = mission.FlowBefore_A(k);
     const double row_s = mission.time_s[k] - mission.time_s[k - 1];
     if (!(std::abs(row_s - length_s) <= kSameLength * row_s)) {
       length_s = row_s;

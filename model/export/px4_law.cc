@@ -40,7 +40,7 @@ std::vector<double> Px4StateOfCharge(const Px4Battery& battery,
   shown[0] = soc;
   for (std::size_t k = 1; k < shown.size(); ++k) {
     const double length_s = mission.time_s[k] - mission.time_s[k - 1];
-    const double current_A = mission.current_A[mission.hold == Hold::kBackward ? k : k - 1];
+    const double current_A = mission.FlowBefore_A(k);
     const double updates = std::max(1.0, std::rint(length_s * kPx4Updates_per_s));
     const auto dt_s = static_cast<float>(length_s / updates);
     const float step_mAh = static_cast<float>(current_A) * 1e3F * (dt_s / 3600.0F);

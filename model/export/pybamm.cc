@@ -219,8 +219,7 @@ std::vector<double> RunPybammLaw(const Cell& cell, const ExportMission& mission,
     const double now_A = mission.current_A[k] / cell.parallel;
     if (k > 0) {
       const double dt_s = mission.time_s[k] - mission.time_s[k - 1];
-      const double flows_A =
-          mission.hold == Hold::kBackward ? now_A : mission.current_A[k - 1] / cell.parallel;
+      const double flows_A = mission.FlowBefore_A(k) / cell.parallel;
       if (dt_s != prepared_s) {
         for (std::size_t m = 0; m < mode.size(); ++m) hold[m] = ExactHold(rate_per_s[m], dt_s);
         prepared_s = dt_s;
