@@ -61,7 +61,7 @@ Exported ExportArduPilot(const ExportRequest& request) {
   const Projection found = Project(law, one.reference.voltage_V, parameters, starts);
 
   Exported exported;
-  const ExportReference pack = ReferenceOf(request);
+  const Prediction pack = ReferenceOf(request);
   const std::vector<double> pack_drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto error_of = [&](const ArduPilotBattery& battery) {
     return VoltageError(

@@ -25,7 +25,7 @@ struct Power {
   double mean_W = 0.0;
 };
 
-Power PowerOf(const ExportMission& mission, const ExportReference& pack) {
+Power PowerOf(const ExportMission& mission, const Prediction& pack) {
   Power power;
   power.row_W.push_back(0.0);
   double energy_J = 0.0;
@@ -74,7 +74,7 @@ Exported ExportGazebo(const ExportRequest& request) {
 
   Exported exported;
   if (!Usable(found, exported)) return exported;
-  const ExportReference pack = ReferenceOf(request);
+  const Prediction pack = ReferenceOf(request);
   const std::vector<double> drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto error_of = [&](const GazeboBattery& battery) {
     return VoltageError(pack, request.mission, GazeboVoltage(battery, request.mission, drawn_Ah));

@@ -21,7 +21,7 @@ struct SingleCell {
 
   Cell cell;
   ExportMission mission;
-  ExportReference reference;
+  Prediction reference;
   std::vector<double> drawn_Ah;
 
   /// What the drop under a steady current is about, in Ohm: series resistance, branches and the

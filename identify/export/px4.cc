@@ -31,7 +31,7 @@ Exported ExportPx4(const ExportRequest& request) {
 
   Exported exported;
   if (!Usable(found, exported)) return exported;
-  const ExportReference pack = ReferenceOf(request);
+  const Prediction pack = ReferenceOf(request);
   const std::vector<double> drawn_Ah = ChargeDrawn_Ah(cell, request.mission);
   const auto of_pack = [&](double empty_V, double charged_V, double ohm, double mAh) {
     // As the autopilot stores them.

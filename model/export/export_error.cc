@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "model/battery/prediction.h"
 #include "model/core/errors.h"
 #include "model/core/special_values.h"
 
@@ -35,17 +34,15 @@ Largest Compare(std::span<const double> truth, std::span<const double> law) {
 
 }  // namespace
 
-ExportReference ReferenceOf(const Cell& cell, const ExportMission& mission) {
-  auto prediction =
-      Predict(cell, mission.time_s, mission.current_A, mission.hold, mission.initial_soc);
-  return {std::move(prediction.voltage_V), std::move(prediction.soc)};
+Prediction ReferenceOf(const Cell& cell, const ExportMission& mission) {
+  return Predict(cell, mission.time_s, mission.current_A, mission.hold, mission.initial_soc);
 }
 
-ExportReference ReferenceOf(const ExportRequest& request) {
+Prediction ReferenceOf(const ExportRequest& request) {
   return ReferenceOf(request.whole ? *request.whole : request.cell, request.mission);
 }
 
-ExportError VoltageError(const ExportReference& cell,
+ExportError VoltageError(const Prediction& cell,
                          const ExportMission& mission,
                          std::span<const double> voltage_V) {
   const Largest found = Compare(cell.voltage_V, voltage_V);
@@ -56,7 +53,7 @@ ExportError VoltageError(const ExportReference& cell,
           .law_V = {voltage_V.begin(), voltage_V.end()}};
 }
 
-ExportChargeError ChargeError(const ExportReference& cell,
+ExportChargeError ChargeError(const Prediction& cell,
                               const ExportMission& mission,
                               std::span<const double> soc) {
   const Largest found = Compare(cell.soc, soc);

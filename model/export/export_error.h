@@ -8,27 +8,23 @@
 #include <span>
 #include <vector>
 
+#include "model/battery/prediction.h"
 #include "model/export/exported.h"
 
 namespace lipoid {
 
 /// The cell itself over a mission.
-struct ExportReference {
-  std::vector<double> voltage_V;  ///< of the pack
-  std::vector<double> soc;        ///< A, a fraction
-};
-
-[[nodiscard]] ExportReference ReferenceOf(const Cell& cell, const ExportMission& mission);
+[[nodiscard]] Prediction ReferenceOf(const Cell& cell, const ExportMission& mission);
 /// The cell of a request with all that it knows.
-[[nodiscard]] ExportReference ReferenceOf(const ExportRequest& request);
+[[nodiscard]] Prediction ReferenceOf(const ExportRequest& request);
 
 /// One voltage of the pack for each row. A voltage that is not finite makes the error NaN.
-[[nodiscard]] ExportError VoltageError(const ExportReference& cell,
+[[nodiscard]] ExportError VoltageError(const Prediction& cell,
                                        const ExportMission& mission,
                                        std::span<const double> voltage_V);
 
 /// One state of charge for each row, a fraction.
-[[nodiscard]] ExportChargeError ChargeError(const ExportReference& cell,
+[[nodiscard]] ExportChargeError ChargeError(const Prediction& cell,
                                             const ExportMission& mission,
                                             std::span<const double> soc);
 

@@ -215,7 +215,7 @@ TEST_F(ExportReferenceTest, Ns3StatesTheErrorOfItsOwnModel) {
     const std::string run =
         fmt::format("cd {} && ./ns3_peer ns3.txt ns3.csv > levels 2> log", folder_);
     ASSERT_EQ(std::system(run.c_str()), 0) << test::ReadText(folder_ + "/log");
-    const ExportReference truth = ReferenceOf(cell, request.mission);
+    const Prediction truth = ReferenceOf(cell, request.mission);
     std::istringstream levels(test::ReadText(folder_ + "/levels"));
     double level = 0.0;
     double squares = 0.0;

@@ -19,8 +19,15 @@ ExportMission ThreeRows() {
   return mission;
 }
 
+Prediction ThreeVoltages() {
+  Prediction cell;
+  cell.voltage_V = {4.0, 3.9, 3.8};
+  cell.soc = {1.0, 0.9, 0.8};
+  return cell;
+}
+
 TEST(ExportError, IsTheRootMeanSquareOverTheRowsAndSaysWhereTheWorstIs) {
-  const ExportReference cell{{4.0, 3.9, 3.8}, {1.0, 0.9, 0.8}};
+  const Prediction cell = ThreeVoltages();
   const auto error = VoltageError(cell, ThreeRows(), std::vector<double>{4.0, 3.8, 3.82});
   EXPECT_NEAR(error.rmse_V, std::sqrt((0.01 + 0.0004) / 3.0), 1e-15);
   EXPECT_NEAR(error.max_error_V, 0.1, 1e-15);
@@ -29,7 +36,7 @@ TEST(ExportError, IsTheRootMeanSquareOverTheRowsAndSaysWhereTheWorstIs) {
 }
 
 TEST(ExportError, AVoltageThatIsNoNumberIsNotPassedOver) {
-  const ExportReference cell{{4.0, 3.9, 3.8}, {1.0, 0.9, 0.8}};
+  const Prediction cell = ThreeVoltages();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto error = VoltageError(cell, ThreeRows(), std::vector<double>{4.0, nan, 0.0});
   EXPECT_TRUE(std::isnan(error.rmse_V));
@@ -38,7 +45,7 @@ TEST(ExportError, AVoltageThatIsNoNumberIsNotPassedOver) {
 }
 
 TEST(ExportError, AskingForOtherRowsIsAMistake) {
-  const ExportReference cell{{4.0, 3.9, 3.8}, {1.0, 0.9, 0.8}};
+  const Prediction cell = ThreeVoltages();
   EXPECT_THROW((void)VoltageError(cell, ThreeRows(), std::vector<double>{4.0}), PreconditionError);
 }
 
