@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <unsupported/Eigen/Polynomials>
 #include <vector>
@@ -205,21 +206,13 @@ std::pair<const HoverStability*, const LoopStability*> Worst(std::span<const Hov
 }
 
 std::string Unstable(const HoverStability& hover, const LoopStability& loop) {
+  std::string text =
+      fmt::format("the {} loop is unstable {}: ", loop.loop, Times(hover.xi, hover.when));
   const double growth_per_s = std::max(loop.pole.real(), loop.quasistatic_per_s);
-  if (loop.pole == 0.0 || growth_per_s == 0.0) {
-    return fmt::format("the {} loop is unstable {}: nothing brings it back, as its K_e is 0",
-                       loop.loop,
-                       Times(hover.xi, hover.when));
-  }
-  if (growth_per_s < 0.0) {  // by rounding
-    return fmt::format("the {} loop is unstable {}: its error does not decay",
-                       loop.loop,
-                       Times(hover.xi, hover.when));
-  }
-  std::string text = fmt::format("the {} loop is unstable {}: its error doubles every {:.3g} s",
-                                 loop.loop,
-                                 Times(hover.xi, hover.when),
-                                 std::numbers::ln2 / growth_per_s);
+  if (loop.pole == 0.0 || growth_per_s == 0.0)
+    return text + "nothing brings it back, as its K_e is 0";
+  if (growth_per_s < 0.0) return text + "its error does not decay";  // by rounding
+  text += fmt::format("its error doubles every {:.3g} s", std::numbers::ln2 / growth_per_s);
   if (loop.pole.real() > 0.0 && loop.pole.imag() != 0.0)
     text += fmt::format(", swinging at {:.3g} rad/s", std::abs(loop.pole));
   return text;
@@ -352,6 +345,26 @@ std::vector<std::string> StabilityWarnings(std::span<const HoverStability> hover
   }
   unstable.insert(unstable.end(), ringing.begin(), ringing.end());
   return unstable;
+}
+
+Json StabilityToJson(std::span<const HoverStability> hovers) {
+  Json rows = Json::array();
+  for (const HoverStability& hover : hovers) {
+    for (const LoopStability& loop : hover.loops) {
+      rows.push_back({{"loop", loop.loop},
+                      {"when", hover.when},
+                      {"xi", hover.xi},
+                      {"stable", loop.stable()},
+                      {"pole_per_s", {loop.pole.real(), loop.pole.imag()}},
+                      {"quasistatic_per_s", loop.quasistatic_per_s},
+                      {"frequency_rad_per_s", NumberOrNull(loop.frequency_rad_per_s)},
+                      {"damping", loop.damping},
+                      {"gain_margin_up", NumberOrNull(loop.gain_margin_up)},
+                      {"gain_margin_down", NumberOrNull(loop.gain_margin_down)},
+                      {"phase_margin_deg", NumberOrNull(loop.phase_margin_deg)}});
+    }
+  }
+  return rows;
 }
 
 }  // namespace lipoid

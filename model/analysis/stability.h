@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "model/analysis/poles.h"
+#include "model/core/json.h"
 #include "model/flight/simulator.h"
 
 namespace lipoid {
@@ -92,5 +93,8 @@ struct HoverStability {
 /// One sentence for each loop that is unstable or rings at one of the hovers, the unstable ones
 /// first: "the yaw loop is unstable at xi = 0.71 (lowest voltage): its error doubles every 1.2 s".
 [[nodiscard]] std::vector<std::string> StabilityWarnings(std::span<const HoverStability> hovers);
+
+/// In a summary: one object for each loop at each hover; null where a number does not exist.
+[[nodiscard]] Json StabilityToJson(std::span<const HoverStability> hovers);
 
 }  // namespace lipoid

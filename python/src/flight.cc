@@ -9,7 +9,7 @@
 
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
-#include "model/analysis/stability_json.h"
+#include "model/analysis/stability.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
 #include "model/core/stop.h"

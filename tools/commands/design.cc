@@ -7,7 +7,7 @@
 #include "identify/gains/gain_design.h"
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/poles.h"
-#include "model/analysis/stability_json.h"
+#include "model/analysis/stability.h"
 #include "model/control/gains.h"
 #include "model/core/atomic_file.h"
 #include "model/core/counted.h"

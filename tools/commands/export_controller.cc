@@ -5,7 +5,6 @@
 
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
-#include "model/analysis/stability_json.h"
 #include "model/battery/cell_file.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"

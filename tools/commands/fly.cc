@@ -8,7 +8,6 @@
 #include "identify/pack_request.h"
 #include "model/analysis/placed_gains.h"
 #include "model/analysis/stability.h"
-#include "model/analysis/stability_json.h"
 #include "model/control/gains.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
