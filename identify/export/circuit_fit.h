@@ -7,6 +7,10 @@
 /// that the circuit is at rest where the cell is. A node that the mission says nothing of is that
 /// of its neighbour. Tests: tests/identify/export/circuit_fit_test.cc.
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "identify/export/projected.h"
 #include "model/export/equivalent_circuit_law.h"
 
@@ -27,5 +31,13 @@ inline constexpr double kShortestTimeConstant_s = 0.5;
 /// The numbers of the cell file in such a circuit, as a user would type them: nominal capacity,
 /// series resistance, and those branches that are not next to nothing.
 [[nodiscard]] EquivalentCircuit NaiveCircuit(const Cell& cell, int branches);
+
+/// What thevenin and simscape say of their circuit: fits it and fills in all but the files. None
+/// where no circuit was found.
+[[nodiscard]] std::optional<EquivalentCircuit> ReportCircuit(const ExportRequest& request,
+                                                             Exported& exported);
+
+/// Numbers with all their digits: "0.1, 0.25".
+[[nodiscard]] std::string NumberList(const std::vector<double>& values);
 
 }  // namespace lipoid

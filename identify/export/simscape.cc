@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "identify/export/circuit_report.h"
+#include "identify/export/circuit_fit.h"
 #include "identify/export/fitted_targets.h"
 #include "model/export/provenance.h"
 

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
-#include "identify/export/circuit_report.h"
+#include "identify/export/circuit_fit.h"
 #include "identify/export/fitted_targets.h"
+#include "model/export/cell_numbers.h"
 #include "model/export/provenance.h"
 
 namespace lipoid {
@@ -16,10 +17,7 @@ Exported ExportThevenin(const ExportRequest& request) {
 
   std::string yaml = Commented(ProvenanceLines(request, exported), "# ");
   const auto number = [&](std::string_view key, double value) {
-    // A number without a point or an exponent would be an integer.
-    std::string text = fmt::format("{}", value);
-    if (text.find_first_of(".e") == std::string::npos) text += ".0";
-    yaml += fmt::format("{}: {}\n", key, text);
+    yaml += fmt::format("{}: {}\n", key, CNumber(value));  // without a point it would be an integer
   };
   const auto function = [&](std::string_view key,
                             std::string_view arguments,
