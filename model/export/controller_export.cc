@@ -10,6 +10,7 @@
 #include "generated/flight_code.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
+#include "model/export/cell_numbers.h"
 #include "model/export/provenance.h"
 #include "model/flight/coupling.h"
 #include "model/vehicle/motor.h"
@@ -31,7 +32,9 @@ class Numbers {
   }
   void Real(std::string_view name, double value, std::string_view what) {
     Check(name, value);
-    text_ += fmt::format("#define LIPOID_{} {} /* {} */\n", name, Literal(value), what);
+    const std::string number = CNumber(value);
+    text_ += fmt::format(
+        "#define LIPOID_{} {} /* {} */\n", name, value < 0.0 ? "(" + number + ")" : number, what);
   }
   // A bound that may be absent.
   void Bound(std::string_view name, double value, std::string_view what) {
@@ -59,12 +62,6 @@ class Numbers {
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
-  static std::string Literal(double value) {
-    std::string text = fmt::format("{}", value);
-    if (text.find_first_of(".e") == std::string::npos) text += ".0";
-    return value < 0.0 ? "(" + text + ")" : text;
-  }
-
   Precision precision_;
   std::string text_;
 };
