@@ -389,18 +389,6 @@ std::vector<std::string> CellParameterNames(const Cell& cell) {
   return names;
 }
 
-std::vector<std::string> CellNodeNames(const Cell& cell) {
-  std::vector<std::string> tables{"r_s"};
-  for (std::size_t j = 1; j <= cell.branches.size(); ++j) tables.push_back(fmt::format("r_{}", j));
-  tables.insert(tables.end(), {"r_ct", "dv_dT", "M", "v_oc"});
-  std::vector<std::string> names;
-  for (const auto& table : tables) {
-    for (std::size_t k = 0; k < CountNodes(cell, table); ++k)
-      names.push_back(fmt::format("{}[{}]", table, k));
-  }
-  return names;
-}
-
 std::optional<double> CellParameter(const Cell& cell, std::string_view name) {
   if (const auto node = ParseNodeName(name)) {
     if (node->index >= CountNodes(cell, node->table)) return std::nullopt;

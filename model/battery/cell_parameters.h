@@ -44,14 +44,10 @@ struct CellParameterName {
 [[nodiscard]] std::optional<CellParameterName> FindCellParameter(std::string_view name);
 
 /// The names this cell has, in the order above. A table of resistances has no name: of such a
-/// branch there is only tau_j.
+/// branch there is only tau_j. Its nodes are parameters as the others are (V for v_oc), where it
+/// says so below, counted from 0 as the lists of the cell file: r_s[0], r_s[1], ..., r_1[0], ...,
+/// r_ct[0], ..., dv_dT[0], ..., M[0], ... and, where v_oc(A) is linear or monotone-cubic, v_oc[0].
 [[nodiscard]] std::vector<std::string> CellParameterNames(const Cell& cell);
-
-/// The names of the nodes of its tables, counted from 0 as the lists of the cell file: r_s[0],
-/// r_s[1], ..., r_1[0], ..., r_ct[0], ..., dv_dT[0], ..., M[0], ... and, where v_oc(A) is linear or
-/// monotone-cubic, v_oc[0], ... They are parameters as the others are (V for v_oc), where it says so
-/// below.
-[[nodiscard]] std::vector<std::string> CellNodeNames(const Cell& cell);
 
 /// The resistances this cell has, constant or not: r_s, r_1, ..., r_ct.
 [[nodiscard]] std::vector<std::string> CellResistanceNames(const Cell& cell);

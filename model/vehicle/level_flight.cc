@@ -114,10 +114,6 @@ LevelFlight HoverByCoefficients(const Vehicle& vehicle) {
   return HoverOf(vehicle, RotorsWithoutTheory(vehicle, 1.0));
 }
 
-LevelFlight Hover(const Vehicle& vehicle, const LevelFlightOptions& options) {
-  return Cruise(vehicle, 0.0, options);
-}
-
 LevelFlight Cruise(const Vehicle& vehicle,
                    double airspeed_m_per_s,
                    const LevelFlightOptions& options) {

@@ -95,11 +95,9 @@ struct LevelFlight {
 /// objections. The one place that computes the working point of hover.
 [[nodiscard]] LevelFlight HoverByCoefficients(const Vehicle& vehicle);
 
-/// Hover in still air. OptionError where momentum theory rules the vehicle's propellers out.
-[[nodiscard]] LevelFlight Hover(const Vehicle& vehicle, const LevelFlightOptions& options = {});
-
-/// Level flight at this airspeed >= 0. OptionError also where the vehicle has no
-/// propeller_diameter_m and the airspeed is not 0.
+/// Level flight at this airspeed >= 0: at 0, hover in still air. OptionError where momentum theory
+/// rules the vehicle's propellers out, and where it has no propeller_diameter_m for an airspeed
+/// above 0.
 [[nodiscard]] LevelFlight Cruise(const Vehicle& vehicle,
                                  double airspeed_m_per_s,
                                  const LevelFlightOptions& options = {});

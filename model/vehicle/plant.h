@@ -55,10 +55,6 @@ PerMotor<T, R> MotorsAt(const PlantState<T, N>& x, std::size_t first) {
   for (std::size_t i = 0; i < R; ++i) values[i] = x[first + i];
   return values;
 }
-template <class T, std::size_t N>
-PerMotor<T> FourAt(const PlantState<T, N>& x, std::size_t first) {
-  return MotorsAt<4>(x, first);
-}
 
 /// What is held over an integrator step.
 template <class T, std::size_t R = 4>

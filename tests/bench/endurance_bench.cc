@@ -17,7 +17,7 @@ constexpr double kStep_s = 0.005;
 
 std::vector<EnduranceSetup> Hovers() {
   const Vehicle vehicle = LoadVehicle("mambo-physical");
-  const LevelFlight hover = Hover(vehicle);
+  const LevelFlight hover = Cruise(vehicle, 0.0);
   EnduranceSetup setup;
   setup.cell = LoadCell("gifi-600mAh-1");
   setup.options.step_s = kStep_s;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "model/battery/cell_file.h"
 #include "model/core/errors.h"
@@ -133,24 +135,27 @@ Cell WithTables() {
   return cell;
 }
 
+constexpr auto kNodes = std::to_array<std::string_view>(
+    {"r_s[0]", "r_s[1]", "r_s[2]", "r_1[0]", "r_1[1]", "r_ct[0]", "v_oc[0]", "v_oc[1]", "v_oc[2]"});
+
 TEST(CellParameters, NodesAreCountedFromZero) {
   const Cell cell = WithTables();
-  EXPECT_EQ(CellNodeNames(cell),
-            (std::vector<std::string>{"r_s[0]",
-                                      "r_s[1]",
-                                      "r_s[2]",
-                                      "r_1[0]",
-                                      "r_1[1]",
-                                      "r_ct[0]",
-                                      "v_oc[0]",
-                                      "v_oc[1]",
-                                      "v_oc[2]"}));
   EXPECT_EQ(CellParameter(cell, "r_s[0]"), 0.3);
   EXPECT_EQ(CellParameter(cell, "r_s[2]"), 0.1);
   EXPECT_EQ(CellParameter(cell, "r_1[1]"), 0.05);
   EXPECT_EQ(CellParameter(cell, "r_ct[0]"), 0.01);
   EXPECT_EQ(CellParameter(cell, "v_oc[1]"), 3.7);
-  for (const char* name : {"r_s[3]", "r_2[0]", "r_s[", "r_s[]", "r_s[-1]", "r_s[1]x", "beta[0]"})
+  for (const std::string_view name : kNodes) EXPECT_TRUE(CellParameter(cell, name)) << name;
+  for (const char* name : {"r_s[3]",
+                           "r_1[2]",
+                           "r_2[0]",
+                           "r_ct[1]",
+                           "v_oc[3]",
+                           "r_s[",
+                           "r_s[]",
+                           "r_s[-1]",
+                           "r_s[1]x",
+                           "beta[0]"})
     EXPECT_EQ(CellParameter(cell, name), std::nullopt) << name;
   // A constant is a parameter, not a table of one node; series have no nodes.
   EXPECT_EQ(CellParameter(LoadCell("gifi-600mAh-1"), "r_s[0]"), std::nullopt);
@@ -161,10 +166,10 @@ TEST(CellParameters, NodesAreCountedFromZero) {
 
 TEST(CellParameters, ANodeChangesAlone) {
   const Cell before = WithTables();
-  for (const auto& name : CellNodeNames(before)) {
+  for (const std::string_view name : kNodes) {
     Cell cell = before;
     SetCellParameter(cell, name, 0.02);
-    for (const auto& other : CellNodeNames(before))
+    for (const std::string_view other : kNodes)
       EXPECT_EQ(CellParameter(cell, other), other == name ? 0.02 : *CellParameter(before, other));
     EXPECT_EQ(cell.series_resistance_Ohm.soc, before.series_resistance_Ohm.soc);
     EXPECT_EQ(cell.branches[0].time_constant_s, 40.0);

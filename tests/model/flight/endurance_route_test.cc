@@ -28,7 +28,7 @@ TEST(EnduranceRoute, StayingWhereItIsTakesThePowerOfHover) {
   ASSERT_EQ(mission.legs.size(), 600U);
   Vehicle loaded = request.vehicle;
   loaded.mass_kg += 0.004;
-  const LevelFlight hover = Hover(loaded);
+  const LevelFlight hover = Cruise(loaded, 0.0);
   const double power_W = BatteryPower(loaded, hover, 3.7);
   // The controller rounds speeds to steps of its pulse width.
   for (const MissionLeg& leg : mission.legs) {

@@ -370,7 +370,7 @@ TEST(Endurance, AgreesWithTheFlightSimulator) {
     flown.gains = LoadGains("aware");
     const FlightResult flight = Fly(flown, FindManeuver("endurance").plan({}));
     ASSERT_EQ(flight.outcome, Outcome::kBatteryEmpty);
-    const LevelFlight hover = Hover(flown.vehicle);
+    const LevelFlight hover = Cruise(flown.vehicle, 0.0);
     EnduranceSetup setup = At(*flown.cell, BatteryPower(flown.vehicle, hover, 1.0));
     setup.mission.legs[0].least_V = hover.battery_V;
     const EnduranceResult result = FlyMission(setup);

@@ -49,7 +49,7 @@ TEST(LevelFlight, PowerOfHoverIsBalanced) {
     Vehicle vehicle = LoadVehicle(name);
     vehicle.esc = {};
     vehicle.avionics_power_W = 0.0;
-    const LevelFlight hover = Hover(vehicle);
+    const LevelFlight hover = Cruise(vehicle, 0.0);
     const double speed = hover.speed_rad_per_s;
     const double battery_W = BatteryPower(vehicle, hover, vehicle.nominal_voltage_V);
     const double each_W = vehicle.armature_resistance_Ohm * hover.motor_A * hover.motor_A +
@@ -75,7 +75,7 @@ TEST(LevelFlight, SpeedControllersTakeTheirShare) {
                  .switching_frequency_Hz = 8000.0,
                  .diode_V = 0.6,
                  .synchronous = false};
-  const LevelFlight hover = Hover(vehicle);
+  const LevelFlight hover = Cruise(vehicle, 0.0);
   const double battery_V = 12.0;
   const double across_V = hover.motor_V + 0.01 * hover.motor_A;
   const double duty = (across_V + 0.6) / (battery_V + 0.6);
@@ -90,15 +90,15 @@ TEST(LevelFlight, LosslessHoverGoesWithTheWeightToThreeHalves) {
   Vehicle vehicle = LoadVehicle("mambo-physical");
   vehicle.armature_resistance_Ohm = 1e-12;
   vehicle.friction_N_m_s = 0.0;
-  const double light_W = BatteryPower(vehicle, Hover(vehicle), 4.0);
+  const double light_W = BatteryPower(vehicle, Cruise(vehicle, 0.0), 4.0);
   vehicle.mass_kg *= 4.0;
-  EXPECT_NEAR(BatteryPower(vehicle, Hover(vehicle), 4.0), 8.0 * light_W, 1e-9 * light_W);
+  EXPECT_NEAR(BatteryPower(vehicle, Cruise(vehicle, 0.0), 4.0), 8.0 * light_W, 1e-9 * light_W);
 }
 
 // Ideal hover: W sqrt(W/(2 rho A)).
 TEST(LevelFlight, HoverIsThatOfMomentumTheory) {
   const Vehicle vehicle = Ideal(1.15);
-  const LevelFlight hover = Hover(vehicle);
+  const LevelFlight hover = Cruise(vehicle, 0.0);
   const double weight_N = 1.2 * 9.81;
   const double area_m2 = std::numbers::pi * 0.239 * 0.239;
   const double ideal_W = weight_N * std::sqrt(weight_N / (2.0 * 1.225 * area_m2));
@@ -130,7 +130,7 @@ TEST(LevelFlight, InducedVelocityIsGlauerts) {
 TEST(LevelFlight, BladesAtTheSpeedFoundCarryTheVehicle) {
   const Vehicle vehicle = Quadrotor();
   const LevelFlightOptions options;
-  const LevelFlight hover = Hover(vehicle);
+  const LevelFlight hover = Cruise(vehicle, 0.0);
   const auto sum_over_the_disk = [&](double mu, double lambda, double theta) {
     constexpr double kRoot = 0.15;
     constexpr int kSteps = 2000;
@@ -182,7 +182,7 @@ TEST(LevelFlight, BestSpeedsAreThoseOfTheClosedForm) {
 
 TEST(LevelFlight, ALittleSpeedIsHover) {
   const Vehicle vehicle = Quadrotor();
-  const LevelFlight hover = Hover(vehicle);
+  const LevelFlight hover = Cruise(vehicle, 0.0);
   const LevelFlight slow = Cruise(vehicle, 1e-4);
   EXPECT_NEAR(slow.speed_rad_per_s, hover.speed_rad_per_s, 1e-6 * hover.speed_rad_per_s);
   EXPECT_NEAR(slow.shaft_W, hover.shaft_W, 1e-6 * hover.shaft_W);
@@ -192,8 +192,8 @@ TEST(LevelFlight, ALittleSpeedIsHover) {
 TEST(LevelFlight, DenserAirCarriesBetter) {
   LevelFlightOptions cold;
   cold.air_density_kg_per_m3 = 1.225 * 1.1;
-  const LevelFlight hover = Hover(Quadrotor());
-  const LevelFlight dense = Hover(Quadrotor(), cold);
+  const LevelFlight hover = Cruise(Quadrotor(), 0.0);
+  const LevelFlight dense = Cruise(Quadrotor(), 0.0, cold);
   EXPECT_NEAR(dense.shaft_W, hover.shaft_W / std::sqrt(1.1), 1e-9 * hover.shaft_W);
   EXPECT_NEAR(
       dense.speed_rad_per_s, hover.speed_rad_per_s / std::sqrt(1.1), 1e-9 * hover.speed_rad_per_s);
@@ -203,22 +203,22 @@ TEST(LevelFlight, DenserAirCarriesBetter) {
 TEST(LevelFlight, CoaxialPairsShareTheirDisks) {
   Vehicle vehicle = Quadrotor();
   vehicle.torque_coefficient_N_m_s2 *= 1.5;
-  const double flat = Hover(vehicle).figure_of_merit;
+  const double flat = Cruise(vehicle, 0.0).figure_of_merit;
   vehicle.layout = decltype(vehicle.layout)::kX8;
-  EXPECT_NEAR(Hover(vehicle).figure_of_merit, std::sqrt(2.0) * flat, 1e-12);
+  EXPECT_NEAR(Cruise(vehicle, 0.0).figure_of_merit, std::sqrt(2.0) * flat, 1e-12);
 }
 
 TEST(LevelFlight, SaysWhatItDoesNotKnow) {
-  EXPECT_THROW((void)Hover(Vehicle{}), PreconditionError);
+  EXPECT_THROW((void)Cruise(Vehicle{}, 0.0), PreconditionError);
   const Vehicle mambo = LoadVehicle("mambo-coupled");
   EXPECT_EQ(
       test::MessageOf<OptionError>([&] { (void)Cruise(mambo, 3.0); }),
       "mambo-coupled does not say its propeller_diameter_m, which the power of forward flight "
       "depends on: write it into a vehicle file and give that");
-  EXPECT_TRUE(std::isnan(Hover(mambo).figure_of_merit));
+  EXPECT_TRUE(std::isnan(Cruise(mambo, 0.0).figure_of_merit));
   Vehicle perpetual = Quadrotor();
   perpetual.torque_coefficient_N_m_s2 *= 0.5;
-  const std::string message = test::MessageOf<OptionError>([&] { (void)Hover(perpetual); });
+  const std::string message = test::MessageOf<OptionError>([&] { (void)Cruise(perpetual, 0.0); });
   EXPECT_NE(message.find("figure of merit"), std::string::npos) << message;
   EXPECT_FALSE(FindBestSpeeds(Quadrotor(), 3.0));
 }

@@ -294,8 +294,8 @@ TEST(Plant, EnergyIsBalanced) {
     plant.Derivative(x, in, dx);
     std::copy(dx.begin(), dx.end(), change.begin());
     // Everything from the equations of the parts, in Eigen, not from the plant's own.
-    const Eigen::Vector4d w = AsEigen(FourAt(x, plant::kSpeeds));
-    const double volts = LoopVoltage(v, in.supply, in.duty, FourAt(x, plant::kSpeeds));
+    const Eigen::Vector4d w = AsEigen(MotorsAt<4>(x, plant::kSpeeds));
+    const double volts = LoopVoltage(v, in.supply, in.duty, MotorsAt<4>(x, plant::kSpeeds));
     const Eigen::Vector4d amperes =
         (volts * AsEigen(in.duty) - v.motor_constant_N_m_per_A * w) / v.armature_resistance_Ohm;
     const double battery_A = (in.supply.voltage_V - volts) / in.supply.resistance_Ohm;
