@@ -383,6 +383,7 @@ Exported ExportFmi(const ExportRequest& request) {
   entries.push_back({"sources/cell_law.h", std::string(RuntimeText("cell_law"))});
   entries.push_back({"sources/cell_numbers.h", header + NumbersAsC(numbers)});
   entries.push_back({"sources/fmu_cell.h", std::string(RuntimeText("fmu_cell"))});
+  entries.push_back({"sources/fmu_functions.h", std::string(RuntimeText("fmu_functions"))});
   if (three) {
     entries.push_back({"sources/fmi3.c", std::string(RuntimeText("fmi3"))});
     entries.push_back({"sources/buildDescription.xml",

@@ -32,9 +32,9 @@ typedef struct {
 #ifdef FMI2_FUNCTION_PREFIX
 #define FMU_PASTE(a, b) a##b
 #define FMU_PASTED(a, b) FMU_PASTE(a, b)
-#define FMI2(name) FMU_PASTED(FMI2_FUNCTION_PREFIX, fmi2##name)
+#define FMI(name) FMU_PASTED(FMI2_FUNCTION_PREFIX, fmi2##name)
 #else
-#define FMI2(name) fmi2##name
+#define FMI(name) fmi2##name
 #endif
 
 typedef struct {
@@ -56,22 +56,23 @@ static fmi2Status trouble(fmi2Component c, fmi2Status status, const char *messag
   return of == NULL ? fmi2Error : say(of->callbacks, of->name, status, message);
 }
 
-static fmi2Status missing(fmi2Component c, const char *what) { return trouble(c, fmi2Error, what); }
+typedef fmi2Status fmi_status;
+typedef fmi2Boolean fmi_boolean;
+typedef fmi2String fmi_string;
+typedef fmi2ValueReference fmi_reference;
+typedef fmi2Integer fmi_integer;
+#define FMI_OK fmi2OK
+#define FMI_DISCARD fmi2Discard
+#define FMI_ERROR fmi2Error
+#include "fmu_functions.h"
 
-FMU_PUBLIC const char *FMI2(GetTypesPlatform)(void) { return "default"; }
+FMU_PUBLIC const char *FMI(GetTypesPlatform)(void) { return "default"; }
 
-FMU_PUBLIC const char *FMI2(GetVersion)(void) { return "2.0"; }
+FMU_PUBLIC const char *FMI(GetVersion)(void) { return "2.0"; }
 
-FMU_PUBLIC fmi2Status FMI2(SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-  (void)on;
-  (void)n;
-  (void)categories;
-  return c == NULL ? fmi2Error : fmi2OK;
-}
-
-FMU_PUBLIC fmi2Component FMI2(Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                                           const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                                           fmi2Boolean logging) {
+FMU_PUBLIC fmi2Component FMI(Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                          const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
+                                          fmi2Boolean logging) {
   const char *why = "there is not enough memory";
   instance *of = (instance *)calloc(1, sizeof(instance));
   (void)type;
@@ -93,7 +94,7 @@ FMU_PUBLIC fmi2Component FMI2(Instantiate)(fmi2String name, fmi2Type type, fmi2S
   return NULL;
 }
 
-FMU_PUBLIC void FMI2(FreeInstance)(fmi2Component c) {
+FMU_PUBLIC void FMI(FreeInstance)(fmi2Component c) {
   instance *of = (instance *)c;
   if (of == NULL) return;
   fmu_free(of->cell);
@@ -101,173 +102,69 @@ FMU_PUBLIC void FMI2(FreeInstance)(fmi2Component c) {
   free(of);
 }
 
-static fmu_cell *cell_in(fmi2Component c) { return c == NULL ? NULL : ((instance *)c)->cell; }
-
-static fmi2Status enter(fmi2Component c, int phase) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL) return fmi2Error;
-  cell->saved[FMU_SAVED_PHASE] = phase;
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetupExperiment)(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
-                                            fmi2Real start_s, fmi2Boolean stop_defined, fmi2Real stop_s) {
-  fmu_cell *cell = cell_in(c);
+FMU_PUBLIC fmi2Status FMI(SetupExperiment)(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+                                           fmi2Real start_s, fmi2Boolean stop_defined, fmi2Real stop_s) {
   (void)tolerance_defined;
   (void)tolerance;
   (void)stop_defined;
   (void)stop_s;
-  if (cell == NULL) return fmi2Error;
-  cell->saved[FMU_SAVED_TIME] = start_s;
-  return fmi2OK;
+  return set_time(c, start_s);
 }
 
-FMU_PUBLIC fmi2Status FMI2(EnterInitializationMode)(fmi2Component c) { return enter(c, FMU_INITIALIZING); }
+FMU_PUBLIC fmi2Status FMI(EnterInitializationMode)(fmi2Component c) { return enter(c, FMU_INITIALIZING); }
 
-FMU_PUBLIC fmi2Status FMI2(ExitInitializationMode)(fmi2Component c) { return enter(c, FMU_RUNNING); }
-
-FMU_PUBLIC fmi2Status FMI2(Terminate)(fmi2Component c) { return enter(c, FMU_TERMINATED); }
-
-FMU_PUBLIC fmi2Status FMI2(Reset)(fmi2Component c) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL) return fmi2Error;
-  fmu_reset(cell);
-  return fmi2OK;
+FMU_PUBLIC fmi2Status FMI(GetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Real values[]) {
+  return get_reals(c, references, n, values, "there is no real variable of this value reference");
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Real values[]) {
-  fmu_cell *cell = cell_in(c);
-  fmi2Status status = fmi2OK;
-  size_t k;
-  if (cell == NULL) return fmi2Error;
-  for (k = 0; k < n; ++k) {
-    const int found = fmu_get(cell, references[k], &values[k]);
-    if (found == 0) return missing(c, "there is no real variable of this value reference");
-    if (found == 2) status = fmi2Discard;
+FMU_PUBLIC fmi2Status FMI(SetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                   const fmi2Real values[]) {
+  return set_reals(c, references, n, values);
+}
+
+FMU_PUBLIC fmi2Status FMI(GetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                      fmi2Integer values[]) {
+  return get_counts(c, references, n, values, "there is no integer variable of this value reference");
+}
+
+FMU_PUBLIC fmi2Status FMI(SetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                      const fmi2Integer values[]) {
+  return set_counts(c, references, n, values);
+}
+
+// The types of which the cell has no variable.
+#define FMU_NO_VARIABLES(name, type, none)                                                                           \
+  FMU_PUBLIC fmi2Status FMI(name)(fmi2Component c, const fmi2ValueReference references[], size_t n, type values[]) { \
+    (void)references;                                                                                                \
+    (void)values;                                                                                                    \
+    return n == 0 && c != NULL ? fmi2OK : missing(c, none);                                                          \
   }
-  return status == fmi2OK ? status : trouble(c, status, "power_W is more than the pack can give");
+FMU_NO_VARIABLES(GetBoolean, fmi2Boolean, "there are no boolean variables")
+FMU_NO_VARIABLES(SetBoolean, const fmi2Boolean, "there are no boolean variables")
+FMU_NO_VARIABLES(GetString, fmi2String, "there are no string variables")
+FMU_NO_VARIABLES(SetString, const fmi2String, "there are no string variables")
+
+FMU_PUBLIC fmi2Status FMI(GetFMUstate)(fmi2Component c, void **state) { return get_state(c, state); }
+
+FMU_PUBLIC fmi2Status FMI(SetFMUstate)(fmi2Component c, void *state) { return set_state(c, state); }
+
+FMU_PUBLIC fmi2Status FMI(FreeFMUstate)(fmi2Component c, void **state) { return free_state(c, state); }
+
+FMU_PUBLIC fmi2Status FMI(SerializedFMUstateSize)(fmi2Component c, void *state, size_t *size) {
+  return state_size(c, state, size);
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                       fmi2Integer values[]) {
-  fmu_cell *cell = cell_in(c);
-  size_t k;
-  if (cell == NULL) return fmi2Error;
-  for (k = 0; k < n; ++k) {
-    if (!fmu_get_count(cell, references[k], &values[k])) {
-      return missing(c, "there is no integer variable of this value reference");
-    }
-  }
-  return fmi2OK;
+FMU_PUBLIC fmi2Status FMI(SerializeFMUstate)(fmi2Component c, void *state, fmi2Byte bytes[], size_t size) {
+  return serialize_state(c, state, bytes, size);
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetBoolean)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                       fmi2Boolean values[]) {
-  (void)references;
-  (void)values;
-  return n == 0 && c != NULL ? fmi2OK : missing(c, "there are no boolean variables");
+FMU_PUBLIC fmi2Status FMI(DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size, void **state) {
+  return deserialize_state(c, bytes, size, state);
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetString)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                      fmi2String values[]) {
-  (void)references;
-  (void)values;
-  return n == 0 && c != NULL ? fmi2OK : missing(c, "there are no string variables");
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                    const fmi2Real values[]) {
-  fmu_cell *cell = cell_in(c);
-  size_t k;
-  if (cell == NULL) return fmi2Error;
-  for (k = 0; k < n; ++k) {
-    if (!fmu_set(cell, references[k], values[k])) {
-      return missing(c, "this variable cannot be set, not now, or not to this value");
-    }
-  }
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                       const fmi2Integer values[]) {
-  fmu_cell *cell = cell_in(c);
-  size_t k;
-  if (cell == NULL) return fmi2Error;
-  for (k = 0; k < n; ++k) {
-    if (!fmu_set_count(cell, references[k], values[k])) {
-      return missing(c, "series and parallel are at least 1 and are set before the initialization ends");
-    }
-  }
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetBoolean)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                       const fmi2Boolean values[]) {
-  (void)references;
-  (void)values;
-  return n == 0 && c != NULL ? fmi2OK : missing(c, "there are no boolean variables");
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetString)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                      const fmi2String values[]) {
-  (void)references;
-  (void)values;
-  return n == 0 && c != NULL ? fmi2OK : missing(c, "there are no string variables");
-}
-
-// A saved state is a list of numbers, which is also what is serialized.
-FMU_PUBLIC fmi2Status FMI2(GetFMUstate)(fmi2Component c, void **state) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || state == NULL) return fmi2Error;
-  if (*state == NULL) *state = calloc(fmu_saved_numbers(cell), sizeof(double));
-  if (*state == NULL) return missing(c, "there is not enough memory");
-  fmu_save(cell, (double *)*state);
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetFMUstate)(fmi2Component c, void *state) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || state == NULL) return fmi2Error;
-  fmu_restore(cell, (const double *)state);
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(FreeFMUstate)(fmi2Component c, void **state) {
-  if (c == NULL) return fmi2Error;
-  if (state == NULL) return fmi2OK;
-  free(*state);
-  *state = NULL;
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SerializedFMUstateSize)(fmi2Component c, void *state, size_t *size) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || state == NULL || size == NULL) return fmi2Error;
-  *size = fmu_saved_numbers(cell) * sizeof(double);
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SerializeFMUstate)(fmi2Component c, void *state, fmi2Byte bytes[], size_t size) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || state == NULL || bytes == NULL) return fmi2Error;
-  if (size != fmu_saved_numbers(cell) * sizeof(double)) return missing(c, "the buffer has another size than the state");
-  memcpy(bytes, state, size);
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size, void **state) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || state == NULL || bytes == NULL) return fmi2Error;
-  if (size != fmu_saved_numbers(cell) * sizeof(double)) return missing(c, "the buffer has another size than the state");
-  if (*state == NULL) *state = malloc(size);
-  if (*state == NULL) return missing(c, "there is not enough memory");
-  memcpy(*state, bytes, size);
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
-                                                     const fmi2ValueReference known[], size_t knowns,
-                                                     const fmi2Real seed[], fmi2Real sensitivity[]) {
+FMU_PUBLIC fmi2Status FMI(GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
+                                                    const fmi2ValueReference known[], size_t knowns,
+                                                    const fmi2Real seed[], fmi2Real sensitivity[]) {
   (void)unknown;
   (void)unknowns;
   (void)known;
@@ -278,75 +175,19 @@ FMU_PUBLIC fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component c, const fmi2
 }
 
 // Model exchange.
-FMU_PUBLIC fmi2Status FMI2(EnterEventMode)(fmi2Component c) { return c == NULL ? fmi2Error : fmi2OK; }
-
-FMU_PUBLIC fmi2Status FMI2(NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info) {
+FMU_PUBLIC fmi2Status FMI(NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info) {
   if (c == NULL || info == NULL) return fmi2Error;
   memset(info, 0, sizeof *info);
   return fmi2OK;
 }
 
-FMU_PUBLIC fmi2Status FMI2(EnterContinuousTimeMode)(fmi2Component c) { return c == NULL ? fmi2Error : fmi2OK; }
-
-FMU_PUBLIC fmi2Status FMI2(CompletedIntegratorStep)(fmi2Component c, fmi2Boolean no_set_state, fmi2Boolean *enter_event,
-                                                    fmi2Boolean *terminate) {
-  (void)no_set_state;
-  if (c == NULL || enter_event == NULL || terminate == NULL) return fmi2Error;
-  *enter_event = 0;
-  *terminate = 0;
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetTime)(fmi2Component c, fmi2Real time_s) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL) return fmi2Error;
-  cell->saved[FMU_SAVED_TIME] = time_s;
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(SetContinuousStates)(fmi2Component c, const fmi2Real x[], size_t n) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || n != (size_t)cell->states) return missing(c, "another number of states than the cell has");
-  memcpy(cell->x, x, n * sizeof(double));
-  memset(cell->carry, 0, n * sizeof(double));
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(GetDerivatives)(fmi2Component c, fmi2Real derivatives[], size_t n) {
-  fmu_cell *cell = cell_in(c);
-  size_t k;
-  if (cell == NULL || n != (size_t)cell->states) return missing(c, "another number of states than the cell has");
-  for (k = 0; k < n; ++k) {
-    if (fmu_get(cell, FMU_DERIVATIVE + (unsigned)k, &derivatives[k]) == 2) {
-      return trouble(c, fmi2Discard, "power_W is more than the pack can give");
-    }
-  }
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(GetEventIndicators)(fmi2Component c, fmi2Real indicators[], size_t n) {
-  (void)indicators;
-  return n == 0 && c != NULL ? fmi2OK : missing(c, "there are no event indicators");
-}
-
-FMU_PUBLIC fmi2Status FMI2(GetContinuousStates)(fmi2Component c, fmi2Real x[], size_t n) {
-  fmu_cell *cell = cell_in(c);
-  if (cell == NULL || n != (size_t)cell->states) return missing(c, "another number of states than the cell has");
-  memcpy(x, cell->x, n * sizeof(double));
-  return fmi2OK;
-}
-
-FMU_PUBLIC fmi2Status FMI2(GetNominalsOfContinuousStates)(fmi2Component c, fmi2Real nominals[], size_t n) {
-  fmu_cell *cell = cell_in(c);
-  size_t k;
-  if (cell == NULL || n != (size_t)cell->states) return missing(c, "another number of states than the cell has");
-  for (k = 0; k < n; ++k) nominals[k] = fmu_nominal(cell, (int)k);
-  return fmi2OK;
+FMU_PUBLIC fmi2Status FMI(GetDerivatives)(fmi2Component c, fmi2Real derivatives[], size_t n) {
+  return get_derivatives(c, derivatives, n);
 }
 
 // Co-simulation.
-FMU_PUBLIC fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                                    const fmi2Integer order[], const fmi2Real values[]) {
+FMU_PUBLIC fmi2Status FMI(SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                                   const fmi2Integer order[], const fmi2Real values[]) {
   (void)references;
   (void)n;
   (void)order;
@@ -354,8 +195,8 @@ FMU_PUBLIC fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component c, const fmi2V
   return missing(c, "inputs are held over a step: their derivatives are not taken");
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                                     const fmi2Integer order[], fmi2Real values[]) {
+FMU_PUBLIC fmi2Status FMI(GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                                    const fmi2Integer order[], fmi2Real values[]) {
   (void)references;
   (void)n;
   (void)order;
@@ -363,26 +204,20 @@ FMU_PUBLIC fmi2Status FMI2(GetRealOutputDerivatives)(fmi2Component c, const fmi2
   return missing(c, "derivatives of outputs are not offered");
 }
 
-FMU_PUBLIC fmi2Status FMI2(DoStep)(fmi2Component c, fmi2Real now_s, fmi2Real step_s, fmi2Boolean no_set_state) {
-  fmu_cell *cell = cell_in(c);
+FMU_PUBLIC fmi2Status FMI(DoStep)(fmi2Component c, fmi2Real now_s, fmi2Real step_s, fmi2Boolean no_set_state) {
   (void)no_set_state;
-  if (cell == NULL) return fmi2Error;
-  if (!(step_s >= 0.0) || !isfinite(step_s)) return missing(c, "a step has a positive length");
-  cell->saved[FMU_SAVED_TIME] = now_s;
-  if (!fmu_step(cell, step_s)) return trouble(c, fmi2Discard, "power_W is more than the pack can give");
-  cell->saved[FMU_SAVED_TIME] = now_s + step_s;
-  return fmi2OK;
+  return take_step(c, now_s, step_s);
 }
 
-FMU_PUBLIC fmi2Status FMI2(CancelStep)(fmi2Component c) { return missing(c, "steps are never pending"); }
+FMU_PUBLIC fmi2Status FMI(CancelStep)(fmi2Component c) { return missing(c, "steps are never pending"); }
 
-FMU_PUBLIC fmi2Status FMI2(GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+FMU_PUBLIC fmi2Status FMI(GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
   (void)kind;
   (void)value;
   return trouble(c, fmi2Discard, "steps are never pending");
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetRealStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+FMU_PUBLIC fmi2Status FMI(GetRealStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
   fmu_cell *cell = cell_in(c);
   if (cell == NULL || value == NULL) return fmi2Error;
   if (kind != fmi2LastSuccessfulTime) return trouble(c, fmi2Discard, "this status is not offered");
@@ -390,20 +225,20 @@ FMU_PUBLIC fmi2Status FMI2(GetRealStatus)(fmi2Component c, const fmi2StatusKind 
   return fmi2OK;
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+FMU_PUBLIC fmi2Status FMI(GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
   (void)kind;
   (void)value;
   return trouble(c, fmi2Discard, "this status is not offered");
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+FMU_PUBLIC fmi2Status FMI(GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
   if (c == NULL || value == NULL) return fmi2Error;
   if (kind != fmi2Terminated) return trouble(c, fmi2Discard, "this status is not offered");
   *value = 0;
   return fmi2OK;
 }
 
-FMU_PUBLIC fmi2Status FMI2(GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+FMU_PUBLIC fmi2Status FMI(GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
   (void)kind;
   (void)value;
   return trouble(c, fmi2Discard, "this status is not offered");
