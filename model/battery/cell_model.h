@@ -217,8 +217,8 @@ class CellModel {
     }
   }
 
-  /// Heat that the cell releases while current_A flows (heat_balance.h). What hysteresis takes is lost
-  /// as well: over a loop, its area.
+  /// Heat that the cell releases while current_A flows (temperature.h). What hysteresis takes is
+  /// lost as well: over a loop, its area.
   [[nodiscard]] T Heat(const State& state, const T& current_A) const {
     const T soc = (p_.alpha_C - state.delivered_C) / p_.alpha_C;
     const T rest_V = p_.open_circuit_voltage(soc) + EntropicVoltage(state, soc);

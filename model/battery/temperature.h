@@ -12,12 +12,22 @@
 /// stay: pulses from -20 to 25 degC that were left out of a fit say so (docs/joint.md). The drop of charge transfer has the
 /// thermal voltage R T/F before it, and its exchange current falls in the cold. T is double or an
 /// automatic-differentiation scalar. Tests: tests/model/battery/temperature_test.cc.
+///
+/// The temperature is that of one lump that its own heat warms and its surroundings cool (Bernardi,
+/// Pawlikowski and Newman, J. Electrochem. Soc. 132 (1985) 5):
+///
+///   C dT/dt = q - (T - T_ambient)/R_th
+///   q       = i (v_oc - v_b) - i T dv_oc/dT
+///
+/// with the discharge current i > 0. v_oc is that of the charge balance, f(1 - sigma_d/alpha): the
+/// energy of the cell is a function of the charge that has left it, so that what leaves it is
+/// electrical work or heat. A step is exact while q is constant.
 
 #include <optional>
 #include <vector>
 
 #include "model/battery/arrhenius.h"
-#include "model/battery/heat_balance.h"
+#include "model/battery/exact_hold.h"
 #include "model/battery/soc_table.h"
 
 namespace lipoid {
@@ -34,6 +44,23 @@ struct EntropySlope {
   bool reversible_heat = true;           ///< whether i T dv_oc/dT takes part in the heat
 
   [[nodiscard]] T operator()(const T& at) const { return OverSoc(soc, slope_V_per_K, at); }
+};
+
+template <class T>
+struct HeatBalance {
+  T heat_capacity_J_per_K = T(0.0);       ///< C > 0
+  T thermal_resistance_K_per_W = T(0.0);  ///< R_th > 0, from the cell to its surroundings
+
+  /// The temperature after heat_W has been released for dt_s.
+  [[nodiscard]] T After(const T& temperature_K,
+                        const T& heat_W,
+                        const T& ambient_K,
+                        double dt_s) const {
+    const T settled_K = ambient_K + heat_W * thermal_resistance_K_per_W;
+    const auto hold =
+        ExactHold(T(1.0) / (heat_capacity_J_per_K * thermal_resistance_K_per_W), dt_s);
+    return settled_K + hold.decay * (temperature_K - settled_K);
+  }
 };
 
 template <class T>
