@@ -35,6 +35,21 @@ double ParseDouble(std::string_view name, std::string_view text, const Range& ra
   return value;
 }
 
+double ParseShare(std::string_view name, std::string_view text, const Range& range) {
+  constexpr double kPercent = 0.01;
+  if (!text.ends_with('%')) return ParseDouble(name, text, range);
+  const double percent = ParseDouble(name, text.substr(0, text.size() - 1), Range{});
+  const double share = kPercent * percent;
+  if (!range.Contains(share)) {
+    throw OptionError(fmt::format("option {}: expected {:g}% .. {:g}%, found '{}'",
+                                  name,
+                                  range.lo / kPercent,
+                                  range.hi / kPercent,
+                                  text));
+  }
+  return share;
+}
+
 int ParseInt(std::string_view name, std::string_view text, const Range& range) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -58,6 +58,8 @@ namespace options_internal {
 
 std::string FormatRange(const Range& range, bool integral);
 double ParseDouble(std::string_view name, std::string_view text, const Range& range);
+/// A share as a person writes it, 0.2 or 20%.
+double ParseShare(std::string_view name, std::string_view text, const Range& range);
 int ParseInt(std::string_view name, std::string_view text, const Range& range);
 bool ParseBool(std::string_view name, std::string_view text);
 [[noreturn]] void ThrowUnknownChoice(std::string_view name,

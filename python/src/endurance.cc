@@ -11,7 +11,7 @@
 #include "model/analysis/placed_gains.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
-#include "model/core/share.h"
+#include "model/core/options.h"
 #include "model/flight/endurance_report.h"
 #include "model/flight/endurance_request.h"
 #include "model/flight/endurance_route.h"
@@ -37,7 +37,7 @@ std::optional<Uncertain> Value(Keywords& keywords, const EnduranceVariable& vari
   if (!given) return std::nullopt;
   const std::string shown = PythonName(variable.name);
   const auto number = [&](nb::handle one, const Range& range) {
-    return ParseShare(shown, TextOf(shown, one), range);
+    return options_internal::ParseShare(shown, TextOf(shown, one), range);
   };
   if (!nb::isinstance<nb::tuple>(*given)) return Uncertain{number(*given, variable.valid), 0.0};
   const auto pair = nb::cast<nb::tuple>(*given);

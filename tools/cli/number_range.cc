@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "model/core/errors.h"
-#include "model/core/share.h"
+#include "model/core/options.h"
 #include "tools/cli/split.h"
 
 namespace lipoid {
@@ -21,7 +21,7 @@ std::vector<double> ReadRange(const std::string& option,
   };
   const auto parts = SplitAt(text, ':');
   const auto number = [&](const std::string& part, const Range& range) {
-    return ParseShare("--" + option, part, range);
+    return options_internal::ParseShare("--" + option, part, range);
   };
   if (parts.size() == 1) return {number(parts[0], valid)};
   if (parts.size() != 3) fail("");

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "model/core/errors.h"
-#include "model/core/share.h"
+#include "model/core/options.h"
 
 namespace lipoid {
 namespace {
@@ -36,9 +36,10 @@ Uncertain ReadUncertain(const EnduranceVariable& variable, const std::string& te
     refuse("a standard error in the unit of the option, none in percent");
   if (percent == PercentSign::kShare && InPercent(value) && !error.empty() && !InPercent(error))
     refuse("a standard error in percent beside a share in percent, such as 80%+-5%");
-  const double is = ParseShare(shown, value, variable.valid);
+  const double is = options_internal::ParseShare(shown, value, variable.valid);
   if (error.empty()) return {is, 0.0};
-  const double off = ParseShare(shown + " (standard error)", error, Range{.lo = 0.0});
+  const double off =
+      options_internal::ParseShare(shown + " (standard error)", error, Range{.lo = 0.0});
   return {is, InPercent(error) && percent != PercentSign::kShare ? off * std::abs(is) : off};
 }
 
