@@ -16,6 +16,7 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
+#include "model/core/nearest_name.h"
 #include "model/core/special_values.h"
 
 namespace lipoid {
@@ -546,12 +547,7 @@ void WriteCellFile(const Cell& cell, const std::string& file) {
   WriteFileAtomically(file, JsonText(CellToJson(cell)));
 }
 
-std::vector<std::string> ShippedCellNames() {
-  std::vector<std::string> names;
-  names.reserve(std::size(kShippedCells));
-  for (const auto& shipped : kShippedCells) names.emplace_back(shipped.name);
-  return names;
-}
+std::vector<std::string> ShippedCellNames() { return NamesOf(kShippedCells); }
 
 std::string CellText(const std::string& name_or_file) {
   for (const auto& shipped : kShippedCells) {

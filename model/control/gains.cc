@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "model/core/nearest_name.h"
 #include "model/vehicle/vehicle.h"
 
 namespace lipoid {
@@ -76,11 +77,7 @@ Json ReferencesToJson(const References& references) {
 
 }  // namespace
 
-std::vector<std::string> ShippedGainsNames() {
-  std::vector<std::string> names;
-  for (const Gains& gains : Shipped()) names.push_back(gains.name);
-  return names;
-}
+std::vector<std::string> ShippedGainsNames() { return NamesOf(Shipped()); }
 
 Gains ParseGains(const std::string& text, const std::string& file) {
   const Json document = ParseJson(text, file);

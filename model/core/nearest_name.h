@@ -23,17 +23,22 @@ namespace lipoid {
                                       std::string_view typed,
                                       const std::vector<std::string>& known);
 
+template <class Rows>
+[[nodiscard]] std::vector<std::string> NamesOf(const Rows& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
+
 /// The row of that name; OptionError that names the nearest where there is none.
 template <class Rows>
 [[nodiscard]] const auto& FindNamed(std::string_view what,
                                     std::string_view name,
                                     const Rows& rows) {
-  std::vector<std::string> known;
   for (const auto& row : rows) {
     if (row.name == name) return row;
-    known.emplace_back(row.name);
   }
-  throw OptionError(UnknownName(what, name, known));
+  throw OptionError(UnknownName(what, name, NamesOf(rows)));
 }
 
 }  // namespace lipoid

@@ -10,6 +10,7 @@
 #include "generated/shipped_vehicles.h"
 #include "model/core/counted.h"
 #include "model/core/json.h"
+#include "model/core/nearest_name.h"
 #include "model/core/options.h"
 #include "model/core/toml_reader.h"
 
@@ -302,12 +303,7 @@ std::string VehicleToToml(const Vehicle& v, const VehicleSources& sources) {
 
 Vehicle ReadVehicleFile(const std::string& file) { return ParseVehicle(ReadTextFile(file), file); }
 
-std::vector<std::string> ShippedVehicleNames() {
-  std::vector<std::string> names;
-  names.reserve(std::size(kShippedVehicles));
-  for (const auto& shipped : kShippedVehicles) names.emplace_back(shipped.name);
-  return names;
-}
+std::vector<std::string> ShippedVehicleNames() { return NamesOf(kShippedVehicles); }
 
 Vehicle LoadVehicle(const std::string& name_or_file) {
   for (const auto& shipped : kShippedVehicles) {
