@@ -108,21 +108,13 @@ ImportedCell FromFrame(const JsonReader& frame, const ImportOptions& options) {
 
 // ---- equivalent circuits ----
 
-std::vector<double> Rising(const JsonReader& list) {
-  auto numbers = list.Numbers(-kInfinity, kInfinity);
-  for (std::size_t k = 1; k < numbers.size(); ++k) {
-    if (!(numbers[k] > numbers[k - 1])) list.Item(k).Fail("a number greater than the one before");
-  }
-  return numbers;
-}
-
 // { "soc": [...], "value": [...] }; the second key may have a unit.
 std::pair<std::vector<double>, std::vector<double>> ReadTable(const JsonReader& json,
                                                               std::string_view values,
                                                               double least) {
   if (!json.IsObject()) json.Fail(fmt::format("a table of soc and {}", values));
   json.OnlyKeys({"soc", values});
-  auto soc = Rising(json.At("soc"));
+  auto soc = json.At("soc").Increasing(-kInfinity, kInfinity);
   auto numbers = json.At(values).Numbers(least, kInfinity);
   if (soc.size() < 2) json.At("soc").Fail("at least two states of charge");
   if (numbers.size() != soc.size())

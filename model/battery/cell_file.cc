@@ -28,13 +28,8 @@ int Within(const JsonReader& json, const Range& range) {
 
 constexpr double kLeast = std::numeric_limits<double>::min();  // of what must be above 0
 
-// Strictly increasing numbers; a table that is not sorted is refused at its first offender.
 std::vector<double> Increasing(const JsonReader& list) {
-  auto numbers = list.Numbers(-kMostOfACell, kMostOfACell);
-  for (std::size_t k = 1; k < numbers.size(); ++k) {
-    if (!(numbers[k] > numbers[k - 1])) list.Item(k).Fail("a number greater than the one before");
-  }
-  return numbers;
+  return list.Increasing(-kMostOfACell, kMostOfACell);
 }
 
 OpenCircuitVoltage ReadCurve(const JsonReader& json) {

@@ -383,6 +383,14 @@ std::vector<double> JsonReader::Numbers(double lo, double hi) const {
   return numbers;
 }
 
+std::vector<double> JsonReader::Increasing(double lo, double hi) const {
+  auto numbers = Numbers(lo, hi);
+  for (std::size_t k = 1; k < numbers.size(); ++k) {
+    if (!(numbers[k] > numbers[k - 1])) Item(k).Fail("a number greater than the one before");
+  }
+  return numbers;
+}
+
 void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
   if (!value_->is_object()) Fail("an object");
   for (const auto& [key, unused] : value_->items()) {

@@ -54,6 +54,8 @@ class JsonReader {
   [[nodiscard]] bool Boolean() const;
   [[nodiscard]] std::string Text() const;
   [[nodiscard]] std::vector<double> Numbers(double lo, double hi) const;
+  /// The same, each greater than the one before: LoadError at the first that is not.
+  [[nodiscard]] std::vector<double> Increasing(double lo, double hi) const;
 
   /// LoadError if the object has a key outside the list.
   void OnlyKeys(std::initializer_list<std::string_view> known) const;
