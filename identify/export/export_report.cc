@@ -33,7 +33,7 @@ Json ExportToJson(const ExportTarget& target,
                   const Exported& exported) {
   Json summary;
   summary["target"] = target.name;
-  summary["kind"] = KindName(target.kind);
+  summary["kind"] = options_internal::ToText(target.kind);
   const auto versions = target.Versions();
   summary["target_version"] = !request.target_version.empty() ? Json(request.target_version)
                               : versions.empty()              ? Json(nullptr)

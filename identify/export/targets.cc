@@ -78,18 +78,6 @@ bool ExportTarget::Takes(std::string_view option) const {
   return std::find(words.begin(), words.end(), option) != words.end();
 }
 
-std::string_view KindName(TargetKind kind) {
-  switch (kind) {
-    case kExact:
-      return "exact";
-    case kProjected:
-      return "projected";
-    case kData:
-      return "data";
-  }
-  return "?";
-}
-
 std::span<const ExportTarget> ExportTargets() { return kTargets; }
 
 const ExportTarget& FindExportTarget(std::string_view name) {

@@ -21,6 +21,12 @@ enum class TargetKind {
   kData,       ///< a table for other programs
 };
 
+constexpr std::array<std::pair<TargetKind, std::string_view>, 3> OptionNames(TargetKind) {
+  return {{{TargetKind::kExact, "exact"},
+           {TargetKind::kProjected, "projected"},
+           {TargetKind::kData, "data"}}};
+}
+
 struct ExportTarget {
   std::string_view name;
   std::string_view summary;  ///< one line for help and list
@@ -35,8 +41,6 @@ struct ExportTarget {
   [[nodiscard]] std::vector<std::string> FurtherSuffixes() const;
   [[nodiscard]] bool Takes(std::string_view option) const;
 };
-
-[[nodiscard]] std::string_view KindName(TargetKind kind);
 
 /// In the order of their names.
 [[nodiscard]] std::span<const ExportTarget> ExportTargets();

@@ -60,7 +60,7 @@ std::string Headline(const ExportTarget& target,
                                  target.name,
                                  target.kind == TargetKind::kExact && !without.empty()
                                      ? "the cell's own law" + without
-                                     : std::string(KindName(target.kind)));
+                                     : options_internal::ToText(target.kind));
   if (exported.error) {
     text += fmt::format(": {:.3f} mV rms, {:.3f} mV at most from the cell",
                         1e3 * exported.error->rmse_V,

@@ -174,11 +174,11 @@ Json ListTargets(cli::CommandLine& line) {
   for (const ExportTarget& target : ExportTargets()) {
     const auto versions = target.Versions();
     table.Row({std::string(target.name),
-               std::string(KindName(target.kind)),
+               options_internal::ToText(target.kind),
                std::string(target.summary),
                versions.empty() ? "-" : fmt::format("{}", fmt::join(versions, ", "))});
     rows.push_back({{"name", target.name},
-                    {"kind", KindName(target.kind)},
+                    {"kind", options_internal::ToText(target.kind)},
                     {"summary", target.summary},
                     {"versions", versions},
                     {"extension", target.extension}});
