@@ -54,9 +54,10 @@ HeatBalance<double>& Heat(Cell& cell) {
   if (!heat) heat = HeatBalance<double>{kMissing, kMissing};
   return *heat;
 }
-std::optional<double> HeatOf(const Cell& cell, double HeatBalance<double>::*of) {
+template <auto kNumber>
+std::optional<double> OfHeat(const Cell& cell, std::size_t) {
   if (!cell.temperature || !cell.temperature->heat) return std::nullopt;
-  return UnlessMissing((*cell.temperature->heat).*of);
+  return UnlessMissing((*cell.temperature->heat).*kNumber);
 }
 Cell::Hysteresis& Memory(Cell& cell) {
   if (!cell.hysteresis)
@@ -65,6 +66,17 @@ Cell::Hysteresis& Memory(Cell& cell) {
 }
 std::optional<double> Energy(const Cell& cell, double Cell::Temperature::*of) {
   return cell.temperature ? std::optional(*cell.temperature.*of) : std::nullopt;
+}
+
+// A number of a term that a cell may have. It is set in what kBegun() gives: the term, begun where
+// the cell has none yet.
+template <auto kTerm, auto kNumber>
+std::optional<double> Of(const Cell& cell, std::size_t) {
+  return cell.*kTerm ? UnlessMissing((*(cell.*kTerm)).*kNumber) : std::nullopt;
+}
+template <auto kBegun, auto kNumber>
+void Set(Cell& cell, std::size_t, double value) {
+  kBegun(cell).*kNumber = value;
 }
 
 // With r_j given, a branch keeps what it was written with: its capacitance or its time constant.
@@ -133,69 +145,45 @@ const std::array kRows{
           Warmth(cell).branches_J_per_mol[j] = value;
         }},
     Row{{"tau_h", "s", kTimeConstant, false, false, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return cell.self_heating ? UnlessMissing(cell.self_heating->time_constant_s)
-                                   : std::nullopt;
-        },
-        [](Cell& cell, std::size_t, double value) { Heating(cell).time_constant_s = value; }},
+        &Of<&Cell::self_heating, &Cell::SelfHeating::time_constant_s>,
+        &Set<&Heating, &Cell::SelfHeating::time_constant_s>},
     Row{{"rho_h",
          "Ohm/A^2",
          "a drop of the resistance of at least 0 Ohm/A^2",
          false,
          true,
          kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return cell.self_heating ? UnlessMissing(cell.self_heating->resistance_drop_Ohm_per_A2)
-                                   : std::nullopt;
-        },
-        [](Cell& cell, std::size_t, double value) {
-          Heating(cell).resistance_drop_Ohm_per_A2 = value;
-        }},
+        &Of<&Cell::self_heating, &Cell::SelfHeating::resistance_drop_Ohm_per_A2>,
+        &Set<&Heating, &Cell::SelfHeating::resistance_drop_Ohm_per_A2>},
     Row{{"i_0", "A", "a current above 0 A", false, false, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return cell.charge_transfer ? UnlessMissing(cell.charge_transfer->current_A)
-                                      : std::nullopt;
-        },
-        [](Cell& cell, std::size_t, double value) { Transfer(cell).current_A = value; }},
+        &Of<&Cell::charge_transfer, &Cell::ChargeTransfer::current_A>,
+        &Set<&Transfer, &Cell::ChargeTransfer::current_A>},
     Row{{"r_ct", "Ohm", kResistance, false, true, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return cell.charge_transfer ? UnlessMissing(cell.charge_transfer->resistance_Ohm)
-                                      : std::nullopt;
-        },
-        [](Cell& cell, std::size_t, double value) {
-          Transfer(cell).resistance_Ohm = Resistance<double>(value);
-        }},
+        &Of<&Cell::charge_transfer, &Cell::ChargeTransfer::resistance_Ohm>,
+        &Set<&Transfer, &Cell::ChargeTransfer::resistance_Ohm>},
     Row{{"E_s", "J/mol", kEnergy, false, true, kMostEnergy},
         [](const Cell& cell, std::size_t) {
           return Energy(cell, &Cell::Temperature::series_J_per_mol);
         },
-        [](Cell& cell, std::size_t, double value) { Warmth(cell).series_J_per_mol = value; }},
+        &Set<&Warmth, &Cell::Temperature::series_J_per_mol>},
     Row{{"E_d", "J/mol", kEnergy, false, true, kMostEnergy},
         [](const Cell& cell, std::size_t) -> std::optional<double> {
           if (!cell.diffusion) return std::nullopt;
           return Energy(cell, &Cell::Temperature::diffusion_J_per_mol);
         },
-        [](Cell& cell, std::size_t, double value) { Warmth(cell).diffusion_J_per_mol = value; }},
+        &Set<&Warmth, &Cell::Temperature::diffusion_J_per_mol>},
     Row{{"E_ct", "J/mol", kEnergy, false, true, kMostEnergy},
         [](const Cell& cell, std::size_t) -> std::optional<double> {
           if (!cell.charge_transfer) return std::nullopt;
           return Energy(cell, &Cell::Temperature::charge_transfer_J_per_mol);
         },
-        [](Cell& cell, std::size_t, double value) {
-          Warmth(cell).charge_transfer_J_per_mol = value;
-        }},
+        &Set<&Warmth, &Cell::Temperature::charge_transfer_J_per_mol>},
     Row{{"C_th", "J/K", "a heat capacity above 0 J/K", false, false, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return HeatOf(cell, &HeatBalance<double>::heat_capacity_J_per_K);
-        },
-        [](Cell& cell, std::size_t, double value) { Heat(cell).heat_capacity_J_per_K = value; }},
+        &OfHeat<&HeatBalance<double>::heat_capacity_J_per_K>,
+        &Set<&Heat, &HeatBalance<double>::heat_capacity_J_per_K>},
     Row{{"R_th", "K/W", "a thermal resistance above 0 K/W", false, false, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return HeatOf(cell, &HeatBalance<double>::thermal_resistance_K_per_W);
-        },
-        [](Cell& cell, std::size_t, double value) {
-          Heat(cell).thermal_resistance_K_per_W = value;
-        }},
+        &OfHeat<&HeatBalance<double>::thermal_resistance_K_per_W>,
+        &Set<&Heat, &HeatBalance<double>::thermal_resistance_K_per_W>},
     Row{{"dv_dT", "V/K", "a finite slope", false, true, kInfinity, true},
         [](const Cell& cell, std::size_t) -> std::optional<double> {
           if (!cell.temperature || !cell.temperature->entropy) return std::nullopt;
@@ -209,10 +197,8 @@ const std::array kRows{
           entropy->slope_V_per_K = {value};
         }},
     Row{{"gamma", "1", "a number of e-folds above 0", false, false, kInfinity},
-        [](const Cell& cell, std::size_t) {
-          return cell.hysteresis ? UnlessMissing(cell.hysteresis->folds) : std::nullopt;
-        },
-        [](Cell& cell, std::size_t, double value) { Memory(cell).folds = value; }},
+        &Of<&Cell::hysteresis, &Cell::Hysteresis::folds>,
+        &Set<&Memory, &Cell::Hysteresis::folds>},
     Row{{"M", "V", "a voltage of at least 0 V", false, true, kInfinity},
         [](const Cell& cell, std::size_t) -> std::optional<double> {
           if (!cell.hysteresis || !cell.hysteresis->soc.empty()) return std::nullopt;
