@@ -36,6 +36,29 @@ void FollowTheCurrent(const RotorPlant<R>& plant,
   }
 }
 
+/// What an accelerometer feels: the specific force, in body axes.
+template <std::size_t R, std::size_t N>
+[[nodiscard]] Triple<double> SpecificForce(const RotorPlant<R>& plant,
+                                           const PlantState<double, N>& x,
+                                           const PlantInputs<double, R>& inputs) {
+  PlantState<double, N> rate;
+  plant.Derivative(x, inputs, rate);
+  Triple<double> force = TripleAt(rate, plant::kVelocity);
+  force[2] -= kGravity_m_per_s2;
+  return Attitude<double>(TripleAt(x, plant::kAngles)).ToBody(force);
+}
+
+/// The wind during its next step, where and how fast the vehicle is.
+template <std::size_t N>
+[[nodiscard]] Triple<double> WindOn(const PlantState<double, N>& x, Wind& wind) {
+  double square = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double relative = x[plant::kVelocity + k] - wind.mean_m_per_s()[k];
+    square += relative * relative;
+  }
+  return wind.Step(-x[plant::kPosition + 2], std::sqrt(square));
+}
+
 [[nodiscard]] inline bool Blows(const WindOptions& wind) {
   return wind.wind_x_m_per_s != 0.0 || wind.wind_y_m_per_s != 0.0 || wind.wind_z_m_per_s != 0.0 ||
          wind.gusts_m_per_s > 0.0;

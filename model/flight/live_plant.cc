@@ -106,12 +106,7 @@ class Live : public LivePlant {
 
   void Blow() {
     if (!wind_ || wind_due_s_ > kRounding_s) return;
-    double square = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double relative = x_[plant::kVelocity + k] - wind_->mean_m_per_s()[k];
-      square += relative * relative;
-    }
-    inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], std::sqrt(square));
+    inputs_.wind_m_per_s = WindOn(x_, *wind_);
     wind_due_s_ += kWindStep_s;
   }
 
@@ -126,8 +121,6 @@ class Live : public LivePlant {
   }
 
   void Observe() {
-    State rate;
-    plant_.Derivative(x_, inputs_, rate);
     const auto electrical = plant_.ElectricalAt(x_, inputs_);
     state_.time_s = time_s_;
     state_.position_m = TripleAt(x_, plant::kPosition);
@@ -135,9 +128,7 @@ class Live : public LivePlant {
     state_.velocity_m_per_s = TripleAt(x_, plant::kVelocity);
     state_.angles_rad = TripleAt(x_, plant::kAngles);
     state_.body_rates_rad_per_s = TripleAt(x_, plant::kRates);
-    Triple<double> force = TripleAt(rate, plant::kVelocity);
-    force[2] -= kGravity_m_per_s2;
-    state_.specific_force_m_per_s2 = Attitude<double>(state_.angles_rad).ToBody(force);
+    state_.specific_force_m_per_s2 = SpecificForce(plant_, x_, inputs_);
     state_.wind_m_per_s = inputs_.wind_m_per_s;
     state_.speed_rad_per_s = electrical.speed_rad_per_s;
     state_.battery_V = electrical.battery_V;

@@ -260,32 +260,18 @@ class Simulation {
   [[nodiscard]] MeasuredState Measure() {
     const MeasuredState truth = Truth(plant_.ElectricalAt(x_, inputs_).battery_V);
     if (!estimator_) return truth;
-    State rate;
-    plant_.Derivative(x_, inputs_, rate);
-    Triple<double> force = TripleAt(rate, plant::kVelocity);
-    force[2] -= kGravity_m_per_s2;
-    const Attitude<double> attitude(truth.angles_rad);
     const SensorReadings readings =
         sensors_->Read({.position_m = truth.position_m,
                         .angles_rad = truth.angles_rad,
                         .velocity_m_per_s = truth.velocity_m_per_s,
                         .body_rates_rad_per_s = truth.body_rates_rad_per_s,
-                        .specific_force_m_per_s2 = attitude.ToBody(force),
+                        .specific_force_m_per_s2 = SpecificForce(plant_, x_, inputs_),
                         .battery_V = truth.battery_V});
     return setup_.flight_code != nullptr ? setup_.flight_code->Estimate(readings)
                                          : estimator_->Step(readings);
   }
   [[nodiscard]] double Soc() const {
     return battery_ ? battery_->soc() : std::numeric_limits<double>::quiet_NaN();
-  }
-
-  [[nodiscard]] double Airspeed() const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double relative = x_[plant::kVelocity + k] - wind_->mean_m_per_s()[k];
-      sum += relative * relative;
-    }
-    return std::sqrt(sum);
   }
 
   void ControlStep(const FlightRecorder& record) {
@@ -298,7 +284,7 @@ class Simulation {
         inputs_.duty = setup_.flight_code->Step(command_, measured);
     }
     if (battery_ && battery_->bends()) FollowTheCurrent(plant_, x_, inputs_, *battery_);
-    if (wind_) inputs_.wind_m_per_s = wind_->Step(-x_[plant::kPosition + 2], Airspeed());
+    if (wind_) inputs_.wind_m_per_s = WindOn(x_, *wind_);
     saturated_ += controller_.saturated() ? 1 : 0;
     const auto electrical = plant_.ElectricalAt(x_, inputs_);
     battery_V_ = electrical.battery_V;
