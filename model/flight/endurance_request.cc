@@ -86,28 +86,28 @@ struct Values {
 // Streams of noise from here on are those of the inputs; the cells have the lower ones.
 constexpr std::uint32_t kFirstStream = 0x80000000U;
 
+// take(number, range) of each, in the order in which they are drawn.
+template <class Take>
+Values ValuesOf(const EnduranceRequest& request, Take&& take) {
+  return {
+      .payload_kg = take(request.payload_kg, kPayloads_kg),
+      .ambient_degC = take(request.ambient_degC.value_or(Uncertain{}), kAirTemperatures_degC),
+      .health = take(request.health, kCapacityShares),
+      .resistance_factor = take(request.resistance_factor, kResistanceFactors),
+      .power_factor = take(request.power_factor, kPowerFactors),
+      .reserve = take(request.reserve, kReserves),
+      .airspeed_m_per_s = take(request.airspeed_m_per_s.value_or(Uncertain{}), kAirspeeds_m_per_s)};
+}
+
 Values Estimates(const EnduranceRequest& request) {
-  return {.payload_kg = request.payload_kg.value,
-          .ambient_degC = request.ambient_degC ? request.ambient_degC->value : 0.0,
-          .health = request.health.value,
-          .resistance_factor = request.resistance_factor.value,
-          .power_factor = request.power_factor.value,
-          .reserve = request.reserve.value,
-          .airspeed_m_per_s = request.airspeed_m_per_s ? request.airspeed_m_per_s->value : 0.0};
+  return ValuesOf(request, [](const Uncertain& number, const Range&) { return number.value; });
 }
 
 Values Drawn(const EnduranceRequest& request, std::size_t k) {
   NormalNoise normal(request.seed, kFirstStream + static_cast<std::uint32_t>(k));
-  Values values;
-  values.payload_kg = request.payload_kg.Draw(normal, kPayloads_kg);
-  values.ambient_degC = request.ambient_degC.value_or(Uncertain{}).Draw(normal, kAirTemperatures_degC);
-  values.health = request.health.Draw(normal, kCapacityShares);
-  values.resistance_factor = request.resistance_factor.Draw(normal, kResistanceFactors);
-  values.power_factor = request.power_factor.Draw(normal, kPowerFactors);
-  values.reserve = request.reserve.Draw(normal, kReserves);
-  values.airspeed_m_per_s =
-      request.airspeed_m_per_s.value_or(Uncertain{}).Draw(normal, kAirspeeds_m_per_s);
-  return values;
+  return ValuesOf(request, [&](const Uncertain& number, const Range& valid) {
+    return number.Draw(normal, valid);
+  });
 }
 
 void CheckRange(std::string_view what, const Uncertain& number, const Range& valid) {
