@@ -181,12 +181,6 @@ OpenCircuitVoltage::ValueAndSlope OpenCircuitVoltage::SeriesInRange(double soc) 
   return sum;
 }
 
-OpenCircuitVoltage::ValueAndSlope OpenCircuitVoltage::EvaluateSeries(double soc) const {
-  if (!(soc >= lo_)) return {first_.value_V + first_.slope_V * (soc - lo_), first_.slope_V};
-  if (soc > hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
-  return SeriesInRange(soc);
-}
-
 double OpenCircuitVoltage::SocAtVoltage(double voltage_V) const {
   // Curves may dip a little: look from the full end for the first interval that brackets the
   // voltage, then bisect it down to neighbouring doubles.

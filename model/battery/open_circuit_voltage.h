@@ -84,10 +84,9 @@ class OpenCircuitVoltage {
 
   /// f(A) and f'(A); NaN in, NaN out.
   [[nodiscard]] ValueAndSlope Evaluate(double soc) const {
-    if (pieces_.empty()) return EvaluateSeries(soc);
     if (!(soc >= lo_)) return {first_.value_V + first_.slope_V * (soc - lo_), first_.slope_V};
     if (soc >= hi_) return {last_.value_V + last_.slope_V * (soc - hi_), last_.slope_V};
-    return EvaluatePiece(FindPiece(soc), soc);
+    return pieces_.empty() ? SeriesInRange(soc) : EvaluatePiece(FindPiece(soc), soc);
   }
 
   /// Between two states of charge of one formula f is smooth: knots divide the formulas.
@@ -124,9 +123,9 @@ class OpenCircuitVoltage {
   }
   // Evaluate() without the slope.
   [[nodiscard]] double Value(double soc) const {
-    if (pieces_.empty()) return EvaluateSeries(soc).value_V;
     if (!(soc >= lo_)) return first_.value_V + first_.slope_V * (soc - lo_);
     if (soc >= hi_) return last_.value_V + last_.slope_V * (soc - hi_);
+    if (pieces_.empty()) return SeriesInRange(soc).value_V;
     const std::size_t k = FindPiece(soc);
     const Piece& p = pieces_[k];
     const double x = soc - soc_[k];
@@ -139,7 +138,6 @@ class OpenCircuitVoltage {
     while (k + 1 < pieces_.size() && soc >= soc_[k + 1]) ++k;
     return k;
   }
-  [[nodiscard]] ValueAndSlope EvaluateSeries(double soc) const;
   [[nodiscard]] ValueAndSlope SeriesInRange(double soc) const;
 
   OcvMethod method_ = OcvMethod::kLinear;
