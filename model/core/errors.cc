@@ -34,15 +34,11 @@ std::string JoinLines(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 std::string Diagnostic::Text() const {
-  if (position.line == 0) {
-    return fmt::format("{}: error: {}",
-                       ForeignText(position.file, kMostBytesOfMessage),
-                       ForeignText(message, kMostBytesOfMessage));
-  }
-  return fmt::format("{}:{}:{}: error: {}",
+  const std::string place =
+      position.line == 0 ? "" : fmt::format(":{}:{}", position.line, position.column);
+  return fmt::format("{}{}: error: {}",
                      ForeignText(position.file, kMostBytesOfMessage),
-                     position.line,
-                     position.column,
+                     place,
                      ForeignText(message, kMostBytesOfMessage));
 }
 
