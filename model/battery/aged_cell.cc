@@ -14,15 +14,12 @@ Cell Aged(Cell cell, double capacity_share, double resistance_factor) {
   if (capacity_share == 1.0 && resistance_factor == 1.0) return cell;
   cell.capacity_Ah *= capacity_share;
   if (cell.diffusion) cell.diffusion->alpha_C *= capacity_share;
-  const auto grow = [resistance_factor](Resistance<double>& resistance) {
-    for (double& r : resistance.resistance_Ohm) r *= resistance_factor;
-  };
-  grow(cell.series_resistance_Ohm);
+  cell.series_resistance_Ohm.Scale(resistance_factor);
   for (Cell::Branch& branch : cell.branches) {
-    grow(branch.resistance_Ohm);
+    branch.resistance_Ohm.Scale(resistance_factor);
     if (branch.capacitance_F) *branch.capacitance_F /= resistance_factor;
   }
-  if (cell.charge_transfer) grow(cell.charge_transfer->resistance_Ohm);
+  if (cell.charge_transfer) cell.charge_transfer->resistance_Ohm.Scale(resistance_factor);
   if (cell.self_heating) cell.self_heating->resistance_drop_Ohm_per_A2 *= resistance_factor;
   return cell;
 }

@@ -7,10 +7,6 @@
 namespace lipoid {
 namespace {
 
-void Multiply(Resistance<double>& resistance, double factor) {
-  for (double& r_Ohm : resistance.resistance_Ohm) r_Ohm *= factor;
-}
-
 // f(A) + above_K dv_oc/dT(A). Both are straight between the nodes of either, where f is a table; a
 // curve of another kind is taken at fine steps.
 OpenCircuitVoltage Shifted(const OpenCircuitVoltage& curve,
@@ -40,11 +36,11 @@ Cell AtOneTemperature(Cell cell, double temperature_degC) {
   const auto factor = [&](double energy_J_per_mol) {
     return term.Factor(energy_J_per_mol, temperature_K);
   };
-  Multiply(cell.series_resistance_Ohm, factor(term.series_J_per_mol));
+  cell.series_resistance_Ohm.Scale(factor(term.series_J_per_mol));
   for (std::size_t j = 0; j < cell.branches.size(); ++j) {
     Cell::Branch& branch = cell.branches[j];
     const double f = factor(term.branches_J_per_mol[j]);
-    Multiply(branch.resistance_Ohm, f);
+    branch.resistance_Ohm.Scale(f);
     if (branch.capacitance_F) *branch.capacitance_F /= f;
   }
   if (cell.diffusion) {
@@ -55,7 +51,7 @@ Cell AtOneTemperature(Cell cell, double temperature_degC) {
     // (T/T_ref) r i_0 asinh(f i/i_0), with i_0/f for i_0.
     const double f = factor(term.charge_transfer_J_per_mol);
     cell.charge_transfer->current_A /= f;
-    Multiply(cell.charge_transfer->resistance_Ohm, f * temperature_K / term.reference_K);
+    cell.charge_transfer->resistance_Ohm.Scale(f * temperature_K / term.reference_K);
   }
   if (term.entropy) {
     cell.open_circuit_voltage =

@@ -23,6 +23,10 @@ struct Resistance {
 
   [[nodiscard]] bool constant() const { return soc.empty(); }
 
+  void Scale(const T& factor) {
+    for (T& r_Ohm : resistance_Ohm) r_Ohm *= factor;
+  }
+
   /// r(A).
   [[nodiscard]] T operator()(const T& at) const { return OverSoc(soc, resistance_Ohm, at); }
 };
