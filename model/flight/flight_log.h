@@ -103,11 +103,25 @@ struct FlightSample {
 class FlightLogWriter {
  public:
   /// With columns for so many rotors.
-  explicit FlightLogWriter(const std::string& file, std::size_t rotors = 4);
-  void Row(const FlightSample& sample);
+  explicit FlightLogWriter(const std::string& file, std::size_t rotors = 4)
+      : csv_(file, Header(rotors)) {}
+  void Row(const FlightSample& sample) {
+    row_.clear();
+    sample.Visit([&](const char*, double value) { row_.push_back(value); });
+    csv_.RowOf(row_);
+  }
   void Commit() { csv_.Commit(); }
 
  private:
+  static std::string Header(std::size_t rotors) {
+    std::string header;
+    FlightSample::OfRotors(rotors).Visit([&](const char* name, double) {
+      if (!header.empty()) header += ',';
+      header += name;
+    });
+    return header;
+  }
+
   CsvWriter csv_;
   std::vector<double> row_;
 };
