@@ -24,11 +24,10 @@ Json Between(const Range& range) {
 Json Above(double bound) {
   return {{"type", "number"}, {"exclusiveMinimum", bound}, {"maximum", kMostOfACell}};
 }
-Json Whole(int least, int most) {
-  return {{"type", "integer"}, {"minimum", least}, {"maximum", most}};
-}
 Json Whole(const Range& range) {
-  return Whole(static_cast<int>(range.lo), static_cast<int>(range.hi));
+  return {{"type", "integer"},
+          {"minimum", static_cast<int>(range.lo)},
+          {"maximum", static_cast<int>(range.hi)}};
 }
 Json Boolean() { return {{"type", "boolean"}}; }
 Json ListOf(Json item, int least = 0) {

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "model/core/errors.h"
-#include "model/core/nearest_name.h"
 #include "model/core/foreign_text.h"
+#include "model/core/nearest_name.h"
 #include "model/core/structured_text.h"
 
 namespace lipoid {
@@ -244,13 +244,6 @@ class Locator : public Tokens {
   std::vector<Level> levels_;
 };
 
-SourcePosition PositionOfPointer(const std::string& file,
-                                 std::string_view text,
-                                 const std::string& pointer,
-                                 bool key) {
-  return PositionOfByte(file, text, Locator(text, file, pointer, key).Find());
-}
-
 std::string Describe(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return fmt::format("a list of {}", value.size());
@@ -396,7 +389,7 @@ void JsonReader::OnlyKeys(std::initializer_list<std::string_view> known) const {
   for (const auto& [key, unused] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::string pointer = pointer_ + PointerOfKey(key);
-    throw LoadError(PositionOfPointer(*file_, text_, pointer, true),
+    throw LoadError(PositionOfByte(*file_, text_, Locator(text_, *file_, pointer, true).Find()),
                     fmt::format("{}: expected one of the keys {}, found '{}'",
                                 ForeignText(pointer),
                                 fmt::join(known, ", "),
@@ -409,7 +402,7 @@ void JsonReader::Fail(std::string_view expected) const {
 }
 
 void JsonReader::FailWith(std::string_view message) const {
-  throw LoadError(PositionOfPointer(*file_, text_, pointer_, false),
+  throw LoadError(PositionOfByte(*file_, text_, Locator(text_, *file_, pointer_, false).Find()),
                   fmt::format("{}: {}", pointer_.empty() ? "/" : ForeignText(pointer_), message));
 }
 

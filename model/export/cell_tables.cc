@@ -16,6 +16,7 @@
 #include "model/core/nearest_name.h"
 #include "model/core/special_values.h"
 #include "model/core/structured_text.h"
+#include "model/export/cell_numbers.h"
 #include "model/export/curve_nodes.h"
 #include "model/export/export_error.h"
 #include "model/export/provenance.h"
@@ -46,9 +47,6 @@ std::vector<double> AllNodes(const Cell& cell, const CurveNodes& curve) {
   soc.erase(std::unique(soc.begin(), soc.end()), soc.end());
   return soc;
 }
-
-// One line break could make a name a row of its own.
-std::string OneLine(const std::string& name) { return ForeignText(name); }
 
 struct Place {
   const std::string& file;
@@ -245,7 +243,7 @@ std::string CellTables(const Cell& cell, const std::string& comment) {
   const auto key = [&](std::string_view name, const auto& value) {
     csv += fmt::format("#: {} = {}\n", name, value);
   };
-  key("name", OneLine(cell.name));
+  key("name", ForeignText(cell.name));  // a line break could make a name a row of its own
   key("series", cell.series);
   key("parallel", cell.parallel);
   key("capacity_Ah", cell.capacity_Ah);
@@ -419,8 +417,7 @@ Exported ExportTables(const ExportRequest& request) {
   const Cell& cell = request.cell;
   Exported exported;
   const Cell back = ParseCellTables(CellTables(cell, ""), "tables");
-  exported.error = VoltageError(
-      ReferenceOf(request), request.mission, ReferenceOf(back, request.mission).voltage_V);
+  exported.error = MissionError(request, ReferenceOf(back, request.mission).voltage_V);
   exported.parameters = {{"capacity_Ah", cell.capacity_Ah, "Ah"}, {"cutoff_V", cell.cutoff_V, "V"}};
   if (cell.diffusion) {
     exported.parameters.push_back({"alpha_C", cell.diffusion->alpha_C, "C"});

@@ -10,11 +10,12 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "model/core/special_values.h"
 
 namespace lipoid {
 
@@ -38,10 +39,7 @@ inline constexpr std::size_t kLeastForQuantiles = 39;
 /// the order of the values. NaN where there are none.
 [[nodiscard]] inline std::pair<double, double> Interval95(std::span<double> values) {
   const auto n = static_cast<std::ptrdiff_t>(values.size());
-  if (n == 0) {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, nan};
-  }
+  if (n == 0) return {kNaN, kNaN};
   constexpr double kTail = 0.025;
   const double place = std::max(0.0, kTail * static_cast<double>(n + 1) - 1.0);
   const auto whole = static_cast<std::ptrdiff_t>(place);

@@ -19,8 +19,7 @@ FlightPlan Plan(const HoverOptions& options, std::optional<double> duration_s) {
 
 // Eleven days: no cell that carries a quadrotor lasts as long.
 FlightPlan LongPlan(const HoverOptions& options, std::optional<double> duration_s) {
-  return {.commands = {{0.0, {.altitude_m = options.altitude_m}}},
-          .duration_s = duration_s.value_or(1e6)};
+  return Plan(options, duration_s.value_or(1e6));
 }
 
 }  // namespace
