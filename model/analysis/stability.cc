@@ -247,22 +247,14 @@ Growth GrowthOf(const AxisResponse& response, const ErrorGains& gains) {
            .derivative = real(per_lowest * pole)}};
 }
 
-LoopSettings LoopSettingsOf(const Gains& gains,
-                            const ControllerOptions& controller,
-                            bool motor_lag) {
-  return {.gains = gains,
-          .attitude_omega_rad_per_s = ReferencesOf(gains.references, controller).attitude_rad_per_s,
-          .attitude_damping = controller.attitude_damping,
-          .motor_lag = motor_lag};
-}
-
 std::vector<LoopStability> CheckLoops(const Vehicle& vehicle,
-                                      const LoopSettings& settings,
+                                      const Gains& gains,
+                                      const ControllerOptions& controller,
+                                      bool motor_lag,
                                       const HoverPoint& hover) {
   const HoverResponse response = ResponseAtHover(vehicle, hover);
-  const Gains& gains = settings.gains;
   const auto flown = [&](const AxisResponse& axis, const ErrorGains& own) {
-    return Axis(axis, own, settings.motor_lag ? axis.lag_s : 0.0, 0.5 * kControlStep_s);
+    return Axis(axis, own, motor_lag ? axis.lag_s : 0.0, 0.5 * kControlStep_s);
   };
   const auto still = [](const AxisResponse& axis, const ErrorGains& own) {
     return Axis(axis, own, 0.0, 0.0);
@@ -276,8 +268,10 @@ std::vector<LoopStability> CheckLoops(const Vehicle& vehicle,
   judge("yaw", response.yaw, gains.yaw);
   if (gains.position.proportional_rad_per_m > 0.0 || gains.position.derivative_rad_s_per_m > 0.0) {
     const auto position = [&](const Axis& attitude) {
-      return OfPosition(
-          attitude, gains.position, settings.attitude_omega_rad_per_s, settings.attitude_damping);
+      return OfPosition(attitude,
+                        gains.position,
+                        ReferencesOf(gains.references, controller).attitude_rad_per_s,
+                        controller.attitude_damping);
     };
     loops.push_back(Judge("position",
                           position(flown(response.pitch, gains.attitude)),
@@ -289,8 +283,7 @@ std::vector<LoopStability> CheckLoops(const Vehicle& vehicle,
 std::vector<HoverStability> CheckFlightLoops(const FlightSetup& setup) {
   const Vehicle& vehicle = setup.vehicle;
   const bool compensate = setup.controller.compensate;
-  const LoopSettings settings =
-      LoopSettingsOf(setup.gains, FlownController(setup), setup.simulation.motor_lag);
+  const ControllerOptions controller = FlownController(setup);
   std::vector<HoverStability> hovers;
   const auto check = [&](std::string_view when, const Supply<double>& supply) {
     const double battery_V = HoverTrim(vehicle, supply).battery_V;
@@ -298,7 +291,9 @@ std::vector<HoverStability> CheckFlightLoops(const FlightSetup& setup) {
     const HoverPoint hover = compensate ? HoverPoint{{battery_V, 0.0}, battery_V}
                                         : HoverPoint{supply, vehicle.nominal_voltage_V};
     hovers.push_back(
-        {when, battery_V / vehicle.nominal_voltage_V, CheckLoops(vehicle, settings, hover)});
+        {when,
+         battery_V / vehicle.nominal_voltage_V,
+         CheckLoops(vehicle, setup.gains, controller, setup.simulation.motor_lag, hover)});
   };
   if (!setup.cell) {
     const HoverPoint hover = HoverAt(vehicle, setup.xi);

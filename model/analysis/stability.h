@@ -60,20 +60,11 @@ struct Growth {
 };
 [[nodiscard]] Growth GrowthOf(const AxisResponse& response, const ErrorGains& gains);
 
-/// What decides about the loops, apart from the vehicle.
-struct LoopSettings {
-  Gains gains;
-  double attitude_omega_rad_per_s = 0.0;  ///< of the attitude's reference model
-  double attitude_damping = 0.0;
-  bool motor_lag = true;
-};
-[[nodiscard]] LoopSettings LoopSettingsOf(const Gains& gains,
-                                          const ControllerOptions& controller,
-                                          bool motor_lag);
-
 /// Altitude, attitude, yaw, and position where it has gains.
 [[nodiscard]] std::vector<LoopStability> CheckLoops(const Vehicle& vehicle,
-                                                    const LoopSettings& settings,
+                                                    const Gains& gains,
+                                                    const ControllerOptions& controller,
+                                                    bool motor_lag,
                                                     const HoverPoint& hover);
 
 /// The loops about one hover of a flight.

@@ -57,11 +57,15 @@ Json PolesToJson(const GainDesign& design, Gains gains, const ErrorGains& own) {
 
 // The loops of a vehicle that flies with these gains, at the voltages of the design.
 std::vector<HoverStability> HoversOf(const GainDesign& design, const Gains& gains) {
-  const LoopSettings settings = LoopSettingsOf(gains, design.controller, design.options.motor_lag);
   std::vector<HoverStability> hovers;
   for (const auto& [xi, weight] : design.xi) {
-    hovers.push_back(
-        {"design", xi, CheckLoops(design.vehicle, settings, HoverAt(design.vehicle, xi))});
+    hovers.push_back({"design",
+                      xi,
+                      CheckLoops(design.vehicle,
+                                 gains,
+                                 design.controller,
+                                 design.options.motor_lag,
+                                 HoverAt(design.vehicle, xi))});
   }
   return hovers;
 }

@@ -52,8 +52,7 @@ TEST(PlacedGains, KeepAllLoopsDampedFromFullToEmpty) {
   for (const Vehicle& vehicle : {test::F450(), Racer(), LoadVehicle("mambo-coupled")}) {
     const Gains gains = PlaceGains(vehicle).gains;
     for (const double xi : {0.7, 0.8, 0.9, 1.0}) {
-      for (const auto& loop :
-           CheckLoops(vehicle, LoopSettingsOf(gains, {}, true), HoverAt(vehicle, xi))) {
+      for (const auto& loop : CheckLoops(vehicle, gains, {}, true, HoverAt(vehicle, xi))) {
         SCOPED_TRACE(vehicle.name + std::string(" ") + std::string(loop.loop));
         EXPECT_TRUE(loop.stable()) << xi;
         EXPECT_GT(loop.damping, 0.15) << xi;

@@ -23,7 +23,7 @@ const LoopStability& Of(const std::vector<LoopStability>& loops, std::string_vie
 }
 
 std::vector<LoopStability> Check(const Vehicle& vehicle, const Gains& gains, double xi) {
-  return CheckLoops(vehicle, LoopSettingsOf(gains, {}, true), HoverAt(vehicle, xi));
+  return CheckLoops(vehicle, gains, {}, true, HoverAt(vehicle, xi));
 }
 
 // How an error swings in a flight: its frequency and the decay of its amplitude, by the times and
