@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <boost/algorithm/string/replace.hpp>
+
 #include "generated/fmi_libraries.h"
 #include "model/core/errors.h"
 #include "model/core/foreign_text.h"
@@ -30,24 +32,12 @@ constexpr int kScale = 10;
 constexpr const char* kMark = "lipoid.c";  // of resources/cell.bin
 
 std::string XmlText(std::string_view text) {
-  std::string safe;
-  for (const char c : ForeignText(text)) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
+  std::string safe = ForeignText(text);
+  for (const auto& [sign, name] : {std::pair{"&", "&amp;"},  // first: the others bring one
+                                   std::pair{"<", "&lt;"},
+                                   std::pair{">", "&gt;"},
+                                   std::pair{"\"", "&quot;"}}) {
+    boost::replace_all(safe, sign, name);
   }
   return safe;
 }
