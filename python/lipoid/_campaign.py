@@ -83,7 +83,7 @@ class Campaign:
     """
 
     _core: CoreCampaign
-    _given: dict[str, Any]
+    _given: Any  # by which it is made anew: options, or its file; paths resolved
 
     def __init__(
         self, *, reading: ReadingOptions | None = None, **options: Unpack[CampaignOptions]
@@ -98,8 +98,10 @@ class Campaign:
         for kind in KINDS:
             if kind in given:
                 given[kind] = _logs(kind, given[kind], how)
+        self._core = _core.make_campaign(given, [])
+        for kind in KINDS:
+            given[kind] = [(_resolved(log), said) for log, said in given.get(kind, ())]
         self._given = given
-        self._core = _core.make_campaign(given)
 
     @classmethod
     def read(cls, file: str | os.PathLike[str]) -> Campaign:
@@ -110,19 +112,24 @@ class Campaign:
         LoadError
             With file, line and column, where it is not right; its logs are read when first needed.
         """
-        return cls._of(_core.read_campaign(present("file", file)))
+        core = _core.read_campaign(present("file", file))
+        return cls._of(core, _resolved(os.fsdecode(file)))
 
     @classmethod
-    def _of(cls, core: CoreCampaign) -> Campaign:
+    def _of(cls, core: CoreCampaign, given: dict[str, Any] | str) -> Campaign:
         campaign = cls.__new__(cls)
         campaign._core = core
-        campaign._given = {}
+        campaign._given = given
         return campaign
 
     @property
     def file(self) -> str:
         """The campaign file; empty where there is none."""
         return self._core.file
+
+    @property
+    def _inputs(self) -> list[str]:
+        return self._core.inputs
 
     @property
     def name(self) -> str:
@@ -212,9 +219,7 @@ class Campaign:
         return self._core.to_toml()
 
     def __reduce__(self) -> Any:
-        if self.file:
-            return Campaign.read, (self.file,)
-        return _remade, (self._given,)
+        return _remade, (self._given, self._core.text, self._core.sha256)
 
     def __repr__(self) -> str:
         kinds = self.entries["kind"].value_counts(sort=False)
@@ -229,11 +234,16 @@ class Campaign:
         return f"<b>{escape(repr(self))}</b>{self.entries.to_html(index=False)}"
 
 
-def _remade(given: dict[str, Any]) -> Campaign:
-    """Make a campaign in another process."""
-    campaign = Campaign._of(_core.make_campaign(given))
-    campaign._given = given
-    return campaign
+def _resolved(log: Any) -> Any:
+    """Return a path that leads to the file from every working folder; a log as it is."""
+    return os.path.abspath(log) if isinstance(log, (str, bytes)) else log
+
+
+def _remade(given: dict[str, Any] | str, text: str, sha256: list[str]) -> Campaign:
+    """Make a campaign in another process or folder: its files are read when they are needed."""
+    if isinstance(given, str):
+        return Campaign._of(_core.parse_campaign(text, given, sha256), given)
+    return Campaign._of(_core.make_campaign(given, sha256), given)
 
 
 def as_campaign(campaign: Campaign | str | os.PathLike[str]) -> Campaign:

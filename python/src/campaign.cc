@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -89,12 +90,13 @@ struct CampaignKeywords {
   }
 };
 
-std::shared_ptr<PythonCampaign> Make(const nb::dict& given) {
+std::shared_ptr<PythonCampaign> Make(const nb::dict& given, std::vector<std::string> sha256) {
   CampaignKeywords made;
   Keywords keywords(given);
   made.Declare(keywords);
   keywords.Finish();
-  return std::make_shared<PythonCampaign>(std::move(made.campaign), std::move(made.logs));
+  return std::make_shared<PythonCampaign>(
+      std::move(made.campaign), std::move(made.logs), "", std::move(sha256));
 }
 
 nb::list DescribeCampaign() {
@@ -151,12 +153,30 @@ nb::list Logs(const PythonCampaign& self) {
 
 }  // namespace
 
-PythonCampaign::PythonCampaign(Campaign campaign, std::vector<std::optional<PythonLog>> given)
-    : campaign_(std::move(campaign)), given_(std::move(given)) {
+PythonCampaign::PythonCampaign(Campaign campaign,
+                               std::vector<std::optional<PythonLog>> given,
+                               std::string text,
+                               std::vector<std::string> sha256)
+    : campaign_(std::move(campaign)),
+      text_(std::move(text)),
+      earlier_(std::move(sha256)),
+      given_(std::move(given)) {
   given_.resize(campaign_.logs.size());
-  if (campaign_.file.empty()) return;
-  files_.push_back(campaign_.file);
-  sha256_.push_back(Sha256OfFile(campaign_.file));
+}
+
+std::vector<std::string> PythonCampaign::Inputs() const {
+  std::vector<std::string> files;
+  if (!campaign_.file.empty()) files.push_back(campaign_.file);
+  for (std::size_t k = 0; k < given_.size(); ++k) {
+    const CampaignLog& entry = campaign_.logs[k];
+    files.push_back(given_[k] ? entry.file : entry.path);
+  }
+  return files;
+}
+
+std::vector<std::string> PythonCampaign::Sums() const {
+  const std::lock_guard lock(mutex_);
+  return logs_ ? sha256_ : earlier_;
 }
 
 const std::vector<LoadedLog>& PythonCampaign::Logs() const {
@@ -182,14 +202,23 @@ const std::vector<LoadedLog>& PythonCampaign::Logs() const {
 
 // At once, as a file may be another one when a cell is made of what was read.
 void PythonCampaign::AddSums() const {
-  std::vector<std::string> files = files_;
-  std::vector<std::string> sha256 = sha256_;
+  std::vector<std::string> files;
+  std::vector<std::string> sha256;
+  const auto add = [&](const std::string& file, std::string sum) {
+    if (files.size() < earlier_.size() && earlier_[files.size()] != sum) {
+      throw LoadError({file},
+                      "expected the file as it was when it was first read, found another SHA-256; "
+                      "put that file back, or identify again");
+    }
+    files.push_back(file);
+    sha256.push_back(std::move(sum));
+  };
+  if (!campaign_.file.empty()) add(campaign_.file, Sha256OfBytes(text_));
   for (std::size_t k = 0; k < given_.size(); ++k) {
     const CampaignLog& entry = campaign_.logs[k];
     const std::string& name = given_[k] ? entry.file : entry.path;
     if (!given_[k] && std::find(files.begin(), files.end(), name) != files.end()) continue;
-    files.push_back(name);
-    sha256.push_back(given_[k] ? SumOf(given_[k]->log->record) : Sha256OfFile(name));
+    add(name, given_[k] ? SumOf(given_[k]->log->record) : Sha256OfFile(name));
   }
   files_ = std::move(files);
   sha256_ = std::move(sha256);
@@ -213,14 +242,37 @@ void AddCampaigns(nb::module_& module) {
       .def_prop_ro("cutoff_V", [](const PythonCampaign& self) { return self.campaign().cutoff_V; })
       .def_prop_ro("series", [](const PythonCampaign& self) { return self.campaign().series; })
       .def_prop_ro("parallel", [](const PythonCampaign& self) { return self.campaign().parallel; })
+      .def_prop_ro("inputs", [](const PythonCampaign& self) { return ToPython(self.Inputs()); })
+      .def_prop_ro("text", &PythonCampaign::text)
+      .def_prop_ro("sha256", &PythonCampaign::Sums)
       .def("entries", &Entries)
       .def("logs", &Logs)
       .def("to_toml", &ToToml);
   module.def(
+      "parse_campaign",
+      [](std::string text, nb::handle file, std::vector<std::string> sha256) {
+        Campaign campaign = ParseCampaign(text, PathOf(file));
+        return std::make_shared<PythonCampaign>(std::move(campaign),
+                                                std::vector<std::optional<PythonLog>>{},
+                                                std::move(text),
+                                                std::move(sha256));
+      },
+      nb::arg("text"),
+      nb::arg("file"),
+      nb::arg("sha256"));
+  module.def(
       "read_campaign",
-      [](nb::handle file) { return std::make_shared<PythonCampaign>(ReadCampaign(PathOf(file))); },
+      [](nb::handle file) {
+        const std::string path = PathOf(file);
+        std::string text = ReadTextFile(path);
+        Campaign campaign = ParseCampaign(text, path);
+        return std::make_shared<PythonCampaign>(std::move(campaign),
+                                                std::vector<std::optional<PythonLog>>{},
+                                                std::move(text),
+                                                std::vector<std::string>{});
+      },
       nb::arg("file"));
-  module.def("make_campaign", &Make, nb::arg("options"));
+  module.def("make_campaign", &Make, nb::arg("options"), nb::arg("sha256"));
   module.def("describe_campaign", &DescribeCampaign);
 }
 
