@@ -15,6 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from lipoid import _core, interoperability, plots
+from lipoid._files import inputs_of, output
 from lipoid._keywords import present, whole, whole_seed
 from lipoid._log import Log, column, mission_of
 from lipoid.errors import OptionError
@@ -123,6 +124,7 @@ class Cell:
     """
 
     _core: CoreCell
+    _file = ""  # that it was read from
 
     def __init__(self, *_given: Any, **_named: Any) -> None:
         raise TypeError(
@@ -131,16 +133,18 @@ class Cell:
         )
 
     @classmethod
-    def _of(cls, core: CoreCell) -> Cell:
+    def _of(cls, core: CoreCell, file: str = "") -> Cell:
         cell = cls.__new__(cls)
         cell._core = core
+        cell._file = file
         return cell
 
     @classmethod
     def read(cls, name_or_file: str | os.PathLike[str]) -> Cell:
         """Read a cell file, or take a cell that is shipped, by its name (:func:`cells`)."""
         wanted = "a path or the name of a shipped cell"
-        cell = cls._of(_core.load_cell(present("name_or_file", name_or_file, wanted)))
+        path = present("name_or_file", name_or_file, wanted)
+        cell = cls._of(_core.load_cell(path), os.path.abspath(os.fsdecode(path)))
         cell._tell(_core.doubt_about_fit(cell._core))
         return cell
 
@@ -184,22 +188,31 @@ class Cell:
         return self._core.to_dict()
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Write the cell file: whole, or not at all."""
-        self._core.save(present("file", file))
+        """Write the cell file: whole, or not at all, and not over what the cell was found from."""
+        self._core.save(output("file", file, self._inputs_of_run))
+
+    @property
+    def _inputs_of_run(self) -> list[str]:
+        run = self.to_dict().get("run")
+        return inputs_of(run.get("inputs")) if isinstance(run, dict) else []
+
+    @property
+    def _inputs(self) -> list[str]:
+        return [self._file, *self._inputs_of_run]
 
     def pack(self, series: int = 1, parallel: int = 1) -> Cell:
         """Return one of these cells so many times in series and in parallel.
 
         A pack is not multiplied: ``cell.pack(3).pack(2)`` is 2 in series, and ``pack()`` the cell.
         """
-        return Cell._of(self._core.pack({"series": series, "parallel": parallel}))
+        return Cell._of(self._core.pack({"series": series, "parallel": parallel}), self._file)
 
     def with_typical_temperature(self) -> Cell:
         """Return the cell with typical temperature terms, where it has none of its own."""
         return (
             self
             if self._core.knows_temperature
-            else Cell._of(self._core.with_typical_temperature())
+            else Cell._of(self._core.with_typical_temperature(), self._file)
         )
 
     def open_circuit_voltage(self, soc: npt.ArrayLike) -> FloatArray:

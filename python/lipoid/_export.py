@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipoid import _core
 from lipoid._cell import OneCell, as_cell
+from lipoid._files import inputs_of
 from lipoid._keywords import present, takes, utf8
 from lipoid._log import mission_of
 
@@ -41,11 +42,12 @@ def export(
         What ``lipoid export --summary`` writes (docs/formats.md).
     """
     given: dict[str, Any] = dict(options)
+    one = as_cell(cell)
+    read = inputs_of(one, given.get("mission"))
     if "mission" in given:
         given["mission"] = mission_of(given["mission"])
-    one = as_cell(cell)
     summary, warnings = _core.export(
-        one._core, utf8("target", target), present("output", output), given
+        one._core, utf8("target", target), present("output", output), given, read
     )
     one._tell(*warnings)
     return summary

@@ -251,6 +251,10 @@ class Log:
         return self._core.file
 
     @property
+    def _inputs(self) -> list[str]:
+        return [self.file]
+
+    @property
     def hold(self) -> Literal["backward", "forward"]:
         """Which rows a current holds between: "backward" (since the row before) or "forward"."""
         return self._core.hold

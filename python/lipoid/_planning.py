@@ -13,6 +13,7 @@ import pandas as pd
 from lipoid import _core
 from lipoid._campaign import Campaign
 from lipoid._cell import OneCell, as_cell
+from lipoid._files import inputs_of
 from lipoid._keywords import takes, whole_seed
 from lipoid._log import Log, read_log
 from lipoid._progress import Progress, Reporter
@@ -95,13 +96,15 @@ def synthesize(
     Campaign
         Its logs, to be identified.
     """
-    truth = _core.with_parameters(as_cell(cell)._core, {"parameters": parameters})
+    one = as_cell(cell)
+    truth = _core.with_parameters(one._core, {"parameters": parameters})
     with Reporter(progress, "synthesize") as tell:
         if folder is not None:
-            _core.synthesize(truth, folder, dict(options), whole_seed(seed), tell)
+            read = inputs_of(one)
+            _core.synthesize(truth, folder, dict(options), whole_seed(seed), tell, read)
             return Campaign.read(Path(folder) / "campaign.toml")
         with tempfile.TemporaryDirectory() as own:
-            _core.synthesize(truth, own, dict(options), whole_seed(seed), tell)
+            _core.synthesize(truth, own, dict(options), whole_seed(seed), tell, [])
             written = Campaign.read(Path(own) / "campaign.toml")
             logs: dict[str, list[Log]] = {}
             for kind, file in written.entries[["kind", "file"]].itertuples(index=False):

@@ -75,7 +75,7 @@ def to_pybamm(cell: Cell, initial_soc: float) -> PybammCell:
     pybamm = _imported("pybamm")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell_in_pybamm.py"
-        summary, _ = _core.export(cell, "pybamm", file, {})
+        summary, _ = _core.export(cell, "pybamm", file, {}, [])
         module = _load("cell_in_pybamm", file)
     values = pybamm.ParameterValues(module.get_parameter_values())
     values["Initial SoC"] = initial_soc
@@ -88,7 +88,7 @@ def to_thevenin(cell: Cell, branches: int, mission: Any) -> tuple[Any, list[str]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "cell.yaml"
         _, warnings = _core.export(
-            cell, "thevenin", file, {"branches": branches, "mission": mission}
+            cell, "thevenin", file, {"branches": branches, "mission": mission}, []
         )
         return thevenin.Simulation(str(file)), warnings
 

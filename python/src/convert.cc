@@ -68,4 +68,10 @@ std::string PathOf(nb::handle path) {
   return {owned.c_str(), owned.size()};
 }
 
+std::vector<std::string> PathsOf(const nb::list& paths) {
+  std::vector<std::string> several;
+  for (const nb::handle path : paths) several.push_back(PathOf(path));
+  return several;
+}
+
 }  // namespace lipoid::python

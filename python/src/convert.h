@@ -39,5 +39,6 @@ using Input = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::c
 
 /// "path/to/file" of str, bytes or os.PathLike.
 [[nodiscard]] std::string PathOf(nb::handle path);
+[[nodiscard]] std::vector<std::string> PathsOf(const nb::list& paths);
 
 }  // namespace lipoid::python

@@ -19,6 +19,7 @@
 #include "model/core/atomic_file.h"
 #include "model/core/errors.h"
 #include "model/core/json_text.h"
+#include "model/core/one_file.h"
 #include "model/core/run_record.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -50,7 +51,8 @@ struct ExportKeywords {
 nb::tuple ExportCell(const PythonCell& cell,
                      const std::string& target_name,
                      nb::handle output,
-                     const nb::dict& given) {
+                     const nb::dict& given,
+                     const nb::list& inputs) {
   const ExportTarget& target = FindExportTarget(target_name);
   ExportKeywords made;
   Keywords keywords(given);
@@ -58,6 +60,10 @@ nb::tuple ExportCell(const PythonCell& cell,
   keywords.Finish();
   ExportRequest& request = made.request;
   const std::string path = PathOf(output);
+  std::vector<NamedOutput> outputs{{"output", path}};
+  for (const auto& suffix : target.FurtherSuffixes())
+    outputs.push_back({"output", FileBeside(path, suffix)});
+  RefuseInputs(outputs, PathsOf(inputs));
   Cell pack = cell.cell;
   made.pack.ApplyTo(pack);
   SetCell(request, pack);
@@ -103,7 +109,8 @@ void AddExport(nb::module_& module) {
              nb::arg("cell"),
              nb::arg("target"),
              nb::arg("output"),
-             nb::arg("options"));
+             nb::arg("options"),
+             nb::arg("inputs"));
   module.def("describe_export", [] {
     ExportKeywords made;
     Keywords keywords;

@@ -2,10 +2,12 @@
 
 #include <nanobind/stl/string.h>
 
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "identify/pack_request.h"
 #include "identify/synthesis/synthesize.h"
@@ -14,6 +16,7 @@
 #include "model/battery/ranges.h"
 #include "model/battery/typical_temperature.h"
 #include "model/core/errors.h"
+#include "model/core/one_file.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
 #include "python/src/keywords.h"
@@ -42,7 +45,8 @@ void SynthesizeLogs(const PythonCell& truth,
                     nb::handle folder,
                     const nb::dict& given,
                     std::uint64_t seed,
-                    const nb::object& progress) {
+                    const nb::object& progress,
+                    const nb::list& inputs) {
   SynthesisOptions options;
   PackRequest pack;
   Keywords keywords(given);
@@ -58,11 +62,15 @@ void SynthesizeLogs(const PythonCell& truth,
   run.options = OptionsToJson<Json>(options);
   run.seed = seed;
   const std::string path = PathOf(folder);
+  const Protocol& protocol = FindProtocol("thesis");
+  std::vector<NamedOutput> outputs;
+  for (const std::string& name : SynthesizedNames(cell, protocol, options))
+    outputs.push_back({"folder", (std::filesystem::path(path) / name).string()});
+  RefuseInputs(outputs, PathsOf(inputs));
   Work(
       [&](const Tell& tell) {
-        Synthesize(cell, FindProtocol("thesis"), options, run, path, [&](double share) {
-          tell("synthesizing", share);
-        });
+        Synthesize(
+            cell, protocol, options, run, path, [&](double share) { tell("synthesizing", share); });
       },
       progress);
 }
@@ -97,7 +105,8 @@ void AddPlanning(nb::module_& module) {
              nb::arg("folder"),
              nb::arg("options"),
              nb::arg("seed"),
-             nb::arg("progress").none());
+             nb::arg("progress").none(),
+             nb::arg("inputs"));
   module.def("with_parameters", &Changed, nb::arg("cell"), nb::arg("options"));
   module.def("describe_plan", [] {
     Keywords keywords;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "model/core/atomic_file.h"
+#include "model/core/one_file.h"
 #include "python/src/campaign.h"
 #include "python/src/cell.h"
 #include "python/src/convert.h"
@@ -76,6 +77,14 @@ void AddReports(nb::module_& module) {
   module.def("shown_flight", &ShownFlight, nb::arg("summary"), nb::arg("columns"));
   module.def("write_report", &WriteReport, nb::arg("results"), nb::arg("file"));
   module.def("can_report", &CanReport);
+  module.def(
+      "refuse_inputs",
+      [](const std::string& name, nb::handle output, const nb::list& inputs) {
+        RefuseInputs(std::vector<NamedOutput>{{name, PathOf(output)}}, PathsOf(inputs));
+      },
+      nb::arg("name"),
+      nb::arg("output"),
+      nb::arg("inputs"));
 }
 
 }  // namespace lipoid::python

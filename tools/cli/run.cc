@@ -22,6 +22,7 @@
 #include "model/core/foreign_text.h"
 #include "model/core/json_text.h"
 #include "model/core/nearest_name.h"
+#include "model/core/one_file.h"
 #include "model/core/run_record.h"
 #include "tools/cli/completion.h"
 #include "tools/cli/manual_page.h"

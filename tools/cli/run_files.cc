@@ -10,37 +10,11 @@
 #include <system_error>
 #include <utility>
 
-#include "identify/logs/csv/cells.h"
 #include "model/core/errors.h"
 #include "model/core/run_record.h"
 
 namespace lipoid::cli {
 namespace {
-
-// Two paths lead to one place where they compare equal: links and relative paths are followed. A
-// file that is not there yet is its folder and its name, without regard to case, which a disk may
-// ignore.
-struct Place {
-  dev_t device = 0;
-  ino_t file = 0;
-  std::string name;
-
-  friend bool operator==(const Place&, const Place&) = default;
-};
-
-Place PlaceOf(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, ""};
-  std::error_code none;
-  const std::filesystem::path file =
-      std::filesystem::weakly_canonical(std::filesystem::absolute(BehindLinks(path), none), none);
-  if (none) return {0, 0, path};
-  const std::string folder = file.parent_path().string();
-  if (::stat(folder.c_str(), &status) != 0) return {0, 0, LowerCase(file.string())};
-  return {status.st_dev, status.st_ino, LowerCase(file.filename().string())};
-}
-
-constexpr std::string_view kStandardOutput = "/dev/stdout";
 
 // Pipes, terminals and /dev/null hold nothing that could be lost.
 bool IsSpecial(const std::string& path) {
@@ -51,48 +25,33 @@ bool IsSpecial(const std::string& path) {
 }  // namespace
 
 bool RunFiles::WriteToStandardOutput() const {
-  return std::any_of(outputs_.begin(), outputs_.end(), [](const Output& output) {
+  return std::any_of(outputs_.begin(), outputs_.end(), [](const NamedOutput& output) {
     return output.path == kStandardOutput;
   });
 }
 
 void RunFiles::CheckNothingIsLost() const {
-  std::vector<std::pair<Place, const Output*>> outputs;
+  std::vector<NamedOutput> outputs;
   // What the shell made of standard output is an output as well.
-  const Output standard_output{"standard output", std::string(kStandardOutput)};
+  const NamedOutput standard_output{"standard output", std::string(kStandardOutput)};
   std::error_code none;
-  if (!WriteToStandardOutput() && std::filesystem::is_regular_file(standard_output.path, none)) {
-    outputs.emplace_back(PlaceOf(standard_output.path), &standard_output);
+  if (!WriteToStandardOutput() && std::filesystem::is_regular_file(standard_output.path, none))
+    outputs.push_back(standard_output);
+  for (const NamedOutput& output : outputs_) {
+    if (output.path == kStandardOutput || !IsSpecial(output.path)) outputs.push_back(output);
   }
-  for (const Output& output : outputs_) {
-    if (output.path == kStandardOutput || !IsSpecial(output.path))
-      outputs.emplace_back(PlaceOf(output.path), &output);
-  }
+  std::vector<FilePlace> places;
+  for (const NamedOutput& output : outputs) places.push_back(PlaceOfFile(output.path));
   for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const auto& [place, output] = outputs[k];
     for (std::size_t other = 0; other < k; ++other) {
-      if (!(outputs[other].first == place)) continue;
+      if (!(places[other] == places[k])) continue;
       throw OptionError(fmt::format("options {} and {}: '{}' is named twice; name two files",
-                                    outputs[other].second->shown,
-                                    output->shown,
-                                    output->path));
+                                    outputs[other].shown,
+                                    outputs[k].shown,
+                                    outputs[k].path));
     }
   }
-  if (outputs.empty()) return;
-  for (const std::string& input : inputs_) {
-    if (!std::filesystem::is_regular_file(input, none)) continue;
-    const Place read = PlaceOf(input);
-    for (const auto& [place, output] : outputs) {
-      if (!(place == read)) continue;
-      throw OptionError(
-          output->path == kStandardOutput
-              ? fmt::format("standard output is '{}', which is also an input; name another file",
-                            input)
-              : fmt::format("option {}: '{}' is also an input; name another file",
-                            output->shown,
-                            output->path));
-    }
-  }
+  RefuseInputs(outputs, inputs_);
 }
 
 void RunFiles::CheckInputsOf(const Json& summary) const {
@@ -120,7 +79,7 @@ void RunFiles::AddOutputs(std::string_view shown, const std::vector<std::string>
 }
 
 void RunFiles::CheckOutputsAreWritable() const {
-  for (const Output& output : outputs_) CheckWritable(output.path);
+  for (const NamedOutput& output : outputs_) CheckWritable(output.path);
 }
 
 void RunFiles::AddHashes(const std::vector<std::string>& files,
@@ -159,8 +118,6 @@ void CheckWritable(const std::string& file) {
   const bool special = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
   if (!special) AtomicFile probe(file);  // opening a pipe would wait for its reader
 }
-
-bool LeadToOneFile(const std::string& a, const std::string& b) { return PlaceOf(a) == PlaceOf(b); }
 
 std::string OutputPath(const std::string& text) {
   const bool is_standard_output = text == "-" || text == "/dev/fd/1" || text == "/proc/self/fd/1";

@@ -13,6 +13,7 @@
 
 #include "model/core/atomic_file.h"
 #include "model/core/json.h"
+#include "model/core/one_file.h"
 
 namespace lipoid::cli {
 
@@ -49,13 +50,8 @@ class RunFiles {
   [[nodiscard]] std::vector<std::string> Commit();
 
  private:
-  struct Output {
-    std::string shown;  // the option
-    std::string path;
-  };
-
   std::vector<std::string> inputs_;
-  std::vector<Output> outputs_;
+  std::vector<NamedOutput> outputs_;
   std::map<std::string, std::string> sha256_;
   FileSet written_;
 };
@@ -63,10 +59,6 @@ class RunFiles {
 /// OptionError unless the file can be written: its folder is there and takes files. Leaves no
 /// trace.
 void CheckWritable(const std::string& file);
-
-/// Whether both paths lead to one file, which may not be there yet: links and relative paths are
-/// followed, and names that differ only in case are one, as they are on many disks.
-[[nodiscard]] bool LeadToOneFile(const std::string& a, const std::string& b);
 
 /// "-" means standard output, and so do the names that it has as descriptor 1.
 [[nodiscard]] std::string OutputPath(const std::string& text);
