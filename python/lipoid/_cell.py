@@ -488,10 +488,14 @@ class Cell:
         self._core = _core.parse_cell(state, "cell")
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Cell) and self._core.to_json() == other._core.to_json()
+        return isinstance(other, Cell) and self._itself() == other._itself()
 
     def __hash__(self) -> int:
-        return hash(self._core.to_json())
+        return hash(self._itself())
+
+    def _itself(self) -> str:
+        """Return the keys of the cell file without the run that made it, as text."""
+        return json.dumps({key: of for key, of in self.to_dict().items() if key != "run"})
 
     def __repr__(self) -> str:
         data = self.to_dict()
