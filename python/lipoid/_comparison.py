@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -13,7 +12,7 @@ from lipoid import _core, plots
 from lipoid._campaign import Campaign, as_campaign
 from lipoid._keywords import takes, utf8, whole, whole_seed
 from lipoid._progress import Progress, Reporter
-from lipoid._report import report
+from lipoid._report import Reportable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
     from lipoid._options import CompareOptions, StudyOptions
 
 
-@dataclass(repr=False)
-class Comparison:
+@dataclass(eq=False, repr=False)
+class Comparison(Reportable):
     """Optimizers on the same problem.
 
     Attributes
@@ -32,7 +31,9 @@ class Comparison:
         What ``lipoid compare --summary`` writes (docs/formats.md).
     """
 
+    _command = "compare"
     summary: dict[str, Any]
+    _inputs: list[str] = field(default_factory=list, repr=False)
 
     @property
     def results(self) -> pd.DataFrame:
@@ -61,13 +62,6 @@ class Comparison:
     def plot(self, axes: Any = None) -> list[Axes]:
         """Draw how far errors are above the least over time; return the axes."""
         return plots.comparison(self.results, axes)
-
-    def report(self, file: str | os.PathLike[str]) -> None:
-        """Write it as one page with plots, for any browser, as ``--report`` does."""
-        report(self, file)
-
-    def _shown(self) -> Any:
-        return _core.shown_summary(json.dumps({"command": "compare", **self.summary}))
 
     def __repr__(self) -> str:
         best = self.summary["best"]["optimizer"]
@@ -111,7 +105,8 @@ def compare(
         return Comparison(
             _core.compare(
                 made._core, dict(options), whole_seed(seed), whole("threads", threads), tell
-            )
+            ),
+            made._inputs,
         )
 
 

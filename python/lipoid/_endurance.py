@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +11,10 @@ import pandas as pd
 
 from lipoid import _core
 from lipoid._cell import OneCell, as_cell
+from lipoid._files import inputs_of
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._progress import Progress, Reporter
+from lipoid._report import Reportable
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
     from lipoid._options import EnduranceOptions
 
 
-@dataclass(repr=False)
-class Endurance:
+@dataclass(eq=False, repr=False)
+class Endurance(Reportable):
     """How long a vehicle flies, and how far that is known.
 
     Attributes
@@ -32,7 +34,9 @@ class Endurance:
         ``--over``.
     """
 
+    _command = "endurance"
     summary: dict[str, Any]
+    _inputs: list[str] = field(default_factory=list, repr=False)
 
     @property
     def minutes(self) -> float:
@@ -126,4 +130,4 @@ def endurance(
             _core.doubt_about_few(flown["flights"], "flights"),
             _core.doubt_about_moved(flown["moved"], flown["flights"]),
         )
-    return Endurance(summary)
+    return Endurance(summary, inputs_of(one, options))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +10,12 @@ import pandas as pd
 
 from lipoid import _core, plots
 from lipoid._cell import OneCell, as_cell
+from lipoid._files import inputs_of
 from lipoid._keywords import takes, utf8, whole, whole_seed
 from lipoid._log import Log
 from lipoid._progress import Progress, Reporter
-from lipoid._report import report
+from lipoid._report import Reportable
+from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False, repr=False)
-class Flight:
+class Flight(Reportable):
     """A flight of a vehicle on a cell.
 
     Attributes
@@ -36,8 +36,14 @@ class Flight:
         What ``lipoid fly --summary`` writes (docs/formats.md).
     """
 
+    _command = "fly"
     data: pd.DataFrame
     summary: dict[str, Any]
+    _inputs: list[str] = field(default_factory=list, repr=False)
+
+    # Tables of pandas are not compared: each flight is itself alone.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__  # type: ignore[assignment]
 
     @property
     def outcome(self) -> str:
@@ -59,13 +65,9 @@ class Flight:
         """Draw altitude, angles and battery over time; return the axes."""
         return plots.flight(self.data, repr(self)[7:-1], axes)
 
-    def report(self, file: str | os.PathLike[str]) -> None:
-        """Write it as one page with plots, for any browser, as ``--report`` does."""
-        report(self, file)
-
     def _shown(self) -> Any:
         columns = {str(name): self.data[name].to_numpy(dtype=float) for name in self.data}
-        return _core.shown_flight(json.dumps({"command": "fly", **self.summary}), columns)
+        return _core.shown_flight(self._summary_of_command(), columns)
 
     def __repr__(self) -> str:
         s = self.summary
@@ -131,7 +133,7 @@ def fly(
             whole("threads", threads),
             tell,
         )
-    return Flight(pd.DataFrame(data), summary)
+    return Flight(pd.DataFrame(data), summary, inputs_of(cell, options))
 
 
 def maneuvers() -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +11,10 @@ import pandas as pd
 
 from lipoid import _core
 from lipoid._cell import OneCell, as_cell
+from lipoid._files import inputs_of
 from lipoid._keywords import takes
 from lipoid._log import Logs, as_logs
+from lipoid._report import Reportable
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -20,8 +22,8 @@ if TYPE_CHECKING:
     from lipoid._options import HealthOptions
 
 
-@dataclass(repr=False)
-class Health:
+@dataclass(eq=False, repr=False)
+class Health(Reportable):
     """How old a pack is.
 
     Attributes
@@ -32,8 +34,10 @@ class Health:
         What ``lipoid health --summary`` writes (docs/flight-logs.md).
     """
 
+    _command = "health"
     sentence: str
     summary: dict[str, Any]
+    _inputs: list[str] = field(default_factory=list, repr=False)
 
     @property
     def flights(self) -> pd.DataFrame:
@@ -86,7 +90,6 @@ def health(
         Where no flight is long and busy enough to tell anything.
     """
     logs = as_logs(flights, "health: expected at least one flight")
-    summary, sentence = _core.health(
-        as_cell(cell)._core, [log._core for log in logs], dict(options)
-    )
-    return Health(sentence, summary)
+    one = as_cell(cell)
+    summary, sentence = _core.health(one._core, [log._core for log in logs], dict(options))
+    return Health(sentence, summary, inputs_of(one, logs))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 from collections.abc import Iterator, Mapping
@@ -19,7 +18,7 @@ from lipoid._cell import Cell, OneCell, as_cell
 from lipoid._keywords import takes, whole, whole_seed
 from lipoid._log import Logs, as_logs
 from lipoid._progress import Progress, Reporter
-from lipoid._report import report
+from lipoid._report import Reportable
 from lipoid.errors import OptionError
 
 if TYPE_CHECKING:
@@ -31,8 +30,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger("lipoid")
 
 
-@dataclass(repr=False)
-class Identification:
+@dataclass(eq=False, repr=False)
+class Identification(Reportable):
     """What identification found.
 
     Attributes
@@ -51,6 +50,7 @@ class Identification:
         What it was made from.
     """
 
+    _command = "identify"
     cell: Cell
     summary: dict[str, Any]
     converged: bool
@@ -122,13 +122,13 @@ class Identification:
             if log.voltage_V is not None:
                 yield plots.Predicted(kind, log.time_s, log.voltage_V, voltage_V, soc)
 
-    def report(self, file: str | os.PathLike[str]) -> None:
-        """Write it as one page with plots, for any browser, as ``--report`` does."""
-        report(self, file)
+    @property
+    def _inputs(self) -> list[str]:  # type: ignore[override]
+        return self.campaign._inputs
 
     def _shown(self) -> Any:
         return _core.shown_identification(
-            json.dumps({"command": "identify", **self.summary}),
+            self._summary_of_command(),
             self.campaign._core,
             self.cell._core,
             None if self._staged is None else self._staged._core,

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import lipoid
+from lipoid import _core
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +25,11 @@ def found(lab: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, An
         "time_s,current_A,voltage_V\n0,0,4.2\n60,1,4.0\n120,1,3.99\n180,0,4.15\n"
     )
     return folder, result
+
+
+def _reports(write: Callable[[Path, Any], object]) -> Any:
+    without = pytest.mark.skipif(not _core.can_report(), reason="built without reports")
+    return pytest.param(write, marks=without)
 
 
 @pytest.mark.parametrize(
@@ -42,6 +48,16 @@ def found(lab: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, An
         lambda f, r: r.cell.save(f / "lab" / "pulses.csv"),
         lambda f, r: r.cell.save(f / "lab" / "../lab/campaign.toml"),
         lambda f, r: lipoid.Cell.read(f / "c.json").save(f / "lab" / "pulses.csv"),
+        _reports(lambda f, r: r.report(f / "lab" / "campaign.toml")),
+        _reports(lambda f, r: lipoid.report([r], f / "lab" / "pulses.csv")),
+        _reports(
+            lambda f, r: lipoid.fly("hover", cell=f / "c.json", duration=0.1).report(f / "c.json")
+        ),
+        _reports(
+            lambda f, r: lipoid.endurance(f / "c.json", vehicle="mambo-physical").report(
+                f / "link.json"
+            )
+        ),
     ],
 )
 def test_an_input_is_not_written_over(

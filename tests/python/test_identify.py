@@ -387,6 +387,48 @@ def test_results_survive_pickling(result: lipoid.Identification) -> None:
     assert again.cell == result.cell
 
 
+# Before, loading it read the campaign at once, and a copy followed whatever logs stood there.
+@pytest.mark.parametrize("named", ["campaign.toml", "the logs"])
+def test_a_pickled_result_needs_its_logs_alone_and_those_that_were_read(
+    lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str
+) -> None:
+    shutil.copytree(lab, tmp_path / "lab")
+    monkeypatch.chdir(tmp_path)
+    campaign: Any = "lab/campaign.toml"
+    if named == "the logs":
+        campaign = lipoid.Campaign(
+            capacity_Ah=0.6, cutoff_V=3.0, low_rate="lab/low_rate.csv", pulses="lab/pulses.csv"
+        )
+    made = lipoid.identify(campaign, method="staged")
+    pickled = pickle.dumps(made)
+    monkeypatch.chdir("/")
+    pd.testing.assert_frame_equal(
+        pickle.loads(pickled).logs.drop(columns="file"), made.logs.drop(columns="file")
+    )
+    (tmp_path / "lab" / "campaign.toml").unlink()  # its text is part of the result
+    assert copy.deepcopy(made) == made == pickle.loads(pickled)
+    pulses = tmp_path / "lab" / "pulses.csv"
+    pulses.write_bytes(pulses.read_bytes() + b"\n")
+    with pytest.raises(lipoid.LoadError, match="when it was first read, found another SHA-256"):
+        pickle.loads(pickled).plot("fit")
+    pulses.unlink()
+    again = pickle.loads(pickled)
+    assert again.cell == made.cell and "Identification(" in repr(again)
+    with pytest.raises(lipoid.LoadError, match=str(pulses)):
+        _ = again.logs
+
+
+# Before, the times that the stages took made them differ.
+def test_what_is_found_twice_is_equal(campaign: lipoid.Campaign, staged: Any) -> None:
+    again = lipoid.identify(campaign, method="staged")
+    assert again == staged and again.cell == staged.cell
+    assert hash(again.cell) == hash(staged.cell)
+    other = lipoid.identify(campaign, method="staged", fix={"beta": 0.3})
+    assert other != staged and other.cell != staged.cell
+    flown = [lipoid.endurance(again.cell, vehicle="mambo-physical") for _ in range(2)]
+    assert flown[0] == flown[1]
+
+
 def test_what_a_notebook_shows(result: lipoid.Identification) -> None:
     assert "Identification(" in repr(result)
     assert "beta" in result._repr_html_()

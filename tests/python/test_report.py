@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import lipoid
+from conftest import ROOT
 from lipoid import _core
 
 FloatArray = npt.NDArray[Any]
@@ -77,6 +78,25 @@ def test_page_of_a_comparison(tmp_path: Path) -> None:
     (shown,) = data_of(tmp_path / "compare.html")["results"]
     assert shown["summary"]["best"] == found.summary["best"]
     assert "2 optimizers" in repr(found)
+
+
+def test_pages_of_an_endurance_and_a_health(tmp_path: Path) -> None:
+    flown = lipoid.endurance("grepow-32Ah-1", vehicle="f450", series=4, capacity_Ah=5.0)
+    flown.report(tmp_path / "endurance.html")
+    aged = lipoid.health(
+        "gifi-600mAh-1", ROOT / "fixtures/flights/log171.bin", capacity_Ah=5.2, series=4
+    )
+    lipoid.report([aged, flown], tmp_path / "both.html")
+    results = data_of(tmp_path / "both.html")["results"]
+    assert [one["summary"]["command"] for one in results] == ["health", "endurance"]
+    assert results[1]["summary"]["minutes"] == flown.minutes
+
+
+def test_what_has_no_page_here_says_where_it_has(tmp_path: Path) -> None:
+    table: Any = lipoid.plan("gifi-600mAh-1")
+    for wrong in (table, [table]):
+        with pytest.raises(TypeError, match="or Health, or several, found DataFrame; of study"):
+            lipoid.report(wrong, tmp_path / "page.html")
 
 
 def test_a_page_that_cannot_be_written_says_so(
