@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -91,6 +92,14 @@ Cell OneOf(const Cell& pack) {
   return one;
 }
 
+// Of a cell that is as many as cell.pack() says, where the command line has options.
+std::string OfPack(const std::string& message) {
+  static const std::regex given("`(series|parallel)` = ([0-9]+) \\(--(series|parallel) [0-9]+\\)");
+  static const std::regex named("`(series|parallel)`");
+  return std::regex_replace(
+      std::regex_replace(message, given, "cell.pack($1=$2)"), named, "$1 of cell.pack()");
+}
+
 // One log of the pack, as that of one cell.
 LogErrors ErrorsOf(const Cell& pack,
                    const Record& of_pack,
@@ -102,8 +111,14 @@ LogErrors ErrorsOf(const Cell& pack,
     throw LoadError({record.file}, "expected a voltage to compare with, found none");
   const Cell one = OneOf(pack);
   DivideByPack(record, pack.series, pack.parallel);
-  (void)CheckPlausible(record, one.capacity_Ah, pack.series, pack.parallel);
-  CheckSeries(record, one.open_circuit_voltage, pack.series);
+  try {
+    (void)CheckPlausible(record, one.capacity_Ah, pack.series, pack.parallel);
+    CheckSeries(record, one.open_circuit_voltage, pack.series);
+  } catch (const LoadError& error) {
+    std::vector<Diagnostic> wrong = error.diagnostics();
+    for (Diagnostic& each : wrong) each.message = OfPack(each.message);
+    throw LoadError(std::move(wrong));
+  }
   const Surroundings among = surroundings.Of(record);
   const double initial_soc = start.Soc(pack, among);
   doubt = DoubtAboutStart(one.open_circuit_voltage, record, initial_soc);

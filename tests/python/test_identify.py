@@ -567,6 +567,16 @@ def test_validate_refuses_what_the_program_refuses(lab: Path) -> None:
         lipoid.validate("gifi-600mAh-1", mV)
 
 
+def test_validate_names_what_makes_the_pack(lab: Path) -> None:
+    log = lipoid.read_log(lab / "pulses.csv")
+    with pytest.raises(lipoid.LoadError, match=r"a single cell\? Then say cell.pack\(series=1\)$"):
+        lipoid.validate(lipoid.Cell.read("gifi-600mAh-1").pack(2), log)
+    twice = log.to_pandas()
+    twice["voltage_V"] *= 2.0
+    with pytest.raises(lipoid.LoadError, match=r"\(say series of cell.pack\(\)\)"):
+        lipoid.validate("gifi-600mAh-1", twice)
+
+
 def test_plots_and_errors_are_as_warm_as_the_logs(seasons: Path) -> None:
     from matplotlib import pyplot
 
