@@ -18,17 +18,39 @@ nb::object Text(const std::string& text) {
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
 }
 
-// Messages name options as one types them on the command line: --low-rate, --series 4.
+// " time_s=1 voltage_V=3" as the items of a dictionary: "time_s": 1, "voltage_V": 3.
+std::string InDictionary(const std::string& pairs) {
+  static const std::regex pair(" ([A-Za-z_]+)=([^ ]+)");
+  static const std::regex several("([A-Z]+,[A-Z]+)");
+  std::string items;
+  for (std::sregex_iterator one(pairs.begin(), pairs.end(), pair); one != std::sregex_iterator();
+       ++one) {
+    items += (items.empty() ? "\"" : ", \"") + (*one)[1].str() +
+             "\": " + std::regex_replace((*one)[2].str(), several, "($1)");
+  }
+  return items;
+}
+
+// Messages name options as one types them on the command line: --low-rate, --series 4, --units s,A,V,
+// --columns time_s=1 current_A=2.
 std::string InPython(const std::string& message) {
-  static const std::regex option("--([A-Za-z][A-Za-z-]*)( (?=[0-9]|[A-Z][A-Z]))?");
+  static const std::regex option(
+      "--([A-Za-z][A-Za-z-]*)(?:"
+      "((?: [A-Za-z_]+=(?:[0-9]+|\"[^\"]*\"|[A-Z]+(?:,[A-Z]+)?))+)|"  // pairs
+      " ([a-z]+(?:[-,][A-Za-z]+)+)|"                                  // a text
+      "( )(?=[0-9]|[A-Z][A-Z]))?");                                   // a number, a placeholder
   std::string text;
   std::sregex_iterator found(message.begin(), message.end(), option);
   std::size_t copied = 0;
   for (; found != std::sregex_iterator(); ++found) {
-    const auto at = static_cast<std::size_t>(found->position());
-    text += message.substr(copied, at - copied) + PythonName((*found)[1].str());
-    if ((*found)[2].matched) text += "=";
-    copied = at + static_cast<std::size_t>(found->length());
+    const std::smatch& at = *found;
+    const auto begin = static_cast<std::size_t>(at.position());
+    const std::string between = message.substr(copied, begin - copied);
+    text += (copied > 0 && between == " " ? ", " : between) + PythonName(at[1].str());
+    if (at[2].matched) text += "={" + InDictionary(at[2].str()) + "}";
+    if (at[3].matched) text += "=\"" + at[3].str() + "\"";
+    if (at[4].matched) text += "=";
+    copied = begin + static_cast<std::size_t>(at.length());
   }
   return text + message.substr(copied);
 }

@@ -214,7 +214,7 @@ void Keywords::OfKind(std::string_view name,
     for (const nb::handle word : pieces) values.push_back(Utf8Of(shown, word));
     return;
   }
-  if (!nb::hasattr(*given, "__iter__"))
+  if (!nb::hasattr(*given, "__iter__") || nb::isinstance<nb::dict>(*given))
     throw OptionError(
         fmt::format("option {}: expected a text or several, found {}", shown, ShownValue(*given)));
   for (const nb::handle word : *given) values.push_back(TextOf(shown, word));

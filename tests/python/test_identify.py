@@ -224,6 +224,26 @@ def test_messages_name_options_as_python_has_them() -> None:
     assert "open_circuit_voltage=FILE" in str(told.value)
     with pytest.raises(lipoid.OptionError, match="option units: expected three"):
         lipoid.read_log("pulses.csv", units="s,A")
+    with pytest.raises(
+        lipoid.OptionError, match=r"units: expected a text or several, found \{'time_s"
+    ):
+        lipoid.read_log("pulses.csv", units={"time_s": "ms"})  # type: ignore[arg-type]
+
+
+# Before, they said what one types on the command line, which Python refuses.
+def test_messages_say_what_python_takes(tmp_path: Path) -> None:
+    numbers = tmp_path / "numbers.csv"
+    numbers.write_text("".join(f"{k},{k % 3},{4.1 - 0.001 * k}\n" for k in range(50)))
+    with pytest.raises(lipoid.LoadError) as told:
+        lipoid.read_log(numbers)
+    columns = {"time_s": 1, "current_A": 2, "voltage_V": 3}
+    assert '{"time_s": 1, "current_A": 2, "voltage_V": 3}, units="s,A,V"' in str(told.value)
+    assert len(
+        lipoid.read_log(numbers, columns=columns, units="s,A,V", current_sign="discharge-positive")
+    )
+    rest = 'current_sign="discharge-positive" or'
+    with pytest.raises(lipoid.LoadError, match=rest):
+        lipoid.read_log(numbers, columns=columns, units="s,A,V")
 
 
 def test_numbers_of_numpy_are_options(campaign: lipoid.Campaign) -> None:
