@@ -24,6 +24,8 @@ std::string ShownValue(nb::handle value) {
   return {bytes.c_str(), bytes.size()};
 }
 
+constexpr const char* kOfFit = "_fit";  // a group whose name is an option, too
+
 double NumberOf(const std::string& name, nb::handle value) {
   return options_internal::ParseDouble(name, TextOf(name, value), Range{});
 }
@@ -184,7 +186,7 @@ void Keywords::OfKind(std::string_view name,
 }
 
 void Keywords::OfKind(std::string_view name, InputFile& value, const Word&, std::string_view help) {
-  if (const auto file = Take(name, "Path", help)) value.path = PathOf(*file);
+  if (const auto file = Take(name, "Path", help)) value.path = PathGiven(PythonName(name), *file);
 }
 
 void Keywords::OfKind(std::string_view name,
@@ -196,8 +198,18 @@ void Keywords::OfKind(std::string_view name,
   if (const Cell* const cell = CellBehind(*given)) {
     value.cell = std::make_shared<const Cell>(*cell);
   } else {
-    value.path = PathOf(*given);
+    value.path = PathGiven(PythonName(name), *given);
   }
+}
+
+std::string Keywords::PathGiven(const std::string& name, nb::handle path) {
+  if (nb::isinstance<nb::str>(path) || nb::isinstance<nb::bytes>(path) ||
+      nb::hasattr(path, "__fspath__"))
+    return PathOf(path);
+  // Of the fit of the same name a dictionary is meant, which Finish() knows.
+  no_paths_.emplace_back(
+      name, fmt::format("option {}: expected a path, found {}", name, ShownValue(path)));
+  return "";
 }
 
 void Keywords::OfKind(std::string_view name,
@@ -288,12 +300,18 @@ void Keywords::Group(std::string_view name,
 
 std::string Keywords::GroupName(std::string_view name) const {
   std::string group = PythonName(name);
-  if (std::find(known_.begin(), known_.end(), group) != known_.end()) group += "_fit";
+  if (std::find(known_.begin(), known_.end(), group) != known_.end()) group += kOfFit;
   return group;
 }
 
 void Keywords::Finish() const {
   if (!given_.is_valid()) return;
+  for (const auto& [name, wrong] : no_paths_) {
+    const bool has_fit = std::find(known_.begin(), known_.end(), name + kOfFit) != known_.end();
+    throw OptionError(
+        wrong +
+        (has_fit ? fmt::format("; options of its fit are {}{}={{...}}", name, kOfFit) : ""));
+  }
   for (const auto& [key, value] : given_) {
     const std::string name = Utf8Of("name", nb::str(key));
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;

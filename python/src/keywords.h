@@ -128,6 +128,8 @@ class Keywords {
   [[nodiscard]] nb::list Described() const { return described_; }
 
  private:
+  /// Of what is no path, which Finish() refuses: "".
+  [[nodiscard]] std::string PathGiven(const std::string& name, nb::handle path);
   [[nodiscard]] std::string GroupName(std::string_view name) const;
   template <class T, class Valid>
   void OfKind(std::string_view name, T& value, const Valid& valid, std::string_view help) {
@@ -199,7 +201,8 @@ class Keywords {
   nb::dict given_;
   nb::list described_;
   std::vector<std::string> known_;
-  std::vector<std::pair<std::string, std::string>> within_;  // option of a group, its group
+  std::vector<std::pair<std::string, std::string>> within_;    // option of a group, its group
+  std::vector<std::pair<std::string, std::string>> no_paths_;  // option, what is wrong with it
 };
 
 /// A value of Python as the text that the command line would have: 2, 0.5, true, joint.

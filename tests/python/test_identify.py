@@ -180,6 +180,12 @@ def test_an_earlier_cell_lends_its_curve(
         ({"method": "magic"}, "method: expected"),
         ({"pulses": {"term": 3}}, "unknown option of pulses 'term'. Did you mean 'terms'"),
         ({"pulses": 3}, "pulses: expected a dictionary"),
+        (
+            {"method": "staged", "open_circuit_voltage": {"knots": 100}},
+            r"open_circuit_voltage: expected a path, found \{'knots': 100\}; options of its fit "
+            r"are open_circuit_voltage_fit=\{...\}",
+        ),
+        ({"reference": 3}, "reference: expected a path, found 3"),
         ({"fix": {"beta": "x"}}, "fix beta: expected"),
         ({"bounds": {"beta": 1.0}}, "bounds: expected"),
         ({"alpha_C": float("nan")}, "alpha_C: expected"),
