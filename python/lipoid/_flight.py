@@ -123,6 +123,11 @@ def fly(
     >>> flight.outcome
     'completed'
     """
+    if "ensemble" in options:
+        raise OptionError(
+            "unknown option 'ensemble'; a flight here is on one cell: fly on each of "
+            "cell.resample(20), which are drawn as the command line draws them"
+        )
     core = None if cell is None else as_cell(cell)._core
     with Reporter(progress, f"fly {maneuver}") as tell:
         summary, data = _core.fly(

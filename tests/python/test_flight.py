@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -143,3 +144,11 @@ def test_the_lists() -> None:
 def test_a_name_of_the_command_line_within_a_group_is_found() -> None:
     with pytest.raises(lipoid.OptionError, match=r'say wind=\{"gusts_m_per_s": ...\}'):
         lipoid.fly("hover", gusts=3)  # type: ignore[call-arg]
+
+
+def test_what_flies_an_ensemble_is_said() -> None:
+    options: Any = {"ensemble": 20}
+    with pytest.raises(
+        lipoid.OptionError, match=r"'ensemble'; .* fly on each of cell.resample\(20\)"
+    ):
+        lipoid.fly("hover", **options)
