@@ -72,7 +72,7 @@ class Simulation:
         """Open-circuit voltage of the pack in V, at each row."""
         if self._open_circuit_V is not None:
             return self._open_circuit_V
-        flat = self.cell._core.open_circuit_voltage(np.ascontiguousarray(self.soc.ravel()))
+        flat, _ = self.cell._core.open_circuit_voltage(np.ascontiguousarray(self.soc.ravel()))
         return cast(FloatArray, flat.reshape(self.soc.shape))
 
     def to_pandas(self) -> pd.DataFrame:
@@ -217,9 +217,10 @@ class Cell:
 
     def open_circuit_voltage(self, soc: npt.ArrayLike) -> FloatArray:
         """Voltage of the pack at rest in V, at states of charge (fractions) of any shape."""
-        array = np.asarray(soc, dtype=np.float64)
-        flat = self._core.open_circuit_voltage(np.ascontiguousarray(array.ravel()))
-        return cast(FloatArray, flat.reshape(array.shape))
+        given = present("soc", soc, "states of charge")
+        flat, doubt = self._core.open_circuit_voltage(column(np.ravel(given), "soc"))
+        self._tell(doubt)
+        return cast(FloatArray, flat.reshape(np.shape(given)))
 
     def simulate(
         self,

@@ -165,12 +165,16 @@ nb::tuple Simulate(const PythonCell& self,
   return nb::make_tuple(all.outside(), std::move(before), std::move(cutoff_s), DoubtsAbout(all));
 }
 
-Array OpenCircuitVoltage(const PythonCell& self, const Input& soc) {
+// And what is to be said of the states of charge.
+nb::tuple OpenCircuitVoltage(const PythonCell& self, const Input& soc) {
   std::vector<double> voltage_V;
   voltage_V.reserve(soc.shape(0));
-  for (const double a : SpanOf(soc))
+  PredictedSoc asked;
+  for (const double a : SpanOf(soc)) {
+    asked.Row(self.cell.open_circuit_voltage, a);
     voltage_V.push_back(self.cell.series * self.cell.open_circuit_voltage(a));
-  return ToArray(std::move(voltage_V));
+  }
+  return nb::make_tuple(ToArray(std::move(voltage_V)), asked.DoubtAboutCurve());
 }
 
 const Cell& WithUncertainty(const PythonCell& self) {

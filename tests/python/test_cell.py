@@ -558,3 +558,29 @@ def test_what_no_cell_holds_is_told(
     caplog.clear()
     cell.simulate(t, np.full((2, 200), 0.1))
     assert not caplog.messages
+
+
+def test_a_curve_says_where_it_is_continued(caplog: pytest.LogCaptureFixture) -> None:
+    cell = lipoid.Cell.read("gifi-600mAh-1")
+    assert cell.open_circuit_voltage(0.5).shape == ()
+    assert cell.open_circuit_voltage([[0.0, 0.5, 1.0]]).shape == (1, 3)
+    assert not caplog.messages
+    cell.open_circuit_voltage([-1, 2, 0.5])
+    assert "2 rows outside the soc that v_oc(A) was made for" in caplog.text
+    with pytest.raises(lipoid.OptionError, match="soc: expected numbers, found texts"):
+        cell.open_circuit_voltage("a")
+    with pytest.raises(TypeError, match="soc: expected states of charge, found None"):
+        cell.open_circuit_voltage(None)  # type: ignore[arg-type]
+
+
+def test_a_dictionary_is_a_cell_with_its_doubts(caplog: pytest.LogCaptureFixture) -> None:
+    data = lipoid.Cell.read("gifi-600mAh-1").to_dict()
+    data["capacity_Ah"] = np.float32(0.5)
+    data["run"]["metrics"] = {"verdict": {"grade": "poor", "reasons": ["it is odd"]}}
+    assert lipoid.Cell.from_dict(data).capacity_Ah == 0.5
+    assert "judged its fit poor: do not rely on what it predicts (it is odd)" in caplog.text
+    data["capacity_Ah"] = 0.5j
+    with pytest.raises(
+        TypeError, match="from_dict: expected numbers, texts and lists of them, found"
+    ):
+        lipoid.Cell.from_dict(data)
