@@ -151,7 +151,9 @@ class Cell:
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Cell:
         """Make a cell of what :meth:`to_dict` returns: the keys of a cell file."""
-        return cls._of(_core.parse_cell(json.dumps(data), "cell"))
+        cell = cls._of(_core.parse_cell(json.dumps(data, default=_plain), "cell"))
+        cell._tell(_core.doubt_about_fit(cell._core))
+        return cell
 
     @property
     def name(self) -> str:
@@ -538,6 +540,13 @@ def _known(temperature: Mapping[str, Any]) -> str:
         return "known, by typical values"
     seen_degC = temperature.get("seen_degC")
     return "known, seen from {:.4g} to {:.4g} degC".format(*seen_degC) if seen_degC else "known"
+
+
+def _plain(value: Any) -> Any:
+    """Return numbers and arrays of NumPy as those of JSON."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(f"Cell.from_dict: expected numbers, texts and lists of them, found {value!r}")
 
 
 class HasCell(Protocol):

@@ -380,7 +380,8 @@ def read_log(file: str | os.PathLike[str], **options: Unpack[ReadingOptions]) ->
 def listed(logs: Any) -> list[Any]:
     """Return what was given for logs, one or several of them, as a list."""
     is_one = isinstance(logs, (Log, str, os.PathLike, Mapping)) or not isinstance(logs, Iterable)
-    is_table = hasattr(logs, "columns") or hasattr(logs, "column_names")
+    # Of the type: a lazy frame of polars would look for its columns.
+    is_table = hasattr(type(logs), "columns") or hasattr(type(logs), "column_names")
     return [logs] if is_one or is_table else list(logs)
 
 
@@ -395,6 +396,8 @@ def as_logs(logs: Any, wanted: str) -> list[Log]:
 def _log_of(one: Any) -> Log:
     if isinstance(one, Log):
         return one
+    if callable(getattr(one, "log", None)):  # of lipoid.fly
+        raise OptionError(f"expected logs, found a {type(one).__name__}; its log() is one")
     return read_log(one) if isinstance(one, (str, os.PathLike)) else Log(one)
 
 

@@ -104,7 +104,7 @@ def identify_many(
         is read.
     """
     given: dict[str, Any] = {"seed": seed, "threads": threads, **options}
-    if isinstance(campaigns, (str, os.PathLike)):
+    if isinstance(campaigns, (str, os.PathLike, Campaign)):
         raise TypeError("identify_many: expected several campaigns; one goes into a list")
     several = list(campaigns)
     check_options(**given)

@@ -152,3 +152,11 @@ def test_what_flies_an_ensemble_is_said() -> None:
         lipoid.OptionError, match=r"'ensemble'; .* fly on each of cell.resample\(20\)"
     ):
         lipoid.fly("hover", **options)
+
+
+def test_a_flight_is_no_log() -> None:
+    flight: Any = lipoid.fly("hover", duration=0.1)
+    with pytest.raises(
+        lipoid.OptionError, match=r"expected logs, found a Flight; its log\(\) is one"
+    ):
+        lipoid.health("gifi-600mAh-1", flight)

@@ -210,8 +210,10 @@ def test_what_is_no_campaign_is_said() -> None:
     log = lipoid.read_log(ROOT / "fixtures/flights/sample_log_small.ulg", battery=2)
     with pytest.raises(TypeError, match=r"found Log; logs make one: lipoid.Campaign\(pulses=log"):
         lipoid.identify(log)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="one goes into a list"):
-        lipoid.identify_many("campaign.toml")
+    one: Any
+    for one in ("campaign.toml", lipoid.Campaign()):
+        with pytest.raises(TypeError, match="one goes into a list"):
+            lipoid.identify_many(one)
     with pytest.raises(lipoid.OptionError, match="option reading: expected a dictionary"):
         lipoid.Campaign(pulses=log, reading="s,A,V")  # type: ignore[arg-type]
     with pytest.raises(lipoid.OptionError, match="found int; arrays are given by name"):

@@ -7,6 +7,7 @@ import os
 import pickle
 import resource
 import struct
+import warnings
 from collections.abc import Callable
 from datetime import datetime, timedelta, timezone
 from decimal import Decimal
@@ -243,6 +244,9 @@ def test_a_lazy_frame_is_collected() -> None:
     polars = pytest.importorskip("polars")
     frame = polars.DataFrame({"time_s": T, "current_A": I, "voltage_V": V})
     np.testing.assert_array_equal(lipoid.Log(frame.lazy()).current_A, I)
+    with warnings.catch_warnings():  # of polars, that its columns are looked for
+        warnings.simplefilter("error")
+        lipoid.validate("gifi-600mAh-1", frame.lazy())
 
 
 COLUMNS: dict[str, Any] = {"time_s": T, "current_A": I, "voltage_V": V}
