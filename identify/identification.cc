@@ -24,6 +24,7 @@
 #include "identify/trust/trust_report.h"
 #include "identify/validation.h"
 #include "model/battery/cell_parameters.h"
+#include "model/battery/fit_record.h"
 #include "model/statistics/quantiles.h"
 
 namespace lipoid {
@@ -473,6 +474,8 @@ Identification Identify(const Campaign& campaign,
   if (found.joint && !found.joint->alpha_doubt.empty())
     found.quality.Doubt(found.joint->alpha_doubt);
   if (const auto& held = options.given.reference) {
+    if (const auto doubt = DoubtAboutFit(held->cell); !doubt.empty())
+      found.log_notes.push_back(fmt::format("{}: {}", held->source, doubt));
     if (auto doubt = DoubtAboutReference(*held, found); !doubt.empty())
       found.quality.Doubt(std::move(doubt));
     if (const auto& move = found.joint->held_curve; move && move->doubted())

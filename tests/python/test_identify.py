@@ -170,6 +170,17 @@ def test_an_earlier_cell_lends_its_curve(
     assert {p["name"]: p["estimate"] for p in theirs["parameters"]} == dict(same)
 
 
+def test_a_poor_reference_is_told_of(lab: Path, caplog: pytest.LogCaptureFixture) -> None:
+    data = lipoid.Cell.read("gifi-600mAh-1").to_dict()
+    data["run"]["metrics"] = {"converged": False}
+    poor = lipoid.Cell.from_dict(data)
+    pulses = lipoid.Campaign(capacity_Ah=0.6, cutoff_V=3.0, pulses=lab / "pulses.csv")
+    caplog.clear()
+    found = lipoid.identify(pulses, reference=poor)
+    told = "gifi-600mAh-1: the search for it ended before it had converged: do not rely on what"
+    assert told in caplog.text and told in str(found.summary["log_notes"])
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
