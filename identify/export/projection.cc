@@ -8,6 +8,7 @@
 #include "identify/optimizers/least_squares.h"
 #include "identify/optimizers/optimizers.h"
 #include "model/core/errors.h"
+#include "model/core/stop.h"
 #include "model/statistics/factorizations.h"
 
 namespace lipoid {
@@ -81,6 +82,7 @@ class ProjectionProblem : public LeastSquaresProblem {
     return 1.0 / std::sqrt(static_cast<double>(voltage_V_.size()));
   }
   [[nodiscard]] Eigen::VectorXd Volts(const Eigen::VectorXd& x) const {
+    StopIfAsked();
     const std::vector<double> volts = law_(Values(x));
     return Eigen::Map<const Eigen::VectorXd>(volts.data(),
                                              static_cast<Eigen::Index>(volts.size())) *
