@@ -200,7 +200,7 @@ def identify(
         )
     _tell_what_changes_nothing(dict(options))
     for note in summary.get("log_notes", []):
-        logger.warning("%s", note)
+        logger.warning("%s", _core.in_python(note))
     if not converged:
         logger.warning("%s: not converged", made.name)
     beside = None if staged is None else Cell._of(staged)

@@ -282,7 +282,8 @@ class Log:
     @property
     def warnings(self) -> list[str]:
         """What to look at before believing the log."""
-        return cast("list[str]", self._core.reading()["warnings"])
+        said = cast("list[str]", self._core.reading()["warnings"])
+        return [_core.in_python(warning) for warning in said]
 
     @property
     def segments(self) -> pd.DataFrame:

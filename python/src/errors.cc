@@ -89,6 +89,9 @@ void Translate(const std::exception_ptr& pointer, void*) {
 
 }  // namespace
 
-void AddErrors(nb::module_&) { nb::register_exception_translator(&Translate); }
+void AddErrors(nb::module_& module) {
+  nb::register_exception_translator(&Translate);
+  module.def("in_python", &InPython, nb::arg("message"));  // of warnings
+}
 
 }  // namespace lipoid::python

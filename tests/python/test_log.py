@@ -240,6 +240,11 @@ def test_times_may_be_dates_or_durations() -> None:
         np.testing.assert_allclose(log.time_s, T, rtol=0, atol=1e-9)
 
 
+def test_warnings_name_options_as_python_has_them() -> None:
+    (warning,) = lipoid.Log(time_s=T, current_A=np.full(N, -1.0)).warnings
+    assert warning.endswith('say `current_sign` (current_sign="discharge-negative")')
+
+
 def test_a_lazy_frame_is_collected() -> None:
     polars = pytest.importorskip("polars")
     frame = polars.DataFrame({"time_s": T, "current_A": I, "voltage_V": V})
