@@ -73,15 +73,21 @@ class LinearPart {
     Eigen::MatrixXd rows(kBlock, columns_);
     Eigen::VectorXd lacks(kBlock);
     Eigen::Index filled = 0;
-    const auto flush = [&] {
-      const auto part = rows.topRows(filled);
-      G.noalias() += part.transpose() * part;
-      g.noalias() += part.transpose() * lacks.head(filled);
-      filled = 0;
-    };
     Eigen::VectorXd state = Eigen::VectorXd::Zero(columns_);  // the branches' part of a row
-    double soc = 1.0;
     const auto& mission = one_.mission;
+    const auto flush = [&] {
+      std::vector<Eigen::Index> used;
+      for (Eigen::Index k = 0; k < columns_; ++k)
+        if (!rows.col(k).head(filled).isZero(0.0)) used.push_back(k);
+      const Eigen::MatrixXd part = rows(Eigen::seqN(0, filled), used);
+      G(used, used) += part.transpose() * part;
+      g(used) += part.transpose() * lacks.head(filled);
+      filled = 0;
+      // Nodes that were passed long ago are forgotten, and their columns are no longer used.
+      constexpr double kForgotten_A = 1e-12;
+      state = (state.array().abs() > kForgotten_A).select(state, 0.0);
+    };
+    double soc = 1.0;
     for (std::size_t k = 0; k < mission.time_s.size(); ++k) {
       const double before = soc;
       soc = 1.0 - one_.drawn_Ah[k] / circuit.capacity_Ah;
