@@ -186,7 +186,8 @@ void Keywords::OfKind(std::string_view name,
 }
 
 void Keywords::OfKind(std::string_view name, InputFile& value, const Word&, std::string_view help) {
-  if (const auto file = Take(name, "Path", help)) value.path = PathGiven(PythonName(name), *file);
+  if (const auto file = Take(name, "Path", help))
+    value.path = PathGiven(PythonName(name), *file, "a path");
 }
 
 void Keywords::OfKind(std::string_view name,
@@ -198,17 +199,17 @@ void Keywords::OfKind(std::string_view name,
   if (const Cell* const cell = CellBehind(*given)) {
     value.cell = std::make_shared<const Cell>(*cell);
   } else {
-    value.path = PathGiven(PythonName(name), *given);
+    value.path = PathGiven(PythonName(name), *given, "a path or a Cell");
   }
 }
 
-std::string Keywords::PathGiven(const std::string& name, nb::handle path) {
+std::string Keywords::PathGiven(const std::string& name, nb::handle path, std::string_view wanted) {
   if (nb::isinstance<nb::str>(path) || nb::isinstance<nb::bytes>(path) ||
       nb::hasattr(path, "__fspath__"))
     return PathOf(path);
   // Of the fit of the same name a dictionary is meant, which Finish() knows.
   no_paths_.emplace_back(
-      name, fmt::format("option {}: expected a path, found {}", name, ShownValue(path)));
+      name, fmt::format("option {}: expected {}, found {}", name, wanted, ShownValue(path)));
   return "";
 }
 

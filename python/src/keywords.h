@@ -129,7 +129,9 @@ class Keywords {
 
  private:
   /// Of what is no path, which Finish() refuses: "".
-  [[nodiscard]] std::string PathGiven(const std::string& name, nb::handle path);
+  [[nodiscard]] std::string PathGiven(const std::string& name,
+                                      nb::handle path,
+                                      std::string_view wanted);
   [[nodiscard]] std::string GroupName(std::string_view name) const;
   template <class T, class Valid>
   void OfKind(std::string_view name, T& value, const Valid& valid, std::string_view help) {

@@ -193,10 +193,10 @@ def test_a_poor_reference_is_told_of(lab: Path, caplog: pytest.LogCaptureFixture
         ({"pulses": 3}, "pulses: expected a dictionary"),
         (
             {"method": "staged", "open_circuit_voltage": {"knots": 100}},
-            r"open_circuit_voltage: expected a path, found \{'knots': 100\}; options of its fit "
-            r"are open_circuit_voltage_fit=\{...\}",
+            r"open_circuit_voltage: expected a path or a Cell, found \{'knots': 100\}; options of "
+            r"its fit are open_circuit_voltage_fit=\{...\}",
         ),
-        ({"reference": 3}, "reference: expected a path, found 3"),
+        ({"reference": 3}, "reference: expected a path or a Cell, found 3"),
         ({"fix": {"beta": "x"}}, "fix beta: expected"),
         ({"bounds": {"beta": 1.0}}, "bounds: expected"),
         ({"alpha_C": float("nan")}, "alpha_C: expected"),
