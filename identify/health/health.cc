@@ -16,6 +16,7 @@
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
 #include "model/core/special_values.h"
+#include "model/statistics/order_statistics.h"
 #include "model/statistics/quantiles.h"
 
 namespace lipoid {
@@ -186,6 +187,41 @@ void DoubtTheRest(const ReferenceCell& reference,
                                     series,
                                     Counted(static_cast<std::size_t>(cells), "cell")));
   Withdraw("the voltage before the flight is none of such a pack", health);
+}
+
+// A prediction moves as the current makes it, also over a rest and a gap. Where the voltage rises beside it and
+// stays there, another charge was plugged in. Rows that are wrong by themselves, and a landing that the voltage shows
+// late, are outweighed by the seconds around them.
+void DoubtThatItIsOneFlight(const FlightSamples& samples,
+                            const FlightFit& fit,
+                            FlightHealth& health) {
+  constexpr double kAround_s = 5.0;
+  constexpr std::size_t kFewest = 3;
+  constexpr double kLeast_V =
+      0.1;  // a cell; the logs of single flights in fixtures/ have 0.014 at most
+  const Eigen::VectorXd off_V = samples.voltage_V - samples.InWindows(fit.voltage_V, fit.lag_s);
+  const std::size_t windows = samples.windows.size();
+  const double window_s = fit.duration_s / static_cast<double>(windows);
+  const std::size_t around = std::max(kFewest, static_cast<std::size_t>(kAround_s / window_s));
+  const auto level_V = [&](std::size_t first) {
+    const double* from = off_V.data() + first;
+    return Median(std::vector<double>(from, from + around));
+  };
+  double most_V = 0.0;
+  std::size_t at = 0;
+  for (std::size_t w = around; w + around <= windows; ++w) {
+    const double rise_V = level_V(w) - level_V(w - around);
+    if (rise_V <= most_V) continue;
+    most_V = rise_V;
+    at = w;
+  }
+  if (!health.doubted_because.empty() || most_V < kLeast_V) return;
+  health.doubted_because = fmt::format(
+      "the voltage rises by {:.2g} V a cell near {:.5g} s, which no current of this log explains: a recharge, or another "
+      "flight or pack, begins there; give the rows before and those after as two files",
+      most_V,
+      samples.time_s[at]);
+  Withdraw("the log holds more than one flight", health);
 }
 
 void DoubtTheFit(FlightHealth& health) {
@@ -364,6 +400,7 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.mean_error_percent = fit.mean_error_percent;
   health.max_error_percent = fit.max_error_percent;
   DoubtTheRest(reference, record, options.series, health.charge_Ah, health);
+  DoubtThatItIsOneFlight(samples, fit, health);
   DoubtTheFit(health);
   DoubtTheSensor(options.sensors, samples.largest_A, health);
   DoubtTheResistance(health);

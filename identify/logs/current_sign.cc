@@ -419,7 +419,7 @@ SignFinding FindSignFromPhysics(const Record& record) {
   const SignFinding both_ways = {
       CurrentSign::kUnclear,
       "the voltage falls with the current in some places and rises in others, as if the current "
-      "had no sign",
+      "had no sign or another pack began in between",
       true};
   if (!(std::abs(sum) >= kDecisive)) {  // NaN too, of numbers that overflow
     if (look.one_sided && of_rise > kDecisive) return both_ways;

@@ -1,4 +1,6 @@
 // lipoid health, as a user runs it.
+#include "identify/health/health.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,6 +16,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/plain_csv.h"
 #include "tests/support/run_lipoid.h"
+#include "tests/support/synthetic_flight.h"
 #include "tests/support/text_files.h"
 
 namespace lipoid::test {
@@ -330,6 +333,62 @@ TEST(Health, SaysThatTheReferenceIsNotOfThisSize) {
   EXPECT_NE(flight.at("capacity_unknown_because").get<std::string>().find("--capacity-Ah"),
             std::string::npos)
       << flight.dump();
+}
+
+// A pack of 4/5 of the capacity and 3/2 of the resistance, flown from 25 degC.
+Log FlightOfAnOldPack(const std::string& name) {
+  Cell cell = WithTypicalTemperature(NewFlightCell());
+  cell.diffusion->alpha_C *= 0.8;
+  cell.series_resistance_Ohm = 1.5 * cell.series_resistance_Ohm(0.5);
+  cell.branches[0].resistance_Ohm = 1.5 * cell.branches[0].resistance_Ohm(0.5);
+  return FlyAndLog(cell, 4, {}, LikePx4(), name).log;
+}
+
+FlightHealth HealthOfAnOldPack(const Record& record) {
+  Log log;
+  log.record = record;
+  return AssessHealth(NewFlightCell(), {log}, {.series = 4, .ambient_degC = 25.0}).flights.at(0);
+}
+
+// The records one after the other, with this much time between them.
+Record Joined(Record first, const Record& second, double apart_s) {
+  const double later_s = first.time_s.back() + apart_s - second.time_s.front();
+  for (std::size_t k = 0; k < second.size(); ++k) {
+    first.time_s.push_back(second.time_s[k] + later_s);
+    first.current_A.push_back(second.current_A[k]);
+    first.voltage_V.push_back(second.voltage_V[k]);
+  }
+  return first;
+}
+
+Record RowsOf(const Record& record, double from_s, double to_s) {
+  Record part;
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    if (record.time_s[k] < from_s || record.time_s[k] > to_s) continue;
+    part.time_s.push_back(record.time_s[k]);
+    part.current_A.push_back(record.current_A[k]);
+    part.voltage_V.push_back(record.voltage_V[k]);
+  }
+  return part;
+}
+
+// Two flights with a recharge in between, however the first one ends, look like one pack of twice the capacity.
+TEST(Health, SeesThatAnotherPackWasPluggedIn) {
+  const Record whole = FlightOfAnOldPack("whole").record;
+  const Record cut = RowsOf(whole, 0.0, 200.0);  // ends under load
+  for (const Record& both :
+       {Joined(whole, whole, 0.2), Joined(whole, whole, 60.0), Joined(cut, whole, 0.2)}) {
+    const FlightHealth health = HealthOfAnOldPack(both);
+    EXPECT_NE(health.doubted_because.find("which no current of this log explains"),
+              std::string::npos)
+        << health.doubted_because;
+    EXPECT_NE(health.doubted_because.find("give the rows before and those after as two files"),
+              std::string::npos);
+    EXPECT_FALSE(health.capacity_Ah.known());
+  }
+  EXPECT_EQ(HealthOfAnOldPack(whole).doubted_because, "");
+  // A hole in the rows of one flight is none.
+  EXPECT_EQ(HealthOfAnOldPack(Joined(cut, RowsOf(whole, 201.0, 1e9), 1.0)).doubted_because, "");
 }
 
 // From the middle of a flight on, under load: one capacity would call for another, and that for the

@@ -110,11 +110,12 @@ TEST(ReadLogs, AnotherFormatSettlesNothing) {
 TEST(ReadLogs, ALogThatContradictsItselfIsSettledByNone) {
   const Outcome outcome = ReadTogether(
       "contradicts", {{"plain.csv", TextOfDischarge(2.0)}, {"amount.csv", AmountOfACycle()}});
-  EXPECT_EQ(outcome.problems.at("amount.csv"),
-            "expected a current whose sign the data settle, found that the voltage falls with the "
-            "current in some places and rises in others, as if the current had no sign; say "
-            "`current_sign` (--current-sign discharge-positive or discharge-negative), or read a "
-            "part of the log");
+  EXPECT_EQ(
+      outcome.problems.at("amount.csv"),
+      "expected a current whose sign the data settle, found that the voltage falls with the "
+      "current in some places and rises in others, as if the current had no sign or another pack began in between; say "
+      "`current_sign` (--current-sign discharge-positive or discharge-negative), or read a "
+      "part of the log");
 }
 
 TEST(ReadLogs, WhatIsGivenWinsAndSettlesTheOthers) {

@@ -242,7 +242,7 @@ TEST(VendorExport, AnUnsignedCurrentWithoutAStateIsRefused) {
       path +
           ":1:31: error: expected a current whose sign the data settle, found that the voltage "
           "falls with the "
-          "current in some places and rises in others, as if the current had no sign; no option gives it one: read a "
+          "current in some places and rises in others, as if the current had no sign or another pack began in between; no option gives it one: read a "
           "part in which the cell is only charged or only discharged, or export the current with its "
           "sign or with a column of states");
   EXPECT_TRUE(ReadLog(path, {.current_sign = "discharge-positive"})
