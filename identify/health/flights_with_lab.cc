@@ -210,8 +210,9 @@ std::vector<Flying> Prepare(const Cell& cell,
     one.among = {.measured_degC = one.samples.record.temperature_degC,
                  .ambient_degC = loaded.entry.ambient_degC,
                  .initial_degC = loaded.entry.initial_degC};
-    one.temperature_known =
-        !one.among.measured_degC.empty() || one.among.ambient_degC || one.among.initial_degC;
+    const bool from_rest = StartOfFlight(one.samples.record) != FlightStart::kLoaded;
+    one.temperature_known = !one.among.measured_degC.empty() || one.among.initial_degC ||
+                            (one.among.ambient_degC && from_rest);
   }
   ParallelFor(flying.size(), [&](std::size_t f) {
     Flying& one = flying[f];
@@ -317,7 +318,8 @@ FlightsWithLab FitFlightsWithLab(const Cell& cell, const std::vector<LoadedLog>&
     }
     if (!flight.temperature_known) {
       flight.cautions.emplace_back(
-          "the temperature is not known (ambient_degC): the flight says little of resistances");
+          "the temperature is not known (ambient_degC; of a flight that starts under load initial_degC): the flight "
+          "says little of resistances");
     }
   }
   Measure(found, freedom);

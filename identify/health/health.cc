@@ -12,6 +12,7 @@
 #include "identify/logs/gaps.h"
 #include "identify/logs/plausibility.h"
 #include "identify/logs/segments.h"
+#include "model/battery/arrhenius.h"
 #include "model/core/counted.h"
 #include "model/core/errors.h"
 #include "model/core/parallel.h"
@@ -72,6 +73,13 @@ const char* UnrestedStart(FlightStart start) {
                                      : "the log starts under load";
 }
 
+// A pack that was flown before its log begins is warmer than the air, by 0 to twice this.
+constexpr double kGuessedWarmth_K = 15.0;
+bool WarmthIsGuessed(const Record& record, const FlightHealth& health) {
+  return health.temperature_known && record.temperature_degC.empty() &&
+         StartOfFlight(record) == FlightStart::kLoaded;
+}
+
 void AddCautions(const FlightSamples& samples,
                  const FlightFit& fit,
                  const ReferenceCell& reference,
@@ -110,6 +118,14 @@ void AddCautions(const FlightSamples& samples,
     cautions.emplace_back(
         "the temperature is not known: the resistance is that of the flight, a cold pack looks old, and "
         "the pack is taken to warm as a typical one does");
+  }
+  if (WarmthIsGuessed(samples.record, health)) {
+    cautions.push_back(fmt::format(
+        "the log starts under load, and how warm the pack was then is not known: it is taken to be {:g} K above "
+        "the air, and that it may be 0 to {:g} K is in the interval of the resistance; give the log from its "
+        "beginning, or one with a temperature",
+        kGuessedWarmth_K,
+        2.0 * kGuessedWarmth_K));
   }
   const double spread = fit.noise.white_V;
   if (health.doubted_because.empty() &&
@@ -296,9 +312,16 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   health.file = record.file;
   health.temperature_known = !record.temperature_degC.empty() || options.ambient_degC.has_value();
   // A pack of which nothing is known begins at the reference temperature and warms from there.
-  const Surroundings among{.measured_degC = record.temperature_degC,
-                           .ambient_degC = options.ambient_degC,
-                           .initial_degC = {}};
+  Surroundings among{.measured_degC = record.temperature_degC,
+                     .ambient_degC = options.ambient_degC,
+                     .initial_degC = {}};
+  double of_warmth = 0.0;  // in the logarithm of the resistance
+  if (WarmthIsGuessed(record, health)) {
+    among.initial_degC = *among.ambient_degC + kGuessedWarmth_K;
+    const double start_K = *among.initial_degC + kZeroCelsius_K;
+    of_warmth = kGuessedWarmth_K / std::sqrt(3.0) * reference.cell.temperature->series_J_per_mol /
+                (kGasConstant_J_per_mol_K * start_K * start_K);
+  }
   const FlightModel model(reference, record, among);
   const FlightFit fit = FitFlight(reference, samples, model, options.sensors);
 
@@ -381,8 +404,10 @@ FlightHealth AssessFlight(const ReferenceCell& reference,
   // is too small. The slope the other way round is too large, by the square of the coherence between
   // them: the truth is in between.
   const double sampling = 0.25 * (1.0 - samples.coherence * samples.coherence);
-  const double of_resistance = std::hypot(Deviation(resistance.slope, covariance), sampling);
-  health.log_resistance_deviation = std::hypot(Deviation(resistance.slope, given), sampling);
+  const double of_resistance =
+      std::hypot(Deviation(resistance.slope, covariance), sampling, of_warmth);
+  health.log_resistance_deviation =
+      std::hypot(Deviation(resistance.slope, given), sampling, of_warmth);
   if (health.log_resistance_deviation > kUselessResistance) {
     health.resistance_Ohm = health.counted_resistance_Ohm = Unknown(
         "the loads of the flight change too little, or voltage and current are too far apart");

@@ -391,6 +391,22 @@ TEST(Health, SeesThatAnotherPackWasPluggedIn) {
   EXPECT_EQ(HealthOfAnOldPack(Joined(cut, RowsOf(whole, 201.0, 1e9), 1.0)).doubted_because, "");
 }
 
+// After 200 s the pack is 20 K warmer than the air, and its resistance half.
+TEST(Health, ACutFlightDoesNotBeginAtTheTemperatureOfTheAir) {
+  const Record whole = FlightOfAnOldPack("whole").record;
+  const FlightHealth all = HealthOfAnOldPack(whole);
+  const FlightHealth cut = HealthOfAnOldPack(RowsOf(whole, 200.0, 1e9));
+  EXPECT_LT(cut.resistance_Ohm.low, all.resistance_Ohm.value);
+  EXPECT_GT(cut.resistance_Ohm.high, all.resistance_Ohm.value);
+  const auto says = [](const FlightHealth& health) {
+    return std::any_of(health.cautions.begin(), health.cautions.end(), [](const auto& caution) {
+      return caution.find("how warm the pack was then is not known") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(says(cut));
+  EXPECT_FALSE(says(all));
+}
+
 // From the middle of a flight on, under load: one capacity would call for another, and that for the
 // first.
 TEST(Health, TakesNoLimitOfTheSearchForACapacity) {
